@@ -1,0 +1,269 @@
+"""The command line: run, plot, scenes, schema, serve.
+
+Every command imports what it needs when it runs: `vibrafeed scenes` loads no NetCDF library.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NoReturn
+
+import typer
+
+from core.errors import LimitError, Problem, StudyError
+
+if TYPE_CHECKING:
+    from core.sweep import Sweep
+
+WRONG_INPUT = 2
+FAILED = 1
+MOST_CELLS = 100_000_000
+MOST_BYTES = 8_000_000_000
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    help="Parameter sweeps for parts on vibratory feeder tracks.",
+)
+
+
+def main() -> None:
+    """Run the command line."""
+    app()
+
+
+@app.command()
+def run(
+    files: Annotated[list[Path], typer.Argument(help="Studies, TOML or JSON.", show_default=False)],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", help="File (one study) or folder; beside the study if left out."
+        ),
+    ] = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say what would run, and how large it is.")
+    ] = False,
+    max_cells: Annotated[
+        int, typer.Option(help="Largest number of cells of one study.")
+    ] = MOST_CELLS,
+    max_bytes: Annotated[
+        int, typer.Option(help="Largest number of bytes of one study.")
+    ] = MOST_BYTES,
+) -> None:
+    """Carry out studies and write one NetCDF file each.
+
+    All files are checked before the first is run. Exit code 2 means that a file is wrong, 1 that
+    a result could not be written.
+    """
+    from app import report
+
+    prepared = _prepare_all(files, cells=max_cells, bytes_=max_bytes)
+    if dry_run:
+        for path, sweep in prepared.items():
+            report.show_plan(path, sweep)
+        return
+    targets = _targets(list(prepared), output)
+    from core.dataset.netcdf import write_netcdf
+    from core.sweep import tabulate
+
+    for path, sweep in prepared.items():
+        started = time.perf_counter()
+        with report.progress(path.name, sweep.cells) as advance:
+            table = tabulate(sweep, progress=advance)
+        evaluated = time.perf_counter()
+        stamp = datetime.now(UTC).isoformat(timespec="seconds")
+        try:
+            write_netcdf(table, targets[path], history=f"{stamp} vibrafeed run {path.name}")
+        except OSError as error:
+            report.fail(f"{targets[path]} cannot be written: {error.strerror or error}.")
+            raise typer.Exit(FAILED) from None
+        written = time.perf_counter()
+        report.show_table(
+            path, targets[path], table, sweep.cells, evaluated - started, written - evaluated
+        )
+
+
+@app.command()
+def plot(
+    file: Annotated[Path, typer.Argument(help="A NetCDF file that `run` wrote.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="PNG or SVG; both beside the file if left out."),
+    ] = None,
+    variable: Annotated[
+        str | None,
+        typer.Option("--variable", "-v", help="The output to draw; the first if left out."),
+    ] = None,
+    axes: Annotated[
+        str | None,
+        typer.Option(
+            "--axes", "-a", help="One or two dimensions, as in beta,alpha; the longest if left out."
+        ),
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option("--at", help="Value of another dimension, as in frequency=60."),
+    ] = None,
+    kind: Annotated[
+        str | None, typer.Option("--kind", "-k", help="contour, surface or line.")
+    ] = None,
+) -> None:
+    """Draw an output over one or two dimensions, with the regime shaded."""
+    from app import report
+
+    try:
+        from core.plots import PlotError, draw_file
+    except ModuleNotFoundError as error:
+        report.fail(f"{error.name} is missing. Install it: pip install 'vibrafeed[plot]'.")
+        raise typer.Exit(FAILED) from None
+    targets = [output] if output else [file.with_suffix(".png"), file.with_suffix(".svg")]
+    try:
+        draw_file(
+            file,
+            targets,
+            variable=variable,
+            axes=tuple(part.strip() for part in axes.split(",")) if axes else None,
+            at=dict(_fixed(text) for text in at or ()),
+            kind=kind,
+        )
+    except PlotError as error:
+        _refuse({file: [error.problem]})
+    except OSError as error:
+        report.fail(f"{error.filename or file}: {error.strerror or error}.")
+        raise typer.Exit(FAILED) from None
+    for target in targets:
+        typer.echo(f"wrote {target}")
+
+
+@app.command()
+def scenes(
+    name: Annotated[str | None, typer.Argument(help="A scene; all if left out.")] = None,
+    variant: Annotated[str | None, typer.Option(help="A variant; the default if left out.")] = None,
+) -> None:
+    """Print the catalogue: scenes, parameters, outputs, units, equations, validity."""
+    from app import report
+    from core.sweep.catalogue import describe, describe_all
+
+    try:
+        if name is None:
+            report.show_scenes(describe_all())
+        else:
+            report.show_scene(describe(name, variant))
+    except StudyError as error:
+        _refuse({Path("scenes"): error.problems})
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of studies, for editors."""
+    import json
+
+    from core.sweep.catalogue import study_schema
+
+    typer.echo(json.dumps(study_schema(), indent=2))
+
+
+@app.command()
+def serve(
+    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(help="Port to listen on.", min=0, max=65535)] = 8000,
+    show_settings: Annotated[
+        bool, typer.Option("--show-settings", help="Print the settings in force and stop.")
+    ] = False,
+) -> None:
+    """Serve the HTTP interface."""
+    from pydantic import ValidationError
+
+    from app.settings import Settings
+
+    try:
+        settings = Settings()
+    except ValidationError as error:
+        _refuse(
+            {
+                Path("environment"): [
+                    Problem(
+                        f"VIBRAFEED_{'_'.join(map(str, e['loc'])).upper()}", e["msg"], "Mend it"
+                    )
+                    for e in error.errors()
+                ]
+            }
+        )
+    if show_settings:
+        typer.echo(settings.model_dump_json(indent=2))
+        return
+    import uvicorn
+
+    from app.main import create_app
+
+    uvicorn.run(create_app(settings), host=host, port=port, timeout_graceful_shutdown=10)
+
+
+def _prepare_all(files: Sequence[Path], *, cells: int, bytes_: int) -> dict[Path, Sweep]:
+    """Return the sweep of each file, or report every error of every file and exit."""
+    from core.study.load import read_content
+    from core.sweep import prepare_content
+
+    prepared: dict[Path, Sweep] = {}
+    wrong: dict[Path, Sequence[Problem]] = {}
+    for path in files:
+        try:
+            prepared[path] = prepare_content(read_content(path))
+            prepared[path].check_limits(cells=cells, bytes_=bytes_)
+        except StudyError as error:
+            wrong[path] = error.problems
+        except LimitError as error:
+            wrong[path] = [Problem("parameters", error.message, error.fix)]
+    if wrong:
+        _refuse(wrong)
+    return prepared
+
+
+def _targets(files: Sequence[Path], output: Path | None) -> dict[Path, Path]:
+    """Return where each result goes; exit if two would go to one place."""
+    if output is not None and len(files) == 1 and not output.is_dir() and output.suffix == ".nc":
+        targets = {files[0]: output}
+    else:
+        targets = {file: (output or file.parent) / f"{file.stem}.nc" for file in files}
+    clashes = {
+        file: [
+            Problem(
+                "output",
+                f"{target} would be written by more than one study",
+                "Rename a study, or use another folder",
+            )
+        ]
+        for file, target in targets.items()
+        if list(targets.values()).count(target) > 1
+    }
+    if clashes:
+        _refuse(clashes)
+    for target in targets.values():
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            place = Problem("output", f"{target.parent} cannot be made", str(error.strerror))
+            _refuse({target: [place]})
+    return targets
+
+
+def _fixed(text: str) -> tuple[str, str]:
+    name, sign, value = text.partition("=")
+    if not sign:
+        _refuse({Path("--at"): [Problem(text, "it has no value", "Write name=value")]})
+    return name.strip(), value.strip()
+
+
+def _refuse(wrong: dict[Path, Sequence[Problem]]) -> NoReturn:
+    """Print every problem of every file on the error stream, and exit with code 2."""
+    for path, problems in wrong.items():
+        count = len(problems)
+        typer.echo(f"{path}: {count} problem{'s' if count > 1 else ''}", err=True)
+        for problem in problems:
+            typer.echo(f"  {problem}", err=True)
+    raise typer.Exit(WRONG_INPUT)

@@ -1,0 +1,136 @@
+"""What the command line shows: tables and a progress bar."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from rich import box
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table as Grid
+
+from core.quantities import QUANTITIES, REGIMES
+
+if TYPE_CHECKING:
+    from core.dataset import Table
+    from core.sweep import Sweep
+
+console = Console(highlight=False)
+errors = Console(stderr=True, highlight=False)
+
+
+def fail(message: str) -> None:
+    """Print an error that is not about a study."""
+    errors.print(message, style="red", markup=False, soft_wrap=True)
+
+
+@contextmanager
+def progress(label: str, cells: int) -> Iterator[Callable[[int], None]]:
+    """Show a progress bar on the error stream while the block runs; yield what advances it."""
+    bar = Progress(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeRemainingColumn(),
+        console=errors,
+        transient=True,
+    )
+    with bar:
+        task = bar.add_task(label, total=cells)
+        yield lambda done: bar.advance(task, done)
+
+
+def show_plan(path: Path, sweep: Sweep) -> None:
+    """Print what a study would do: cells, bytes, dimensions kept, equations planned."""
+    plan = sweep.plan
+    _say(f"{path}: {plan.scene.name}, variant {plan.variant}")
+    _say(f"  {sweep.cells:,} cells, {sweep.bytes:,} bytes before compression")
+    grid = Grid("output", "unit", "values", "dimensions kept", box=box.SIMPLE)
+    for name, dims in sweep.dims.items():
+        shape = " x ".join(f"{dim} {sweep.grid.shape[dim]}" for dim in dims) or "none"
+        grid.add_row(name, QUANTITIES[name].unit, f"{sweep.grid.size(dims):,}", shape)
+    console.print(grid)
+    _say(f"  equations: {', '.join(equation.gives for equation in plan.equations)}")
+    _say(f"  regimes: {', '.join(plan.regimes)}")
+    if plan.defaults:
+        given = ", ".join(f"{name} = {value:g}" for name, value in plan.defaults.items())
+        _say(f"  by default: {given}")
+
+
+def show_table(
+    path: Path, target: Path, table: Table, cells: int, evaluating: float, writing: float
+) -> None:
+    """Print a short table of a result: ranges, regimes, timings."""
+    _say(f"{path} -> {target}")
+    grid = Grid("output", "unit", "least", "largest", "dimensions", box=box.SIMPLE)
+    for name, variable in table.variables.items():
+        if name != "regime":
+            finite = variable.values[np.isfinite(variable.values)]
+            ends = (f"{finite.min():.6g}", f"{finite.max():.6g}") if finite.size else ("-", "-")
+            grid.add_row(name, QUANTITIES[name].unit, *ends, ", ".join(variable.dims) or "none")
+    console.print(grid)
+    shares = regime_shares(table)
+    _say("  regimes: " + ", ".join(f"{name} {share:.1%}" for name, share in shares.items()))
+    beyond = sum(share for name, share in shares.items() if not REGIMES[name].valid)
+    if beyond:
+        _say(f"  {beyond:.1%} of the cells lie where the closed forms do not describe a real part.")
+    _say(f"  {cells:,} cells evaluated in {evaluating:.3f} s, written in {writing:.3f} s")
+
+
+def regime_shares(table: Table) -> dict[str, float]:
+    """Return the share of cells in each regime that occurs."""
+    regime = table.variables["regime"].values
+    counts = np.bincount(regime.ravel(), minlength=len(REGIMES))
+    by_value = {entry.value: name for name, entry in REGIMES.items()}
+    return {by_value[v]: float(n) / regime.size for v, n in enumerate(counts) if n}
+
+
+def show_scenes(lines: list[dict[str, Any]]) -> None:
+    """Print one line for each scene."""
+    grid = Grid("scene", "source", "variants", "title", box=box.SIMPLE)
+    for line in lines:
+        names = (f"{v}*" if v == line["default_variant"] else v for v in line["variants"])
+        grid.add_row(line["name"], line["source"], ", ".join(names), line["title"])
+    console.print(grid)
+    _say("  * default; `vibrafeed scenes NAME` tells more")
+
+
+def show_scene(scene: dict[str, Any]) -> None:
+    """Print everything about one scene."""
+    _say(f"{scene['name']}: {scene['title']} (source: {scene['source']})")
+    _say(f"variant {scene['variant']} of {', '.join(scene['variants'])}")
+    _say(scene["validity"])
+    grid = Grid("parameter", "symbol", "unit", "bounds", "default", "meaning", box=box.SIMPLE)
+    for p in scene["parameters"]:
+        least = (
+            "" if p["lower"] is None else f"{'>' if p['lower_excluded'] else '>='} {p['lower']:g}"
+        )
+        most = "" if p["upper"] is None else f"<= {p['upper']:g}"
+        default = "" if p["default"] is None else f"{p['default']:g}"
+        grid.add_row(
+            p["name"], p["symbol"], p["unit"], f"{least} {most}".strip(), default, p["description"]
+        )
+    console.print(grid)
+    grid = Grid("output", "symbol", "unit", "source", "needs", "equation", box=box.SIMPLE)
+    for o in scene["outputs"]:
+        grid.add_row(
+            o["name"],
+            o["symbol"],
+            o["unit"],
+            o["source"],
+            ", ".join(o["parameters"]),
+            o["equation"],
+        )
+    console.print(grid)
+    grid = Grid("regime", "value", "meaning", box=box.SIMPLE)
+    for r in scene["regimes"]:
+        grid.add_row(r["name"], str(r["value"]), r["description"])
+    console.print(grid)
+
+
+def _say(text: str) -> None:
+    console.print(text, markup=False, soft_wrap=True)

@@ -1,0 +1,107 @@
+"""The NetCDF writer.
+
+The netCDF4 library crashes when two threads of a process are in it, even on different files. These
+functions take no lock: a process that has threads gives all of them to one.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from core.dataset.table import Table, Variable
+
+if TYPE_CHECKING:
+    import netCDF4
+
+COMPRESSION_LEVEL = 1  # higher levels take up to three times as long to save a few per cent
+
+
+def write_netcdf(
+    table: Table, path: Path, *, history: str | None = None, compression: bool = True
+) -> None:
+    """Write a table as a CF NetCDF-4 file, all of it or nothing.
+
+    The file appears under its name only when it is complete and on the disk. Two writes of the
+    same table are equal to the byte unless `history` differs.
+
+    Parameters
+    ----------
+    table : Table
+        What to write.
+    path : Path
+        The file; an existing one is replaced.
+    history : str, optional
+        The CF history attribute, such as a date and a command.
+    compression : bool
+        Deflate with shuffle, which every reader opens; otherwise plain.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written; nothing is left behind.
+    """
+    import netCDF4  # a process that writes nothing does not load it
+
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        # The library reports a missing folder as a refused permission: let the system speak first.
+        temporary.touch(exist_ok=True)
+        with netCDF4.Dataset(temporary, "w", format="NETCDF4") as file:
+            _fill(file, table, history, compression)
+        with temporary.open("rb") as written:
+            os.fsync(written.fileno())
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _fill(file: netCDF4.Dataset, table: Table, history: str | None, compression: bool) -> None:
+    file.setncatts(_attributes(table.attributes))
+    if history is not None:
+        file.setncattr("history", history)
+    axes = [name for name, coordinate in table.coordinates.items() if coordinate.dims]
+    for name in axes:
+        file.createDimension(name, table.coordinates[name].values.size)
+    scalars = " ".join(name for name in table.coordinates if name not in axes)
+    for name, coordinate in table.coordinates.items():
+        _add(file, name, coordinate, {}, compression=False)
+    for name, variable in table.variables.items():
+        links = {"coordinates": scalars} if scalars else {}
+        if name != "regime" and set(table.variables["regime"].dims) <= set(variable.dims):
+            links["ancillary_variables"] = "regime"
+        _add(file, name, variable, links, compression=compression)
+
+
+def _add(
+    file: netCDF4.Dataset,
+    name: str,
+    variable: Variable,
+    links: Mapping[str, str],
+    *,
+    compression: bool,
+) -> None:
+    # CF forbids fill values in coordinates, and in flags they would turn integers into floats.
+    created = file.createVariable(
+        name,
+        variable.values.dtype,
+        variable.dims,
+        fill_value=False,
+        compression="zlib" if compression and variable.dims else None,
+        complevel=COMPRESSION_LEVEL,
+        shuffle=True,
+    )
+    created.setncatts({**_attributes(variable.attributes), **links})
+    created[...] = variable.values
+
+
+def _attributes(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return attributes as the library takes them; text is written as UTF-8 strings."""
+    return {
+        name: value if isinstance(value, np.ndarray) else str(value)
+        for name, value in attributes.items()
+    }

@@ -1,0 +1,93 @@
+"""A labelled result before it becomes a file, an xarray dataset or a reply.
+
+One place gives every variable its CF attributes; the views below only carry them over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.quantities import QUANTITIES, REGIMES
+
+if TYPE_CHECKING:
+    import xarray
+
+CONVENTIONS = "CF-1.11"
+REFERENCES = (
+    "J. Diaz Gonzalez, Dynamics of parts on narrow tracks using the multibody theory, M.S. thesis, "
+    "2004"
+)
+
+Attributes = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Variable:
+    """An array with the names of its dimensions and its attributes."""
+
+    dims: tuple[str, ...]
+    values: NDArray[Any]
+    attributes: Attributes
+
+
+@dataclass(frozen=True)
+class Table:
+    """Variables over coordinates, as CF sees them.
+
+    Attributes
+    ----------
+    coordinates : mapping of str to Variable
+        The axes (each over itself), and the fixed parameters (without dimension).
+    variables : mapping of str to Variable
+        The outputs and `regime`.
+    attributes : mapping
+        Global attributes.
+    """
+
+    coordinates: Mapping[str, Variable]
+    variables: Mapping[str, Variable]
+    attributes: Attributes
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the table as an xarray dataset; arrays are shared, not copied."""
+        import xarray  # heavy, and a file or a reply does not need it
+
+        def view(variables: Mapping[str, Variable]) -> dict[str, Any]:
+            return {
+                name: xarray.Variable(v.dims, v.values, dict(v.attributes))
+                for name, v in variables.items()
+            }
+
+        return xarray.Dataset(
+            view(self.variables), coords=view(self.coordinates), attrs=dict(self.attributes)
+        )
+
+
+def quantity_attributes(name: str, **extra: str) -> dict[str, Any]:
+    """Return the CF attributes of a quantity; `extra` are further ones."""
+    quantity = QUANTITIES[name]
+    return {
+        "units": quantity.unit,
+        "long_name": quantity.label,
+        "symbol": quantity.symbol,
+        "comment": quantity.description,
+        **extra,
+    }
+
+
+def regime_attributes(names: tuple[str, ...]) -> dict[str, Any]:
+    """Return the CF flag attributes of a `regime` variable that can take the named regimes."""
+    ordered = sorted(names, key=lambda name: REGIMES[name].value)
+    legend = "; ".join(f"{name}: {REGIMES[name].description}" for name in ordered)
+    return {
+        "long_name": QUANTITIES["regime"].label,
+        "standard_name": "status_flag",
+        "flag_values": np.array([REGIMES[name].value for name in ordered], dtype=np.int8),
+        "flag_meanings": " ".join(ordered),
+        "comment": legend,
+    }

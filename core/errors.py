@@ -1,0 +1,83 @@
+"""The error tree.
+
+VibrafeedError
+├── StudyError        what a user wrote cannot be done; holds every problem found
+├── LimitError        the request is sound but larger than the limits in force
+└── SceneError        a scene contradicts itself; a mistake of ours, found when it is imported
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing wrong with a study.
+
+    Attributes
+    ----------
+    place : str
+        Where: the key path, such as ``parameters.beta``.
+    message : str
+        What is wrong.
+    fix : str
+        What would be right.
+    """
+
+    place: str
+    message: str
+    fix: str
+
+    def __str__(self) -> str:
+        return f"{self.place}: {self.message}. {self.fix}{'' if self.fix.endswith('?') else '.'}"
+
+    def below(self, place: str) -> Problem:
+        """Return the same problem with `place` in front of its own place."""
+        return replace(self, place=f"{place}.{self.place}")
+
+
+class VibrafeedError(Exception):
+    """Base of every error that vibrafeed raises on purpose."""
+
+
+class StudyError(VibrafeedError):
+    """A study cannot be carried out; `problems` holds everything found, not only the first."""
+
+    def __init__(self, problems: Iterable[Problem]):
+        self.problems = tuple(problems)
+        super().__init__("\n".join(str(problem) for problem in self.problems))
+
+
+class LimitError(VibrafeedError):
+    """A request is larger than a limit.
+
+    Attributes
+    ----------
+    limit : str
+        Name of the limit, such as ``cells``.
+    asked, allowed : int
+        The two figures.
+    fix : str
+        What would fit.
+    """
+
+    def __init__(self, limit: str, asked: int, allowed: int, fix: str):
+        self.limit, self.asked, self.allowed, self.fix = limit, asked, allowed, fix
+        self.message = f"the study asks for {asked:,} {limit}, the limit is {allowed:,}"
+        super().__init__(f"{self.message}. {fix}.")
+
+
+class SceneError(VibrafeedError):
+    """A scene is not sound: two producers of a quantity, an undeclared name, a cycle."""
+
+
+def suggestion(name: str, known: Iterable[str], otherwise: str = "") -> str:
+    """Return ``Did you mean ...?`` for the nearest known name, or the whole choice."""
+    choice = sorted(known)
+    near = difflib.get_close_matches(name, choice, n=1, cutoff=0.6)
+    if near:
+        return f"Did you mean '{near[0]}'?"
+    return otherwise or "Known: " + ", ".join(choice)

@@ -1,0 +1,1 @@
+"""Pure array functions that scenes share. They know arrays and nothing else."""

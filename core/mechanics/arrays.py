@@ -1,0 +1,70 @@
+"""Array types and the few elementary functions that numpy lacks in a stable form."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+"""float64 values; every function here broadcasts its arguments."""
+
+Mask = NDArray[np.bool_]
+"""Truth values."""
+
+
+def compensated_sum(*terms: Array) -> Array:
+    """Return the sum of the terms with the rounding errors of the additions put back.
+
+    Twice the working precision before the last rounding (Ogita, Rump and Oishi 2005, algorithm
+    Sum2). Used where a sum is compared with zero.
+    """
+    total: Array = terms[0]
+    error: Array | float = 0.0
+    for term in terms[1:]:
+        added = total + term
+        virtual = added - total
+        error = error + ((total - (added - virtual)) + (term - virtual))
+        total = added
+    return np.asarray(total + error)
+
+
+def ratio(numerator: Array, denominator: Array, limit: Array | float) -> Array:
+    """Return ``numerator / denominator``, and `limit` where the denominator is 0."""
+    zero = denominator == 0.0
+    quotient = numerator / np.where(zero, 1.0, denominator)
+    return np.where(zero, limit, quotient)
+
+
+def expm1_quotient(s: Array) -> Array:
+    """Return phi(s) = -expm1(-s)/s, with phi(0) = 1."""
+    return ratio(-np.expm1(-s), s, 1.0)
+
+
+def log1p_quotient(z: Array) -> Array:
+    """Return log1p(z)/z, with the limit 1 at 0."""
+    return ratio(np.log1p(z), z, 1.0)
+
+
+def sin_quotient(u: Array) -> Array:
+    """Return sin(u)/u, with the limit 1 at 0."""
+    return ratio(np.sin(u), u, 1.0)
+
+
+def sinh_quotient(u: Array) -> Array:
+    """Return sinh(u)/u, with the limit 1 at 0."""
+    return ratio(np.sinh(u), u, 1.0)
+
+
+def tan_quotient(u: Array) -> Array:
+    """Return tan(u)/u, with the limit 1 at 0."""
+    return ratio(np.tan(u), u, 1.0)
+
+
+def tanh_quotient(u: Array) -> Array:
+    """Return tanh(u)/u, with the limit 1 at 0."""
+    return ratio(np.tanh(u), u, 1.0)
+
+
+def arctan_quotient(u: Array) -> Array:
+    """Return atan(u)/u, with the limit 1 at 0."""
+    return ratio(np.arctan(u), u, 1.0)

@@ -1,0 +1,249 @@
+"""Velocity laws of dv/dt = K - mu v^2/R, drive held at its peak; (3.18) and its time forms.
+
+K is the acceleration at zero speed, mu the kinetic coefficient, R the bowl radius, v0 the starting
+speed. The forms hold for every sign of K and have mu -> 0 and R -> inf as plain limits: nothing is
+divided by either. What never happens takes an infinite time; regimes say so.
+
+All functions take and return broadcastable float64 arrays, SI units.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanics.arrays import (
+    Array,
+    arctan_quotient,
+    expm1_quotient,
+    log1p_quotient,
+    ratio,
+    sin_quotient,
+    sinh_quotient,
+    tan_quotient,
+    tanh_quotient,
+)
+
+# Above this phase the hyperbolic functions are replaced by their exponential forms.
+LARGE_PHASE = 1.0
+
+
+def _rate(K: Array, friction: Array, radius: Array) -> Array:
+    """Return sqrt(mu |K|/R) [s-1]; a product of roots, since mu |K| may underflow."""
+    return np.sqrt(friction / radius) * np.sqrt(np.abs(K))
+
+
+def _damping(friction: Array, radius: Array, distance: Array) -> Array:
+    """Return s = 2 mu x/R [1]."""
+    return 2 * friction * (distance / radius)
+
+
+def transport_velocity(
+    *,
+    starting_acceleration: Array,
+    friction_kinetic: Array,
+    radius: Array,
+    distance: Array,
+    speed: Array,
+) -> Array:
+    """Return the speed after the distance, (3.18) with a starting speed [m s-1].
+
+    v^2 = v0^2 exp(-s) + 2 K x phi(s). 0 where the part does not start, or stops before.
+    """
+    s = _damping(friction_kinetic, radius, distance)
+    carried = speed * np.exp(-s / 2)
+    gained = np.sqrt(2 * np.abs(starting_acceleration) * expm1_quotient(s)) * np.sqrt(distance)
+    # carried^2 - gained^2 as a product: no cancellation of squares near the stop.
+    left = np.sqrt(np.maximum(0.0, carried - gained)) * np.sqrt(carried + gained)
+    return np.where(starting_acceleration > 0, np.hypot(carried, gained), left)
+
+
+def terminal_velocity(
+    *, starting_acceleration: Array, friction_kinetic: Array, radius: Array
+) -> Array:
+    """Return the speed that the part approaches, sqrt(K R/mu), 0 for K <= 0 [m s-1].
+
+    Infinite (regime `unbounded`) without friction.
+    """
+    drive = np.sqrt(np.maximum(0.0, starting_acceleration))
+    bound = ratio(np.sqrt(radius), np.sqrt(friction_kinetic), np.inf)
+    return np.where(drive > 0, drive, 1.0) * np.where(drive > 0, bound, 0.0)
+
+
+def travel_time(
+    *,
+    transport_velocity: Array,
+    starting_acceleration: Array,
+    friction_kinetic: Array,
+    radius: Array,
+    distance: Array,
+    speed: Array,
+) -> Array:
+    """Return the time to cover the distance [s]; infinite where the part does not get there.
+
+    With q = 2 x phi(s)/(v + v0 exp(-s)) and k = sqrt(mu |K|/R) the time is atanh(k q)/k for K > 0,
+    atan(k q)/k for K < 0, q for K = 0. For large k q the first is written as a sum of logarithms
+    that does not saturate.
+    """
+    K, v, v0 = starting_acceleration, transport_velocity, speed
+    s = _damping(friction_kinetic, radius, distance)
+    arrives = (v > 0) | (distance == 0)
+    pace = np.where(arrives & (distance > 0), v + v0 * np.exp(-s), 1.0)
+    q = np.where(distance > 0, 2 * distance * expm1_quotient(s) / pace, 0.0)
+    k = _rate(K, friction_kinetic, radius)
+    kq = k * q
+    near = np.minimum(kq, 0.5)
+    direct = q * np.where(K > 0, ratio(np.arctanh(near), near, 1.0), arctan_quotient(kq))
+    lag = -(-np.expm1(-s)) * ratio(v0, v0 + v, 0.0)
+    logarithms = np.log1p(kq) + s / 2 + np.log1p(lag)
+    far = (K > 0) & (kq > 0.5)
+    time = np.where(far, ratio(logarithms, k, 0.0), direct)
+    return np.where(arrives, time, np.inf)
+
+
+def mean_velocity(*, travel_time: Array, distance: Array, speed: Array) -> Array:
+    """Return distance over travel time [m s-1]; 0 where the part does not get there."""
+    return ratio(distance, travel_time, speed)
+
+
+def stopping_distance(
+    *, starting_acceleration: Array, friction_kinetic: Array, radius: Array, speed: Array
+) -> Array:
+    """Return R/(2 mu) log1p(mu v0^2/(|K| R)) [m]; infinite for K > 0, or K = 0 in motion."""
+    K = starting_acceleration
+    brakes = K < 0
+    free = ratio(speed, np.where(brakes, -K, 1.0), 0.0) * speed / 2
+    z = 2 * free * friction_kinetic / radius
+    at_rest = (K == 0) & (speed == 0)
+    return np.where(brakes, free * log1p_quotient(z), np.where(at_rest, 0.0, np.inf))
+
+
+def stopping_time(
+    *, starting_acceleration: Array, friction_kinetic: Array, radius: Array, speed: Array
+) -> Array:
+    """Return sqrt(R/(|K| mu)) atan(v0 sqrt(mu/(|K| R))) [s]; infinite for K > 0, see above."""
+    K = starting_acceleration
+    brakes = K < 0
+    free = speed / np.where(brakes, -K, 1.0)
+    y = _rate(K, friction_kinetic, radius) * free
+    at_rest = (K == 0) & (speed == 0)
+    return np.where(brakes, free * arctan_quotient(y), np.where(at_rest, 0.0, np.inf))
+
+
+def velocity_at_time(
+    *,
+    starting_acceleration: Array,
+    friction_kinetic: Array,
+    radius: Array,
+    time: Array,
+    speed: Array,
+    stopping_time: Array,
+) -> Array:
+    """Return v(t) = (v0 + K t T)/(1 + mu v0 t T/R) [m s-1]; 0 after the stop.
+
+    T = tanh(u)/u for K > 0, tan(u)/u for K < 0, u = t sqrt(mu |K|/R).
+    """
+    K, v0 = starting_acceleration, speed
+    moving = (time < stopping_time) | (time == 0)
+    t = np.where(moving, time, 0.0)
+    u = t * _rate(K, friction_kinetic, radius)
+    tT = t * np.where(K > 0, tanh_quotient(u), tan_quotient(np.where(K > 0, 0.0, u)))
+    velocity = (v0 + K * tT) / (1.0 + friction_kinetic * (tT / radius) * v0)
+    return np.where(moving, np.maximum(0.0, velocity), 0.0)
+
+
+def distance_at_time(
+    *,
+    starting_acceleration: Array,
+    friction_kinetic: Array,
+    radius: Array,
+    time: Array,
+    speed: Array,
+    stopping_time: Array,
+    stopping_distance: Array,
+) -> Array:
+    """Return x(t) [m]; the stopping distance after the stop.
+
+    exp(mu x/R) is cosh u + y0 sinh u (K > 0) or cos u + y0 sin u (K < 0), y0 = v0/sqrt(|K| R/mu);
+    written as one log1p whose argument has mu/R as a factor, so that (R/mu) cancels.
+    """
+    K, v0 = starting_acceleration, speed
+    moving = (time < stopping_time) | (time == 0)
+    t = np.where(moving, time, 0.0)
+    k = _rate(K, friction_kinetic, radius)
+    u = t * k
+    forward = K > 0
+    large = forward & (u > LARGE_PHASE)
+    # Arguments outside a branch are replaced: no overflow, no warning.
+    small_forward = np.where(forward & ~large, u, 0.0)
+    braking = np.where(forward, 0.0, u)
+    from_speed = v0 * t * sin_quotient(braking) * sinh_quotient(small_forward)
+    half = sin_quotient(braking / 2) * sinh_quotient(small_forward / 2)
+    from_drive = K * t * t / 2 * half * half
+    straight = from_speed + from_drive
+    z = np.where(large, 0.0, straight * (friction_kinetic / radius))
+    near = straight * log1p_quotient(z)
+    y0 = ratio(k * v0, np.abs(K), 0.0)
+    far_phase = np.where(large, u, 1.0)
+    settled = np.log1p((np.where(large, y0, 1.0) - 1.0) * (-np.expm1(-2 * far_phase)) / 2)
+    far = K * np.square(t / far_phase) * (far_phase + settled)
+    return np.where(moving, np.where(large, far, near), stopping_distance)
+
+
+def suggested_distance(*, amplitude: Array, alpha: Array, beta: Array) -> Array:
+    """Return (A0/2) cos(beta) cos(alpha), the bound below for negligible gravity [m]."""
+    return np.abs(amplitude / 2 * np.cos(beta) * np.cos(alpha))
+
+
+def distance_bound(
+    *,
+    starting_acceleration: Array,
+    velocity_bound: Array,
+    friction_kinetic: Array,
+    radius: Array,
+) -> Array:
+    """Return the distance at which (3.18) from rest reaches the track speed bound [m].
+
+    x_max = -R/(2 mu) log1p(-mu v_b^2/(K R)); infinite where the terminal velocity is below it, or
+    the part does not start.
+    """
+    K = starting_acceleration
+    starts = K > 0
+    free = np.square(velocity_bound) / (2 * np.where(starts, K, 1.0))
+    z = 2 * free * friction_kinetic / radius
+    reached = starts & (z < 1)
+    return np.where(reached, free * log1p_quotient(-np.where(reached, z, 0.0)), np.inf)
+
+
+def does_not_start(*, starting_acceleration: Array, speed: Array) -> Array:
+    """Return where no forward motion arises: K <= 0 from rest."""
+    return (starting_acceleration <= 0) & (speed == 0)
+
+
+def stops_before_distance(*, stopping_distance: Array, distance: Array) -> Array:
+    """Return where the part stops before, or at, the distance."""
+    return stopping_distance <= distance
+
+
+def stops_before_time(*, stopping_time: Array, time: Array) -> Array:
+    """Return where the part stops before, or at, the time."""
+    return stopping_time <= time
+
+
+def exceeds_track_speed(*, transport_velocity: Array, velocity_bound: Array) -> Array:
+    """Return where (3.18) exceeds the largest speed of the track, which friction cannot do."""
+    return transport_velocity > velocity_bound
+
+
+def grows_without_bound(*, starting_acceleration: Array, friction_kinetic: Array) -> Array:
+    """Return where no terminal velocity exists: drive without friction."""
+    return (starting_acceleration > 0) & (friction_kinetic == 0)
+
+
+def never_stops(*, stopping_distance: Array) -> Array:
+    """Return where the part never stops."""
+    return np.isinf(stopping_distance)
+
+
+def never_reaches_track_speed(*, distance_bound: Array) -> Array:
+    """Return where (3.18) never reaches the largest speed of the track."""
+    return np.isinf(distance_bound)

@@ -1,0 +1,129 @@
+"""Drive and gravity in track axes (theory 0; (3.8), (3.13) of the source).
+
+Axes: x along the track in transport direction, z normal to the floor, y = z cross x, off the wall.
+All functions take and return broadcastable float64 arrays, SI units, angles in radians.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanics.arrays import Array, compensated_sum
+
+
+def amplitude(*, peak_to_peak: Array) -> Array:
+    """Return the amplitude, zero to peak [m]."""
+    return peak_to_peak / 2
+
+
+def vibration_acceleration(*, frequency: Array, amplitude: Array) -> Array:
+    """Return the amplitude of the drive acceleration, P = A0 (2 pi f)^2 [m s-2]."""
+    return amplitude * np.square(2 * np.pi * frequency)
+
+
+def drive_along(*, vibration_acceleration: Array, alpha: Array, beta: Array) -> Array:
+    """Return the drive acceleration at its peak along +x, P cos(beta) cos(alpha) [m s-2]."""
+    return vibration_acceleration * np.cos(beta) * np.cos(alpha)
+
+
+def drive_across(*, vibration_acceleration: Array, alpha: Array, beta: Array) -> Array:
+    """Return the drive acceleration at its peak along +y, W = P cos(beta) sin(alpha) [m s-2]."""
+    return vibration_acceleration * np.cos(beta) * np.sin(alpha)
+
+
+def drive_normal(*, vibration_acceleration: Array, beta: Array) -> Array:
+    """Return the drive acceleration at its peak along +z, P sin(beta) [m s-2]."""
+    return vibration_acceleration * np.sin(beta)
+
+
+def gravity_along(*, gravity: Array, gamma: Array) -> Array:
+    """Return gravity along -x, g sin(gamma) [m s-2]."""
+    return gravity * np.sin(gamma)
+
+
+def gravity_normal(*, gravity: Array, gamma: Array) -> Array:
+    """Return gravity onto the floor of a track without lean, g cos(gamma) [m s-2]."""
+    return gravity * np.cos(gamma)
+
+
+def leaning_gravity_normal(*, gravity: Array, gamma: Array, delta: Array) -> Array:
+    """Return gravity onto the floor of a leaning track, g cos(gamma) cos(delta) [m s-2]."""
+    return gravity * np.cos(gamma) * np.cos(delta)
+
+
+def gravity_across(*, gravity: Array, gamma: Array, delta: Array) -> Array:
+    """Return gravity towards the wall, g_y = g cos(gamma) sin(delta) [m s-2]."""
+    return gravity * np.cos(gamma) * np.sin(delta)
+
+
+def normal_acceleration(*, gravity_normal: Array, drive_normal: Array) -> Array:
+    """Return the floor normal force per mass of a part held on the floor, n0 [m s-2].
+
+    Negative values mean that the part has left the floor.
+    """
+    return gravity_normal - drive_normal
+
+
+def throw_number(*, drive_normal: Array, gravity_normal: Array) -> Array:
+    """Return the throw number, Gamma = P sin(beta) / gravity onto the floor [1]."""
+    return drive_normal / gravity_normal
+
+
+def in_plane_drive_x(*, drive_along: Array, gravity_along: Array) -> Array:
+    """Return drive less gravity along x, D_x [m s-2]."""
+    return drive_along - gravity_along
+
+
+def in_plane_drive_y(*, drive_across: Array) -> Array:
+    """Return drive less gravity along y on a floor without lean, D_y [m s-2]."""
+    return drive_across
+
+
+def in_plane_drive(*, in_plane_drive_x: Array, in_plane_drive_y: Array) -> Array:
+    """Return the magnitude |D| of drive less gravity in the floor plane [m s-2]."""
+    return np.hypot(in_plane_drive_x, in_plane_drive_y)
+
+
+def has_left_floor(*, normal_acceleration: Array) -> Array:
+    """Return where the part has left the floor: n0 <= 0."""
+    return normal_acceleration <= 0
+
+
+def lift_off_acceleration(*, normal_acceleration: Array) -> Array:
+    """Return the acceleration off the floor: 0 in contact, -n0 in flight [m s-2]."""
+    return np.maximum(0.0, -normal_acceleration)
+
+
+def supported_acceleration(*, normal_acceleration: Array) -> Array:
+    """Return the floor normal force per mass of a floor that cannot pull, max(0, n0) [m s-2]."""
+    return np.maximum(0.0, normal_acceleration)
+
+
+def rotated_acceleration_x(*, acceleration_x: Array, acceleration_y: Array, yaw: Array) -> Array:
+    """Return the acceleration along the turned x axis, (3.10), (3.12) [m s-2]."""
+    return compensated_sum(np.cos(yaw) * acceleration_x, np.sin(yaw) * acceleration_y)
+
+
+def rotated_acceleration_y(*, acceleration_x: Array, acceleration_y: Array, yaw: Array) -> Array:
+    """Return the acceleration along the turned y axis, (3.10), (3.12) [m s-2]."""
+    return compensated_sum(np.cos(yaw) * acceleration_y, -np.sin(yaw) * acceleration_x)
+
+
+def velocity_bound(*, frequency: Array, amplitude: Array, alpha: Array, beta: Array) -> Array:
+    """Return the largest speed of the track along x, v_b = A0 w cos(beta) cos(alpha) [m s-1]."""
+    return np.abs(2 * np.pi * frequency * amplitude * np.cos(beta) * np.cos(alpha))
+
+
+def floor_force(*, mass: Array, floor_acceleration: Array) -> Array:
+    """Return the floor normal force, N = m n [N]."""
+    return mass * floor_acceleration
+
+
+def unchecked_acceleration(*, normal_acceleration: Array) -> Array:
+    """Return n0 itself, whatever its sign, as the source does [m s-2]."""
+    return normal_acceleration
+
+
+def no_acceleration_z() -> Array:
+    """Return 0: the source takes the part to stay on the floor [m s-2]."""
+    return np.zeros(())

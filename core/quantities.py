@@ -1,0 +1,335 @@
+"""Every quantity and every regime, declared once.
+
+Units, bounds, labels and descriptions that the study, the dataset, the catalogue and the documents
+show are read from here. Inside the code all values are SI and angles are radians; at the edge
+(studies, files, replies) angles are degrees.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A named physical variable.
+
+    Attributes
+    ----------
+    unit : str
+        UDUNITS name of the unit in studies, files and replies.
+    symbol : str
+        The source's symbol.
+    label : str
+        Short name for axes and tables; `long_name` in files.
+    description : str
+        What it is, in one sentence.
+    lower, upper : float
+        Bounds, in `unit`; both included.
+    strict : bool
+        True if the lower bound itself is excluded.
+    parameter : bool
+        True if a study may give it a value.
+    examples : tuple of str
+        How a user may write it.
+    """
+
+    unit: str
+    symbol: str
+    label: str
+    description: str
+    lower: float = -math.inf
+    upper: float = math.inf
+    strict: bool = False
+    parameter: bool = False
+    examples: tuple[str, ...] = ()
+
+    @property
+    def is_angle(self) -> bool:
+        """Whether the value is degrees at the edge and radians inside."""
+        return self.unit == "degree"
+
+
+def _length(symbol: str, label: str, description: str, example: str) -> Quantity:
+    return Quantity(
+        "m", symbol, label, description, 0.0, strict=True, parameter=True, examples=(example,)
+    )
+
+
+def _angle(symbol: str, label: str, description: str, limit: float, example: str) -> Quantity:
+    return Quantity(
+        "degree", symbol, label, description, -limit, limit, parameter=True, examples=(example,)
+    )
+
+
+def _friction(symbol: str, label: str, description: str) -> Quantity:
+    return Quantity("1", symbol, label, description, 0.0, parameter=True, examples=("0.3",))
+
+
+def _acceleration(symbol: str, label: str, description: str) -> Quantity:
+    return Quantity("m s-2", symbol, label, description)
+
+
+def _velocity(symbol: str, label: str, description: str) -> Quantity:
+    return Quantity("m s-1", symbol, label, description)
+
+
+def _force(symbol: str, label: str, description: str) -> Quantity:
+    return Quantity("N", symbol, label, description)
+
+
+QUANTITIES: dict[str, Quantity] = {
+    # --- parameters: the drive
+    "frequency": Quantity(
+        "Hz", "f", "Frequency", "Drive frequency.", 0.0, parameter=True,
+        examples=("50 Hz", "3000 rpm", "3000 vpm"),
+    ),
+    "amplitude": Quantity(
+        "m", "A0", "Amplitude", "Drive amplitude, zero to peak, along the drive direction.", 0.0,
+        parameter=True, examples=("0.5 mm",),
+    ),
+    "peak_to_peak": Quantity(
+        "m", "2 A0", "Peak-to-peak stroke", "Twice the drive amplitude.", 0.0, parameter=True,
+        examples=("1 mm",),
+    ),
+    "alpha": _angle(
+        "alpha", "Drive azimuth",
+        "Azimuth of the drive in the floor plane, from the track (+x) towards +y.", 180.0, "15 deg",
+    ),
+    "beta": _angle(
+        "beta", "Drive elevation", "Elevation of the drive above the floor plane.", 180.0, "20 deg"
+    ),
+    # --- parameters: the track
+    "gamma": _angle(
+        "gamma", "Climb angle", "Climb angle of the track; +x goes uphill.", 90.0, "3 deg"
+    ),
+    "delta": _angle(
+        "delta", "Lean angle", "Lean of the track; the part leans on the wall.", 90.0, "2 deg"
+    ),
+    "yaw": _angle(
+        "theta", "Yaw of the axes", "Turn of the part's axes about the floor normal.", 180.0,
+        "30 deg",
+    ),
+    "radius": _length("R", "Bowl radius", "Radius of the bowl's track wall.", "0.3 m"),
+    "gravity": Quantity(
+        "m s-2", "g", "Gravity", "Acceleration of gravity.", 0.0, strict=True, parameter=True,
+        examples=("9.80665 m/s^2",),
+    ),
+    # --- parameters: the contact
+    "friction": _friction(
+        "mu", "Friction coefficient", "Coulomb friction coefficient, static and kinetic alike."
+    ),
+    "friction_static": _friction(
+        "mu_s", "Static friction coefficient", "Coulomb friction coefficient at rest."
+    ),
+    "friction_kinetic": _friction(
+        "mu_k", "Kinetic friction coefficient", "Coulomb friction coefficient in sliding."
+    ),
+    # --- parameters: the part
+    "width": _length("a", "Part width", "Width of the rectangular part, across the track.", "10 mm"),
+    "height": _length("b", "Part height", "Height of the rectangular part.", "1.5 mm"),
+    "length": _length("h", "Part length", "Length of the part, along the track.", "50 mm"),
+    "diameter": _length("d", "Part diameter", "Diameter of the cylindrical part.", "8 mm"),
+    "mass": Quantity(
+        "kg", "m", "Part mass", "Mass of the part.", 0.0, strict=True, parameter=True,
+        examples=("5 g",),
+    ),
+    # --- parameters: the motion
+    "speed": Quantity(
+        "m s-1", "v0", "Speed", "Speed of the part along the track at the start.", 0.0,
+        parameter=True, examples=("0.1 m/s",),
+    ),
+    "distance": Quantity(
+        "m", "x", "Effective distance",
+        "Distance over which the drive is taken to act; the source gives no value for it.", 0.0,
+        parameter=True, examples=("0.2 mm",),
+    ),
+    "time": Quantity(
+        "s", "t", "Time", "Time since the start, with the drive held at its peak.", 0.0,
+        parameter=True, examples=("20 ms",),
+    ),
+    # --- drive and gravity in track axes
+    "vibration_acceleration": _acceleration(
+        "P", "Vibration acceleration", "Amplitude of the drive acceleration."
+    ),
+    "drive_along": _acceleration(
+        "P cb ca", "Drive along the track", "Drive acceleration at its peak, along +x."
+    ),
+    "drive_across": _acceleration(
+        "W", "Drive across the track", "Drive acceleration at its peak, along +y, off the wall."
+    ),
+    "drive_normal": _acceleration(
+        "P sb", "Drive normal to the floor", "Drive acceleration at its peak, along +z, upwards."
+    ),
+    "gravity_along": _acceleration(
+        "g sin(gamma)", "Gravity along the track", "Gravity component along -x, downhill."
+    ),
+    "gravity_across": _acceleration(
+        "g_y", "Gravity towards the wall", "Gravity component along -y, towards the wall."
+    ),
+    "gravity_normal": _acceleration(
+        "g_z", "Gravity onto the floor", "Gravity component along -z, onto the floor."
+    ),
+    "throw_number": Quantity(
+        "1", "Gamma", "Throw number",
+        "Drive normal to the floor over gravity normal to the floor; above 1 the part lifts off.",
+    ),
+    "normal_acceleration": _acceleration(
+        "n0", "Normal acceleration",
+        "Floor normal force per mass that keeps the part on the floor; negative after lift-off.",
+    ),
+    "floor_acceleration": _acceleration(
+        "n", "Floor normal force per mass", "Floor normal force per mass that the variant uses."
+    ),
+    "centripetal_acceleration": _acceleration(
+        "v^2/R", "Centripetal acceleration", "Acceleration across the track that the curve asks for."
+    ),
+    # --- accelerations
+    "in_plane_drive_x": _acceleration(
+        "D_x", "Drive less gravity, x", "Drive less gravity along the track."
+    ),
+    "in_plane_drive_y": _acceleration(
+        "D_y", "Drive less gravity, y", "Drive less gravity across the track, in the floor plane."
+    ),
+    "in_plane_drive": _acceleration(
+        "|D|", "Drive less gravity in the plane", "Magnitude of drive less gravity in the floor."
+    ),
+    "sliding_fraction": Quantity(
+        "1", "1 - mu n/|D|", "Sliding fraction",
+        "Part of drive less gravity that friction leaves: 0 in stick, 1 in flight.",
+    ),
+    "roll_root": _acceleration(
+        "z", "Root of the slip balance", "Positive root of the slip balance of a cylinder; 0 if it "
+        "rolls.",
+    ),
+    "acceleration_x": _acceleration(
+        "a_x", "Acceleration along the track",
+        "Acceleration of the part relative to the track at the drive's peak, along the track.",
+    ),
+    "acceleration_y": _acceleration(
+        "a_y", "Acceleration across the track",
+        "Acceleration of the part relative to the track at the drive's peak, across the track.",
+    ),
+    "acceleration_z": _acceleration(
+        "a_z", "Acceleration off the floor",
+        "Acceleration of the part relative to the track at the drive's peak, off the floor.",
+    ),
+    "rotated_acceleration_x": _acceleration(
+        "a_x'", "Acceleration along the turned x axis", "In-plane acceleration along the turned x."
+    ),
+    "rotated_acceleration_y": _acceleration(
+        "a_y'", "Acceleration along the turned y axis", "In-plane acceleration along the turned y."
+    ),
+    "angular_acceleration": Quantity(
+        "rad s-2", "psi..", "Angular acceleration",
+        "Angular acceleration of the cylinder about its axis; positive rolls towards +y.",
+    ),
+    # --- travel on the track
+    "starting_acceleration": _acceleration(
+        "K", "Starting acceleration", "Acceleration along the track at zero speed."
+    ),
+    "transport_velocity": _velocity(
+        "v(x)", "Velocity after the effective distance",
+        "Kinematic estimate: speed after the effective distance with the drive held at its peak; "
+        "not an average over the period.",
+    ),
+    "terminal_velocity": _velocity(
+        "v_inf", "Terminal velocity", "Speed at which wall friction balances the peak drive."
+    ),
+    "travel_time": Quantity(
+        "s", "t(x)", "Travel time", "Time to cover the effective distance, drive held at its peak."
+    ),
+    "mean_velocity": _velocity(
+        "x/t(x)", "Mean velocity over the distance",
+        "Effective distance over travel time; not an average over the period.",
+    ),
+    "velocity_at_time": _velocity(
+        "v(t)", "Velocity at the time", "Speed after the given time, drive held at its peak."
+    ),
+    "distance_at_time": Quantity(
+        "m", "x(t)", "Distance at the time", "Distance after the given time, drive at its peak."
+    ),
+    "stopping_distance": Quantity(
+        "m", "x_s", "Stopping distance", "Distance until the part stops, where the drive is too weak."
+    ),
+    "stopping_time": Quantity(
+        "s", "t_s", "Stopping time", "Time until the part stops, where the drive is too weak."
+    ),
+    "velocity_bound": _velocity(
+        "v_b", "Track speed bound",
+        "Largest speed of the track along x; friction cannot carry the part faster.",
+    ),
+    "suggested_distance": Quantity(
+        "m", "(A0/2) cb ca", "Suggested effective distance",
+        "Effective distance at which the estimate reaches the track speed bound without friction.",
+    ),
+    "distance_bound": Quantity(
+        "m", "x_max", "Largest effective distance",
+        "Effective distance at which the estimate reaches the track speed bound.",
+    ),
+    # --- forces
+    "floor_force": _force("N", "Floor normal force", "Normal force of the floor on the part."),
+    "wall_balance": _acceleration(
+        "B", "Wall load", "Load on the wall per mass; negative where the part leaves the wall."
+    ),
+    "wall_acceleration": _acceleration(
+        "s", "Wall force per mass", "Sum of the wall normal forces across the track, per mass."
+    ),
+    "wall_force": _force("S", "Wall force", "Sum of the wall normal forces, across the track."),
+    "wall_force_rear": _force("lambda1", "Wall force, rear", "Wall force at the rear corner."),
+    "wall_force_front": _force("lambda2", "Wall force, front", "Wall force at the front corner."),
+    "chord_cosine": Quantity(
+        "1", "cos(sigma)", "Chord cosine", "Cosine of the angle between part and wall at a corner."
+    ),
+    "wall_speed": _velocity("v_wall", "Wall contact speed", "Least speed that keeps the wall contact."),
+    "z_residual": _acceleration(
+        "az_residual", "Residual of the vertical balance",
+        "What the model leaves in the force balance normal to the floor, per mass.",
+    ),
+    "pressure_offset_x": Quantity(
+        "m", "e_x", "Centre of pressure, x", "Offset of the floor resultant along the track."
+    ),
+    "pressure_offset_y": Quantity(
+        "m", "e_y", "Centre of pressure, y", "Offset of the floor resultant across the track."
+    ),
+    "regime": Quantity("1", "regime", "Regime", "State of the contacts in each cell."),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Regime:
+    """A state that a cell can be in.
+
+    Attributes
+    ----------
+    value : int
+        The number that stands in files.
+    description : str
+        What it says to the user.
+    valid : bool
+        False where the closed forms no longer describe a real part.
+    """
+
+    value: int
+    description: str
+    valid: bool = True
+
+
+REGIMES: dict[str, Regime] = {
+    "not_assessed": Regime(0, "the asked outputs do not depend on any contact"),
+    "contact": Regime(1, "the part is in contact; stick or slip does not matter here"),
+    "stick": Regime(2, "friction holds the part; it does not move"),
+    "slip": Regime(3, "the part slides"),
+    "roll": Regime(4, "the cylinder rolls without slip"),
+    "flight": Regime(5, "the part has left the floor", valid=False),
+    "wall_lost": Regime(6, "the part has left the wall", valid=False),
+    "flight_and_wall_lost": Regime(7, "the part has left floor and wall", valid=False),
+    "no_motion": Regime(8, "the drive is too weak to start forward motion"),
+    "stopped": Regime(9, "the part stops before the distance or time is reached"),
+    "outside_cone": Regime(10, "the forces lie outside the friction cone", valid=False),
+    "invalid_geometry": Regime(11, "the part does not fit the track or the model", valid=False),
+    "tipping": Regime(12, "the centre of pressure leaves the base: the part tips", valid=False),
+    "faster_than_track": Regime(13, "the estimate exceeds the largest track speed", valid=False),
+    "unbounded": Regime(14, "no finite value exists: nothing limits it"),
+}

@@ -1,0 +1,216 @@
+"""What a scene is: equations by variant, defaults, and the conditions that tell its regimes."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import MappingProxyType
+
+from core.errors import SceneError
+from core.mechanics.arrays import Array
+from core.mechanics.friction import friction_kinetic, friction_static
+from core.mechanics.vibration import amplitude
+from core.quantities import QUANTITIES, REGIMES
+
+Function = Callable[..., Array]
+
+
+def _inputs(function: Function) -> tuple[str, ...]:
+    return tuple(inspect.signature(function).parameters)
+
+
+def _summary(function: Function) -> str:
+    """Return the first paragraph of a docstring as one line."""
+    paragraph = (inspect.getdoc(function) or "").split("\n\n")[0]
+    return " ".join(paragraph.split())
+
+
+@dataclass(frozen=True)
+class Equation:
+    """A pure array function, the quantity it gives, and where it comes from.
+
+    Attributes
+    ----------
+    gives : str
+        The quantity that it gives; the argument names are the quantities that it needs.
+    function : callable
+        The function; arrays in, array out.
+    source : str
+        Equation numbers of the source.
+    variant : str
+        ``thesis``, ``derived`` or ``physical`` where the variants differ, else ``all``.
+    """
+
+    gives: str
+    function: Function
+    source: str
+    variant: str = "all"
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the quantities that the equation needs."""
+        return _inputs(self.function)
+
+    @property
+    def summary(self) -> str:
+        """One sentence: what the function returns."""
+        return _summary(self.function)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Where a regime holds, and for which outputs that matters.
+
+    The conditions of a scene are tried in order; the first that holds names the regime of a cell.
+
+    Attributes
+    ----------
+    regime : str
+        The regime where the condition holds.
+    function : callable
+        Returns truth values; the argument names are the quantities that it needs.
+    outputs : frozenset of str
+        The outputs whose meaning depends on it. If none of them is asked for, it is left out.
+    otherwise : str
+        The regime of the cells for which no condition holds, once this one has been tried; the
+        last condition tried has the last word. Empty: it says nothing about them.
+    """
+
+    regime: str
+    function: Function
+    outputs: frozenset[str]
+    otherwise: str = ""
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the quantities that the condition needs."""
+        return _inputs(self.function)
+
+    @property
+    def summary(self) -> str:
+        """One sentence: where the condition holds."""
+        return _summary(self.function)
+
+
+# Other ways of giving a parameter. They serve only where the parameter itself is not given.
+ALIASES = (
+    Equation("amplitude", amplitude, "theory 0.2"),
+    Equation("friction_static", friction_static, "theory 11.2"),
+    Equation("friction_kinetic", friction_kinetic, "theory 11.2"),
+)
+
+STANDARD_GRAVITY = 9.80665
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """A relation between parameters that a study must respect.
+
+    Attributes
+    ----------
+    parameters : tuple of str
+        The parameters it relates; it is checked if all of them are given.
+    holds : callable
+        Takes the least and the largest value of each parameter, in that order, SI units, and
+        returns whether the study may go on.
+    message, fix : str
+        What is wrong if it does not, and what would be right.
+    """
+
+    parameters: tuple[str, ...]
+    holds: Callable[..., bool]
+    message: str
+    fix: str
+
+
+STATIC_ABOVE_KINETIC = Constraint(
+    ("friction_static", "friction_kinetic"),
+    lambda least_static, _, __, largest_kinetic: least_static >= largest_kinetic,
+    "friction_static falls below friction_kinetic",
+    "Static friction is at least the kinetic one; raise it or lower the other",
+)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A part and its support: the equations and contacts of one system, and no others.
+
+    Attributes
+    ----------
+    name, title, source, validity : str
+        Name in studies, one line for people, section of the source, and what the model leaves out.
+    variants : mapping of str to tuple of Equation
+        The equations of each variant, all of them.
+    default_variant : str
+        The variant of a study that names none.
+    conditions : mapping of str to tuple of Condition
+        The conditions of each variant, most serious first.
+    defaults : mapping of str to float
+        Values of quantities that a study may leave out, SI units. A default of a quantity that an
+        equation gives stands only where the study gives no parameter of that equation.
+    constraints : tuple of Constraint
+        Relations between parameters, beyond the bounds of each.
+    """
+
+    name: str
+    title: str
+    source: str
+    validity: str
+    variants: Mapping[str, tuple[Equation, ...]]
+    default_variant: str
+    conditions: Mapping[str, tuple[Condition, ...]]
+    defaults: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    constraints: tuple[Constraint, ...] = (STATIC_ABOVE_KINETIC,)
+
+    def __post_init__(self) -> None:
+        if self.default_variant not in self.variants or set(self.conditions) != set(self.variants):
+            raise SceneError(f"{self.name}: variants, default and conditions do not match")
+        for variant in self.variants:
+            self._check(variant)
+
+    def producers(self, variant: str) -> dict[str, Equation]:
+        """Return the equation that gives each output of a variant."""
+        return {equation.gives: equation for equation in self.variants[variant]}
+
+    def outputs(self, variant: str) -> tuple[str, ...]:
+        """Return the names of the outputs of a variant, `regime` last."""
+        return (*self.producers(variant), "regime")
+
+    def _check(self, variant: str) -> None:
+        """Raise `SceneError` for two producers, undeclared names, strange outputs or a cycle."""
+        equations, where = self.variants[variant], f"{self.name} ({variant})"
+        gives = [equation.gives for equation in equations]
+        twice = {name for name in gives if gives.count(name) > 1}
+        if twice:
+            raise SceneError(f"{where}: two equations give {sorted(twice)}")
+        conditions = self.conditions[variant]
+        needed = {name for part in (*equations, *conditions) for name in part.inputs}
+        undeclared = (needed | set(gives)) - set(QUANTITIES)
+        undeclared |= {condition.regime for condition in conditions} - set(REGIMES)
+        if undeclared:
+            raise SceneError(f"{where}: {sorted(undeclared)} are not declared")
+        orphans = {name for name in needed - set(gives) if not QUANTITIES[name].parameter}
+        if orphans:
+            raise SceneError(f"{where}: nothing gives {sorted(orphans)}")
+        strange = {name for condition in conditions for name in condition.outputs}
+        strange -= {name for variant in self.variants for name in self.outputs(variant)}
+        if strange:
+            raise SceneError(f"{where}: conditions name {sorted(strange)}, which no variant gives")
+        self._check_order(where, {equation.gives: equation for equation in equations})
+
+    @staticmethod
+    def _check_order(where: str, producers: dict[str, Equation]) -> None:
+        done: set[str] = set()
+
+        def visit(name: str, path: tuple[str, ...]) -> None:
+            if name in path:
+                raise SceneError(f"{where}: {' needs '.join((*path, name))}")
+            if name in producers and name not in done:
+                for needed in producers[name].inputs:
+                    visit(needed, (*path, name))
+                done.add(name)
+
+        for name in producers:
+            visit(name, ())

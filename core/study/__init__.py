@@ -1,0 +1,18 @@
+"""What a user writes: studies, their units and ranges, and reading them from TOML or JSON."""
+
+from core.study.load import load_study, parse_json, parse_study, parse_toml
+from core.study.models import Study, SweepStudy
+from core.study.values import Fixed, Points, Span, Values
+
+__all__ = [
+    "Fixed",
+    "Points",
+    "Span",
+    "Study",
+    "SweepStudy",
+    "Values",
+    "load_study",
+    "parse_json",
+    "parse_study",
+    "parse_toml",
+]

@@ -1,0 +1,135 @@
+"""Reading studies from TOML and JSON, with every error of a text reported at once."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from pydantic import ValidationError
+
+from core.errors import Problem, StudyError, suggestion
+from core.study.models import PARAMETERS, STUDIES, Study
+
+if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
+
+
+def load_study(path: Path) -> Study:
+    """Return the study in the TOML or JSON file at `path`.
+
+    Raises
+    ------
+    StudyError
+        With every problem of the file.
+    """
+    return parse_study(read_content(path))
+
+
+def read_content(path: Path) -> object:
+    """Return what stands in the TOML or JSON file at `path`; raise `StudyError` if it cannot."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        _fail("file", "it is not UTF-8 text", "Save it as UTF-8", error)
+    except OSError as error:
+        _fail("file", f"it cannot be read: {error.strerror}", "Name a TOML or JSON study", error)
+    return read_json(text) if path.suffix.lower() == ".json" else read_toml(text)
+
+
+def read_toml(text: str) -> object:
+    """Return what stands in a TOML text; raise `StudyError` if it is none."""
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        _fail("file", f"it is not TOML: {error}", "Mend the syntax there", error)
+
+
+def read_json(text: str | bytes) -> object:
+    """Return what stands in a JSON text; raise `StudyError` if it is none."""
+    try:
+        content: object = json.loads(
+            text, object_pairs_hook=_unique, parse_constant=_refuse_constant
+        )
+    except (ValueError, RecursionError) as error:
+        reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
+        _fail("body", f"it is not JSON: {reason}"[:300], "Send one JSON object, a study", error)
+    return content
+
+
+def parse_toml(text: str) -> Study:
+    """Return the study in a TOML text; raise `StudyError` with every problem of it."""
+    return parse_study(read_toml(text))
+
+
+def parse_json(text: str | bytes) -> Study:
+    """Return the study in a JSON text; raise `StudyError` with every problem of it."""
+    return parse_study(read_json(text))
+
+
+def parse_study(content: object) -> Study:
+    """Return the study that a mapping describes; raise `StudyError` with every problem of it."""
+    if not isinstance(content, Mapping):
+        _fail("study", "it is not an object", "Write keys and values: kind, scene, outputs, ...")
+    kind = content.get("kind")
+    if not isinstance(kind, str) or kind not in STUDIES:
+        missing = kind is None
+        problem = Problem(
+            "kind",
+            "it is missing" if missing else f"{str(kind)[:60]!r} is not a kind of study",
+            "Write kind = " + " or ".join(f'"{name}"' for name in STUDIES),
+        )
+        # The rest is checked all the same, as the only kind that it could be.
+        raise StudyError([problem, *_problems_of({**content, "kind": next(iter(STUDIES))})])
+    try:
+        return STUDIES[kind].model_validate(content)
+    except ValidationError as error:
+        raise StudyError(_problems(error.errors(include_url=False))) from None
+
+
+def _problems_of(content: dict[str, Any]) -> Iterable[Problem]:
+    try:
+        STUDIES[content["kind"]].model_validate(content)
+    except ValidationError as error:
+        return _problems(error.errors(include_url=False))
+    return ()
+
+
+def _problems(errors: Iterable[ErrorDetails]) -> list[Problem]:
+    return [_problem(error) for error in errors]
+
+
+def _problem(error: ErrorDetails) -> Problem:
+    """Return one error of pydantic in our words."""
+    place = ".".join(str(part)[:60] for part in error["loc"]) or "study"
+    name = str(error["loc"][-1])[:60] if error["loc"] else ""
+    context: dict[str, Any] = error.get("ctx", {})
+    if error["type"] == "value":
+        return Problem(place, context["message"], context["fix"])
+    if error["type"] == "extra_forbidden":
+        in_parameters = len(error["loc"]) > 1
+        known = PARAMETERS if in_parameters else tuple(STUDIES["sweep"].model_fields)
+        what = "is not a parameter" if in_parameters else "is not a key of a study"
+        return Problem(place, f"'{name}' {what}", suggestion(name, known))
+    if error["type"] == "missing":
+        return Problem(place, "it is missing", f"Add {name}")
+    return Problem(place, error["msg"].removesuffix("."), "Mend the value or its type")
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    content: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in content:
+            raise ValueError(f"the key '{key[:60]}' stands twice in one object")
+        content[key] = value
+    return content
+
+
+def _refuse_constant(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is not a number that JSON knows")
+
+
+def _fail(place: str, message: str, fix: str, cause: Exception | None = None) -> NoReturn:
+    raise StudyError([Problem(place, message, fix)]) from cause

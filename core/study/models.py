@@ -1,0 +1,142 @@
+"""The study models: frozen, no unknown keys, one model for files, requests and the JSON Schema."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    WithJsonSchema,
+    create_model,
+)
+from pydantic_core import PydanticCustomError
+
+from core.quantities import QUANTITIES, Quantity
+from core.study.units import UnitError
+from core.study.values import Values, read_values
+
+PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
+
+
+class _Frozen(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+
+def _values_schema(name: str, quantity: Quantity) -> dict[str, Any]:
+    number: dict[str, Any] = {"type": "number"}
+    if quantity.lower > -float("inf"):
+        number["exclusiveMinimum" if quantity.strict else "minimum"] = quantity.lower
+    if quantity.upper < float("inf"):
+        number["maximum"] = quantity.upper
+    one = {"anyOf": [number, {"type": "string", "maxLength": 200}]}
+    span = {
+        "type": "object",
+        "properties": {
+            "start": one,
+            "stop": one,
+            "num": {"type": "integer", "minimum": 2},
+            "step": {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}]},
+            "spacing": {"enum": ["linear", "log"], "default": "linear"},
+        },
+        "required": ["start", "stop"],
+        "oneOf": [{"required": ["num"]}, {"required": ["step"]}],
+        "additionalProperties": False,
+    }
+    unit = "" if quantity.unit == "1" else f" A bare number is in {quantity.unit}."
+    return {
+        "title": quantity.label,
+        "description": quantity.description + unit,
+        "anyOf": [number, {"type": "string"}, {"type": "array", "items": one, "minItems": 1}, span],
+        "examples": list(quantity.examples),
+    }
+
+
+def _canonical(values: Values | None) -> Any:
+    return None if values is None else values.canonical()
+
+
+def _parameter_field(name: str, quantity: Quantity) -> Any:
+    def read(raw: object) -> Values:
+        try:
+            return read_values(name, raw)
+        except UnitError as error:
+            raise PydanticCustomError(
+                "value", "{message}", {"message": error.message, "fix": error.fix}
+            ) from error
+
+    return (
+        Annotated[
+            Values | None,
+            PlainValidator(read),
+            PlainSerializer(_canonical),
+            WithJsonSchema(_values_schema(name, quantity)),
+        ],
+        None,
+    )
+
+
+if TYPE_CHECKING:
+
+    class Parameters(_Frozen):
+        """One optional field a parameter quantity."""
+
+else:
+    Parameters = create_model(
+        "Parameters",
+        __base__=_Frozen,
+        __doc__="Values of the parameters: a number, text with a unit, a list, or a range.",
+        **{name: _parameter_field(name, QUANTITIES[name]) for name in PARAMETERS},
+    )
+
+
+class SweepStudy(_Frozen):
+    """Closed-form equations of one scene over a grid of parameters."""
+
+    kind: Literal["sweep"] = Field(description="The kind of study.")
+    scene: str = Field(
+        description="Name of a scene; `vibrafeed scenes` lists them.", max_length=100
+    )
+    variant: str | None = Field(
+        None,
+        description="thesis (as printed), derived (errors corrected) or physical; the scene's "
+        "default where left out.",
+        max_length=100,
+    )
+    outputs: tuple[Annotated[str, Field(max_length=100)], ...] = Field(
+        description="Names of the outputs.", min_length=1, max_length=100
+    )
+    parameters: Parameters = Field(description="Fixed or ranged parameters.")
+    title: str | None = Field(None, description="Title of the dataset.", max_length=500)
+    notes: str | None = Field(
+        None, description="Remarks that go into the dataset.", max_length=5000
+    )
+
+    def values(self) -> dict[str, Values]:
+        """Return the given parameters and their values, in the order of the declaration.
+
+        The order in which a user writes them does not matter: equal studies have equal axes.
+        """
+        given = self.parameters.model_fields_set
+        return {name: getattr(self.parameters, name) for name in PARAMETERS if name in given}
+
+    def canonical(self) -> str:
+        """Return the study as JSON that equal studies share to the letter."""
+        content = self.model_dump(exclude_none=True, exclude={"parameters"})
+        content["parameters"] = {name: values.canonical() for name, values in self.values().items()}
+        return json.dumps(content, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+
+    def key(self) -> str:
+        """Return the SHA-256 of the canonical form, in hexadecimal."""
+        return hashlib.sha256(self.canonical().encode()).hexdigest()
+
+
+Study = SweepStudy
+"""A study of any kind."""
+
+STUDIES: dict[str, type[Study]] = {"sweep": SweepStudy}

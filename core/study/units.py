@@ -1,0 +1,138 @@
+"""Units, read once: text such as ``"0.5 mm"`` becomes a number in the quantity's own unit."""
+
+from __future__ import annotations
+
+import functools
+import math
+import re
+from decimal import Decimal, InvalidOperation
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from core.errors import Problem
+
+if TYPE_CHECKING:
+    import pint
+
+    from core.quantities import Quantity
+
+# "per minute" for a frequency means turns or vibrations; pint reads rpm as an angular velocity.
+PER_MINUTE = frozenset(
+    ("rpm", "vpm", "cpm", "rev/min", "vib/min", "cycles/min", "1/min", "min^-1", "min-1", "/min")
+)
+_TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*(.*?)\s*")
+_UNIT = re.compile(r"[A-Za-zµμ°'\"_][\w µμ°*/^().'\"-]{0,40}")
+_PINT_NAMES = {"1": "dimensionless", "m s-2": "m/s**2", "m s-1": "m/s"}
+
+
+class UnitError(ValueError):
+    """A text is not a value of the quantity; `message` and `fix` say why and what would be."""
+
+    def __init__(self, message: str, fix: str):
+        self.message, self.fix = message, fix
+        super().__init__(f"{message}. {fix}")
+
+
+def read_number(name: str, quantity: Quantity, raw: object) -> float:
+    """Return `raw` (a number, or text with a unit) in the unit of `quantity`.
+
+    Raises
+    ------
+    UnitError
+        If it is no finite number of that kind, or lies outside the quantity's bounds.
+    """
+    if isinstance(raw, bool) or not isinstance(raw, (int, float, str)):
+        raise UnitError(f"{_shown(raw)} is not a number", _how_to_write(name, quantity))
+    if isinstance(raw, str):
+        number = _read_text(name, quantity, raw)
+    else:
+        try:
+            number = float(raw)
+        except OverflowError:
+            number = math.inf
+    if not math.isfinite(number):
+        raise UnitError(f"{_shown(raw)} is not a finite number", _how_to_write(name, quantity))
+    _check_bounds(name, quantity, number)
+    return number + 0.0  # -0.0 and 0.0 are one value
+
+
+def problem(place: str, error: UnitError) -> Problem:
+    """Return the error as a problem at `place`."""
+    return Problem(place, error.message, error.fix)
+
+
+def _read_text(name: str, quantity: Quantity, text: str) -> float:
+    match = _TEXT.fullmatch(text[:200])
+    if match is None:
+        raise UnitError(
+            f"{_shown(text)} is not a number with a unit", _how_to_write(name, quantity)
+        )
+    try:
+        number = Fraction(Decimal(match[1]))
+    except InvalidOperation as error:  # pragma: no cover (the pattern admits decimals only)
+        raise UnitError(f"{_shown(text)} is not a number", _how_to_write(name, quantity)) from error
+    unit = match[2]
+    if unit:
+        number *= _factor(name, quantity, unit)
+    try:
+        return float(number)
+    except OverflowError:
+        return math.inf
+
+
+def _factor(name: str, quantity: Quantity, unit: str) -> Fraction:
+    """Return what one `unit` is in the unit of `quantity`, exactly."""
+    if quantity.unit == "Hz" and unit.replace(" ", "").lower() in PER_MINUTE:
+        return Fraction(1, 60)
+    fix = _how_to_write(name, quantity)
+    if not _UNIT.fullmatch(unit):
+        raise UnitError(f"'{unit[:40]}' is not a unit", fix)
+    try:
+        one = _registry().Quantity(Fraction(1), unit)
+        is_angular = "radian" in dict(one.to_root_units().unit_items())
+    except Exception as error:  # pint raises of many kinds for a malformed unit
+        raise UnitError(f"'{unit}' is not a unit", fix) from error
+    if quantity.unit == "Hz" and is_angular:
+        raise UnitError(
+            f"'{unit}' is an angular velocity, not a frequency", f"Divide by 2 pi; {fix}"
+        )
+    if quantity.is_angle != is_angular:
+        raise UnitError(f"'{unit}' does not measure {quantity.label.lower()}", fix)
+    try:
+        converted = one.to(_PINT_NAMES.get(quantity.unit, quantity.unit)).magnitude
+    except Exception as error:
+        raise UnitError(f"'{unit}' does not measure {quantity.label.lower()}", fix) from error
+    return Fraction(converted)
+
+
+@functools.cache
+def _registry() -> pint.UnitRegistry[Fraction]:
+    import pint  # costs a third of a second, and a study without unit texts does not need it
+
+    return pint.UnitRegistry(non_int_type=Fraction)
+
+
+def _check_bounds(name: str, quantity: Quantity, number: float) -> None:
+    low, high = quantity.lower, quantity.upper
+    if number < low or (quantity.strict and number == low):
+        least = f"greater than {low:g}" if quantity.strict else f"at least {low:g}"
+        raise UnitError(f"{name} is {number:g}{_suffix(quantity)}", f"It must be {least}")
+    if number > high:
+        raise UnitError(f"{name} is {number:g}{_suffix(quantity)}", f"It must be at most {high:g}")
+
+
+def _suffix(quantity: Quantity) -> str:
+    return "" if quantity.unit == "1" else f" {quantity.unit}"
+
+
+def _how_to_write(name: str, quantity: Quantity) -> str:
+    bare = "a plain number" if quantity.unit == "1" else f"a bare number is in {quantity.unit}"
+    if quantity.unit == "1":
+        return f"Write {name} = {quantity.examples[0]} ({bare})"
+    shown = " or ".join(f'"{example}"' for example in quantity.examples)
+    return f"Write {name} = {shown} ({bare})"
+
+
+def _shown(raw: object) -> str:
+    text = repr(raw)
+    return text if len(text) <= 60 else text[:57] + "..."

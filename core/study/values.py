@@ -1,0 +1,189 @@
+"""The values of one parameter: one number, a list of points, or a span.
+
+They are kept as the user wrote them, in the quantity's unit, and become an array only when asked
+for: the size of a sweep is known, and checked, before anything is allocated.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from core.errors import suggestion
+from core.quantities import QUANTITIES, Quantity
+from core.study.units import UnitError, read_number
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+MOST_POINTS = 100_000_000  # of one axis; more is a slip of the pen, and would fill the memory
+RANGE_KEYS = ("start", "stop", "num", "step", "spacing")
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """One value; it makes no axis."""
+
+    value: float
+
+    def canonical(self) -> Any:
+        """Return the plain JSON form, in the quantity's unit."""
+        return self.value
+
+
+@dataclass(frozen=True)
+class Points:
+    """An axis of listed values, strictly increasing or decreasing."""
+
+    values: tuple[float, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of values."""
+        return len(self.values)
+
+    def array(self) -> NDArray[np.float64]:
+        """Return the values, shape (size,)."""
+        import numpy as np
+
+        return np.array(self.values)
+
+    def canonical(self) -> Any:
+        """Return the plain JSON form, in the quantity's unit."""
+        return list(self.values)
+
+
+@dataclass(frozen=True)
+class Span:
+    """An axis of `size` values from `start` to `stop`, both included."""
+
+    start: float
+    stop: float
+    size: int
+    spacing: Literal["linear", "log"] = "linear"
+
+    def array(self) -> NDArray[np.float64]:
+        """Return the values, shape (size,)."""
+        import numpy as np
+
+        if self.spacing == "log":
+            return np.geomspace(self.start, self.stop, self.size)
+        return np.linspace(self.start, self.stop, self.size)
+
+    def canonical(self) -> Any:
+        """Return the plain JSON form, in the quantity's unit."""
+        return {
+            "start": self.start,
+            "stop": self.stop,
+            "num": self.size,
+            "spacing": self.spacing,
+        }
+
+
+Values = Fixed | Points | Span
+
+
+def read_values(name: str, raw: object) -> Values:
+    """Return the values that a user wrote for the parameter `name`.
+
+    Raises
+    ------
+    UnitError
+        If they are no number, list or range of that quantity.
+    """
+    quantity = QUANTITIES[name]
+    if isinstance(raw, Fixed | Points | Span):
+        return raw
+    if isinstance(raw, Mapping):
+        return _read_span(name, quantity, raw)
+    if isinstance(raw, list | tuple):
+        return _read_points(name, quantity, raw)
+    return Fixed(read_number(name, quantity, raw))
+
+
+def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object, ...]) -> Points:
+    if not raw:
+        raise UnitError(f"{name} is an empty list", "Give at least one value")
+    values = tuple(read_number(name, quantity, item) for item in raw)
+    steps = [after - before for before, after in zip(values, values[1:], strict=False)]
+    if 0.0 in steps:
+        repeated = values[steps.index(0.0)]
+        raise UnitError(f"{name} lists {repeated:g} twice", "List each value once")
+    if not (all(step > 0 for step in steps) or all(step < 0 for step in steps)):
+        raise UnitError(f"the values of {name} go up and down", "Sort them")
+    return Points(values)
+
+
+def _read_span(name: str, quantity: Quantity, raw: Mapping[str, object]) -> Span:
+    unknown = [key for key in raw if key not in RANGE_KEYS]
+    if unknown:
+        raise UnitError(
+            f"'{str(unknown[0])[:40]}' is not a key of a range",
+            suggestion(str(unknown[0]), RANGE_KEYS),
+        )
+    if "start" not in raw or "stop" not in raw or ("num" in raw) == ("step" in raw):
+        raise UnitError(
+            f"the range of {name} is incomplete or ambiguous",
+            "Give start and stop, and either num or step",
+        )
+    start = read_number(name, quantity, raw["start"])
+    stop = read_number(name, quantity, raw["stop"])
+    if stop <= start:
+        raise UnitError(
+            f"stop ({stop:g} {quantity.unit}) is not above start ({start:g} {quantity.unit})",
+            "Swap them, or give one value without a range",
+        )
+    spacing = raw.get("spacing", "linear")
+    if spacing == "log":
+        if start <= 0 or "step" in raw:
+            raise UnitError(
+                f"the logarithmic range of {name} needs start above 0 and num", "Give both"
+            )
+    elif spacing != "linear":
+        raise UnitError(
+            f"spacing {str(spacing)[:40]!r} is unknown", "Use 'linear' or 'log', or leave it out"
+        )
+    if "step" in raw:
+        stop, size = _step(name, quantity, start, stop, raw["step"])
+    else:
+        size = _num(name, raw["num"])
+    if size > MOST_POINTS:
+        raise UnitError(
+            f"{name} has {size:,} values",
+            f"One axis holds {MOST_POINTS:,} at most; take a larger step",
+        )
+    return Span(start, stop, size, "log" if spacing == "log" else "linear")
+
+
+def _num(name: str, raw: object) -> int:
+    if isinstance(raw, bool) or not isinstance(raw, int) or raw < 2:
+        raise UnitError(
+            f"num of {name} is {str(raw)[:40]!r}",
+            "It is the number of values: a whole number from 2 up",
+        )
+    return raw
+
+
+def _step(
+    name: str, quantity: Quantity, start: float, stop: float, raw: object
+) -> tuple[float, int]:
+    """Return the last value that whole steps reach, and the number of values."""
+    # A step is a difference: it may be smaller than a strict lower bound allows a value to be.
+    step = read_number(f"step of {name}", _difference(quantity), raw)
+    steps = (stop - start) / step
+    if steps > MOST_POINTS:
+        return stop, int(min(steps, 1e18)) + 1
+    whole = math.floor(steps * (1 + 1e-12) + 1e-12)
+    if whole < 1:
+        raise UnitError(f"the step of {name} is larger than the range", "Take a smaller step")
+    return (stop if abs(steps - whole) < 1e-9 else start + whole * step), whole + 1
+
+
+def _difference(quantity: Quantity) -> Quantity:
+    return Quantity(
+        quantity.unit, quantity.symbol, quantity.label, quantity.description, 0.0, strict=True,
+        examples=quantity.examples,
+    )  # fmt: skip

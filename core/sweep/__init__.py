@@ -1,0 +1,19 @@
+"""Closed-form sweeps: from a study to a plan, a grid, and a labelled dataset."""
+
+from core.sweep.evaluate import evaluate
+from core.sweep.grid import Grid
+from core.sweep.plan import Plan, make_plan
+from core.sweep.prepare import Sweep, prepare, prepare_content
+from core.sweep.run import sweep, tabulate
+
+__all__ = [
+    "Grid",
+    "Plan",
+    "Sweep",
+    "evaluate",
+    "make_plan",
+    "prepare",
+    "prepare_content",
+    "sweep",
+    "tabulate",
+]

@@ -1,0 +1,139 @@
+"""The catalogue: what every scene takes and gives, for people and programs alike."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from core.errors import Problem, StudyError, suggestion
+from core.quantities import QUANTITIES, REGIMES
+from core.scenes import ALIASES, SCENES, Equation, Scene
+from core.study.models import SweepStudy
+from core.sweep.plan import scene_parameters
+
+
+def describe_all() -> list[dict[str, Any]]:
+    """Return one line for each scene: name, title, source, variants."""
+    return [
+        {
+            "name": scene.name,
+            "title": scene.title,
+            "source": scene.source,
+            "variants": list(scene.variants),
+            "default_variant": scene.default_variant,
+        }
+        for scene in SCENES.values()
+    ]
+
+
+def describe(name: str, variant: str | None = None) -> dict[str, Any]:
+    """Return everything about one scene: parameters, outputs, equations, regimes, validity.
+
+    Raises
+    ------
+    StudyError
+        If there is no such scene or variant.
+    """
+    scene = SCENES.get(name)
+    if scene is None:
+        raise StudyError(
+            [Problem("scene", f"'{name[:60]}' is not a scene", suggestion(name, SCENES))]
+        )
+    chosen = variant or scene.default_variant
+    if chosen not in scene.variants:
+        fix = suggestion(chosen, scene.variants)
+        raise StudyError([Problem("variant", f"{name} has no variant '{chosen[:60]}'", fix)])
+    line = next(line for line in describe_all() if line["name"] == name)
+    return {
+        **line,
+        "variant": chosen,
+        "validity": scene.validity,
+        "parameters": [
+            _describe_parameter(scene, parameter) for parameter in scene_parameters(scene, chosen)
+        ],
+        "outputs": [_describe_output(scene, chosen, eq) for eq in scene.variants[chosen]],
+        "regimes": [
+            {
+                "name": regime,
+                "value": REGIMES[regime].value,
+                "description": REGIMES[regime].description,
+                "valid": REGIMES[regime].valid,
+            }
+            for regime in scene_regimes(scene, chosen)
+        ],
+    }
+
+
+def scene_regimes(scene: Scene, variant: str) -> tuple[str, ...]:
+    """Return the regimes that a variant can report, by value."""
+    names = {condition.regime for condition in scene.conditions[variant]}
+    names |= {condition.otherwise for condition in scene.conditions[variant]} - {""}
+    return tuple(sorted(names | {"not_assessed"}, key=lambda name: REGIMES[name].value))
+
+
+def needed_parameters(scene: Scene, variant: str, output: str) -> tuple[str, ...]:
+    """Return the parameters that one output needs, itself, without its regime."""
+    producers = scene.producers(variant)
+    needed: set[str] = set()
+    open_names = [output]
+    while open_names:
+        name = open_names.pop()
+        if name in producers:
+            open_names += producers[name].inputs
+        elif name not in needed:
+            needed.add(name)
+    return tuple(name for name in QUANTITIES if name in needed)
+
+
+def study_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a study, with the names of scenes, variants and outputs."""
+    schema = SweepStudy.model_json_schema()
+    scenes = SCENES.values()
+    outputs = {name for scene in scenes for v in scene.variants for name in scene.outputs(v)}
+    variants = {variant for scene in scenes for variant in scene.variants}
+    properties = schema["properties"]
+    properties["scene"] |= {"enum": list(SCENES)}
+    properties["outputs"]["items"] = {"enum": [name for name in QUANTITIES if name in outputs]}
+    properties["variant"] = {
+        "enum": [*sorted(variants), None],
+        "default": None,
+        "description": properties["variant"]["description"],
+    }
+    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
+    return schema
+
+
+def _describe_parameter(scene: Scene, name: str) -> dict[str, Any]:
+    quantity = QUANTITIES[name]
+    default = scene.defaults.get(name)
+    replaces = [alias.gives for alias in ALIASES if name in alias.inputs]
+    return {
+        "name": name,
+        "symbol": quantity.symbol,
+        "unit": quantity.unit,
+        "description": quantity.description,
+        "lower": None if quantity.lower == -float("inf") else quantity.lower,
+        "lower_excluded": quantity.strict,
+        "upper": None if quantity.upper == float("inf") else quantity.upper,
+        "default": default,
+        "instead_of": replaces,
+        "examples": list(quantity.examples),
+    }
+
+
+def _describe_output(scene: Scene, variant: str, equation: Equation) -> dict[str, Any]:
+    quantity = QUANTITIES[equation.gives]
+    return {
+        "name": equation.gives,
+        "symbol": quantity.symbol,
+        "unit": quantity.unit,
+        "description": quantity.description,
+        "equation": equation.summary,
+        "source": equation.source,
+        "variant": variant if equation.variant == "all" else equation.variant,
+        "parameters": list(needed_parameters(scene, variant, equation.gives)),
+        "regimes": [
+            condition.regime
+            for condition in scene.conditions[variant]
+            if equation.gives in condition.outputs
+        ],
+    }

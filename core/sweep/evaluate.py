@@ -1,0 +1,180 @@
+"""Evaluation of a plan on a grid: arrays in, arrays out, block by block.
+
+Each quantity is computed on its own small grid and once only: an equation runs at the level of the
+innermost sliced axis that it depends on. Blocks keep the working set in the processor's cache and
+the memory bounded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.quantities import REGIMES
+from core.scenes import Equation
+from core.sweep.grid import Grid
+from core.sweep.plan import Plan
+
+BLOCK_CELLS = 32_768  # 256 KiB an array: a handful of them stay in a second-level cache
+
+Arrays = dict[str, NDArray[np.float64]]
+Progress = Callable[[int], object]
+
+
+@dataclass(frozen=True)
+class _Level:
+    """One sliced axis: its name, position, step, and the equations that become computable."""
+
+    axis: str
+    position: int
+    step: int
+    equations: tuple[Equation, ...]
+
+
+def evaluate(
+    plan: Plan,
+    grid: Grid,
+    *,
+    block_cells: int = BLOCK_CELLS,
+    progress: Progress | None = None,
+) -> dict[str, NDArray[np.float64] | NDArray[np.int8]]:
+    """Return the outputs of a plan, each with its own dimensions, in the order of the grid's axes.
+
+    Parameters
+    ----------
+    plan, grid
+        What to compute, and where; every parameter of the plan is on the grid.
+    block_cells : int
+        Largest number of cells that are computed at a time.
+    progress : callable, optional
+        Called after each block with the number of cells done since the last call.
+
+    Returns
+    -------
+    dict of str to ndarray
+        The asked outputs and `regime`; SI units.
+    """
+    depends = plan.depends_on(grid.axes)
+    used = grid.dims(set().union(*(depends[name] for name in (*plan.outputs, "regime"))))
+    sliced = _sliced_axes(used, grid, block_cells)
+    step = max(1, block_cells // grid.size(used[len(sliced) :]))
+    levels = _levels(plan, grid, depends, sliced, step)
+    results: dict[str, NDArray[np.float64] | NDArray[np.int8]] = {
+        name: np.empty(tuple(grid.shape[axis] for axis in grid.dims(depends[name])))
+        for name in plan.outputs
+    }
+    results["regime"] = np.empty(
+        tuple(grid.shape[axis] for axis in grid.dims(depends["regime"])), dtype=np.int8
+    )
+    known = {name: value for name, value in grid.si().items() if name in plan.parameters}
+    known.update({name: np.asarray(value) for name, value in plan.defaults.items()})
+    at_start = [e for e in plan.equations if not depends[e.gives] & set(sliced)]
+    writer = _Writer(plan, grid, depends, results, progress)
+    _descend(levels, 0, _run(at_start, known), {}, writer)
+    return results
+
+
+def _sliced_axes(used: tuple[str, ...], grid: Grid, block_cells: int) -> tuple[str, ...]:
+    """Return the leading axes to slice so that what remains of the grid fits a block."""
+    for count in range(len(used)):
+        if grid.size(used[count:]) <= block_cells:
+            return used[:count]
+    return used
+
+
+def _levels(
+    plan: Plan,
+    grid: Grid,
+    depends: Mapping[str, frozenset[str]],
+    sliced: tuple[str, ...],
+    last_step: int,
+) -> list[_Level]:
+    positions = {name: position for position, name in enumerate(grid.axes)}
+    levels = []
+    for number, axis in enumerate(sliced):
+        later = set(sliced[number + 1 :])
+        equations = tuple(
+            equation
+            for equation in plan.equations
+            if axis in depends[equation.gives] and not depends[equation.gives] & later
+        )
+        step = 1 if later else last_step
+        levels.append(_Level(axis, positions[axis], step, equations))
+    return levels
+
+
+def _run(equations: list[Equation] | tuple[Equation, ...], known: Arrays) -> Arrays:
+    for equation in equations:
+        known[equation.gives] = equation.function(**{n: known[n] for n in equation.inputs})
+    return known
+
+
+def _descend(
+    levels: list[_Level], depth: int, known: Arrays, where: dict[str, slice], writer: _Writer
+) -> None:
+    """Loop over the slices of one axis and hand each to the next level; write at the bottom."""
+    if depth == len(levels):
+        writer.write(known, where)
+        return
+    level = levels[depth]
+    values = known.get(level.axis)
+    size = writer.grid.shape[level.axis]
+    for start in range(0, size, level.step):
+        piece = slice(start, min(start + level.step, size))
+        inner = dict(known)
+        if values is not None:
+            inner[level.axis] = values.take(range(piece.start, piece.stop), axis=level.position)
+        _descend(
+            levels, depth + 1, _run(level.equations, inner), {**where, level.axis: piece}, writer
+        )
+
+
+class _Writer:
+    """Puts the outputs of a block where they belong."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        grid: Grid,
+        depends: Mapping[str, frozenset[str]],
+        results: Mapping[str, NDArray[np.float64] | NDArray[np.int8]],
+        progress: Progress | None,
+    ):
+        self.plan, self.grid, self.results, self.progress = plan, grid, results, progress
+        self.dims = {name: grid.dims(depends[name]) for name in results}
+        self.positions = {name: position for position, name in enumerate(grid.axes)}
+        self.all_dims = grid.dims(set().union(*self.dims.values()))
+
+    def write(self, known: Arrays, where: Mapping[str, slice]) -> None:
+        for name in self.plan.outputs:
+            self._put(name, known[name], where)
+        self._put("regime", regimes(self.plan, known), where)
+        if self.progress is not None:
+            done = [
+                where[axis].stop - where[axis].start if axis in where else self.grid.shape[axis]
+                for axis in self.all_dims
+            ]
+            self.progress(int(np.prod(done, dtype=np.int64)))
+
+    def _put(
+        self, name: str, block: NDArray[np.float64] | NDArray[np.int8], where: Mapping[str, slice]
+    ) -> None:
+        dims = self.dims[name]
+        place = tuple(where.get(axis, slice(None)) for axis in dims)
+        if block.ndim:
+            # The block has every axis of the grid; those that it does not depend on have size 1.
+            dropped = tuple(p for axis, p in self.positions.items() if axis not in dims)
+            block = block.squeeze(axis=dropped)
+        self.results[name][place] = block
+
+
+def regimes(plan: Plan, known: Arrays) -> NDArray[np.int8]:
+    """Return the regime of each cell: the first condition that holds, or what remains."""
+    regime = np.asarray(np.int8(REGIMES[plan.otherwise].value))
+    for condition in reversed(plan.conditions):
+        holds = condition.function(**{name: known[name] for name in condition.inputs})
+        regime = np.where(holds, np.int8(REGIMES[condition.regime].value), regime)
+    return regime

@@ -1,0 +1,90 @@
+"""The grid of a sweep: axes and fixed parameters, and how large outputs on it are."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.quantities import QUANTITIES
+from core.study.values import Fixed, Points, Span, Values
+
+
+def to_si(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return values of a quantity, given in the unit of studies, in the unit of the code."""
+    return np.deg2rad(values) if QUANTITIES[name].is_angle else values
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Ranged and fixed parameters, in the units of studies.
+
+    Attributes
+    ----------
+    axes : mapping of str to Points or Span
+        The ranged parameters, in order.
+    fixed : mapping of str to float
+        The others.
+    """
+
+    axes: Mapping[str, Points | Span]
+    fixed: Mapping[str, float]
+
+    @classmethod
+    def of(cls, values: Mapping[str, Values]) -> Grid:
+        """Return the grid of a study's values."""
+        return cls(
+            {name: value for name, value in values.items() if not isinstance(value, Fixed)},
+            {name: value.value for name, value in values.items() if isinstance(value, Fixed)},
+        )
+
+    @cached_property
+    def shape(self) -> dict[str, int]:
+        """Number of values of each axis."""
+        return {name: axis.size for name, axis in self.axes.items()}
+
+    @cached_property
+    def cells(self) -> int:
+        """Number of points of the whole grid."""
+        return math.prod(self.shape.values())
+
+    def dims(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Return the named axes in the grid's order."""
+        wanted = set(names)
+        return tuple(name for name in self.axes if name in wanted)
+
+    def size(self, dims: Iterable[str]) -> int:
+        """Return the number of points over the named axes."""
+        return math.prod(self.shape[name] for name in dims)
+
+    def coordinate(self, name: str) -> NDArray[np.float64]:
+        """Return the values of an axis as a user reads them, shape (size,)."""
+        return self.axes[name].array()
+
+    def bounds(self, name: str) -> tuple[float, float]:
+        """Return the least and largest value of a parameter, SI units."""
+        if name in self.fixed:
+            ends = np.array([self.fixed[name]])
+        else:
+            axis = self.axes[name]
+            ends = np.array([axis.start, axis.stop] if isinstance(axis, Span) else axis.values)
+        ends = to_si(name, ends)
+        return float(ends.min()), float(ends.max())
+
+    def si(self) -> dict[str, NDArray[np.float64]]:
+        """Return all parameters in the units of the code.
+
+        An axis has as many dimensions as the grid, of size 1 but for its own: arrays that depend
+        on different axes then broadcast by themselves, and a result has exactly the dimensions
+        that it depends on.
+        """
+        known = {name: to_si(name, np.asarray(value)) for name, value in self.fixed.items()}
+        for position, name in enumerate(self.axes):
+            shape = [1] * len(self.axes)
+            shape[position] = -1
+            known[name] = to_si(name, self.coordinate(name)).reshape(shape)
+        return known

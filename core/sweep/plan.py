@@ -1,0 +1,227 @@
+"""The plan: the equations of one scene that the asked outputs pull, in order, and no others."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from core.errors import Problem, StudyError, suggestion
+from core.quantities import QUANTITIES, REGIMES
+from core.scenes import ALIASES, SCENES, Condition, Equation, Scene
+
+# Parameters that may be given in another way; the error for a missing one names the way to write.
+WRITTEN_AS = {"friction_static": "friction", "friction_kinetic": "friction"}
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What runs for a set of outputs.
+
+    Attributes
+    ----------
+    scene : Scene
+        The scene.
+    variant : str
+        The variant in force.
+    outputs : tuple of str
+        The asked outputs, without `regime`.
+    equations : tuple of Equation
+        The equations to run, each after those that it needs.
+    conditions : tuple of Condition
+        The conditions that tell the regime, most serious first.
+    parameters : tuple of str
+        The given parameters that the equations and conditions need.
+    defaults : mapping of str to float
+        Values that stand in for what is not given, SI units.
+    """
+
+    scene: Scene
+    variant: str
+    outputs: tuple[str, ...]
+    equations: tuple[Equation, ...]
+    conditions: tuple[Condition, ...]
+    parameters: tuple[str, ...]
+    defaults: Mapping[str, float]
+
+    @cached_property
+    def regimes(self) -> tuple[str, ...]:
+        """The regimes that cells of this plan can have, by value."""
+        names = {condition.regime for condition in self.conditions} | {self.otherwise}
+        return tuple(sorted(names, key=lambda name: REGIMES[name].value))
+
+    @cached_property
+    def otherwise(self) -> str:
+        """The regime of cells for which no condition holds."""
+        said = [condition.otherwise for condition in self.conditions if condition.otherwise]
+        return said[-1] if said else "not_assessed"
+
+    def depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
+        """Return, for each quantity of the plan, the axes that it depends on."""
+        known = {name: frozenset({name} & set(axes)) for name in self.parameters}
+        known.update(dict.fromkeys(self.defaults, frozenset()))
+        for equation in self.equations:
+            known[equation.gives] = frozenset().union(*(known[name] for name in equation.inputs))
+        tried = [known[name] for condition in self.conditions for name in condition.inputs]
+        known["regime"] = frozenset().union(*tried)
+        return known
+
+
+def make_plan(
+    scene_name: str, variant: str | None, outputs: Collection[str], given: Collection[str]
+) -> Plan:
+    """Return the plan of the outputs, given the names of the parameters of a study.
+
+    Raises
+    ------
+    StudyError
+        With every problem: unknown scene, variant or output, missing and unused parameters.
+    """
+    scene = SCENES.get(scene_name)
+    if scene is None:
+        message = f"'{scene_name}' is not a scene"
+        raise StudyError([Problem("scene", message, suggestion(scene_name, SCENES))])
+    if variant is not None and variant not in scene.variants:
+        message = f"{scene.name} has no variant '{variant}'"
+        raise StudyError([Problem("variant", message, suggestion(variant, scene.variants))])
+    variant = variant or scene.default_variant
+    problems = [
+        *(
+            _unknown_output(scene, variant, name)
+            for name in outputs
+            if name not in scene.outputs(variant)
+        ),
+        *_doubled_friction(given),
+    ]
+    known_outputs = tuple(name for name in dict.fromkeys(outputs) if name in scene.outputs(variant))
+    walk = _Walk(scene, variant, frozenset(given))
+    for name in known_outputs:
+        if name != "regime":
+            walk.visit(name)
+    conditions = tuple(
+        condition
+        for condition in scene.conditions[variant]
+        if condition.outputs & set(known_outputs)
+    )
+    for condition in conditions:
+        for name in condition.inputs:
+            walk.visit(name, condition.regime)
+    problems += [_missing(scene, name, user) for name, user in walk.missing.items()]
+    if known_outputs:  # otherwise nothing is known to be used, and every parameter would be blamed
+        used = [name for name in given if name in walk.used]
+        problems += [
+            _unused(scene, variant, name, known_outputs) for name in given if name not in used
+        ]
+    if problems:
+        raise StudyError(problems)
+    return Plan(
+        scene,
+        variant,
+        tuple(name for name in known_outputs if name != "regime"),
+        tuple(walk.equations),
+        conditions,
+        tuple(name for name in given if name in walk.used),
+        walk.defaults,
+    )
+
+
+class _Walk:
+    """Walks back from outputs to parameters; collects what it meets."""
+
+    def __init__(self, scene: Scene, variant: str, given: frozenset[str]):
+        self.given = given
+        self.scene_defaults = scene.defaults
+        self.producers = scene.producers(variant)
+        self.aliases = {alias.gives: alias for alias in ALIASES}
+        self.equations: list[Equation] = []
+        self.defaults: dict[str, float] = {}
+        self.used: set[str] = set()
+        self.missing: dict[str, str] = {}  # parameter: who needs it
+        self.visited: set[str] = set()
+
+    def visit(self, name: str, user: str = "") -> None:
+        if name in self.visited:
+            return
+        self.visited.add(name)
+        equation = self._producer(name)
+        if name in self.given:
+            self.used.add(name)
+        elif equation is not None:
+            for needed in equation.inputs:
+                self.visit(needed, name)
+            self.equations.append(equation)
+        elif name in self.scene_defaults:
+            self.defaults[name] = self.scene_defaults[name]
+        else:
+            self.missing[name] = user
+
+    def _producer(self, name: str) -> Equation | None:
+        """Return the equation to run for a quantity that is not given, if any."""
+        alias = self.aliases.get(name)
+        if alias is not None and set(alias.inputs) <= self.given:
+            return alias
+        equation = self.producers.get(name)
+        if equation is not None and name in self.scene_defaults:
+            # A default of a derived quantity: the equation runs only if the study speaks of it.
+            return equation if set(equation.inputs) & self.given else None
+        return equation
+
+
+def _unknown_output(scene: Scene, variant: str, name: str) -> Problem:
+    others = [v for v in scene.variants if name in scene.outputs(v)]
+    if others:
+        return Problem(
+            "outputs",
+            f"the variant '{variant}' of {scene.name} does not give '{name}'",
+            f"Set variant to {' or '.join(others)}",
+        )
+    return Problem(
+        "outputs",
+        f"{scene.name} has no output '{name[:60]}'",
+        suggestion(name, scene.outputs(variant)),
+    )
+
+
+def _doubled_friction(given: Collection[str]) -> list[Problem]:
+    problems = []
+    for name, others in (
+        ("friction", ("friction_static", "friction_kinetic")),
+        ("peak_to_peak", ("amplitude",)),
+    ):
+        doubled = [other for other in others if name in given and other in given]
+        if doubled:
+            problems.append(
+                Problem(
+                    f"parameters.{name}",
+                    f"it stands beside {' and '.join(doubled)}",
+                    f"Give either {name} or {' and '.join(others)}",
+                )
+            )
+    return problems
+
+
+def _missing(scene: Scene, name: str, user: str) -> Problem:
+    written = WRITTEN_AS.get(name, name)
+    quantity = QUANTITIES[written]
+    needed = f"{user.replace('_', ' ')} of {scene.name} needs it"
+    return Problem(
+        f"parameters.{written}",
+        f"it is missing; {needed} ({quantity.description[0].lower()}{quantity.description[1:-1]})",
+        f'Add, for example, {written} = "{quantity.examples[0]}"',
+    )
+
+
+def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> Problem:
+    takes_part = name in scene_parameters(scene, variant)
+    what = f"{', '.join(outputs)} of {scene.name}" if takes_part else scene.name
+    return Problem(f"parameters.{name}", f"{name} is not used by {what}", "Remove it")
+
+
+def scene_parameters(scene: Scene, variant: str) -> tuple[str, ...]:
+    """Return every parameter that some output or condition of a variant can use."""
+    parts = (*scene.variants[variant], *scene.conditions[variant])
+    needed = {name for part in parts for name in part.inputs}
+    for alias in ALIASES:
+        if alias.gives in needed:
+            needed |= set(alias.inputs)
+    return tuple(name for name in QUANTITIES if name in needed and QUANTITIES[name].parameter)

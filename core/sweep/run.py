@@ -1,0 +1,95 @@
+"""Carrying out a sweep: evaluate, then label."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import core
+from core.dataset.table import (
+    CONVENTIONS,
+    REFERENCES,
+    Table,
+    Variable,
+    quantity_attributes,
+    regime_attributes,
+)
+from core.quantities import QUANTITIES
+from core.sweep.evaluate import Progress, evaluate
+from core.sweep.prepare import Sweep, prepare
+
+if TYPE_CHECKING:
+    import xarray
+
+    from core.study import SweepStudy
+
+
+def sweep(study: SweepStudy) -> xarray.Dataset:
+    """Return the dataset of a sweep study.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from core.study import load_study
+    >>> from core.sweep import sweep
+    >>> dataset = sweep(load_study(Path("configs/figures/fig-5-1.toml")))
+    """
+    return tabulate(prepare(study)).to_xarray()
+
+
+def tabulate(prepared: Sweep, *, progress: Progress | None = None) -> Table:
+    """Return the labelled outputs of a prepared sweep; `progress` as in `evaluate`."""
+    plan, grid = prepared.plan, prepared.grid
+    arrays = evaluate(plan, grid, progress=progress)
+    equations = {equation.gives: equation for equation in plan.equations}
+    coordinates = {
+        name: Variable((name,), grid.coordinate(name), quantity_attributes(name))
+        for name in grid.axes
+    }
+    fixed = {name: value for name, value in grid.fixed.items() if name in plan.parameters}
+    fixed |= {name: _edge(name, value) for name, value in plan.defaults.items()}
+    coordinates |= {
+        name: Variable((), np.asarray(value, dtype=np.float64), quantity_attributes(name))
+        for name, value in fixed.items()
+    }
+    variables = {
+        name: Variable(
+            prepared.dims[name],
+            arrays[name],
+            quantity_attributes(
+                name,
+                equation=equations[name].source,
+                variant=plan.variant
+                if equations[name].variant == "all"
+                else equations[name].variant,
+            ),
+        )
+        for name in plan.outputs
+    }
+    variables["regime"] = Variable(
+        prepared.dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
+    )
+    return Table(coordinates, variables, _global_attributes(prepared))
+
+
+def _edge(name: str, value: float) -> float:
+    return float(np.rad2deg(value)) if QUANTITIES[name].is_angle else value
+
+
+def _global_attributes(prepared: Sweep) -> dict[str, str]:
+    study, plan = prepared.study, prepared.plan
+    attributes = {
+        "Conventions": CONVENTIONS,
+        "title": study.title or plan.scene.title,
+        "source": f"vibrafeed {core.__version__}, closed-form equations",
+        "references": REFERENCES,
+        "comment": plan.scene.validity,
+        "scene": plan.scene.name,
+        "variant": plan.variant,
+        "study": study.canonical(),
+        "study_sha256": study.key(),
+    }
+    if study.notes:
+        attributes["notes"] = study.notes
+    return attributes
