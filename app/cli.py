@@ -6,7 +6,7 @@ Every command imports what it needs when it runs: `vibrafeed scenes` loads no Ne
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
@@ -259,7 +259,7 @@ def _fixed(text: str) -> tuple[str, str]:
     return name.strip(), value.strip()
 
 
-def _refuse(wrong: dict[Path, Sequence[Problem]]) -> NoReturn:
+def _refuse(wrong: Mapping[Path, Sequence[Problem]]) -> NoReturn:
     """Print every problem of every file on the error stream, and exit with code 2."""
     for path, problems in wrong.items():
         count = len(problems)

@@ -127,7 +127,7 @@ QUANTITIES: dict[str, Quantity] = {
         "mu_k", "Kinetic friction coefficient", "Coulomb friction coefficient in sliding."
     ),
     # --- parameters: the part
-    "width": _length("a", "Part width", "Width of the rectangular part, across the track.", "10 mm"),
+    "width": _length("a", "Part width", "Width of the rectangular part, across.", "10 mm"),
     "height": _length("b", "Part height", "Height of the rectangular part.", "1.5 mm"),
     "length": _length("h", "Part length", "Length of the part, along the track.", "50 mm"),
     "diameter": _length("d", "Part diameter", "Diameter of the cylindrical part.", "8 mm"),
@@ -183,7 +183,7 @@ QUANTITIES: dict[str, Quantity] = {
         "n", "Floor normal force per mass", "Floor normal force per mass that the variant uses."
     ),
     "centripetal_acceleration": _acceleration(
-        "v^2/R", "Centripetal acceleration", "Acceleration across the track that the curve asks for."
+        "v^2/R", "Centripetal acceleration", "Acceleration that the curve asks for."
     ),
     # --- accelerations
     "in_plane_drive_x": _acceleration(
@@ -251,10 +251,10 @@ QUANTITIES: dict[str, Quantity] = {
         "m", "x(t)", "Distance at the time", "Distance after the given time, drive at its peak."
     ),
     "stopping_distance": Quantity(
-        "m", "x_s", "Stopping distance", "Distance until the part stops, where the drive is too weak."
+        "m", "x_s", "Stopping distance", "Distance until the part stops, if it does."
     ),
     "stopping_time": Quantity(
-        "s", "t_s", "Stopping time", "Time until the part stops, where the drive is too weak."
+        "s", "t_s", "Stopping time", "Time until the part stops, if it does."
     ),
     "velocity_bound": _velocity(
         "v_b", "Track speed bound",
@@ -282,7 +282,7 @@ QUANTITIES: dict[str, Quantity] = {
     "chord_cosine": Quantity(
         "1", "cos(sigma)", "Chord cosine", "Cosine of the angle between part and wall at a corner."
     ),
-    "wall_speed": _velocity("v_wall", "Wall contact speed", "Least speed that keeps the wall contact."),
+    "wall_speed": _velocity("v_wall", "Wall contact speed", "Least speed with wall contact."),
     "z_residual": _acceleration(
         "az_residual", "Residual of the vertical balance",
         "What the model leaves in the force balance normal to the floor, per mass.",

@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from core.dataset.table import Table, Variable
 if TYPE_CHECKING:
     import netCDF4
 
-COMPRESSION_LEVEL = 1  # higher levels take up to three times as long to save a few per cent
+COMPRESSION_LEVEL: Final = 1  # higher levels take up to three times as long to save a few per cent
 
 
 def write_netcdf(

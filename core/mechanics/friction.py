@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, ratio
+from core.mechanics.arrays import Array, Mask, ratio
 
 
 def friction_static(*, friction: Array) -> Array:
@@ -41,7 +41,7 @@ def per_axis_acceleration_y(
     return in_plane_drive_y - friction_kinetic * normal_acceleration
 
 
-def is_stuck(*, in_plane_drive: Array, friction_static: Array, floor_acceleration: Array) -> Array:
+def is_stuck(*, in_plane_drive: Array, friction_static: Array, floor_acceleration: Array) -> Mask:
     """Return where static friction holds a part at rest: |D| <= mu_s n, n > 0."""
     return (in_plane_drive <= friction_static * floor_acceleration) & (floor_acceleration > 0)
 
@@ -129,11 +129,11 @@ def pressure_offset_y(
     return height / 2 * share
 
 
-def tips_x(*, pressure_offset_x: Array, length: Array) -> Array:
+def tips_x(*, pressure_offset_x: Array, length: Array) -> Mask:
     """Return where the floor resultant leaves the base along x: the part tips."""
     return np.abs(pressure_offset_x) > length / 2
 
 
-def tips_y(*, pressure_offset_y: Array, width: Array) -> Array:
+def tips_y(*, pressure_offset_y: Array, width: Array) -> Mask:
     """Return where the floor resultant leaves the base along y: the part tips."""
     return np.abs(pressure_offset_y) > width / 2

@@ -36,7 +36,7 @@ def is_rolling(
     in_plane_drive_y: Array,
     friction_static: Array,
     floor_acceleration: Array,
-) -> Array:
+) -> Mask:
     """Return where the contact line does not slip: hypot(D_x, D_y/3) <= mu_s n, n > 0."""
     held = np.hypot(in_plane_drive_x, in_plane_drive_y / 3) <= friction_static * floor_acceleration
     return held & (floor_acceleration > 0)
@@ -48,7 +48,7 @@ def is_at_rest(
     in_plane_drive_y: Array,
     friction_static: Array,
     floor_acceleration: Array,
-) -> Array:
+) -> Mask:
     """Return where the cylinder stays at rest: no slip, and nothing that makes it roll."""
     held = np.abs(in_plane_drive_x) <= friction_static * floor_acceleration
     return held & (in_plane_drive_y == 0) & (floor_acceleration > 0)

@@ -13,6 +13,7 @@ import numpy as np
 
 from core.mechanics.arrays import (
     Array,
+    Mask,
     arctan_quotient,
     expm1_quotient,
     log1p_quotient,
@@ -93,7 +94,7 @@ def travel_time(
     kq = k * q
     near = np.minimum(kq, 0.5)
     direct = q * np.where(K > 0, ratio(np.arctanh(near), near, 1.0), arctan_quotient(kq))
-    lag = -(-np.expm1(-s)) * ratio(v0, v0 + v, 0.0)
+    lag = np.expm1(-s) * ratio(v0, v0 + v, 0.0)
     logarithms = np.log1p(kq) + s / 2 + np.log1p(lag)
     far = (K > 0) & (kq > 0.5)
     time = np.where(far, ratio(logarithms, k, 0.0), direct)
@@ -214,36 +215,36 @@ def distance_bound(
     return np.where(reached, free * log1p_quotient(-np.where(reached, z, 0.0)), np.inf)
 
 
-def does_not_start(*, starting_acceleration: Array, speed: Array) -> Array:
+def does_not_start(*, starting_acceleration: Array, speed: Array) -> Mask:
     """Return where no forward motion arises: K <= 0 from rest."""
     return (starting_acceleration <= 0) & (speed == 0)
 
 
-def stops_before_distance(*, stopping_distance: Array, distance: Array) -> Array:
+def stops_before_distance(*, stopping_distance: Array, distance: Array) -> Mask:
     """Return where the part stops before, or at, the distance."""
     return stopping_distance <= distance
 
 
-def stops_before_time(*, stopping_time: Array, time: Array) -> Array:
+def stops_before_time(*, stopping_time: Array, time: Array) -> Mask:
     """Return where the part stops before, or at, the time."""
     return stopping_time <= time
 
 
-def exceeds_track_speed(*, transport_velocity: Array, velocity_bound: Array) -> Array:
+def exceeds_track_speed(*, transport_velocity: Array, velocity_bound: Array) -> Mask:
     """Return where (3.18) exceeds the largest speed of the track, which friction cannot do."""
     return transport_velocity > velocity_bound
 
 
-def grows_without_bound(*, starting_acceleration: Array, friction_kinetic: Array) -> Array:
+def grows_without_bound(*, starting_acceleration: Array, friction_kinetic: Array) -> Mask:
     """Return where no terminal velocity exists: drive without friction."""
     return (starting_acceleration > 0) & (friction_kinetic == 0)
 
 
-def never_stops(*, stopping_distance: Array) -> Array:
+def never_stops(*, stopping_distance: Array) -> Mask:
     """Return where the part never stops."""
     return np.isinf(stopping_distance)
 
 
-def never_reaches_track_speed(*, distance_bound: Array) -> Array:
+def never_reaches_track_speed(*, distance_bound: Array) -> Mask:
     """Return where (3.18) never reaches the largest speed of the track."""
     return np.isinf(distance_bound)

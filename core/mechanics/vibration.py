@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, compensated_sum
+from core.mechanics.arrays import Array, Mask, compensated_sum
 
 
 def amplitude(*, peak_to_peak: Array) -> Array:
@@ -84,7 +84,7 @@ def in_plane_drive(*, in_plane_drive_x: Array, in_plane_drive_y: Array) -> Array
     return np.hypot(in_plane_drive_x, in_plane_drive_y)
 
 
-def has_left_floor(*, normal_acceleration: Array) -> Array:
+def has_left_floor(*, normal_acceleration: Array) -> Mask:
     """Return where the part has left the floor: n0 <= 0."""
     return normal_acceleration <= 0
 

@@ -34,8 +34,8 @@ SCENE = Scene(
     name="rectangle-on-plane",
     title="Rectangular part on a horizontal or inclined plane",
     source="3.2.2, 3.2.3",
-    validity="A snapshot at the drive's peak for a part at rest relative to the track; no rotation. "
-    "Closed forms describe the part only while the throw number is below 1.",
+    validity="A snapshot at the drive's peak for a part at rest relative to the track; it does not "
+    "rotate. Closed forms describe the part only while the throw number is below 1.",
     variants={
         "thesis": (*PLANE, *PER_AXIS),
         "derived": (*PLANE, *PER_AXIS),

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.mechanics import travel, vibration
-from core.mechanics.arrays import Array, compensated_sum, ratio
+from core.mechanics.arrays import Array, Mask, compensated_sum, ratio
 from core.scenes.planar import DRIVE
 from core.scenes.scene import (
     STANDARD_GRAVITY,
@@ -204,40 +204,40 @@ def is_held(
     wall_acceleration: Array,
     friction_static: Array,
     speed: Array,
-) -> Array:
+) -> Mask:
     """Return where friction of floor and wall holds a part at rest: |D_x| <= mu_s (n + s)."""
     load = floor_acceleration + wall_acceleration
     return (speed == 0) & (np.abs(in_plane_drive_x) <= friction_static * load) & (load > 0)
 
 
-def has_left_wall(*, wall_balance: Array) -> Array:
+def has_left_wall(*, wall_balance: Array) -> Mask:
     """Return where the part has left the wall: B < 0."""
     return wall_balance < 0
 
 
-def has_left_floor_and_wall(*, normal_acceleration: Array, wall_balance: Array) -> Array:
+def has_left_floor_and_wall(*, normal_acceleration: Array, wall_balance: Array) -> Mask:
     """Return where the part has left floor and wall."""
     return (normal_acceleration <= 0) & (wall_balance < 0)
 
 
-def presses_wall(*, wall_balance: Array) -> Array:
+def presses_wall(*, wall_balance: Array) -> Mask:
     """Return where the part presses on the wall, so that the forces of (3.15) leave the cone."""
     return wall_balance > 0
 
 
-def topples_on_wall(*, width: Array, height: Array, friction_static: Array) -> Array:
+def topples_on_wall(*, width: Array, height: Array, friction_static: Array) -> Mask:
     """Return where (3.16) does not hold: 2b <= mu_s a."""
     return 2 * height <= friction_static * width
 
 
 def rear_corner_lifts(
     *, width: Array, length: Array, radius: Array, friction_kinetic: Array
-) -> Array:
+) -> Mask:
     """Return where not both corners touch the wall: h <= mu_k a, or h >= 2R."""
     return (length <= friction_kinetic * width) | (length >= 2 * radius)
 
 
-def tips(*, pressure_offset_x: Array, length: Array) -> Array:
+def tips(*, pressure_offset_x: Array, length: Array) -> Mask:
     """Return where the floor resultant leaves the base along the track: the part tips."""
     return np.abs(pressure_offset_x) > length / 2
 

@@ -7,14 +7,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
+from typing import Any
+
+from numpy.typing import NDArray
 
 from core.errors import SceneError
-from core.mechanics.arrays import Array
 from core.mechanics.friction import friction_kinetic, friction_static
 from core.mechanics.vibration import amplitude
 from core.quantities import QUANTITIES, REGIMES
 
-Function = Callable[..., Array]
+Function = Callable[..., NDArray[Any]]
 
 
 def _inputs(function: Function) -> tuple[str, ...]:
@@ -186,7 +188,8 @@ class Scene:
         if twice:
             raise SceneError(f"{where}: two equations give {sorted(twice)}")
         conditions = self.conditions[variant]
-        needed = {name for part in (*equations, *conditions) for name in part.inputs}
+        parts: tuple[Equation | Condition, ...] = (*equations, *conditions)
+        needed = {name for part in parts for name in part.inputs}
         undeclared = (needed | set(gives)) - set(QUANTITIES)
         undeclared |= {condition.regime for condition in conditions} - set(REGIMES)
         if undeclared:

@@ -125,11 +125,17 @@ class SweepStudy(_Frozen):
         given = self.parameters.model_fields_set
         return {name: getattr(self.parameters, name) for name in PARAMETERS if name in given}
 
-    def canonical(self) -> str:
-        """Return the study as JSON that equal studies share to the letter."""
+    def content(self) -> dict[str, Any]:
+        """Return the study as plain values, ranges and units in one form."""
         content = self.model_dump(exclude_none=True, exclude={"parameters"})
         content["parameters"] = {name: values.canonical() for name, values in self.values().items()}
-        return json.dumps(content, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+        return content
+
+    def canonical(self) -> str:
+        """Return the study as JSON that equal studies share to the letter."""
+        return json.dumps(
+            self.content(), separators=(",", ":"), ensure_ascii=False, allow_nan=False
+        )
 
     def key(self) -> str:
         """Return the SHA-256 of the canonical form, in hexadecimal."""

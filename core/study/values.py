@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
 from core.errors import suggestion
@@ -108,7 +109,7 @@ def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object
     if not raw:
         raise UnitError(f"{name} is an empty list", "Give at least one value")
     values = tuple(read_number(name, quantity, item) for item in raw)
-    steps = [after - before for before, after in zip(values, values[1:], strict=False)]
+    steps = [after - before for before, after in pairwise(values)]
     if 0.0 in steps:
         repeated = values[steps.index(0.0)]
         raise UnitError(f"{name} lists {repeated:g} twice", "List each value once")

@@ -56,6 +56,10 @@ class Plan:
         said = [condition.otherwise for condition in self.conditions if condition.otherwise]
         return said[-1] if said else "not_assessed"
 
+    def only(self, output: str) -> Plan:
+        """Return the plan of one of the outputs alone, with the parameters that it needs."""
+        return _Walk(self.scene, self.variant, self.parameters, (output,)).plan()
+
     def depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
         """Return, for each quantity of the plan, the axes that it depends on."""
         known = {name: frozenset({name} & set(axes)) for name in self.parameters}
@@ -94,42 +98,23 @@ def make_plan(
         *_doubled_friction(given),
     ]
     known_outputs = tuple(name for name in dict.fromkeys(outputs) if name in scene.outputs(variant))
-    walk = _Walk(scene, variant, frozenset(given))
-    for name in known_outputs:
-        if name != "regime":
-            walk.visit(name)
-    conditions = tuple(
-        condition
-        for condition in scene.conditions[variant]
-        if condition.outputs & set(known_outputs)
-    )
-    for condition in conditions:
-        for name in condition.inputs:
-            walk.visit(name, condition.regime)
+    walk = _Walk(scene, variant, given, known_outputs)
     problems += [_missing(scene, name, user) for name, user in walk.missing.items()]
     if known_outputs:  # otherwise nothing is known to be used, and every parameter would be blamed
-        used = [name for name in given if name in walk.used]
-        problems += [
-            _unused(scene, variant, name, known_outputs) for name in given if name not in used
-        ]
+        unused = (name for name in given if name not in walk.used)
+        problems += [_unused(scene, variant, name, known_outputs) for name in unused]
     if problems:
         raise StudyError(problems)
-    return Plan(
-        scene,
-        variant,
-        tuple(name for name in known_outputs if name != "regime"),
-        tuple(walk.equations),
-        conditions,
-        tuple(name for name in given if name in walk.used),
-        walk.defaults,
-    )
+    return walk.plan()
 
 
 class _Walk:
     """Walks back from outputs to parameters; collects what it meets."""
 
-    def __init__(self, scene: Scene, variant: str, given: frozenset[str]):
-        self.given = given
+    def __init__(
+        self, scene: Scene, variant: str, given: Collection[str], outputs: tuple[str, ...]
+    ):
+        self.scene, self.variant, self.given, self.outputs = scene, variant, given, outputs
         self.scene_defaults = scene.defaults
         self.producers = scene.producers(variant)
         self.aliases = {alias.gives: alias for alias in ALIASES}
@@ -138,6 +123,26 @@ class _Walk:
         self.used: set[str] = set()
         self.missing: dict[str, str] = {}  # parameter: who needs it
         self.visited: set[str] = set()
+        self.conditions = tuple(
+            condition for condition in scene.conditions[variant] if condition.outputs & set(outputs)
+        )
+        for name in outputs:
+            if name != "regime":
+                self.visit(name)
+        for condition in self.conditions:
+            for name in condition.inputs:
+                self.visit(name, condition.regime)
+
+    def plan(self) -> Plan:
+        return Plan(
+            self.scene,
+            self.variant,
+            tuple(name for name in self.outputs if name != "regime"),
+            tuple(self.equations),
+            self.conditions,
+            tuple(name for name in self.given if name in self.used),
+            self.defaults,
+        )
 
     def visit(self, name: str, user: str = "") -> None:
         if name in self.visited:
@@ -158,12 +163,12 @@ class _Walk:
     def _producer(self, name: str) -> Equation | None:
         """Return the equation to run for a quantity that is not given, if any."""
         alias = self.aliases.get(name)
-        if alias is not None and set(alias.inputs) <= self.given:
+        if alias is not None and set(alias.inputs) <= set(self.given):
             return alias
         equation = self.producers.get(name)
         if equation is not None and name in self.scene_defaults:
             # A default of a derived quantity: the equation runs only if the study speaks of it.
-            return equation if set(equation.inputs) & self.given else None
+            return equation if set(equation.inputs) & set(self.given) else None
         return equation
 
 
@@ -219,7 +224,7 @@ def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> 
 
 def scene_parameters(scene: Scene, variant: str) -> tuple[str, ...]:
     """Return every parameter that some output or condition of a variant can use."""
-    parts = (*scene.variants[variant], *scene.conditions[variant])
+    parts: tuple[Equation | Condition, ...] = (*scene.variants[variant], *scene.conditions[variant])
     needed = {name for part in parts for name in part.inputs}
     for alias in ALIASES:
         if alias.gives in needed:

@@ -50,7 +50,8 @@ class Sweep:
         longest = max(self.grid.shape, key=lambda name: self.grid.shape[name])
         fitting = int(self.grid.shape[longest] * share)
         if fitting >= 2:
-            return f"It fits with {fitting:,} instead of {self.grid.shape[longest]:,} values of {longest}"
+            points = self.grid.shape[longest]
+            return f"It fits with {fitting:,} instead of {points:,} values of {longest}"
         axes = len(self.grid.shape)
         each = int((self.cells * share) ** (1 / axes))
         if each >= 2:

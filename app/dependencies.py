@@ -1,0 +1,38 @@
+"""What routes take from a request: settings, the store, the body within its limit."""
+
+from __future__ import annotations
+
+from typing import Annotated, cast
+
+from fastapi import Depends, Request
+
+from app.errors import TooLargeError
+from app.settings import Settings
+from app.store import SweepStore
+
+
+def settings_of(request: Request) -> Settings:
+    """Return the settings that the app was made with."""
+    return cast(Settings, request.app.state.settings)
+
+
+def store_of(request: Request) -> SweepStore:
+    """Return the app's store."""
+    return cast(SweepStore, request.app.state.store)
+
+
+async def body_of(request: Request) -> bytes:
+    """Return the body; raise `TooLargeError` as soon as it outgrows the limit."""
+    limit = settings_of(request).max_body_bytes
+    pieces, size = [], 0
+    async for piece in request.stream():
+        size += len(piece)
+        if size > limit:
+            raise TooLargeError(f"A body may hold {limit:,} bytes; this one holds more.")
+        pieces.append(piece)
+    return b"".join(pieces)
+
+
+SettingsOf = Annotated[Settings, Depends(settings_of)]
+StoreOf = Annotated[SweepStore, Depends(store_of)]
+Body = Annotated[bytes, Depends(body_of)]

@@ -1,0 +1,45 @@
+"""The catalogue of scenes."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Path, Query
+from fastapi.responses import Response
+
+from app.errors import NotFoundError
+from app.routes import json_reply, problems
+from core.scenes import SCENES
+from core.sweep.catalogue import describe, describe_all, study_schema
+
+router = APIRouter(tags=["scenes"])
+
+
+@router.get("/scenes", summary="List the scenes", response_model=list[dict[str, Any]])
+def list_scenes() -> Response:
+    """Return one line for each scene: name, title, source, variants."""
+    return json_reply(describe_all())
+
+
+@router.get(
+    "/scenes/{name}",
+    summary="Describe a scene",
+    response_model=dict[str, Any],
+    responses=problems(s404="No such scene", s422="No such variant"),
+)
+def describe_scene(
+    name: Annotated[str, Path(max_length=100)],
+    variant: Annotated[
+        str | None, Query(max_length=100, description="The scene's default if left out.")
+    ] = None,
+) -> Response:
+    """Return parameters, outputs, units, equations, regimes and validity of a scene."""
+    if name not in SCENES:
+        raise NotFoundError(f"There is no scene '{name}'. GET /scenes lists them.")
+    return json_reply(describe(name, variant))
+
+
+@router.get("/schema", summary="JSON Schema of a study", response_model=dict[str, Any])
+def schema() -> Response:
+    """Return the JSON Schema of a study, as `vibrafeed schema` prints it."""
+    return json_reply(study_schema())

@@ -1,0 +1,26 @@
+"""The settings of the service, all in one place, read from the environment (`VIBRAFEED_...`)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pydantic import Field
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+
+class Settings(BaseSettings):
+    """Settings and their safe defaults."""
+
+    model_config = SettingsConfigDict(env_prefix="VIBRAFEED_", frozen=True, extra="forbid")
+
+    data_directory: Path = Field(
+        Path("data"), description="Where sweeps and their files are kept; made if missing."
+    )
+    max_body_bytes: int = Field(default=1_000_000, gt=0, description="Largest body of a request.")
+    max_cells: int = Field(default=20_000_000, gt=0, description="Largest number of cells of one sweep.")
+    max_bytes: int = Field(
+        default=1_000_000_000, gt=0, description="Largest number of bytes of one sweep, uncompressed."
+    )
+    max_slice_cells: int = Field(
+        default=1_000_000, gt=0, description="Largest number of values of one slice."
+    )

@@ -1,0 +1,139 @@
+"""Cutting a sweep: one output over a few free axes, all others fixed at one of their values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from core.errors import LimitError, Problem, StudyError, suggestion
+from core.quantities import QUANTITIES, REGIMES
+from core.study.units import UnitError, problem, read_number
+from core.sweep.evaluate import evaluate
+from core.sweep.grid import Grid
+from core.sweep.prepare import Sweep
+
+MOST_AXES = 2
+ON_AXIS = 1e-9  # relative to the axis's span: texts such as 33.33333333 name a value
+
+
+def cut(
+    sweep: Sweep, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
+) -> dict[str, Any]:
+    """Return one output, and its regime, over one or two axes of a sweep.
+
+    Only the slice is computed, by the equations that this output needs.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep to cut.
+    output : str
+        One of its outputs.
+    axes : sequence of str
+        The free axes, outermost first; axes that the output does not depend on are left out.
+    at : mapping of str to str
+        A value, with or without unit, for every other axis that the output or its regime needs.
+    most : int
+        Largest number of values.
+
+    Returns
+    -------
+    dict
+        Plain values and arrays: ``output``, ``unit``, ``axes``, ``values``, ``regime`` (each with
+        its ``dims``), ``regimes``, ``fixed``.
+
+    Raises
+    ------
+    StudyError
+        With every problem of the request.
+    LimitError
+        If it has more than `most` values.
+    """
+    problems = list(_problems(sweep, output, axes, at))
+    if problems:
+        raise StudyError(problems)
+    whole = sweep.grid
+    plan = sweep.plan.only(output)
+    free = [name for name in dict.fromkeys(axes) if name in plan.parameters]
+    fixed, problems = {}, []
+    for name in whole.axes:
+        if name in plan.parameters and name not in free:
+            try:
+                fixed[name] = _value_on_axis(whole, name, at)
+            except UnitError as error:
+                problems.append(problem(name, error))
+    if problems:
+        raise StudyError(problems)
+    grid = Grid(
+        {name: whole.axes[name] for name in free},
+        {**{n: v for n, v in whole.fixed.items() if n in plan.parameters}, **fixed},
+    )
+    if grid.cells > most:
+        raise LimitError("values", grid.cells, most, "Free one axis less, or download the NetCDF")
+    arrays = evaluate(plan, grid)
+    depends = plan.depends_on(grid.axes)
+    return {
+        "output": output,
+        "unit": QUANTITIES[output].unit,
+        "axes": [
+            {"name": n, "unit": QUANTITIES[n].unit, "values": grid.coordinate(n)} for n in free
+        ],
+        "fixed": grid.fixed,
+        "values": _labelled(arrays[output], grid.dims(depends[output])),
+        "regime": _labelled(arrays["regime"], grid.dims(depends["regime"])),
+        "regimes": {
+            name: {
+                "value": REGIMES[name].value,
+                "valid": REGIMES[name].valid,
+                "description": REGIMES[name].description,
+            }
+            for name in plan.regimes
+        },
+    }
+
+
+def _problems(
+    sweep: Sweep, output: str, axes: Sequence[str], at: Mapping[str, str]
+) -> Iterator[Problem]:
+    """Yield what is wrong with the names in a request."""
+    known = sweep.grid.axes
+    if output not in sweep.dims:
+        fix = suggestion(output, sweep.dims)
+        yield Problem("output", f"'{output}' is not an output of this sweep", fix)
+    if not 1 <= len(axes) <= MOST_AXES:
+        yield Problem(
+            "axes", f"{len(axes)} axes are free", "Name one or two, as in axes=beta,alpha"
+        )
+    for name in axes:
+        if name not in known:
+            fix = suggestion(name, known)
+            yield Problem("axes", f"'{name}' is not an axis of this sweep", fix)
+    for name in at:
+        if name not in known:
+            fix = suggestion(name, known)
+            yield Problem(name, f"'{name}' is not an axis of this sweep", fix)
+
+
+def _value_on_axis(grid: Grid, name: str, at: Mapping[str, str]) -> float:
+    """Return the value of an axis that a text names; raise `UnitError` if there is none."""
+    values = grid.coordinate(name)
+    if name not in at:
+        raise UnitError(
+            f"the axis {name} is neither free nor fixed",
+            f"Add {name}=VALUE, from {values[0]:g} to {values[-1]:g} {QUANTITIES[name].unit}",
+        )
+    wanted = read_number(name, QUANTITIES[name], at[name])
+    nearest = int(np.argmin(np.abs(values - wanted)))
+    if abs(values[nearest] - wanted) > ON_AXIS * max(np.ptp(values), abs(values[nearest])):
+        around = values[max(0, nearest - 1) : nearest + 2]
+        raise UnitError(
+            f"{wanted:g} is not a value of the axis {name}",
+            "The nearest are " + ", ".join(f"{value:.10g}" for value in around),
+        )
+    return float(values[nearest])
+
+
+def _labelled(values: Any, dims: tuple[str, ...]) -> dict[str, Any]:
+    return {"dims": list(dims), "data": np.ascontiguousarray(values)}
