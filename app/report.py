@@ -38,6 +38,7 @@ def progress(label: str, cells: int) -> Iterator[Callable[[int], None]]:
         TimeRemainingColumn(),
         console=errors,
         transient=True,
+        disable=not errors.is_terminal,
     )
     with bar:
         task = bar.add_task(label, total=cells)

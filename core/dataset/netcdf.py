@@ -18,6 +18,7 @@ from core.dataset.table import Table, Variable
 if TYPE_CHECKING:
     import netCDF4
 
+CHUNK_CELLS = 16_384  # 128 KiB: a chunk stays in the second-level cache while it is deflated
 COMPRESSION_LEVEL: Final = 1  # higher levels take up to three times as long to save a few per cent
 
 
@@ -94,9 +95,20 @@ def _add(
         compression="zlib" if compression and variable.dims else None,
         complevel=COMPRESSION_LEVEL,
         shuffle=True,
+        chunksizes=_chunks(variable.values.shape),
     )
     created.setncatts({**_attributes(variable.attributes), **links})
     created[...] = variable.values
+
+
+def _chunks(shape: tuple[int, ...]) -> tuple[int, ...] | None:
+    """Return chunks of at most `CHUNK_CELLS` values: trailing axes whole, leading ones singly."""
+    chunks: list[int] = []
+    room = CHUNK_CELLS
+    for size in reversed(shape):
+        chunks.insert(0, max(1, min(size, room)))
+        room //= chunks[0]
+    return tuple(chunks) or None
 
 
 def _attributes(attributes: Mapping[str, Any]) -> dict[str, Any]:

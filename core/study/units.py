@@ -21,7 +21,7 @@ PER_MINUTE = frozenset(
     ("rpm", "vpm", "cpm", "rev/min", "vib/min", "cycles/min", "1/min", "min^-1", "min-1", "/min")
 )
 _TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*(.*?)\s*")
-_UNIT = re.compile(r"[A-Za-zµμ°'\"_][\w µμ°*/^().'\"-]{0,40}")
+_UNIT = re.compile(r"(?:1/)?[A-Za-zµμ°'\"_][\w µμ°*/^().'\"-]{0,40}")
 _PINT_NAMES = {"1": "dimensionless", "m s-2": "m/s**2", "m s-1": "m/s"}
 
 

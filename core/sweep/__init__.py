@@ -1,6 +1,5 @@
 """Closed-form sweeps: from a study to a plan, a grid, and a labelled dataset."""
 
-from core.sweep.evaluate import evaluate
 from core.sweep.grid import Grid
 from core.sweep.plan import Plan, make_plan
 from core.sweep.prepare import Sweep, prepare, prepare_content
@@ -10,7 +9,6 @@ __all__ = [
     "Grid",
     "Plan",
     "Sweep",
-    "evaluate",
     "make_plan",
     "prepare",
     "prepare_content",

@@ -127,7 +127,7 @@ def _value_on_axis(grid: Grid, name: str, at: Mapping[str, str]) -> float:
     wanted = read_number(name, QUANTITIES[name], at[name])
     nearest = int(np.argmin(np.abs(values - wanted)))
     if abs(values[nearest] - wanted) > ON_AXIS * max(np.ptp(values), abs(values[nearest])):
-        around = values[max(0, nearest - 1) : nearest + 2]
+        around = np.sort(values[np.argsort(np.abs(values - wanted))[:2]])
         raise UnitError(
             f"{wanted:g} is not a value of the axis {name}",
             "The nearest are " + ", ".join(f"{value:.10g}" for value in around),

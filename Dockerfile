@@ -1,0 +1,26 @@
+# syntax=docker/dockerfile:1
+FROM python:3.11-slim-bookworm AS build
+WORKDIR /build
+COPY pyproject.toml constraints.txt README.md LICENSE ./
+COPY app app
+COPY core core
+RUN python -m venv /opt/vibrafeed \
+    && /opt/vibrafeed/bin/python -m pip install --no-cache-dir --constraint constraints.txt '.[plot]'
+
+FROM python:3.11-slim-bookworm
+# The folder is not /app: a package of that name would be found there by chance.
+WORKDIR /srv/vibrafeed
+RUN useradd --system --uid 10001 --home-dir /srv/vibrafeed vibrafeed \
+    && install -d -o vibrafeed /var/lib/vibrafeed
+COPY --from=build /opt/vibrafeed /opt/vibrafeed
+COPY configs configs
+ENV PATH=/opt/vibrafeed/bin:$PATH \
+    PYTHONUNBUFFERED=1 \
+    VIBRAFEED_DATA_DIRECTORY=/var/lib/vibrafeed
+USER 10001
+VOLUME /var/lib/vibrafeed
+EXPOSE 8000
+HEALTHCHECK --interval=30s --timeout=5s --start-period=10s \
+    CMD ["python", "-c", "import urllib.request as r; r.urlopen('http://127.0.0.1:8000/healthz', timeout=3)"]
+# One process: it owns the NetCDF writer.
+CMD ["vibrafeed", "serve", "--host", "0.0.0.0", "--port", "8000"]

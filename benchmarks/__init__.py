@@ -1,0 +1,1 @@
+"""Programs behind published figures and generated pages."""

@@ -1,0 +1,165 @@
+"""The command line, as a user runs it: files in, files and messages out."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from app.cli import app
+
+STUDY = """
+kind = "sweep"
+scene = "rectangle-on-plane"
+outputs = ["acceleration_x", "throw_number"]
+
+[parameters]
+frequency = { start = "20 Hz", stop = "120 Hz", num = 11 }
+amplitude = "0.5 mm"
+beta = { start = 0, stop = 90, num = 10 }
+friction = 0.3
+"""
+
+# What a command that neither computes in bulk nor writes must not load.
+HEAVY = ("dask", "netCDF4", "numba", "scipy", "fastapi", "matplotlib", "xarray", "uvicorn")
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY)
+    return path
+
+
+def run(*arguments: object):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def loaded(*arguments: str) -> set[str]:
+    """Return the heavy modules that a command loads, in a process of its own."""
+    code = (
+        "import sys\n"
+        "from typer.testing import CliRunner\n"
+        "from app.cli import app\n"
+        "assert CliRunner().invoke(app, sys.argv[1:]).exit_code == 0\n"
+        f"print(*({HEAVY!r} & sys.modules.keys()))"
+    ).replace(repr(HEAVY), f"set({HEAVY!r})")
+    done = subprocess.run(
+        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=True
+    )
+    return set(done.stdout.split())
+
+
+def test_run_writes_beside_the_study(study):
+    result = run("run", study)
+    assert result.exit_code == 0, result.output
+    assert study.with_suffix(".nc").exists()
+    assert "slip" in result.output
+    assert "flight" in result.output
+    assert "110 cells" in result.output
+    assert [path.name for path in study.parent.iterdir() if path.name.startswith(".")] == []
+
+
+def test_run_writes_where_it_is_told(study, tmp_path):
+    other = tmp_path / "other.toml"
+    other.write_text(STUDY)
+    assert run("run", study, "-o", tmp_path / "new" / "x.nc").exit_code == 0
+    assert run("run", study, other, "-o", tmp_path / "folder").exit_code == 0
+    assert (tmp_path / "new" / "x.nc").exists()
+    assert {p.name for p in (tmp_path / "folder").iterdir()} == {"study.nc", "other.nc"}
+
+
+def test_two_studies_do_not_overwrite_each_other(study, tmp_path):
+    (tmp_path / "again").mkdir()
+    other = tmp_path / "again" / "study.toml"
+    other.write_text(STUDY)
+    result = run("run", study, other, "-o", tmp_path)
+    assert result.exit_code == 2
+    assert "more than one study" in result.output
+    assert not (tmp_path / "study.nc").exists()
+
+
+def test_all_errors_of_all_files_come_before_anything_runs(study, tmp_path):
+    wrong, worse = tmp_path / "wrong.toml", tmp_path / "worse.json"
+    wrong.write_text(STUDY.replace("friction", "fricton").replace("0.5 mm", "0.5 kg"))
+    worse.write_text('{"kind": "sweep"')
+    result = run("run", study, wrong, worse, tmp_path / "absent.toml")
+    assert result.exit_code == 2
+    for words in (
+        f"{wrong}: 2 problems",
+        "parameters.amplitude: 'kg' does not measure amplitude",
+        "parameters.fricton: 'fricton' is not a parameter. Did you mean 'friction'?",
+        f"{worse}: 1 problem",
+        f"{tmp_path / 'absent.toml'}: 1 problem",
+    ):
+        assert words in result.output
+    assert "Traceback" not in result.output
+    assert not list(tmp_path.glob("*.nc"))
+
+
+def test_a_study_that_is_too_large_is_told_what_fits(study):
+    result = run("run", study, "--max-cells", 60)
+    assert result.exit_code == 2
+    assert "the study asks for 110 cells, the limit is 60" in result.output
+    assert "It fits with 6 instead of 11 values of frequency" in result.output
+
+
+def test_dry_run_says_what_would_happen_and_writes_nothing(study):
+    result = run("run", study, "--dry-run")
+    assert result.exit_code == 0
+    for words in ("110 cells", "bytes", "frequency 11 x beta 10", "drive_normal", "alpha = 0"):
+        assert words in result.output
+    assert not study.with_suffix(".nc").exists()
+
+
+def test_a_target_that_cannot_be_written_is_reported_and_leaves_nothing(study, tmp_path):
+    (tmp_path / "folder.nc").mkdir()
+    result = run("run", study, "-o", tmp_path / "folder.nc" / "study.nc" / "x.nc")
+    assert result.exit_code == 0
+    (tmp_path / "file").write_text("")
+    result = run("run", study, "-o", tmp_path / "file" / "x.nc")
+    assert result.exit_code == 2
+    assert "cannot be made" in result.output
+
+
+def test_light_commands_load_no_heavy_module(study):
+    assert loaded("scenes") == set()
+    assert loaded("scenes", "rectangle-on-track") == set()
+    assert loaded("schema") == set()
+    assert loaded("run", str(study), "--dry-run") == set()
+
+
+def test_run_loads_what_writing_needs_and_no_more(study):
+    assert loaded("run", str(study)) == {"netCDF4"}
+
+
+def test_scenes_prints_units_equations_and_validity():
+    everything = run("scenes")
+    assert everything.exit_code == 0
+    assert "cylinder-on-plane" in everything.output
+    one = run("scenes", "rectangle-on-track", "--variant", "thesis")
+    assert one.exit_code == 0
+    for words in ("(3.18)", "m s-1", "wall_lost", "snapshot"):
+        assert words in one.output
+    wrong = run("scenes", "rectangle-on-tack")
+    assert wrong.exit_code == 2
+    assert "Did you mean 'rectangle-on-track'?" in wrong.output
+
+
+def test_schema_is_json_that_accepts_the_example():
+    schema = json.loads(run("schema").output)
+    assert schema["properties"]["kind"]["const"] == "sweep"
+    assert "frequency" in schema["$defs"]["Parameters"]["properties"]
+
+
+def test_settings_come_from_the_environment(monkeypatch):
+    monkeypatch.setenv("VIBRAFEED_MAX_CELLS", "1234")
+    assert json.loads(run("serve", "--show-settings").output)["max_cells"] == 1234
+    monkeypatch.setenv("VIBRAFEED_MAX_CELLS", "many")
+    result = run("serve", "--show-settings")
+    assert result.exit_code == 2
+    assert "VIBRAFEED_MAX_CELLS" in result.output

@@ -1,0 +1,74 @@
+"""What is shipped: the image's recipe, the dependencies' reasons, the public names."""
+
+from __future__ import annotations
+
+import io
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from dockerfile_parse import DockerfileParser
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+
+
+@pytest.fixture(scope="module")
+def dockerfile() -> DockerfileParser:
+    return DockerfileParser(fileobj=io.BytesIO((ROOT / "Dockerfile").read_bytes()))
+
+
+def test_the_dockerfile_has_no_finding():
+    hadolint = Path(sys.executable).with_name("hadolint")
+    done = subprocess.run([hadolint, ROOT / "Dockerfile"], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "")
+
+
+def test_every_path_that_the_image_copies_exists_and_is_not_ignored(dockerfile):
+    kept = {
+        line[1:] for line in (ROOT / ".dockerignore").read_text().split() if line.startswith("!")
+    }
+    copies = [
+        entry["value"].split()
+        for entry in dockerfile.structure
+        if entry["instruction"] == "COPY" and "--from" not in entry["value"]
+    ]
+    assert copies
+    for *sources, _ in copies:
+        for source in sources:
+            assert (ROOT / source).exists(), source
+            assert source in kept, source
+
+
+def test_the_image_runs_as_nobody_special_in_a_folder_of_another_name(dockerfile):
+    values = {entry["instruction"]: entry["value"] for entry in dockerfile.structure}
+    assert values["USER"] == "10001"
+    assert values["WORKDIR"] != "/app"
+    assert "healthz" in values["HEALTHCHECK"]
+
+
+def test_every_dependency_has_a_pinned_version_and_a_reason():
+    text = (ROOT / "pyproject.toml").read_text()
+    pinned = {
+        line.partition("==")[0].lower().replace("_", "-")
+        for line in (ROOT / "constraints.txt").read_text().splitlines()
+        if "==" in line
+    }
+    extras = PROJECT["optional-dependencies"]
+    for name in [*PROJECT["dependencies"], *extras["plot"], *extras["dev"]]:
+        assert name.lower() in pinned, name
+        assert re.search(rf'"{re.escape(name)}".*#\s*\w+', text), name
+
+
+def test_the_repository_names_no_registry():
+    done = subprocess.run(
+        ["git", "grep", "-nIE", "(index-url|pypi\\.org|files\\.pythonhosted)", "--", "."],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+    )
+    own = [line for line in done.stdout.splitlines() if "test_packaging.py" not in line]
+    assert own == []

@@ -1,0 +1,245 @@
+"""The HTTP interface with a store of its own."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+
+from app.main import create_app
+from app.settings import Settings
+from core.scenes import SCENES
+from core.study import parse_study
+from core.sweep import sweep
+
+STUDY = {
+    "kind": "sweep",
+    "scene": "rectangle-on-track",
+    "outputs": ["acceleration_x", "transport_velocity", "throw_number"],
+    "parameters": {
+        "frequency": {"start": "20 Hz", "stop": "120 Hz", "num": 11},
+        "amplitude": ["0.35 mm", "0.5 mm"],
+        "alpha": {"start": 0, "stop": 90, "num": 10},
+        "beta": {"start": 0, "stop": 90, "num": 7},
+        "friction": 0.3,
+        "radius": "0.8 m",
+        "distance": "0.2 mm",
+    },
+}
+
+
+@pytest.fixture
+def settings(tmp_path: Path) -> Settings:
+    return Settings(data_directory=tmp_path, max_body_bytes=20_000, max_cells=10**6)
+
+
+@pytest.fixture
+def client(settings: Settings):
+    with TestClient(create_app(settings), raise_server_exceptions=False) as client:
+        yield client
+
+
+@pytest.fixture
+def posted(client: TestClient) -> str:
+    return client.post("/sweeps", json=STUDY).json()["id"]
+
+
+def problem(response, status: int = 422) -> dict:
+    assert response.status_code == status, response.text
+    assert response.headers["content-type"] == "application/problem+json"
+    document = response.json()
+    assert document["status"] == status
+    assert document["title"]
+    assert document["detail"]
+    return document
+
+
+def test_health(client):
+    assert client.get("/healthz").json()["status"] == "ok"
+
+
+def test_the_catalogue_lists_and_describes_every_scene(client):
+    assert [line["name"] for line in client.get("/scenes").json()] == list(SCENES)
+    for name, scene in SCENES.items():
+        for variant in scene.variants:
+            told = client.get(f"/scenes/{name}", params={"variant": variant}).json()
+            assert [output["name"] for output in told["outputs"]] + ["regime"] == list(
+                scene.outputs(variant)
+            )
+    problem(client.get("/scenes/nowhere"), 404)
+    problem(client.get("/scenes/rectangle-on-track", params={"variant": "x"}))
+
+
+def test_a_study_is_addressed_by_its_content(client):
+    first = client.post("/sweeps", json=STUDY)
+    assert first.status_code == 201
+    again = client.post("/sweeps", json={**STUDY, "kind": "sweep"})
+    assert again.status_code == 200
+    assert first.json() == again.json()
+    assert first.headers["location"].endswith(f"/sweeps/{first.json()['id']}")
+    other = client.post("/sweeps", json={**STUDY, "variant": "thesis"})
+    assert other.json()["id"] != first.json()["id"]
+    told = client.get(f"/sweeps/{first.json()['id']}").json()
+    assert told["cells"] == 11 * 2 * 10 * 7
+    assert told["outputs"][2] == {
+        "name": "throw_number",
+        "unit": "1",
+        "label": "Throw number",
+        "dims": ["frequency", "amplitude", "beta"],
+        "source": "theory 13.2",
+    }
+
+
+def test_a_slice_is_a_piece_of_the_whole(client, posted):
+    whole = sweep(parse_study(STUDY))
+    piece = client.get(
+        f"/sweeps/{posted}/slice",
+        params={
+            "output": "transport_velocity",
+            "axes": "alpha,frequency",
+            "beta": "15 deg",
+            "amplitude": "0.5 mm",
+        },
+    ).json()
+    expected = whole.transport_velocity.sel(beta=15, amplitude=5e-4)
+    # One evaluation over a grid and one over its piece run the same operations on each cell.
+    assert piece["values"]["dims"] == ["alpha", "frequency"]
+    np.testing.assert_array_equal(np.array(piece["values"]["data"]).T, expected)
+    np.testing.assert_array_equal(
+        np.array(piece["regime"]["data"]).T, whole.regime.sel(beta=15, amplitude=5e-4)
+    )
+    assert piece["fixed"]["beta"] == 15
+    assert piece["regimes"]["flight"]["valid"] is False
+
+
+def test_a_slice_asks_only_for_the_axes_that_its_output_needs(client, posted):
+    piece = client.get(
+        f"/sweeps/{posted}/slice",
+        params={"output": "throw_number", "axes": "beta", "frequency": 60 - 10, "amplitude": 5e-4},
+    )
+    assert piece.status_code == 200, piece.text
+    assert "alpha" not in piece.json()["fixed"]
+    assert "distance" not in piece.json()["fixed"]
+
+
+@pytest.mark.parametrize(
+    ("change", "place", "words"),
+    [
+        ({"output": "velocity"}, "output", "Did you mean"),
+        ({"axes": "bta"}, "axes", "Did you mean 'beta'?"),
+        ({"axes": "alpha,beta,frequency"}, "axes", "one or two"),
+        ({"frequency": "55 Hz"}, "frequency", "nearest are 50, 60"),
+        ({"frequency": "55 kg"}, "frequency", "Hz"),
+        ({"frequency": None}, "frequency", "from 20 to 120 Hz"),
+        ({"radius": 1}, "radius", "Known: alpha"),
+    ],
+)
+def test_a_wrong_slice_is_explained(client, posted, change, place, words):
+    good = {"output": "acceleration_x", "axes": "beta", "frequency": 50, "amplitude": 5e-4}
+    params = {k: v for k, v in {**good, "alpha": 10, **change}.items() if v is not None}
+    document = problem(client.get(f"/sweeps/{posted}/slice", params=params))
+    found = {error["place"]: f"{error['message']} {error['fix']}" for error in document["errors"]}
+    assert words in found[place]
+
+
+def test_the_netcdf_download_opens_in_a_fresh_process(client, posted, tmp_path):
+    response = client.get(f"/sweeps/{posted}/netcdf")
+    assert response.status_code == 200
+    assert response.headers["content-type"] == "application/x-netcdf"
+    (tmp_path / "x.nc").write_bytes(response.content)
+    code = (
+        "import sys, xarray\n"
+        "d = xarray.open_dataset(sys.argv[1], engine='netcdf4')\n"
+        "print(d.transport_velocity.dims, d.regime.dtype, d.attrs['Conventions'])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path / "x.nc")],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "('frequency', 'amplitude', 'alpha', 'beta') int8 CF-1.11" in done.stdout
+    assert client.get(f"/sweeps/{posted}/netcdf").content == response.content
+
+
+def test_files_are_written_by_one_thread_however_many_ask(client):
+    """Eight threads in the NetCDF library at once crash the process."""
+
+    def fetch(friction: float) -> int:
+        study = {**STUDY, "parameters": {**STUDY["parameters"], "friction": friction}}
+        key = client.post("/sweeps", json=study).json()["id"]
+        return client.get(f"/sweeps/{key}/netcdf").status_code
+
+    with ThreadPoolExecutor(8) as pool:
+        assert set(pool.map(fetch, np.linspace(0, 1, 24).tolist())) == {200}
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        b"",
+        b"[]",
+        b"nonsense",
+        b'{"kind": NaN}',
+        b'{"kind": "sweep", "kind": "sweep"}',
+        b'{"kind": 1e400}',
+        b'{"kind": ' + b"[" * 9000 + b"}",
+        b"\xff\xfe\x00",
+        b'{"kind": "sweep", "scene": "../../etc/passwd", "outputs": ["x"], "parameters": {}}',
+        b'{"kind": "sweep", "scene": {}, "outputs": 3, "parameters": []}',
+        b'{"kind":"sweep","scene":"rectangle-on-plane","outputs":["throw_number"],'
+        b'"parameters":{"frequency":1e400}}',
+    ],
+)
+def test_a_body_that_is_no_study_gets_a_problem_document(client, body):
+    document = problem(client.post("/sweeps", content=body))
+    assert all(error["message"] and error["fix"] for error in document["errors"])
+
+
+def test_limits_are_named_with_what_would_fit(client):
+    problem(client.post("/sweeps", content=b" " * 30_000), 413)
+    axis = {"start": 0, "stop": 1, "num": 1_000_000}
+    study = {**STUDY, "parameters": {**STUDY["parameters"], "friction": axis, "distance": axis}}
+    document = problem(client.post("/sweeps", json=study))
+    assert "1,000,000" in document["detail"]
+    assert "It fits with" in document["detail"]
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/sweeps/" + "0" * 64,
+        "/sweeps/..%2F..%2Fetc",
+        "/sweeps/x/netcdf",
+        "/sweeps/x/slice?output=a&axes=b",
+    ],
+)
+def test_an_unknown_sweep_is_not_found(client, path):
+    problem(client.get(path), 404)
+
+
+def test_an_unforeseen_error_is_a_problem_document_without_its_text(client, posted, monkeypatch):
+    def fail(key: str) -> None:
+        raise RuntimeError("secret path")
+
+    monkeypatch.setattr(client.app.state.store, "get", fail)
+    document = problem(client.get(f"/sweeps/{posted}"), 500)
+    assert "secret" not in str(document)
+
+
+def test_unknown_routes_and_methods_get_problem_documents(client):
+    problem(client.get("/nowhere"), 404)
+    problem(client.delete("/scenes"), 405)
+
+
+def test_importing_the_app_builds_nothing(tmp_path):
+    code = "import app.main, os; print(os.listdir())"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "[]"

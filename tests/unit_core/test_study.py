@@ -1,0 +1,212 @@
+"""Studies: units, ranges, and messages that a newcomer can act on."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from core.errors import Problem, StudyError
+from core.quantities import QUANTITIES
+from core.study import Fixed, parse_json, parse_study, parse_toml
+from core.study.load import read_toml
+from core.study.models import PARAMETERS
+from core.study.values import Points, Span, read_values
+
+PLANE = {
+    "kind": "sweep",
+    "scene": "rectangle-on-plane",
+    "outputs": ["acceleration_x"],
+    "parameters": {"frequency": 50, "amplitude": "0.5 mm", "beta": 20, "friction": 0.3},
+}
+
+
+def plane(**parameters: object) -> dict[str, object]:
+    return {**PLANE, "parameters": {**PLANE["parameters"], **parameters}}
+
+
+@pytest.mark.parametrize(
+    ("name", "written", "value"),
+    [
+        ("frequency", "3000 rpm", 50.0),
+        ("frequency", "3000 vpm", 50.0),
+        ("frequency", "3000 rev/min", 50.0),
+        ("frequency", "3000 1/min", 50.0),
+        ("frequency", "0.05 kHz", 50.0),
+        ("frequency", "50 1/s", 50.0),
+        ("frequency", "50", 50.0),
+        ("amplitude", "0.35 mm", 0.00035),
+        ("amplitude", "350 um", 0.00035),
+        ("amplitude", "350 µm", 0.00035),
+        ("amplitude", "1e-3 m", 0.001),
+        ("amplitude", 0.00035, 0.00035),
+        ("alpha", "30 deg", 30.0),
+        ("alpha", "30 degree", 30.0),
+        ("alpha", 30, 30.0),
+        ("alpha", "-90", -90.0),
+        ("gravity", "9.8 m/s^2", 9.8),
+        ("gravity", "1 g_0", 9.80665),
+        ("mass", "5 g", 0.005),
+        ("speed", "360 m/h", 0.1),
+        ("friction", "0.3", 0.3),
+    ],
+)
+def test_a_value_is_read_exactly(name, written, value):
+    assert read_values(name, written) == Fixed(value)
+
+
+def problems_of(content: object) -> tuple[Problem, ...]:
+    try:
+        parse_study(content)
+    except StudyError as error:
+        return error.problems
+    return ()
+
+
+def test_radians_are_angles():
+    assert read_values("alpha", "1 rad").value == pytest.approx(np.rad2deg(1.0), rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("name", "written", "words"),
+    [
+        ("amplitude", "0.5 kg", ["kg", "amplitude", "mm"]),
+        ("amplitude", "0.5 mmm", ["mmm"]),
+        ("amplitude", "half a mm", ["half a mm"]),
+        ("frequency", "314 rad/s", ["angular velocity", "2 pi"]),
+        ("frequency", "50 deg", ["deg"]),
+        ("friction", "30 deg", ["deg", "friction"]),
+        ("alpha", "30 mm", ["mm", "azimuth"]),
+        ("alpha", "200 deg", ["200", "at most 180"]),
+        ("friction", -0.1, ["-0.1", "at least 0"]),
+        ("gravity", "9.8 g", ["'g'"]),
+        ("radius", 0, ["greater than 0"]),
+        ("radius", True, ["True"]),
+        ("radius", None, ["None"]),
+        ("radius", float("inf"), ["finite"]),
+        ("radius", float("nan"), ["finite"]),
+        ("radius", 10**400, ["finite"]),
+        ("radius", "1e999 m", ["finite"]),
+        ("radius", "1 m; import os", ["not a unit"]),
+        ("radius", "1 m**999999999", ["does not measure"]),
+        ("radius", [], ["empty"]),
+        ("radius", [1, 1], ["twice"]),
+        ("radius", [1, 3, 2], ["Sort"]),
+        ("radius", {"start": 2, "stop": 1, "num": 3}, ["stop", "start", "Swap"]),
+        ("radius", {"start": 1, "stop": 1, "num": 3}, ["not above"]),
+        ("radius", {"start": 1, "stop": 2}, ["num or step"]),
+        ("radius", {"start": 1, "stop": 2, "num": 3, "step": 1}, ["num or step"]),
+        ("radius", {"start": 1, "stop": 2, "num": 1}, ["from 2 up"]),
+        ("radius", {"start": 1, "stop": 2, "num": 2.5}, ["whole number"]),
+        ("radius", {"start": 1, "stop": 2, "num": 10**12}, ["1,000,000,000,000"]),
+        ("radius", {"start": 1, "stop": 2, "step": 3}, ["larger than the range"]),
+        ("radius", {"start": 1, "stop": 2, "step": 0}, ["greater than 0"]),
+        ("radius", {"start": 1, "stop": 2, "step": 1e-300}, ["values"]),
+        ("radius", {"start": 1, "stop": 2, "nmu": 3}, ["nmu", "num"]),
+        ("radius", {"start": 1, "stop": 2, "num": 3, "spacing": "cubic"}, ["cubic", "linear"]),
+        ("distance", {"start": 0, "stop": 2, "num": 3, "spacing": "log"}, ["above 0"]),
+    ],
+)
+def test_a_wrong_value_is_refused_with_the_way_to_write_it(name, written, words):
+    with pytest.raises(StudyError) as caught:
+        parse_study(plane(**{name: written}))
+    (problem,) = caught.value.problems
+    assert problem.place == f"parameters.{name}"
+    for word in words:
+        assert word in f"{problem.message} {problem.fix}"
+
+
+@pytest.mark.parametrize(
+    ("written", "values"),
+    [
+        ({"start": "0 deg", "stop": "90 deg", "step": "1 deg"}, np.arange(91.0)),
+        ({"start": 0, "stop": 1, "step": 0.1}, np.linspace(0, 1, 11)),
+        ({"start": 0, "stop": 1, "step": 0.3}, [0, 0.3, 0.6, 0.9]),
+        ({"start": 10, "stop": 20, "num": 3}, [10, 15, 20]),
+        ({"start": 1, "stop": 100, "num": 3, "spacing": "log"}, [1, 10, 100]),
+        ([3, 2, 1], [3, 2, 1]),
+        (["1 deg"], [1]),
+    ],
+)
+def test_a_range_has_the_values_that_it_says(written, values):
+    read = read_values("beta", written)
+    assert isinstance(read, Points | Span)
+    assert read.size == len(values)
+    # one rounding of the span, since linspace and a step may each round once
+    np.testing.assert_allclose(read.array(), values, rtol=0, atol=2e-16 * max(values) + 1e-300)
+
+
+def test_every_problem_is_reported_at_once_with_its_place():
+    with pytest.raises(StudyError) as caught:
+        parse_toml(
+            'kind = "sweep"\nscene = "rectangle-on-plane"\noutput = ["x"]\n'
+            '[parameters]\nfrequencey = "50 Hz"\namplitude = "1 kg"\nfriction = -1\n'
+        )
+    places = {problem.place: problem for problem in caught.value.problems}
+    assert set(places) == {
+        "outputs",
+        "output",
+        "parameters.frequencey",
+        "parameters.amplitude",
+        "parameters.friction",
+    }
+    assert places["parameters.frequencey"].fix == "Did you mean 'frequency'?"
+    assert places["output"].fix == "Did you mean 'outputs'?"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[]",
+        "nul",
+        '{"kind": NaN}',
+        '{"kind": "sweep", "kind": "sweep"}',
+        "[" * 100_000,
+        b"\xff\xfe",
+        '{"kind": 1e400}',
+    ],
+)
+def test_a_text_that_is_no_study_is_refused(text):
+    with pytest.raises(StudyError):
+        parse_json(text)
+
+
+@pytest.mark.parametrize("text", ["kind = \n", "a = 1\na = 2\n", 'kind = "sweep\n'])
+def test_toml_errors_name_the_line(text):
+    with pytest.raises(StudyError, match="line"):
+        read_toml(text)
+
+
+def test_equal_studies_have_equal_keys_however_they_are_written():
+    one = parse_study(plane(frequency="3000 rpm", amplitude="500 um"))
+    other = json.loads(json.dumps(plane(amplitude=0.0005, frequency=50.0)))
+    other["parameters"] = dict(reversed(other["parameters"].items()))
+    assert one.key() == parse_study(other).key()
+    assert one.key() != parse_study(plane(frequency=51)).key()
+
+
+def test_the_canonical_form_is_a_study_again():
+    study = parse_study(plane(beta={"start": 0, "stop": 90, "step": 7}, friction=[0.1, 0.3]))
+    assert parse_json(study.canonical()) == study
+
+
+@given(
+    st.recursive(
+        st.none() | st.booleans() | st.floats() | st.integers() | st.text(max_size=20),
+        lambda inner: (
+            st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=12), inner, max_size=4)
+        ),
+        max_leaves=10,
+    ),
+    st.sampled_from([*PARAMETERS, "kind", "scene", "variant", "outputs", "title"]),
+)
+def test_no_value_whatever_ends_in_another_error(value, name):
+    content = plane(**{name: value}) if name in QUANTITIES else {**PLANE, name: value}
+    for problem in problems_of(content):
+        assert problem.place
+        assert problem.message
+        assert problem.fix
