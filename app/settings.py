@@ -17,9 +17,9 @@ class Settings(BaseSettings):
         Path("data"), description="Where sweeps and their files are kept; made if missing."
     )
     max_body_bytes: int = Field(default=1_000_000, gt=0, description="Largest body of a request.")
-    max_cells: int = Field(default=20_000_000, gt=0, description="Largest number of cells of one sweep.")
+    max_cells: int = Field(default=20_000_000, gt=0, description="Most cells of one sweep.")
     max_bytes: int = Field(
-        default=1_000_000_000, gt=0, description="Largest number of bytes of one sweep, uncompressed."
+        default=1_000_000_000, gt=0, description="Most bytes of one sweep, before compression."
     )
     max_slice_cells: int = Field(
         default=1_000_000, gt=0, description="Largest number of values of one slice."

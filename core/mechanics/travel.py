@@ -94,9 +94,9 @@ def travel_time(
     kq = k * q
     near = np.minimum(kq, 0.5)
     direct = q * np.where(K > 0, ratio(np.arctanh(near), near, 1.0), arctan_quotient(kq))
-    lag = np.expm1(-s) * ratio(v0, v0 + v, 0.0)
-    logarithms = np.log1p(kq) + s / 2 + np.log1p(lag)
     far = (K > 0) & (kq > 0.5)
+    lag = np.where(far, np.expm1(-s) * ratio(v0, v0 + v, 0.0), 0.0)
+    logarithms = np.log1p(kq) + s / 2 + np.log1p(lag)
     time = np.where(far, ratio(logarithms, k, 0.0), direct)
     return np.where(arrives, time, np.inf)
 

@@ -1,0 +1,110 @@
+"""The picture of a dataset."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
+
+import xarray
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from core.plots.contour import draw_contour
+from core.plots.line import draw_line
+from core.plots.problem import PlotError
+from core.plots.regimes import Look, looks_of
+from core.plots.selection import Selection, select
+from core.plots.surface import draw_surface
+from core.plots.text import long_name
+
+SIZE = (8.0, 6.4)  # inches
+Painter = Callable[[Figure, Selection, Sequence[Look]], tuple[Axes, list[Artist]]]
+PAINTERS: dict[str, Painter] = {"contour": draw_contour, "surface": draw_surface, "line": draw_line}
+LINE_LENGTH = 92  # characters of the subtitle
+QUIET = "#444444"
+
+
+def draw(
+    dataset: xarray.Dataset,
+    *,
+    variable: str | None = None,
+    axes: tuple[str, ...] | None = None,
+    at: Mapping[str, float] | None = None,
+    kind: str | None = None,
+) -> Figure:
+    """Return the picture of an output over one or two dimensions, with the regime shaded.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A sweep, as `core.sweep.sweep` returns it or as its file is read.
+    variable : str, optional
+        The output; the first if left out.
+    axes : tuple of str, optional
+        One or two dimensions, the first across; the longest if left out.
+    at : mapping of str to float, optional
+        Values of other dimensions, in the unit of the dataset; the middle one if left out.
+    kind : str, optional
+        contour, surface or line; contour over two axes and line over one if left out. A line with
+        two axes is a family of curves, at most seven.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A figure with a canvas of its own; a notebook shows it.
+
+    Raises
+    ------
+    PlotError
+        If the dataset does not hold what is asked for.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from core.plots import draw
+    >>> from core.study import load_study
+    >>> from core.sweep import sweep
+    >>> dataset = sweep(load_study(Path("configs/figures/fig-5-1.toml")))
+    >>> figure = draw(dataset, axes=("beta", "alpha"), kind="surface")
+    """
+    if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
+        fix = "Draw a file that `vibrafeed run` wrote"
+        raise PlotError("dataset", "it is no result of vibrafeed: no regime or no scene", fix)
+    selection = select(dataset, variable, axes, at or {}, kind)
+    looks = looks_of(dataset["regime"], selection.regimes)
+    figure = Figure(figsize=SIZE, layout="constrained", facecolor="white")
+    FigureCanvasAgg(figure)
+    painted, entries = PAINTERS[selection.kind](figure, selection, looks)
+    heading = _add_titles(figure, painted, selection, dataset)
+    _add_legend(figure, entries)
+    figure.draw_without_rendering()
+    heading.set_x(painted.get_position().x0)
+    return figure
+
+
+def _add_titles(figure: Figure, axes: Axes, selection: Selection, dataset: xarray.Dataset) -> Text:
+    heading = figure.suptitle(
+        long_name(selection.variable), x=0.02, ha="left", fontsize=13, fontweight="bold"
+    )
+    variant = dataset.attrs.get("variant", "")
+    origin = ", ".join(str(part) for part in (dataset.attrs["scene"], variant) if part)
+    title = dataset.attrs.get("title")
+    lines = textwrap.wrap(" \N{MIDDLE DOT} ".join(selection.fixed), LINE_LENGTH)
+    lines += textwrap.wrap(f"{title} ({origin})" if title else origin, LINE_LENGTH)
+    axes.set_title("\n".join(lines), loc="left", fontsize=8.5, color=QUIET, linespacing=1.4)
+    return heading
+
+
+def _add_legend(figure: Figure, entries: Sequence[Artist]) -> None:
+    figure.legend(
+        handles=list(entries),
+        loc="outside lower left",
+        ncols=1 if len(entries) < 2 else 2,
+        frameon=False,
+        fontsize=9,
+        handlelength=3.0,
+        handleheight=1.4,
+    )

@@ -1,0 +1,83 @@
+"""From a NetCDF file to picture files."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import xarray
+
+from core.plots.draw import draw
+from core.plots.fixed import read_fixed
+from core.plots.problem import PlotError
+
+DPI = 150
+FORMATS = {".png": "png", ".svg": "svg"}
+METADATA = {"png": {"Software": "vibrafeed"}, "svg": {"Creator": "vibrafeed", "Date": None}}
+
+
+def draw_file(
+    file: Path,
+    targets: Sequence[Path],
+    *,
+    variable: str | None = None,
+    axes: tuple[str, ...] | None = None,
+    at: Mapping[str, str] | None = None,
+    kind: str | None = None,
+) -> None:
+    """Draw a NetCDF file that `vibrafeed run` wrote; see `draw`.
+
+    Parameters
+    ----------
+    file : Path
+        The NetCDF file.
+    targets : sequence of Path
+        The pictures, PNG or SVG by their suffix; existing ones are replaced.
+    variable, axes, kind
+        As for `draw`.
+    at : mapping of str to str, optional
+        Values of other dimensions as a user writes them, in the unit of the file.
+
+    Raises
+    ------
+    PlotError
+        If the file is no such result, or does not hold what is asked for.
+    OSError
+        If the file cannot be read or a picture cannot be written; no part of one is left behind.
+    """
+    for target in targets:
+        if target.suffix.lower() not in FORMATS:
+            message = f"'{target.suffix}' is no format for pictures"
+            raise PlotError("output", message, "End the name in .png or .svg")
+    held = read_fixed(at or {})
+    figure = draw(_read(file), variable=variable, axes=axes, at=held, kind=kind)
+    for target in targets:
+        name = FORMATS[target.suffix.lower()]
+        picture = io.BytesIO()
+        figure.savefig(picture, format=name, dpi=DPI, metadata=METADATA[name])
+        _write(target, picture.getvalue())
+
+
+def _read(file: Path) -> xarray.Dataset:
+    with file.open("rb"):  # the system says why a file cannot be read; the library does not
+        pass
+    try:
+        with xarray.open_dataset(file, engine="netcdf4", decode_times=False) as dataset:
+            return dataset.load()
+    except (OSError, ValueError) as error:
+        message = "it is no NetCDF file, or a damaged one"
+        raise PlotError("dataset", message, "Draw a file that `vibrafeed run` wrote") from error
+
+
+def _write(target: Path, content: bytes) -> None:
+    """Write a file, all of it or nothing."""
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        temporary.write_bytes(content)
+        temporary.replace(target)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(target)) from error
+    finally:
+        temporary.unlink(missing_ok=True)

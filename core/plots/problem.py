@@ -1,0 +1,13 @@
+"""The error of this package."""
+
+from __future__ import annotations
+
+from core.errors import Problem, VibrafeedError
+
+
+class PlotError(VibrafeedError):
+    """A picture cannot be drawn; `problem` says where, why, and what would do."""
+
+    def __init__(self, place: str, message: str, fix: str):
+        self.problem = Problem(place, message, fix)
+        super().__init__(str(self.problem))

@@ -1,0 +1,74 @@
+"""The colour scale: levels, colours, and the range of values that is worth showing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import matplotlib
+import numpy as np
+from matplotlib.colors import Colormap, Normalize
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from core.plots.regimes import RGB
+
+ONE_SIGN = "viridis"
+TWO_SIGNS = "coolwarm"
+BANDS = 12
+OUTLIERS = 1.0  # per cent on either side that may be cut off ...
+SPREAD = 4.0  # ... where the range shrinks by more than this
+FLAT = 1e-9
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Levels of contours and the colours between them."""
+
+    levels: NDArray[np.float64]
+    colours: Colormap
+    norm: Normalize
+    extend: Literal["neither", "min", "max", "both"]
+
+    @property
+    def sample(self) -> RGB:
+        """A colour that stands for all of them in a legend."""
+        low, high = float(self.levels[0]), float(self.levels[-1])
+        red, green, blue, _ = self.colours(self.norm(low + 0.7 * (high - low)))
+        return red, green, blue
+
+
+def value_range(values: NDArray[np.float64]) -> tuple[float, float] | None:
+    """Return the least and largest value to show; None if nothing is finite.
+
+    A pole would leave one colour to the rest of the picture, so what sticks out far is cut.
+    """
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        return None
+    low, high = float(finite.min()), float(finite.max())
+    most = np.percentile(finite, [OUTLIERS, 100 - OUTLIERS])
+    if 0 < SPREAD * (most[1] - most[0]) < high - low:
+        low, high = float(most[0]), float(most[1])
+    if high - low <= FLAT * max(abs(low), abs(high)):
+        room = 0.05 * max(abs(low), abs(high)) or 1.0
+        low, high = low - room, high + room
+    return low, high
+
+
+def scale_of(values: NDArray[np.float64]) -> Scale | None:
+    """Return the scale for values; None if nothing is finite."""
+    ends = value_range(values)
+    if ends is None:
+        return None
+    locator = MaxNLocator(BANDS, steps=[1, 2, 2.5, 5, 10])
+    levels = np.asarray(locator.tick_values(*ends), dtype=np.float64)
+    under, over = np.nanmin(values) < levels[0], np.nanmax(values) > levels[-1]
+    extend: Literal["neither", "min", "max", "both"] = (
+        "both" if under and over else "min" if under else "max" if over else "neither"
+    )
+    if ends[0] < 0 < ends[1]:
+        most = float(np.abs(levels).max())
+        return Scale(levels, matplotlib.colormaps[TWO_SIGNS], Normalize(-most, most), extend)
+    norm = Normalize(float(levels[0]), float(levels[-1]))
+    return Scale(levels, matplotlib.colormaps[ONE_SIGN], norm, extend)

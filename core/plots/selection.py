@@ -1,0 +1,170 @@
+"""What to draw: the variable, its axes, and the values at which the other dimensions are held."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from core.errors import suggestion
+from core.plots.fixed import fixed_positions
+from core.plots.problem import PlotError
+from core.plots.text import axis_label, number, read_unit, scaled, with_unit, words
+
+KINDS = ("contour", "surface", "line")
+LOG_TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A dimension that is drawn, values ascending, in the unit in which it is read."""
+
+    name: str
+    label: str
+    unit: str
+    values: NDArray[np.float64]
+
+    @property
+    def is_log(self) -> bool:
+        """Whether the values are spaced by a factor."""
+        if self.values.size < 3 or self.values[0] <= 0:
+            return False
+        steps = np.diff(np.log(self.values))
+        return bool(np.ptp(steps) <= LOG_TOLERANCE * steps.max())
+
+
+@dataclass(frozen=True)
+class Selection:
+    """A slice of a dataset over one or two axes.
+
+    Attributes
+    ----------
+    variable : xarray.DataArray
+        The slice, dimensions in the order of `axes`.
+    axes : tuple of Axis
+        One or two.
+    values : array
+        Values in `unit`; NaN where there is no finite value.
+    unit : str
+        The unit in which the values are read.
+    regimes : array of int
+        Regime of each value, of the same shape.
+    fixed : tuple of str
+        Name, value and unit of every other dimension and parameter.
+    kind : str
+        contour, surface or line.
+    """
+
+    variable: xarray.DataArray
+    axes: tuple[Axis, ...]
+    values: NDArray[np.float64]
+    unit: str
+    regimes: NDArray[np.int64]
+    fixed: tuple[str, ...]
+    kind: str
+
+
+def select(
+    dataset: xarray.Dataset,
+    variable: str | None,
+    axes: tuple[str, ...] | None,
+    at: Mapping[str, float],
+    kind: str | None,
+) -> Selection:
+    """Return the slice that is asked for.
+
+    Raises
+    ------
+    PlotError
+        If the dataset does not have it.
+    """
+    if kind is not None and kind not in KINDS:
+        raise PlotError("kind", f"'{kind[:40]}' is unknown", suggestion(kind, KINDS))
+    whole = dataset[_variable(dataset, variable)]
+    names = _axes(whole, axes, 1 if kind == "line" else 2)
+    kind = kind or ("contour" if len(names) == 2 else "line")
+    if kind != "line" and len(names) == 1:
+        fix = "Name two axes" if len(_ranged(whole)) > 1 else "Draw it as a line"
+        raise PlotError("kind", f"a {kind} needs two axes, there is one, {names[0]}", fix)
+
+    regime = dataset["regime"]
+    order = [*whole.dims, *(dim for dim in regime.dims if dim not in whole.dims)]
+    loose = [str(dim) for dim in order if dim not in names]
+    positions = fixed_positions(dataset, at, loose, names)
+    fixed = [_held(dataset[name], position) for name, position in positions.items()]
+    fixed += [_held(coordinate) for coordinate in dataset.coords.values() if not coordinate.dims]
+
+    slice_ = whole.isel(positions, missing_dims="ignore").transpose(*names).sortby(list(names))
+    states = regime.isel(positions, missing_dims="ignore").sortby(
+        [name for name in names if name in regime.dims]
+    )
+    factor, unit = read_unit(slice_)
+    values = scaled(slice_, factor)
+    return Selection(
+        variable=slice_,
+        axes=tuple(_axis(slice_[name]) for name in names),
+        values=np.where(np.isfinite(values), values, np.nan),
+        unit=unit,
+        regimes=states.broadcast_like(slice_).transpose(*names).values.astype(np.int64),
+        fixed=tuple(fixed),
+        kind=kind,
+    )
+
+
+def thin(size: int, most: int) -> NDArray[np.int64]:
+    """Return at most `most` positions out of `size`, both ends included."""
+    return np.unique(np.linspace(0, size - 1, min(size, most)).round().astype(np.int64))
+
+
+def _variable(dataset: xarray.Dataset, name: str | None) -> str:
+    outputs = [str(key) for key in dataset.data_vars if key != "regime"]
+    if not outputs:
+        raise PlotError("dataset", "it holds no output", "Draw a file that `vibrafeed run` wrote")
+    if name is None:
+        return outputs[0]
+    if name == "regime":
+        fix = "Choose an output: " + ", ".join(outputs)
+        raise PlotError("variable", "the regime is shaded in every picture", fix)
+    if name not in outputs:
+        raise PlotError("variable", f"'{name[:40]}' is unknown", suggestion(name, outputs))
+    return name
+
+
+def _ranged(whole: xarray.DataArray) -> list[str]:
+    return [str(dim) for dim in whole.dims if whole.sizes[dim] > 1]
+
+
+def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> tuple[str, ...]:
+    ranged = _ranged(whole)
+    if not ranged:
+        fix = "Choose an output that depends on a ranged parameter"
+        raise PlotError("variable", f"{whole.name} is one value, there is nothing to draw", fix)
+    if names is None:
+        longest = sorted(ranged, key=lambda name: -whole.sizes[name])[:most]
+        return tuple(name for name in ranged if name in longest)
+    if len(names) not in (1, 2) or len(set(names)) < len(names):
+        raise PlotError("axes", "one or two different axes can be drawn", "Write, say, beta,alpha")
+    for name in names:
+        if name in whole.dims and name not in ranged:
+            raise PlotError("axes", f"{name} has one value only", "Take " + " or ".join(ranged))
+        if name not in ranged:
+            message = f"{whole.name} has no dimension '{name[:40]}'"
+            raise PlotError("axes", message, suggestion(name, ranged))
+    return names
+
+
+def _axis(coordinate: xarray.DataArray) -> Axis:
+    factor, unit = read_unit(coordinate)
+    return Axis(
+        str(coordinate.name), axis_label(coordinate, unit), unit, scaled(coordinate, factor)
+    )
+
+
+def _held(coordinate: xarray.DataArray, position: int | None = None) -> str:
+    factor, unit = read_unit(coordinate)
+    values = scaled(coordinate, factor)
+    value = float(values if position is None else values[position])
+    return f"{words(str(coordinate.name))}\N{NO-BREAK SPACE}{with_unit(number(value), unit)}"

@@ -1,0 +1,106 @@
+"""A surface over two axes; grey where the closed forms do not hold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
+from numpy.typing import NDArray
+
+from core.plots.regimes import Look, swatch
+from core.plots.scale import Scale, scale_of
+from core.plots.selection import Selection, thin
+from core.plots.text import short_label
+
+MOST_POINTS = 91  # of an axis: every face is a shape in an SVG
+GREYED = 0.8
+TINT = 0.15
+ELEVATION = 28.0
+AZIMUTHS = (-50.0, -130.0, 130.0, 50.0)  # from where the corner in front may be seen
+LUMINANCE = np.array([0.299, 0.587, 0.114])
+
+
+def draw_surface(
+    figure: Figure, selection: Selection, looks: Sequence[Look]
+) -> tuple[Axes, list[Artist]]:
+    """Draw the surface; return the axes and the legend's entries."""
+    axes = figure.add_subplot(projection="3d")
+    first, second = selection.axes
+    rows, columns = thin(first.values.size, MOST_POINTS), thin(second.values.size, MOST_POINTS)
+    part = np.ix_(rows, columns)
+    x, y = np.meshgrid(first.values[rows], second.values[columns], indexing="ij")
+    z, regimes = selection.values[part], selection.regimes[part]
+    scale = scale_of(selection.values)
+    if scale is not None:
+        _add_faces(axes, np.stack([x, y, z], axis=-1), regimes, looks, scale)
+        axes.set_zlim(scale.levels[0], scale.levels[-1])
+        bar = figure.colorbar(
+            ScalarMappable(scale.norm, scale.colours), ax=axes, shrink=0.7, aspect=24, pad=0.1,
+            extend=scale.extend, ticks=scale.levels.tolist(),
+            boundaries=np.linspace(scale.levels[0], scale.levels[-1], 257).tolist(),
+        )  # fmt: skip
+        bar.set_label(short_label(selection.variable, selection.unit), fontsize=10)
+        bar.ax.tick_params(labelsize=9)
+    axes.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
+    axes.set_xlabel(first.label, labelpad=8)
+    axes.set_ylabel(second.label, labelpad=8)
+    axes.set_zlabel(short_label(selection.variable, selection.unit), labelpad=6)
+    axes.view_init(elev=ELEVATION, azim=_azimuth(z))
+    axes.set_box_aspect((4, 4, 2.8), zoom=0.95)
+    face = np.array([scale.sample if scale is not None else (1.0, 1.0, 1.0)])
+    shown = [_greyed(face, look)[0].tolist() for look in looks]
+    return axes, [
+        swatch(look, (red, green, blue), hatched=False)
+        for look, (red, green, blue) in zip(looks, shown, strict=True)
+    ]
+
+
+def _add_faces(
+    axes: Axes,
+    points: NDArray[np.float64],
+    regimes: NDArray[np.int64],
+    looks: Sequence[Look],
+    scale: Scale,
+) -> None:
+    """Add one face for each cell with four finite corners, in the colour of its mean value."""
+    corners = [points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]]
+    faces = np.stack(corners, axis=-2).reshape(-1, 4, 3)
+    states = regimes[:-1, :-1].ravel()
+    finite = np.isfinite(faces).all(axis=(1, 2))
+    faces, states = faces[finite], states[finite]
+    colours = np.asarray(scale.colours(scale.norm(faces[:, :, 2].mean(axis=1))))[:, :3]
+    for look in looks:
+        here = states == look.value
+        colours[here] = _greyed(colours[here], look)
+    axes.add_collection3d(  # type: ignore[attr-defined]
+        Poly3DCollection(faces, facecolors=colours, edgecolors=colours * 0.88, linewidths=0.25)
+    )
+
+
+def _greyed(colours: NDArray[np.float64], look: Look) -> NDArray[np.float64]:
+    """Return colours as they are seen in a regime, shape (n, 3)."""
+    if look.valid:
+        return colours
+    grey = 0.6 + 0.36 * (colours @ LUMINANCE)[:, np.newaxis]
+    return (1 - GREYED) * colours + GREYED * (
+        (1 - TINT) * grey + TINT * np.array(to_rgb(look.colour))
+    )
+
+
+def _azimuth(z: NDArray[np.float64]) -> float:
+    """Return the view that has the lowest corner in front, so that the surface hides nothing."""
+    rows, columns = z.shape[0] // 2, z.shape[1] // 2
+    filled = np.nan_to_num(z, nan=float(np.nanmean(z)) if np.isfinite(z).any() else 0.0)
+    near = {
+        -50.0: filled[rows:, :columns],
+        -130.0: filled[:rows, :columns],
+        130.0: filled[:rows, columns:],
+        50.0: filled[rows:, columns:],
+    }
+    return min(AZIMUTHS, key=lambda azimuth: float(near[azimuth].mean()))
