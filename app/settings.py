@@ -14,7 +14,7 @@ class Settings(BaseSettings):
     model_config = SettingsConfigDict(env_prefix="VIBRAFEED_", frozen=True, extra="forbid")
 
     data_directory: Path = Field(
-        Path("data"), description="Where sweeps and their files are kept; made if missing."
+        default=Path("data"), description="Where sweeps and their files are kept; made if missing."
     )
     max_body_bytes: int = Field(default=1_000_000, gt=0, description="Largest body of a request.")
     max_cells: int = Field(default=20_000_000, gt=0, description="Most cells of one sweep.")

@@ -10,14 +10,17 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
 
-from core.plots.regimes import VEIL, Look, shade, swatch, veiled
-from core.plots.scale import scale_of
+from core.plots.parts import add_colour_bar, set_log
+from core.plots.regimes import VEIL, Look, shade, veiled_swatch
+from core.plots.scale import Scale, scale_of
 from core.plots.selection import Selection, thin
-from core.plots.text import number, short_label
+from core.plots.text import number
 
 MOST_POINTS = 1000  # of an axis; a picture shows no more
 LINE = "#1a1a1a"
+MARGIN = 0.035
 
 
 def draw_contour(
@@ -28,32 +31,43 @@ def draw_contour(
     across, up = selection.axes
     columns, rows = thin(across.values.size, MOST_POINTS), thin(up.values.size, MOST_POINTS)
     x, y = across.values[columns], up.values[rows]
-    values = np.ma.masked_invalid(selection.values[np.ix_(columns, rows)].T)
-    regimes = selection.regimes[np.ix_(columns, rows)].T
-    for axis, set_scale in ((across, axes.set_xscale), (up, axes.set_yscale)):
+    part = np.ix_(columns, rows)
+    values, regimes = selection.values[part].T, selection.regimes[part].T
+    for axis, spine in ((across, axes.xaxis), (up, axes.yaxis)):
         if axis.is_log:
-            set_scale("log")
-    scale = scale_of(selection.values)
+            set_log(spine, axis.values)
+    scale = scale_of(values)
+    faces = {look: to_rgb(VEIL) for look in looks}
     if scale is not None:
+        faces = {look: scale.typical(values[regimes == look.value]) for look in looks}
         filled = axes.contourf(
-            x, y, values, levels=scale.levels, cmap=scale.colours, norm=scale.norm,
-            extend=scale.extend, zorder=1,
+            x, y, np.ma.masked_invalid(values), levels=scale.levels, cmap=scale.colours,
+            norm=scale.norm, extend=scale.extend, zorder=1,
         )  # fmt: skip
-        bar = figure.colorbar(filled, ax=axes, pad=0.02, aspect=28)
-        bar.set_label(short_label(selection.variable, selection.unit), fontsize=10)
-        bar.ax.tick_params(labelsize=9)
-        bar.set_ticks(scale.levels.tolist())
-    shade(axes, x, y, regimes, looks)
+        add_colour_bar(figure, axes, filled, scale, selection, pad=0.02, aspect=28)
+    shade(axes, x, y, regimes, faces)
     if scale is not None:
-        inner = scale.levels[(scale.levels > values.min()) & (scale.levels < values.max())]
-        if inner.size:
-            lines = axes.contour(
-                x, y, values, levels=inner, colors=[LINE], linewidths=[0.6], zorder=3
-            )
-            labels = axes.clabel(lines, fontsize=8, fmt=number, inline_spacing=3, zorder=6)
-            for label in labels:
-                label.set_path_effects([withStroke(linewidth=2.2, foreground="white")])
+        _add_lines(axes, x, y, np.ma.masked_invalid(values), scale)
     axes.set_xlabel(across.label)
     axes.set_ylabel(up.label)
-    face = scale.sample if scale is not None else to_rgb(VEIL)
-    return axes, [swatch(look, veiled(look, face)) for look in looks]
+    return axes, [veiled_swatch(look, face) for look, face in faces.items()]
+
+
+def _add_lines(
+    axes: Axes,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    values: np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]],
+    scale: Scale,
+) -> None:
+    """Add contour lines with labels; those that would cross the frame are left out."""
+    inner = scale.levels[(scale.levels > values.min()) & (scale.levels < values.max())]
+    if not inner.size:
+        return
+    lines = axes.contour(x, y, values, levels=inner, colors=[LINE], linewidths=[0.6], zorder=3)
+    into_frame = axes.transData + axes.transAxes.inverted()
+    for label in axes.clabel(lines, fontsize=8, fmt=number, inline_spacing=3, zorder=6):
+        place = into_frame.transform(label.get_position())
+        if (np.abs(place - 0.5) > 0.5 - MARGIN).any():
+            label.set_visible(False)
+        label.set_path_effects([withStroke(linewidth=2.2, foreground="white")])

@@ -24,6 +24,8 @@ SIZE = (8.0, 6.4)  # inches
 Painter = Callable[[Figure, Selection, Sequence[Look]], tuple[Axes, list[Artist]]]
 PAINTERS: dict[str, Painter] = {"contour": draw_contour, "surface": draw_surface, "line": draw_line}
 LINE_LENGTH = 92  # characters of the subtitle
+HANDLE_LENGTH = 10  # the like of a swatch in the legend
+DOT = " \N{MIDDLE DOT} "
 QUIET = "#444444"
 
 
@@ -92,17 +94,19 @@ def _add_titles(figure: Figure, axes: Axes, selection: Selection, dataset: xarra
     variant = dataset.attrs.get("variant", "")
     origin = ", ".join(str(part) for part in (dataset.attrs["scene"], variant) if part)
     title = dataset.attrs.get("title")
-    lines = textwrap.wrap(" \N{MIDDLE DOT} ".join(selection.fixed), LINE_LENGTH)
+    fixed = textwrap.wrap(DOT.join(selection.fixed), LINE_LENGTH)
+    lines = [line.strip(DOT) for line in fixed]
     lines += textwrap.wrap(f"{title} ({origin})" if title else origin, LINE_LENGTH)
     axes.set_title("\n".join(lines), loc="left", fontsize=8.5, color=QUIET, linespacing=1.4)
     return heading
 
 
 def _add_legend(figure: Figure, entries: Sequence[Artist]) -> None:
+    longest = max((len(str(entry.get_label())) for entry in entries), default=0)
     figure.legend(
         handles=list(entries),
         loc="outside lower left",
-        ncols=1 if len(entries) < 2 else 2,
+        ncols=max(1, min(len(entries), LINE_LENGTH // (longest + HANDLE_LENGTH))),
         frameon=False,
         fontsize=9,
         handlelength=3.0,

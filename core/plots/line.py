@@ -13,14 +13,14 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from core.plots.regimes import EDGE, HATCH_WIDTH, Look, mix, swatch
+from core.plots.parts import set_log
+from core.plots.regimes import EDGE, HATCH_WIDTH, PLAIN, Look, mix, swatch
 from core.plots.scale import value_range
 from core.plots.selection import Axis, Selection, thin
 from core.plots.text import axis_label, number, short_label, with_unit
 
 MOST_CURVES = 7
 CURVE = "#1f3b73"
-WIDTHS = (1.8, 3.4, 5.0)  # of the regimes in which the closed forms hold
 DASHES = ((4.0, 2.0), (1.0, 1.5), (7.0, 2.0, 1.0, 2.0), (3.0, 1.5, 1.0, 1.5, 1.0, 1.5))
 
 Dashes = tuple[float, tuple[float, ...]] | Literal["solid"]
@@ -37,7 +37,7 @@ def draw_line(
     values = selection.values.reshape(across.values.size, -1)[:, chosen]
     regimes = selection.regimes.reshape(across.values.size, -1)[:, chosen]
     if across.is_log:
-        axes.set_xscale("log")
+        set_log(axes.xaxis, across.values)
     alike = bool((regimes == regimes[:, :1]).all())
     entries: list[Artist] = []
     if alike:
@@ -69,10 +69,10 @@ def _colours(count: int) -> list[Colour]:
 
 def _style(look: Look, looks: Sequence[Look], alike: bool) -> tuple[float, tuple[float, ...]]:
     """Return width and dashes of a curve in a regime; backgrounds, if any, name the regime."""
-    rank = 0 if alike else [other for other in looks if other.valid == look.valid].index(look)
     if look.valid:
-        return WIDTHS[min(rank, len(WIDTHS) - 1)], ()
-    return 1.3, DASHES[rank % len(DASHES)]
+        return PLAIN[-1] if alike else look.width, ()
+    rank = 0 if alike else [other for other in looks if not other.valid].index(look)
+    return look.width, DASHES[rank % len(DASHES)]
 
 
 def _draw_style(dashes: tuple[float, ...]) -> Dashes:
@@ -140,7 +140,7 @@ def _spans(axes: Axes, across: Axis, states: NDArray[np.int64], looks: Sequence[
         look = by_value[int(states[start])]
         area = axes.axvspan(edges[start], edges[stop], facecolor=look.tint, linewidth=0, zorder=0)
         if look.hatch:
-            area.set(hatch=look.hatch, edgecolor=mix(look.colour, "#ffffff", 0.6))
+            area.set(hatch=look.hatch, edgecolor=mix(look.colour, "#ffffff", 0.72))
             area.set_hatch_linewidth(HATCH_WIDTH)
     for change in changes:
         pair = (by_value[int(states[change - 1])], by_value[int(states[change])])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,26 +23,28 @@ VEIL = "#ffffff"
 VEIL_STRENGTH = 0.55
 EDGE = "#000000"  # the border of what the closed forms describe
 HATCH_WIDTH = 0.7
+HATCH_STRENGTH = 0.5
 
-# Where the closed forms hold, regimes are told apart by sparse dots or none; elsewhere by lines.
+# Hatch, colour, and width of a line. Where the closed forms hold, regimes are told apart by sparse
+# dots or by nothing, elsewhere by hatched lines.
 LOOKS = {
-    "not_assessed": ("", "#b0b0b0"),
-    "contact": ("", "#4d9221"),
-    "stick": ("...", "#2166ac"),
-    "slip": ("", "#4d9221"),
-    "roll": ("oo", "#01665e"),
-    "flight": ("///", "#4a4a4a"),
-    "wall_lost": ("\\\\\\", "#a63603"),
-    "flight_and_wall_lost": ("xxx", "#54278f"),
-    "no_motion": ("..", "#2166ac"),
-    "stopped": ("..", "#5e3c99"),
-    "outside_cone": ("---", "#4a4a4a"),
-    "invalid_geometry": ("+++", "#4a4a4a"),
-    "tipping": ("|||", "#a63603"),
-    "faster_than_track": ("|||", "#54278f"),
-    "unbounded": ("**", "#777777"),
+    "not_assessed": ("", "#8a8a8a", 1.8),
+    "contact": ("", "#4d9221", 1.8),
+    "stick": ("..", "#2166ac", 0.9),
+    "slip": ("", "#4d9221", 1.8),
+    "roll": ("oo", "#01665e", 3.2),
+    "flight": ("///", "#4a4a4a", 1.3),
+    "wall_lost": ("\\\\\\", "#b3560f", 1.3),
+    "flight_and_wall_lost": ("xxx", "#5e2d91", 1.3),
+    "no_motion": ("..", "#2166ac", 0.9),
+    "stopped": ("oo", "#5e3c99", 0.9),
+    "outside_cone": ("---", "#9b1b5a", 1.3),
+    "invalid_geometry": ("+++", "#6b5d00", 1.3),
+    "tipping": ("|||", "#8b1a1a", 1.3),
+    "faster_than_track": ("|||", "#00696b", 1.3),
+    "unbounded": ("..", "#777777", 1.8),
 }
-PLAIN = ("", "#b0b0b0")
+PLAIN = ("", "#8a8a8a", 1.8)
 
 
 @dataclass(frozen=True)
@@ -54,11 +56,12 @@ class Look:
     valid: bool
     hatch: str
     colour: str
+    width: float
 
     @property
     def label(self) -> str:
         """Its name in words, and whether the closed forms hold."""
-        return words(self.name) if self.valid else f"{words(self.name)} (closed forms do not hold)"
+        return words(self.name) if self.valid else f"{words(self.name)} (closed forms invalid)"
 
     @property
     def tint(self) -> RGB:
@@ -101,30 +104,33 @@ def shade(
     x: NDArray[np.float64],
     y: NDArray[np.float64],
     regimes: NDArray[np.int64],
-    looks: Iterable[Look],
+    faces: Mapping[Look, RGB],
 ) -> None:
-    """Veil and hatch the regimes of a plane, arrays (y, x), and draw their borders."""
-    for look in looks:
+    """Veil and hatch the regimes of a plane, arrays (y, x), and draw their borders.
+
+    `faces` are the colours that lie below.
+    """
+    for look, face in faces.items():
         inside = (regimes == look.value).astype(float)
         if look.hatch or not look.valid:
             veil = (*to_rgb(VEIL), 0.0 if look.valid else VEIL_STRENGTH)
             area = axes.contourf(
                 x, y, inside, levels=[0.5, 1.5], colors=[veil], hatches=[look.hatch], zorder=2
             )
-            area.set_edgecolor((*to_rgb(look.colour), 0.45))
+            area.set_edgecolor((*_ink(look, face), HATCH_STRENGTH))
             area.set_linewidth(0.0)
             area.set_hatch_linewidth(HATCH_WIDTH)
         if inside.min() < inside.max():
             axes.contour(x, y, inside, levels=[0.5], colors=[EDGE], linewidths=[0.9], zorder=4)
-    valid = np.isin(regimes, [look.value for look in looks if look.valid]).astype(float)
+    valid = np.isin(regimes, [look.value for look in faces if look.valid]).astype(float)
     if valid.min() < valid.max():
-        border = axes.contour(x, y, valid, levels=[0.5], colors=[EDGE], linewidths=[2.4], zorder=5)
-        border.set_path_effects([withStroke(linewidth=5.0, foreground=VEIL)])
+        border = axes.contour(x, y, valid, levels=[0.5], colors=[EDGE], linewidths=[2.2], zorder=5)
+        border.set_path_effects([withStroke(linewidth=4.0, foreground=VEIL)])
 
 
-def swatch(look: Look, face: RGB, *, hatched: bool = True) -> Patch:
-    """Return the legend entry of a regime."""
-    patch = Patch(facecolor=face, edgecolor=mix(look.colour, VEIL, 0.3), label=look.label)
+def swatch(look: Look, face: RGB, ink: RGB | None = None, *, hatched: bool = True) -> Patch:
+    """Return the legend entry of a regime; `face` is the colour in which it is seen."""
+    patch = Patch(facecolor=face, edgecolor=ink or mix(look.colour, VEIL, 0.3), label=look.label)
     patch.set_linewidth(0.8)
     if hatched:
         patch.set_hatch(look.hatch)
@@ -132,6 +138,19 @@ def swatch(look: Look, face: RGB, *, hatched: bool = True) -> Patch:
     return patch
 
 
-def veiled(look: Look, face: RGB) -> RGB:
-    """Return a colour as it is seen in a regime."""
-    return face if look.valid else mix(face, VEIL, VEIL_STRENGTH)
+def veiled_swatch(look: Look, face: RGB) -> Patch:
+    """Return the legend entry of a regime over a colour, as `shade` draws it."""
+    seen = face if look.valid else mix(face, VEIL, VEIL_STRENGTH)
+    return swatch(look, seen, mix(seen, _ink(look, face), 0.7))
+
+
+def luminance(colours: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return how bright colours are, 0 to 1, shape (n,) for (n, 3)."""
+    return colours @ np.array([0.299, 0.587, 0.114])
+
+
+def _ink(look: Look, face: RGB) -> RGB:
+    """Return the colour of a hatch: the regime's on a veil, else what stands out."""
+    if not look.valid:
+        return to_rgb(look.colour)
+    return to_rgb("#ffffff" if luminance(np.array(face)) < 0.5 else "#000000")

@@ -30,11 +30,12 @@ class Scale:
     norm: Normalize
     extend: Literal["neither", "min", "max", "both"]
 
-    @property
-    def sample(self) -> RGB:
-        """A colour that stands for all of them in a legend."""
-        low, high = float(self.levels[0]), float(self.levels[-1])
-        red, green, blue, _ = self.colours(self.norm(low + 0.7 * (high - low)))
+    def typical(self, values: NDArray[np.float64]) -> RGB:
+        """Return the colour of the middle one of some values; white if none is finite."""
+        finite = values[np.isfinite(values)]
+        if not finite.size:
+            return 1.0, 1.0, 1.0
+        red, green, blue, _ = self.colours(self.norm(float(np.median(finite))))
         return red, green, blue
 
 

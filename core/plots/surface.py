@@ -10,20 +10,23 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
+from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
+    Line3DCollection,
+    Poly3DCollection,
+)
 from numpy.typing import NDArray
 
-from core.plots.regimes import Look, swatch
+from core.plots.parts import add_colour_bar
+from core.plots.regimes import EDGE, Look, luminance, swatch
 from core.plots.scale import Scale, scale_of
 from core.plots.selection import Selection, thin
 from core.plots.text import short_label
 
 MOST_POINTS = 91  # of an axis: every face is a shape in an SVG
 GREYED = 0.8
-TINT = 0.15
+TINT = 0.3
 ELEVATION = 28.0
 AZIMUTHS = (-50.0, -130.0, 130.0, 50.0)  # from where the corner in front may be seen
-LUMINANCE = np.array([0.299, 0.587, 0.114])
 
 
 def draw_surface(
@@ -36,29 +39,25 @@ def draw_surface(
     part = np.ix_(rows, columns)
     x, y = np.meshgrid(first.values[rows], second.values[columns], indexing="ij")
     z, regimes = selection.values[part], selection.regimes[part]
-    scale = scale_of(selection.values)
+    scale = scale_of(z)
     if scale is not None:
-        _add_faces(axes, np.stack([x, y, z], axis=-1), regimes, looks, scale)
+        points = np.stack([x, y, z], axis=-1)
+        _add_faces(axes, points, regimes, looks, scale)
+        _add_borders(axes, points, regimes, looks, scale)
         axes.set_zlim(scale.levels[0], scale.levels[-1])
-        bar = figure.colorbar(
-            ScalarMappable(scale.norm, scale.colours), ax=axes, shrink=0.7, aspect=24, pad=0.1,
-            extend=scale.extend, ticks=scale.levels.tolist(),
+        add_colour_bar(
+            figure, axes, ScalarMappable(scale.norm, scale.colours), scale, selection,
             boundaries=np.linspace(scale.levels[0], scale.levels[-1], 257).tolist(),
+            extend=scale.extend, shrink=0.7, aspect=24, pad=0.1,
         )  # fmt: skip
-        bar.set_label(short_label(selection.variable, selection.unit), fontsize=10)
-        bar.ax.tick_params(labelsize=9)
     axes.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
     axes.set_xlabel(first.label, labelpad=8)
     axes.set_ylabel(second.label, labelpad=8)
     axes.set_zlabel(short_label(selection.variable, selection.unit), labelpad=6)
     axes.view_init(elev=ELEVATION, azim=_azimuth(z))
-    axes.set_box_aspect((4, 4, 2.8), zoom=0.95)
-    face = np.array([scale.sample if scale is not None else (1.0, 1.0, 1.0)])
-    shown = [_greyed(face, look)[0].tolist() for look in looks]
-    return axes, [
-        swatch(look, (red, green, blue), hatched=False)
-        for look, (red, green, blue) in zip(looks, shown, strict=True)
-    ]
+    axes.set_box_aspect((4, 4, 2.8), zoom=1.05)
+    axes.computed_zorder = False  # type: ignore[attr-defined]
+    return axes, [_entry(look, scale, z[regimes == look.value]) for look in looks]
 
 
 def _add_faces(
@@ -68,26 +67,63 @@ def _add_faces(
     looks: Sequence[Look],
     scale: Scale,
 ) -> None:
-    """Add one face for each cell with four finite corners, in the colour of its mean value."""
+    """Add one face for each cell with four corners in sight, in the colour of its mean value."""
     corners = [points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]]
     faces = np.stack(corners, axis=-2).reshape(-1, 4, 3)
     states = regimes[:-1, :-1].ravel()
-    finite = np.isfinite(faces).all(axis=(1, 2))
-    faces, states = faces[finite], states[finite]
+    shown = _shown(faces[:, :, 2], scale).all(axis=1)
+    faces, states = faces[shown], states[shown]
     colours = np.asarray(scale.colours(scale.norm(faces[:, :, 2].mean(axis=1))))[:, :3]
     for look in looks:
         here = states == look.value
         colours[here] = _greyed(colours[here], look)
     axes.add_collection3d(  # type: ignore[attr-defined]
-        Poly3DCollection(faces, facecolors=colours, edgecolors=colours * 0.88, linewidths=0.25)
+        Poly3DCollection(
+            faces, facecolors=colours, edgecolors=colours * 0.88, linewidths=0.25, zorder=1
+        )
     )
+
+
+def _add_borders(
+    axes: Axes,
+    points: NDArray[np.float64],
+    regimes: NDArray[np.int64],
+    looks: Sequence[Look],
+    scale: Scale,
+) -> None:
+    """Add the edges between faces of different regimes, heavy where validity ends."""
+    valid = np.isin(regimes, [look.value for look in looks if look.valid])
+    for states, width in ((regimes, 0.8), (valid, 2.0)):
+        across = states[1:-1, :-1] != states[:-2, :-1]
+        along = states[:-1, 1:-1] != states[:-1, :-2]
+        edges = np.concatenate(
+            [
+                np.stack([points[1:-1, :-1], points[1:-1, 1:]], axis=-2)[across],
+                np.stack([points[:-1, 1:-1], points[1:, 1:-1]], axis=-2)[along],
+            ]
+        )
+        edges = edges[_shown(edges[:, :, 2], scale).all(axis=1)]
+        if edges.size:
+            axes.add_collection3d(  # type: ignore[attr-defined]
+                Line3DCollection(edges, colors=EDGE, linewidths=width, zorder=2)
+            )
+
+
+def _shown(z: NDArray[np.float64], scale: Scale) -> NDArray[np.bool_]:
+    return np.isfinite(z) & (z >= scale.levels[0]) & (z <= scale.levels[-1])
+
+
+def _entry(look: Look, scale: Scale | None, values: NDArray[np.float64]) -> Artist:
+    face = scale.typical(values) if scale is not None else (1.0, 1.0, 1.0)
+    red, green, blue = _greyed(np.array([face]), look)[0].tolist()
+    return swatch(look, (red, green, blue), hatched=False)
 
 
 def _greyed(colours: NDArray[np.float64], look: Look) -> NDArray[np.float64]:
     """Return colours as they are seen in a regime, shape (n, 3)."""
     if look.valid:
         return colours
-    grey = 0.6 + 0.36 * (colours @ LUMINANCE)[:, np.newaxis]
+    grey = 0.6 + 0.36 * (luminance(colours))[:, np.newaxis]
     return (1 - GREYED) * colours + GREYED * (
         (1 - TINT) * grey + TINT * np.array(to_rgb(look.colour))
     )

@@ -318,13 +318,13 @@ BOTH = WALL_FORCES | FLOOR_FORCES | TRAVEL | ACCELERATION | {"z_residual", "pres
 FLOOR = BOTH | {"normal_acceleration", "throw_number", "acceleration_z"}
 WALL = BOTH | {"wall_balance", "acceleration_y"}
 
-LEFT_CONTACT = (
+CORNERS_FIT = Condition("invalid_geometry", rear_corner_lifts, CORNERS - {"chord_cosine"})
+LEFT_FLOOR = (
     Condition("flight_and_wall_lost", has_left_floor_and_wall, BOTH),
     Condition("flight", vibration.has_left_floor, FLOOR, otherwise="contact"),
-    Condition("wall_lost", has_left_wall, WALL, otherwise="contact"),
 )
-CORNERS_FIT = Condition("invalid_geometry", rear_corner_lifts, CORNERS - {"chord_cosine"})
-TRAVELS = (
+# After flight, but before the wall: a speed of 0 is explained before its validity is doubted.
+REST = (
     Condition("no_motion", travel.does_not_start, TRAVEL, otherwise="slip"),
     Condition(
         "stopped",
@@ -334,6 +334,9 @@ TRAVELS = (
     Condition(
         "stopped", travel.stops_before_time, frozenset(("velocity_at_time", "distance_at_time"))
     ),
+)
+LEFT_WALL = Condition("wall_lost", has_left_wall, WALL, otherwise="contact")
+BEYOND = (
     Condition("faster_than_track", travel.exceeds_track_speed, frozenset(("transport_velocity",))),
     Condition("unbounded", travel.grows_without_bound, frozenset(("terminal_velocity",))),
     Condition("unbounded", travel.never_stops, frozenset(("stopping_distance", "stopping_time"))),
@@ -342,16 +345,20 @@ TRAVELS = (
 PRINTED_CONDITIONS = (
     Condition("invalid_geometry", topples_on_wall, WALL_FORCES | FLOOR_FORCES | {"z_residual"}),
     CORNERS_FIT,
-    *LEFT_CONTACT,
-    Condition("outside_cone", presses_wall, WALL_FORCES | FLOOR_FORCES | {"z_residual"}),
-    *TRAVELS,
+    *LEFT_FLOOR,
+    *REST,
     Condition("no_motion", travel.does_not_start, ACCELERATION, otherwise="slip"),
+    LEFT_WALL,
+    Condition("outside_cone", presses_wall, WALL_FORCES | FLOOR_FORCES | {"z_residual"}),
+    *BEYOND,
 )
 PHYSICAL_CONDITIONS = (
     CORNERS_FIT,
-    *LEFT_CONTACT,
+    *LEFT_FLOOR,
+    *REST,
+    LEFT_WALL,
     Condition("tipping", tips, frozenset(("pressure_offset_x",))),
-    *TRAVELS,
+    *BEYOND,
     Condition("stick", is_held, ACCELERATION, otherwise="slip"),
 )
 

@@ -76,8 +76,9 @@ class Condition:
     outputs : frozenset of str
         The outputs whose meaning depends on it. If none of them is asked for, it is left out.
     otherwise : str
-        The regime of the cells for which no condition holds, once this one has been tried; the
-        last condition tried has the last word. Empty: it says nothing about them.
+        The regime of the cells for which no condition holds, once this one has been tried. The
+        last condition tried has the last word, but ``contact`` gives way to anything that says
+        more. Empty: it says nothing about them.
     """
 
     regime: str

@@ -54,7 +54,8 @@ class Plan:
     def otherwise(self) -> str:
         """The regime of cells for which no condition holds."""
         said = [condition.otherwise for condition in self.conditions if condition.otherwise]
-        return said[-1] if said else "not_assessed"
+        more = [name for name in said if name != "contact"]
+        return (more or said or ["not_assessed"])[-1]
 
     def only(self, output: str) -> Plan:
         """Return the plan of one of the outputs alone, with the parameters that it needs."""

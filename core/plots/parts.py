@@ -1,0 +1,50 @@
+"""Parts that several kinds of picture share."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis as Spine
+from matplotlib.cm import ScalarMappable
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, NullFormatter
+from numpy.typing import NDArray
+
+from core.plots.scale import Scale
+from core.plots.selection import Selection
+from core.plots.text import number, short_label
+
+DECADE = 10.0
+
+
+def plain(value: float, _: object = None) -> str:
+    """Return a tick's number."""
+    return number(value)
+
+
+def set_log(spine: Spine, values: NDArray[np.float64]) -> None:
+    """Space an axis by factors, with plain numbers at the ticks."""
+    if spine.axis_name == "x":  # type: ignore[attr-defined]
+        spine.axes.set_xscale("log")
+    else:
+        spine.axes.set_yscale("log")
+    spine.set_major_formatter(FuncFormatter(plain))
+    if values[-1] >= DECADE * values[0]:
+        spine.set_minor_formatter(NullFormatter())
+    else:
+        spine.set_minor_formatter(FuncFormatter(plain))
+
+
+def add_colour_bar(
+    figure: Figure,
+    axes: Axes,
+    colours: ScalarMappable,
+    scale: Scale,
+    selection: Selection,
+    **layout: object,
+) -> None:
+    """Add a colour bar with a tick at each level."""
+    bar = figure.colorbar(colours, ax=axes, ticks=scale.levels.tolist(), **layout)
+    bar.ax.yaxis.set_major_formatter(FuncFormatter(plain))
+    bar.ax.tick_params(labelsize=9)
+    bar.set_label(short_label(selection.variable, selection.unit), fontsize=10)

@@ -1,0 +1,182 @@
+"""Every figure's file, written by the command line, in the hands of readers that are not ours.
+
+Readers run in processes of their own: importing netCDF4 tells a process, and its children, where
+compression plugins are, so that a reader started there opens what the user's reader does not.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+from typing import Any, NoReturn
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+STUDIES = sorted((ROOT / "configs" / "figures").glob("*.toml"))
+NAMES = [study.stem for study in STUDIES]
+CHECKER = "VIBRAFEED_COMPLIANCE_CHECKER"
+REQUIRED = "VIBRAFEED_REQUIRE_TOOLS"
+
+OPEN_ALL = """
+import json, sys
+sys.modules["h5py"] = sys.modules["h5netcdf"] = None  # neither may be needed
+import xarray
+report = {}
+for path in sys.argv[1:]:
+    with xarray.open_dataset(path, engine="netcdf4") as dataset:
+        dataset.load()
+        report[path] = {
+            "regime": dataset["regime"].dtype.str,
+            "flags": dataset["regime"].attrs["flag_values"].dtype.str,
+            "filled": [n for n, v in dataset.variables.items() if "_FillValue" in v.encoding],
+            "coordinates": sorted(map(str, dataset.coords)),
+        }
+print(json.dumps(report))
+"""
+
+
+def fresh_environment() -> dict[str, str]:
+    return {name: value for name, value in os.environ.items() if name != "HDF5_PLUGIN_PATH"}
+
+
+def run(*command: str | Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [str(part) for part in command],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env=fresh_environment(),
+        check=False,
+    )
+
+
+def absent(reason: str) -> NoReturn:
+    """Skip, or fail where the tools must be there."""
+    if os.environ.get(REQUIRED) == "1":
+        pytest.fail(f"{reason}, and {REQUIRED}=1 asks for it")
+    pytest.skip(reason)
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Return the file of each figure, all written by one run of the command line."""
+    folder = tmp_path_factory.mktemp("figures")
+    vibrafeed = Path(sysconfig.get_path("scripts")) / "vibrafeed"
+    done = run(vibrafeed, "run", *STUDIES, "-o", folder)
+    assert done.returncode == 0, done.stdout + done.stderr
+    written = {path.stem: path for path in folder.iterdir()}
+    assert sorted(written) == NAMES
+    return written
+
+
+@pytest.fixture(scope="module")
+def ncdump() -> str:
+    tool = shutil.which("ncdump")
+    if tool is None:
+        absent("ncdump is not installed (Debian package netcdf-bin)")
+    return tool
+
+
+@pytest.fixture(scope="module")
+def compliance_checker() -> str:
+    """Return the checker, which needs an environment of its own."""
+    default = ROOT / ".venv-cf" / "bin" / "compliance-checker"
+    wanted = os.environ.get(CHECKER) or str(default)
+    tool = shutil.which(wanted)
+    if tool is None:
+        absent(f"no compliance-checker: neither {CHECKER} nor .venv-cf names one")
+    return tool
+
+
+@pytest.fixture(scope="module")
+def opened(files: dict[str, Path]) -> dict[str, dict[str, Any]]:
+    """Return what xarray sees in each file."""
+    done = run(sys.executable, "-c", OPEN_ALL, *files.values())
+    assert done.returncode == 0, done.stderr
+    report = json.loads(done.stdout)
+    return {name: report[str(path)] for name, path in files.items()}
+
+
+def cf_errors(checker: str, paths: list[Path], report: Path) -> dict[str, list[str]]:
+    """Return every complaint of the checker about each file, of whatever priority."""
+    done = run(
+        checker, "--test=cf:1.11", "--criteria=strict", "-f", "json_new", "-o", report, *paths
+    )
+    assert report.exists(), done.stdout + done.stderr
+    found = json.loads(report.read_text(encoding="utf-8"))
+    return {
+        Path(path).stem: [
+            f"{check['name']}: {message}"
+            for check in result["cf:1.11"]["all_priorities"]
+            for message in check["msgs"]
+        ]
+        for path, result in found.items()
+    }
+
+
+@pytest.fixture(scope="module")
+def complaints(
+    files: dict[str, Path], compliance_checker: str, tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, list[str]]:
+    report = tmp_path_factory.mktemp("cf") / "report.json"
+    return cf_errors(compliance_checker, list(files.values()), report)
+
+
+# --- (a) ncdump
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_ncdump_opens_the_file(name: str, files: dict[str, Path], ncdump: str) -> None:
+    header = run(ncdump, "-h", files[name])
+    assert header.returncode == 0, header.stderr
+    assert f"netcdf {name} {{" in header.stdout
+    assert ':Conventions = "CF-1.11"' in header.stdout
+    assert "byte regime(" in header.stdout
+    assert "_FillValue" not in header.stdout
+    assert str(ROOT) not in header.stdout
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_ncdump_reads_compressed_data(name: str, files: dict[str, Path], ncdump: str) -> None:
+    # The header alone opens even where the compression is unknown.
+    data = run(ncdump, "-v", "regime", files[name])
+    assert data.returncode == 0, data.stderr
+    assert " regime =" in data.stdout.partition("data:")[2]
+
+
+# --- (b) compliance-checker
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_cf_1_11_has_no_complaint(name: str, complaints: dict[str, list[str]]) -> None:
+    assert complaints[name] == []
+
+
+def test_cf_check_finds_a_wrong_unit(
+    files: dict[str, Path], compliance_checker: str, tmp_path: Path
+) -> None:
+    """The check above is not empty: a unit that UDUNITS does not know is found."""
+    wrong = tmp_path / "wrong.nc"
+    shutil.copy(files["fig-5-1"], wrong)
+    spoil = "import netCDF4, sys; netCDF4.Dataset(sys.argv[1], 'a')['alpha'].units = 'degs'"
+    assert run(sys.executable, "-c", spoil, wrong).returncode == 0
+    found = cf_errors(compliance_checker, [wrong], tmp_path / "report.json")
+    assert any("degs" in message for message in found["wrong"])
+
+
+# --- (c) xarray
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_xarray_reads_flags_as_integers_and_finds_no_fill_value(
+    name: str, opened: dict[str, dict[str, Any]]
+) -> None:
+    seen = opened[name]
+    assert seen["regime"] == "|i1"
+    assert seen["flags"] == "|i1"
+    assert seen["filled"] == []
+    assert "gravity" in seen["coordinates"]
