@@ -9,6 +9,8 @@ All functions take and return broadcastable float64 arrays, SI units.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from core.mechanics.arrays import (
@@ -230,9 +232,32 @@ def stops_before_time(*, stopping_time: Array, time: Array) -> Mask:
     return stopping_time <= time
 
 
-def exceeds_track_speed(*, transport_velocity: Array, velocity_bound: Array) -> Mask:
-    """Return where (3.18) exceeds the largest speed of the track, which friction cannot do."""
+def speed_exceeds_track(*, transport_velocity: Array, velocity_bound: Array) -> Mask:
+    """Return where v(x) exceeds the largest speed of the track, which friction cannot do."""
     return transport_velocity > velocity_bound
+
+
+def mean_exceeds_track(*, mean_velocity: Array, velocity_bound: Array) -> Mask:
+    """Return where x/t(x) exceeds the largest speed of the track, which friction cannot do."""
+    return mean_velocity > velocity_bound
+
+
+def speed_at_time_exceeds_track(*, velocity_at_time: Array, velocity_bound: Array) -> Mask:
+    """Return where v(t) exceeds the largest speed of the track, which friction cannot do."""
+    return velocity_at_time > velocity_bound
+
+
+def terminal_exceeds_track(*, terminal_velocity: Array, velocity_bound: Array) -> Mask:
+    """Return where v_inf exceeds the largest speed of the track, which friction cannot do."""
+    return terminal_velocity > velocity_bound
+
+
+EXCEEDS_TRACK_SPEED: dict[str, Callable[..., Mask]] = {
+    "transport_velocity": speed_exceeds_track,
+    "mean_velocity": mean_exceeds_track,
+    "velocity_at_time": speed_at_time_exceeds_track,
+    "terminal_velocity": terminal_exceeds_track,
+}
 
 
 def grows_without_bound(*, starting_acceleration: Array, friction_kinetic: Array) -> Mask:

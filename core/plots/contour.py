@@ -20,7 +20,8 @@ from core.plots.text import number
 
 MOST_POINTS = 1000  # of an axis; a picture shows no more
 LINE = "#1a1a1a"
-MARGIN = 0.035
+MARGIN = 0.035  # of the frame, free of labels
+APART = 0.05  # of the frame, between labels
 
 
 def draw_contour(
@@ -60,14 +61,19 @@ def _add_lines(
     values: np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]],
     scale: Scale,
 ) -> None:
-    """Add contour lines with labels; those that would cross the frame are left out."""
+    """Add contour lines with labels, but for those that would cross the frame or each other."""
     inner = scale.levels[(scale.levels > values.min()) & (scale.levels < values.max())]
     if not inner.size:
         return
-    lines = axes.contour(x, y, values, levels=inner, colors=[LINE], linewidths=[0.6], zorder=3)
+    widths = np.where(inner == 0, 1.4, 0.6).tolist()
+    lines = axes.contour(x, y, values, levels=inner, colors=[LINE], linewidths=widths, zorder=3)
+    kept: list[NDArray[np.float64]] = []
     into_frame = axes.transData + axes.transAxes.inverted()
-    for label in axes.clabel(lines, fontsize=8, fmt=number, inline_spacing=3, zorder=6):
+    for label in axes.clabel(lines, fontsize=8, fmt=number, inline=False, zorder=6):
         place = into_frame.transform(label.get_position())
-        if (np.abs(place - 0.5) > 0.5 - MARGIN).any():
+        inside = bool((np.abs(place - 0.5) < 0.5 - MARGIN).all())
+        if inside and all(np.hypot(*(place - other)) > APART for other in kept):
+            kept.append(place)
+        else:
             label.set_visible(False)
-        label.set_path_effects([withStroke(linewidth=2.2, foreground="white")])
+        label.set_path_effects([withStroke(linewidth=3.0, foreground="white")])

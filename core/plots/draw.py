@@ -10,7 +10,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.text import Text
 
 from core.plots.contour import draw_contour
 from core.plots.line import draw_line
@@ -23,7 +22,9 @@ from core.plots.text import long_name
 SIZE = (8.0, 6.4)  # inches
 Painter = Callable[[Figure, Selection, Sequence[Look]], tuple[Axes, list[Artist]]]
 PAINTERS: dict[str, Painter] = {"contour": draw_contour, "surface": draw_surface, "line": draw_line}
-LINE_LENGTH = 92  # characters of the subtitle
+LINE_LENGTH = 108  # characters of the subtitle
+SHORT_LINE = 90  # beside a legend, or above a surface
+LEGEND_LENGTH = 112
 HANDLE_LENGTH = 10  # the like of a swatch in the legend
 DOT = " \N{MIDDLE DOT} "
 QUIET = "#444444"
@@ -79,26 +80,31 @@ def draw(
     looks = looks_of(dataset["regime"], selection.regimes)
     figure = Figure(figsize=SIZE, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
-    painted, entries = PAINTERS[selection.kind](figure, selection, looks)
-    heading = _add_titles(figure, painted, selection, dataset)
-    _add_legend(figure, entries)
-    figure.draw_without_rendering()
-    heading.set_x(painted.get_position().x0)
-    return figure
-
-
-def _add_titles(figure: Figure, axes: Axes, selection: Selection, dataset: xarray.Dataset) -> Text:
+    axes_, entries = PAINTERS[selection.kind](figure, selection, looks)
     heading = figure.suptitle(
         long_name(selection.variable), x=0.02, ha="left", fontsize=13, fontweight="bold"
     )
+    subtitle = axes_.set_title(
+        _subtitle(selection, dataset), loc="left", fontsize=8.5, color=QUIET, linespacing=1.4
+    )
+    _add_legend(figure, entries)
+    figure.draw_without_rendering()
+    heading.set_x(subtitle.get_window_extent().x0 / figure.bbox.width)
+    return figure
+
+
+def _subtitle(selection: Selection, dataset: xarray.Dataset) -> str:
+    """Return what is held fixed, and where the values come from."""
+    wide = selection.kind == "contour" or len(selection.axes) == 1
+    length = LINE_LENGTH if wide else SHORT_LINE
+    fixed = [line.strip(DOT) for line in textwrap.wrap(DOT.join(selection.fixed), length)]
     variant = dataset.attrs.get("variant", "")
-    origin = ", ".join(str(part) for part in (dataset.attrs["scene"], variant) if part)
+    origin = ",\N{NO-BREAK SPACE}".join(
+        str(part) for part in (dataset.attrs["scene"], variant) if part
+    )
     title = dataset.attrs.get("title")
-    fixed = textwrap.wrap(DOT.join(selection.fixed), LINE_LENGTH)
-    lines = [line.strip(DOT) for line in fixed]
-    lines += textwrap.wrap(f"{title} ({origin})" if title else origin, LINE_LENGTH)
-    axes.set_title("\n".join(lines), loc="left", fontsize=8.5, color=QUIET, linespacing=1.4)
-    return heading
+    source = f"{title} ({origin})" if title else origin
+    return "\n".join(fixed + textwrap.wrap(source, length, break_on_hyphens=False))
 
 
 def _add_legend(figure: Figure, entries: Sequence[Artist]) -> None:
@@ -106,7 +112,7 @@ def _add_legend(figure: Figure, entries: Sequence[Artist]) -> None:
     figure.legend(
         handles=list(entries),
         loc="outside lower left",
-        ncols=max(1, min(len(entries), LINE_LENGTH // (longest + HANDLE_LENGTH))),
+        ncols=max(1, min(len(entries), LEGEND_LENGTH // (longest + HANDLE_LENGTH))),
         frameon=False,
         fontsize=9,
         handlelength=3.0,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis as Spine
@@ -41,7 +43,7 @@ def add_colour_bar(
     colours: ScalarMappable,
     scale: Scale,
     selection: Selection,
-    **layout: object,
+    **layout: Any,
 ) -> None:
     """Add a colour bar with a tick at each level."""
     bar = figure.colorbar(colours, ax=axes, ticks=scale.levels.tolist(), **layout)

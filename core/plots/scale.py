@@ -19,6 +19,8 @@ BANDS = 12
 OUTLIERS = 1.0  # per cent on either side that may be cut off ...
 SPREAD = 4.0  # ... where the range shrinks by more than this
 FLAT = 1e-9
+MINOR_SIGN = 0.1  # a sign that reaches less of the other leaves the colours to that one
+STRONG = 85.0  # per cent: the middle one is often as pale as a veil
 
 
 @dataclass(frozen=True)
@@ -31,11 +33,11 @@ class Scale:
     extend: Literal["neither", "min", "max", "both"]
 
     def typical(self, values: NDArray[np.float64]) -> RGB:
-        """Return the colour of the middle one of some values; white if none is finite."""
+        """Return a strong colour out of those of some values; white if none is finite."""
         finite = values[np.isfinite(values)]
         if not finite.size:
             return 1.0, 1.0, 1.0
-        red, green, blue, _ = self.colours(self.norm(float(np.median(finite))))
+        red, green, blue, _ = self.colours(self.norm(float(np.percentile(finite, STRONG))))
         return red, green, blue
 
 
@@ -68,7 +70,7 @@ def scale_of(values: NDArray[np.float64]) -> Scale | None:
     extend: Literal["neither", "min", "max", "both"] = (
         "both" if under and over else "min" if under else "max" if over else "neither"
     )
-    if ends[0] < 0 < ends[1]:
+    if min(-ends[0], ends[1]) > MINOR_SIGN * max(-ends[0], ends[1]):
         most = float(np.abs(levels).max())
         return Scale(levels, matplotlib.colormaps[TWO_SIGNS], Normalize(-most, most), extend)
     norm = Normalize(float(levels[0]), float(levels[-1]))

@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
     Line3DCollection,
@@ -17,7 +16,7 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 from core.plots.parts import add_colour_bar
-from core.plots.regimes import EDGE, Look, luminance, swatch
+from core.plots.regimes import EDGE, VEIL, Look, luminance, mix, swatch
 from core.plots.scale import Scale, scale_of
 from core.plots.selection import Selection, thin
 from core.plots.text import short_label
@@ -53,10 +52,10 @@ def draw_surface(
     axes.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
     axes.set_xlabel(first.label, labelpad=8)
     axes.set_ylabel(second.label, labelpad=8)
-    axes.set_zlabel(short_label(selection.variable, selection.unit), labelpad=6)
+    axes.set_zlabel(short_label(selection.variable, selection.unit), labelpad=10)
     axes.view_init(elev=ELEVATION, azim=_azimuth(z))
     axes.set_box_aspect((4, 4, 2.8), zoom=1.05)
-    axes.computed_zorder = False  # type: ignore[attr-defined]
+    axes.computed_zorder = False
     return axes, [_entry(look, scale, z[regimes == look.value]) for look in looks]
 
 
@@ -125,7 +124,7 @@ def _greyed(colours: NDArray[np.float64], look: Look) -> NDArray[np.float64]:
         return colours
     grey = 0.6 + 0.36 * (luminance(colours))[:, np.newaxis]
     return (1 - GREYED) * colours + GREYED * (
-        (1 - TINT) * grey + TINT * np.array(to_rgb(look.colour))
+        (1 - TINT) * grey + TINT * np.array(mix(look.colour, VEIL, 0.35))
     )
 
 

@@ -192,9 +192,34 @@ def off_wall_acceleration_y(*, centripetal_acceleration: Array, wall_balance: Ar
     return centripetal_acceleration + np.maximum(0.0, -wall_balance)
 
 
-def sliding_pressure_offset_x(*, height: Array, friction_kinetic: Array) -> Array:
-    """Return e_x = mu_k b/2 of a part that slides forward, wall force at mid-height [m]."""
-    return friction_kinetic * height / 2
+def held_pressure_offset_x(
+    *,
+    height: Array,
+    in_plane_drive_x: Array,
+    floor_acceleration: Array,
+    wall_acceleration: Array,
+    friction_static: Array,
+    friction_kinetic: Array,
+    speed: Array,
+) -> Array:
+    """Return the offset of the floor resultant along x, wall force at mid-height [m].
+
+    mu_k b/2 towards the motion in sliding. In stick, floor and wall are taken to share the drive in
+    proportion to their normal forces, which the balance leaves open. NaN in flight.
+    """
+    load = floor_acceleration + wall_acceleration
+    stuck = is_held(
+        in_plane_drive_x=in_plane_drive_x,
+        floor_acceleration=floor_acceleration,
+        wall_acceleration=wall_acceleration,
+        friction_static=friction_static,
+        speed=speed,
+    )
+    forward = (speed > 0) | (in_plane_drive_x > 0)
+    sliding = np.where(forward, friction_kinetic, -friction_kinetic)
+    held = ratio(np.where(stuck, in_plane_drive_x, 0.0), np.where(stuck, load, 1.0), 0.0)
+    share = np.where(stuck, held, sliding)
+    return np.where(floor_acceleration > 0, height / 2 * share, np.nan)
 
 
 def is_held(
@@ -235,6 +260,11 @@ def rear_corner_lifts(
 ) -> Mask:
     """Return where not both corners touch the wall: h <= mu_k a, or h >= 2R."""
     return (length <= friction_kinetic * width) | (length >= 2 * radius)
+
+
+def is_too_long(*, length: Array, radius: Array) -> Mask:
+    """Return where the part is longer than the bowl is wide: h > 2R."""
+    return length > 2 * radius
 
 
 def tips(*, pressure_offset_x: Array, length: Array) -> Mask:
@@ -293,7 +323,7 @@ PHYSICAL = (
     Equation("acceleration_z", vibration.lift_off_acceleration, "theory 4.4", "physical"),
     Equation("wall_acceleration", pushing_wall_acceleration, "theory 4.4", "physical"),
     Equation("floor_acceleration", vibration.supported_acceleration, "theory 4.4", "physical"),
-    Equation("pressure_offset_x", sliding_pressure_offset_x, "theory 4.4", "physical"),
+    Equation("pressure_offset_x", held_pressure_offset_x, "theory 4.4", "physical"),
 )
 
 WALL_FORCES = frozenset(("wall_acceleration", "wall_force", "wall_force_rear", "wall_force_front"))
@@ -319,6 +349,7 @@ FLOOR = BOTH | {"normal_acceleration", "throw_number", "acceleration_z"}
 WALL = BOTH | {"wall_balance", "acceleration_y"}
 
 CORNERS_FIT = Condition("invalid_geometry", rear_corner_lifts, CORNERS - {"chord_cosine"})
+FITS = Condition("invalid_geometry", is_too_long, frozenset(("chord_cosine",)))
 LEFT_FLOOR = (
     Condition("flight_and_wall_lost", has_left_floor_and_wall, BOTH),
     Condition("flight", vibration.has_left_floor, FLOOR, otherwise="contact"),
@@ -337,14 +368,18 @@ REST = (
 )
 LEFT_WALL = Condition("wall_lost", has_left_wall, WALL, otherwise="contact")
 BEYOND = (
-    Condition("faster_than_track", travel.exceeds_track_speed, frozenset(("transport_velocity",))),
     Condition("unbounded", travel.grows_without_bound, frozenset(("terminal_velocity",))),
     Condition("unbounded", travel.never_stops, frozenset(("stopping_distance", "stopping_time"))),
     Condition("unbounded", travel.never_reaches_track_speed, frozenset(("distance_bound",))),
+    *(
+        Condition("faster_than_track", function, frozenset((velocity,)))
+        for velocity, function in travel.EXCEEDS_TRACK_SPEED.items()
+    ),
 )
 PRINTED_CONDITIONS = (
     Condition("invalid_geometry", topples_on_wall, WALL_FORCES | FLOOR_FORCES | {"z_residual"}),
     CORNERS_FIT,
+    FITS,
     *LEFT_FLOOR,
     *REST,
     Condition("no_motion", travel.does_not_start, ACCELERATION, otherwise="slip"),
@@ -354,6 +389,7 @@ PRINTED_CONDITIONS = (
 )
 PHYSICAL_CONDITIONS = (
     CORNERS_FIT,
+    FITS,
     *LEFT_FLOOR,
     *REST,
     LEFT_WALL,
