@@ -39,7 +39,7 @@ def page() -> str:
     lines += [
         f"| `{name}` | {_cell(q.symbol)} | {q.unit} | {q.description} |"
         for name, q in QUANTITIES.items()
-        if not q.parameter
+        if not q.parameter and not q.bundle
     ]
     lines += ["", "## Regimes", "", "| value | name | closed forms valid | meaning |"]
     lines += ["| --- | --- | --- | --- |"]

@@ -33,6 +33,9 @@ class Quantity:
         True if a study may give it a value.
     examples : tuple of str
         How a user may write it.
+    bundle : bool
+        True for several arrays that one equation hands on together, such as both components of an
+        impulse; equations read them, files do not hold them.
     """
 
     unit: str
@@ -44,6 +47,7 @@ class Quantity:
     strict: bool = False
     parameter: bool = False
     examples: tuple[str, ...] = ()
+    bundle: bool = False
 
     @property
     def is_angle(self) -> bool:

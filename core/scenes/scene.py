@@ -9,14 +9,12 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
-from numpy.typing import NDArray
-
 from core.errors import SceneError
 from core.mechanics.friction import friction_kinetic, friction_static
 from core.mechanics.vibration import amplitude
 from core.quantities import QUANTITIES, REGIMES
 
-Function = Callable[..., NDArray[Any]]
+Function = Callable[..., Any]
 
 
 def _inputs(function: Function) -> tuple[str, ...]:
@@ -179,7 +177,8 @@ class Scene:
 
     def outputs(self, variant: str) -> tuple[str, ...]:
         """Return the names of the outputs of a variant, `regime` last."""
-        return (*self.producers(variant), "regime")
+        names = (n for n in self.producers(variant) if not QUANTITIES[n].bundle)
+        return (*names, "regime")
 
     def _check(self, variant: str) -> None:
         """Raise `SceneError` for two producers, undeclared names, strange outputs or a cycle."""

@@ -50,7 +50,11 @@ def describe(name: str, variant: str | None = None) -> dict[str, Any]:
         "parameters": [
             _describe_parameter(scene, parameter) for parameter in scene_parameters(scene, chosen)
         ],
-        "outputs": [_describe_output(scene, chosen, eq) for eq in scene.variants[chosen]],
+        "outputs": [
+            _describe_output(scene, chosen, equation)
+            for equation in scene.variants[chosen]
+            if not QUANTITIES[equation.gives].bundle
+        ],
         "regimes": [
             {
                 "name": regime,
