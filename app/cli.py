@@ -107,7 +107,7 @@ def plot(
     ] = None,
     at: Annotated[
         list[str] | None,
-        typer.Option("--at", help="Value of another dimension, as in frequency=60."),
+        typer.Option("--at", help="Value of another dimension, as in `frequency=60 Hz`."),
     ] = None,
     kind: Annotated[
         str | None, typer.Option("--kind", "-k", help="contour, surface or line.")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -10,25 +9,28 @@ import xarray
 
 from core.errors import suggestion
 from core.plots.problem import PlotError
-
-TOLERANCE = 1e-9
+from core.quantities import QUANTITIES
+from core.study.units import UnitError, read_number
+from core.study.values import position_on_axis
 
 
 def read_fixed(texts: Mapping[str, str]) -> dict[str, float]:
-    """Return the numbers of a user's `name=value` pairs.
+    """Return the numbers of a user's `name=value` pairs, each in its quantity's unit.
 
     Raises
     ------
     PlotError
-        If one is no finite number.
+        If one is no value of its quantity.
     """
     values = {}
     for name, text in texts.items():
+        if name not in QUANTITIES:
+            message = "there is no such quantity"
+            raise PlotError(_place(name), message, suggestion(name, QUANTITIES))
         try:
-            values[name] = float(text)
-        except ValueError:
-            message, fix = f"'{text[:40]}' is not a number", "Write it in the unit of the file"
-            raise PlotError(_place(name), message, fix) from None
+            values[name] = read_number(name, QUANTITIES[name], text)
+        except UnitError as error:
+            raise PlotError(_place(name), error.message, error.fix) from None
     return values
 
 
@@ -56,23 +58,10 @@ def fixed_positions(
 
 def _position(coordinate: xarray.DataArray, value: float) -> int:
     values = np.atleast_1d(np.asarray(coordinate.values, dtype=np.float64))
-    if not math.isfinite(value):
-        message = f"{value} is not a value of an axis"
-        raise PlotError(_place(coordinate.name), message, "Give a finite number")
-    away = np.abs(values - value)
-    nearest = int(away.argmin())
-    # The gap matters about 0, which a computed axis may miss by a rounding error.
-    gap = np.abs(np.diff(values)).min(initial=np.inf) if values.size > 1 else 0.0
-    if away[nearest] <= TOLERANCE * max(abs(value), abs(values[nearest]), float(gap)):
-        return nearest
-    unit = str(coordinate.attrs.get("units", "1"))
-    near = sorted(values[np.argsort(away, kind="stable")[:2]])
-    shown = " and ".join(f"{number:.12g}" for number in near) + ("" if unit == "1" else f" {unit}")
-    raise PlotError(
-        _place(coordinate.name),
-        f"the dataset has no value {value:.12g}",
-        f"The nearest are {shown}" if len(near) > 1 else f"Its only value is {shown}",
-    )
+    try:
+        return position_on_axis(str(coordinate.name), values, value)
+    except UnitError as error:
+        raise PlotError(_place(coordinate.name), error.message, error.fix) from None
 
 
 def _place(name: object) -> str:

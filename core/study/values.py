@@ -105,6 +105,35 @@ def read_values(name: str, raw: object) -> Values:
     return Fixed(read_number(name, quantity, raw))
 
 
+def position_on_axis(name: str, values: NDArray[np.float64], wanted: float) -> int:
+    """Return the position of a value on an axis.
+
+    Texts such as 33.33333333 name a value: it may be missed by 1e-9 of the value or of the gap to
+    its neighbour.
+
+    Raises
+    ------
+    UnitError
+        If the axis does not have it; the nearest values are named.
+    """
+    import numpy as np
+
+    if not math.isfinite(wanted):
+        raise UnitError(f"{wanted} is not a value of {name}", "Give a finite number")
+    away = np.abs(values - wanted)
+    nearest = int(away.argmin())
+    gap = float(np.abs(np.diff(values)).min(initial=np.inf)) if values.size > 1 else 0.0
+    if away[nearest] <= 1e-9 * max(abs(wanted), abs(values[nearest]), gap):
+        return nearest
+    near = sorted(values[np.argsort(away, kind="stable")[:2]])
+    unit = QUANTITIES[name].unit
+    shown = " and ".join(f"{value:.10g}" for value in near) + ("" if unit == "1" else f" {unit}")
+    raise UnitError(
+        f"{wanted:.10g} is not a value of {name}",
+        f"The nearest are {shown}" if len(near) > 1 else f"Its only value is {shown}",
+    )
+
+
 def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object, ...]) -> Points:
     if not raw:
         raise UnitError(f"{name} is an empty list", "Give at least one value")

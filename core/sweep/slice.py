@@ -10,12 +10,12 @@ import numpy as np
 from core.errors import LimitError, Problem, StudyError, suggestion
 from core.quantities import QUANTITIES, REGIMES
 from core.study.units import UnitError, problem, read_number
+from core.study.values import position_on_axis
 from core.sweep.evaluate import evaluate
 from core.sweep.grid import Grid
 from core.sweep.prepare import Sweep
 
 MOST_AXES = 2
-ON_AXIS = 1e-9  # relative to the axis's span: texts such as 33.33333333 name a value
 
 
 def cut(
@@ -125,14 +125,7 @@ def _value_on_axis(grid: Grid, name: str, at: Mapping[str, str]) -> float:
             f"Add {name}=VALUE, from {values[0]:g} to {values[-1]:g} {QUANTITIES[name].unit}",
         )
     wanted = read_number(name, QUANTITIES[name], at[name])
-    nearest = int(np.argmin(np.abs(values - wanted)))
-    if abs(values[nearest] - wanted) > ON_AXIS * max(np.ptp(values), abs(values[nearest])):
-        around = np.sort(values[np.argsort(np.abs(values - wanted))[:2]])
-        raise UnitError(
-            f"{wanted:g} is not a value of the axis {name}",
-            "The nearest are " + ", ".join(f"{value:.10g}" for value in around),
-        )
-    return float(values[nearest])
+    return float(values[position_on_axis(name, values, wanted)])
 
 
 def _labelled(values: Any, dims: tuple[str, ...]) -> dict[str, Any]:

@@ -133,7 +133,7 @@ def test_a_slice_asks_only_for_the_axes_that_its_output_needs(client, posted):
         ({"output": "velocity"}, "output", "Did you mean"),
         ({"axes": "bta"}, "axes", "Did you mean 'beta'?"),
         ({"axes": "alpha,beta,frequency"}, "axes", "one or two"),
-        ({"frequency": "55 Hz"}, "frequency", "nearest are 50, 60"),
+        ({"frequency": "55 Hz"}, "frequency", "nearest are 50 and 60 Hz"),
         ({"frequency": "55 kg"}, "frequency", "Hz"),
         ({"frequency": None}, "frequency", "from 20 to 120 Hz"),
         ({"radius": 1}, "radius", "Known: alpha"),
