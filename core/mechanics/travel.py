@@ -108,28 +108,50 @@ def mean_velocity(*, travel_time: Array, distance: Array, speed: Array) -> Array
     return ratio(distance, travel_time, speed)
 
 
+def _speed_ratio(K: Array, friction: Array, radius: Array, speed: Array) -> Array:
+    """Return y = v0 sqrt(mu/(|K| R)) where the part brakes, else 0 [1]."""
+    root = np.sqrt(np.where(K < 0, -K, 1.0))
+    return np.where(K < 0, speed * np.sqrt(friction / radius) / root, 0.0)
+
+
 def stopping_distance(
     *, starting_acceleration: Array, friction_kinetic: Array, radius: Array, speed: Array
 ) -> Array:
-    """Return R/(2 mu) log1p(mu v0^2/(|K| R)) [m]; infinite for K > 0, or K = 0 in motion."""
+    """Return R/(2 mu) log1p(mu v0^2/(|K| R)) [m]; infinite for K > 0, or K = 0 in motion.
+
+    For y = v0 sqrt(mu/(|K| R)) below 1 it is written as v0^2/(2|K|) log1p(y^2)/y^2, else the
+    logarithm is taken of y: v0/|K| may be too large for a float where the distance is not.
+    """
     K = starting_acceleration
-    brakes = K < 0
-    free = ratio(speed, np.where(brakes, -K, 1.0), 0.0) * speed / 2
-    z = 2 * free * friction_kinetic / radius
+    y = _speed_ratio(K, friction_kinetic, radius, speed)
+    fast = y > 1
+    slow = (K < 0) & ~fast
+    root = np.where(slow, speed, 0.0) / np.sqrt(np.where(slow, -K, 1.0))
+    with np.errstate(over="ignore"):  # beyond the floats it is infinite
+        near = root * root / 2 * log1p_quotient(np.where(fast, 0.0, y) ** 2)
+    large = np.where(fast, y, 1.0)
+    far = ratio(radius, friction_kinetic, 0.0) * (np.log(large) + np.log1p(large**-2.0) / 2)
     at_rest = (K == 0) & (speed == 0)
-    return np.where(brakes, free * log1p_quotient(z), np.where(at_rest, 0.0, np.inf))
+    return np.where(K < 0, np.where(fast, far, near), np.where(at_rest, 0.0, np.inf))
 
 
 def stopping_time(
     *, starting_acceleration: Array, friction_kinetic: Array, radius: Array, speed: Array
 ) -> Array:
-    """Return sqrt(R/(|K| mu)) atan(v0 sqrt(mu/(|K| R))) [s]; infinite for K > 0, see above."""
+    """Return sqrt(R/(|K| mu)) atan(v0 sqrt(mu/(|K| R))) [s]; infinite as the distance.
+
+    Written as v0/|K| atan(y)/y for y below 1.
+    """
     K = starting_acceleration
-    brakes = K < 0
-    free = speed / np.where(brakes, -K, 1.0)
-    y = _rate(K, friction_kinetic, radius) * free
+    y = _speed_ratio(K, friction_kinetic, radius, speed)
+    fast = y > 1
+    slow = (K < 0) & ~fast
+    with np.errstate(over="ignore"):  # beyond the floats it is infinite
+        free = np.where(slow, speed, 0.0) / np.where(slow, -K, 1.0)
+    near = free * arctan_quotient(np.where(fast, 0.0, y))
+    far = ratio(np.arctan(y), _rate(K, friction_kinetic, radius), 0.0)
     at_rest = (K == 0) & (speed == 0)
-    return np.where(brakes, free * arctan_quotient(y), np.where(at_rest, 0.0, np.inf))
+    return np.where(K < 0, np.where(fast, far, near), np.where(at_rest, 0.0, np.inf))
 
 
 def velocity_at_time(

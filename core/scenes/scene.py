@@ -40,7 +40,8 @@ class Equation:
     source : str
         Equation numbers of the source.
     variant : str
-        ``thesis``, ``derived`` or ``physical`` where the variants differ, else ``all``.
+        The variant whose formula it is, where variants differ; else ``all``. What hangs on it is
+        of that variant too (`Scene.variant_of`).
     """
 
     gives: str
@@ -179,6 +180,25 @@ class Scene:
         """Return the names of the outputs of a variant, `regime` last."""
         names = (n for n in self.producers(variant) if not QUANTITIES[n].bundle)
         return (*names, "regime")
+
+    def variant_of(self, variant: str, output: str) -> str:
+        """Return the variant whose formulas an output uses when `variant` is in force.
+
+        The physical variant, for one, has no law of its own for the velocity after a distance and
+        takes the derived one.
+        """
+        producers = self.producers(variant)
+
+        def named(name: str) -> frozenset[str]:
+            equation = producers.get(name)
+            if equation is None:
+                return frozenset()
+            if equation.variant != "all":
+                return frozenset((equation.variant,))
+            return frozenset().union(*(named(needed) for needed in equation.inputs))
+
+        found = named(output)
+        return next(iter(found)) if len(found) == 1 else variant
 
     def _check(self, variant: str) -> None:
         """Raise `SceneError` for two producers, undeclared names, strange outputs or a cycle."""

@@ -133,7 +133,7 @@ def _describe_output(scene: Scene, variant: str, equation: Equation) -> dict[str
         "description": quantity.description,
         "equation": equation.summary,
         "source": equation.source,
-        "variant": variant if equation.variant == "all" else equation.variant,
+        "variant": scene.variant_of(variant, equation.gives),
         "parameters": list(needed_parameters(scene, variant, equation.gives)),
         "regimes": [
             condition.regime

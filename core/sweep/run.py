@@ -60,9 +60,7 @@ def tabulate(prepared: Sweep, *, progress: Progress | None = None) -> Table:
             quantity_attributes(
                 name,
                 equation=equations[name].source,
-                variant=plan.variant
-                if equations[name].variant == "all"
-                else equations[name].variant,
+                variant=plan.scene.variant_of(plan.variant, name),
             ),
         )
         for name in plan.outputs

@@ -232,6 +232,25 @@ def test_friction_is_one_number_or_two_and_static_is_the_larger():
     assert "missing" in problems("rectangle-on-plane", outputs, **drive)["parameters.friction"]
 
 
+@pytest.mark.parametrize(
+    ("scene", "variant", "output", "used"),
+    [
+        ("rectangle-on-track", "physical", "acceleration_x", "physical"),
+        ("rectangle-on-track", "physical", "transport_velocity", "derived"),
+        ("rectangle-on-track", "physical", "starting_acceleration", "derived"),
+        ("rectangle-on-track", "physical", "wall_speed", "physical"),
+        ("rectangle-on-track", "thesis", "acceleration_x", "thesis"),
+        ("rectangle-on-track", "thesis", "transport_velocity", "thesis"),
+        ("rectangle-on-track", "derived", "acceleration_y", "derived"),
+        ("rectangle-on-plane", "derived", "acceleration_x", "thesis"),
+        ("cylinder-on-plane", "derived", "angular_acceleration", "derived"),
+        ("cylinder-on-plane", "physical", "rotated_acceleration_x", "physical"),
+    ],
+)
+def test_every_output_names_the_variant_that_it_really_uses(scene, variant, output, used):
+    assert SCENES[scene].variant_of(variant, output) == used
+
+
 def test_peak_to_peak_is_twice_the_amplitude():
     common = {"frequency": 50, "beta": 20, "friction": 0.3}
     one = sweep(
