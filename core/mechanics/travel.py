@@ -28,6 +28,8 @@ from core.mechanics.arrays import (
 
 # Above this phase the hyperbolic functions are replaced by their exponential forms.
 LARGE_PHASE = 1.0
+# Past this s = 2 mu x/R the starting speed has faded to less than 1e-300 of itself.
+LONG_WAY = 1400.0
 
 
 def _rate(K: Array, friction: Array, radius: Array) -> Array:
@@ -84,8 +86,8 @@ def travel_time(
     """Return the time to cover the distance [s]; infinite where the part does not get there.
 
     With q = 2 x phi(s)/(v + v0 exp(-s)) and k = sqrt(mu |K|/R) the time is atanh(k q)/k for K > 0,
-    atan(k q)/k for K < 0, q for K = 0. For large k q the first is written as a sum of logarithms
-    that does not saturate.
+    atan(k q)/k for K < 0, q for K = 0. For large k q the first saturates and is taken from
+    1 - (k q)^2 = ((v exp(-s/2) + c)/(v + c exp(-s/2)))^2, c = v0 exp(-s/2).
     """
     K, v, v0 = starting_acceleration, transport_velocity, speed
     s = _damping(friction_kinetic, radius, distance)
@@ -97,8 +99,12 @@ def travel_time(
     near = np.minimum(kq, 0.5)
     direct = q * np.where(K > 0, ratio(np.arctanh(near), near, 1.0), arctan_quotient(kq))
     far = (K > 0) & (kq > 0.5)
-    lag = np.where(far, np.expm1(-s) * ratio(v0, v0 + v, 0.0), 0.0)
-    logarithms = np.log1p(kq) + s / 2 + np.log1p(lag)
+    fade = np.where(far, np.exp(-np.minimum(s, LONG_WAY) / 2), 1.0)
+    carried = np.where(far, v0, 0.0) * fade
+    ahead = np.where(far, v, 1.0)
+    late = np.log((ahead + carried * fade) / (ahead * fade + carried))
+    # Past LONG_WAY the exponential would underflow, and what was carried is long gone.
+    logarithms = np.log1p(kq) + late + np.maximum(0.0, s - LONG_WAY) / 2
     time = np.where(far, ratio(logarithms, k, 0.0), direct)
     return np.where(arrives, time, np.inf)
 
@@ -130,7 +136,8 @@ def stopping_distance(
     with np.errstate(over="ignore"):  # beyond the floats it is infinite
         near = root * root / 2 * log1p_quotient(np.where(fast, 0.0, y) ** 2)
     large = np.where(fast, y, 1.0)
-    far = ratio(radius, friction_kinetic, 0.0) * (np.log(large) + np.log1p(large**-2.0) / 2)
+    scale = ratio(np.where(fast, radius, 0.0), friction_kinetic, 0.0)
+    far = scale * (np.log(large) + np.log1p(large**-2.0) / 2)
     at_rest = (K == 0) & (speed == 0)
     return np.where(K < 0, np.where(fast, far, near), np.where(at_rest, 0.0, np.inf))
 
@@ -148,8 +155,9 @@ def stopping_time(
     slow = (K < 0) & ~fast
     with np.errstate(over="ignore"):  # beyond the floats it is infinite
         free = np.where(slow, speed, 0.0) / np.where(slow, -K, 1.0)
+        angle = np.where(fast, np.arctan(y), 0.0)
+        far = ratio(angle, _rate(K, friction_kinetic, radius), np.inf)
     near = free * arctan_quotient(np.where(fast, 0.0, y))
-    far = ratio(np.arctan(y), _rate(K, friction_kinetic, radius), 0.0)
     at_rest = (K == 0) & (speed == 0)
     return np.where(K < 0, np.where(fast, far, near), np.where(at_rest, 0.0, np.inf))
 
