@@ -96,10 +96,7 @@ def pressure_offset_axial(
 def required_friction(
     *, rolling_drive: Array, axial_friction_acceleration: Array, normal_acceleration: Array
 ) -> Array:
-    """Return the least mu_s with which it rolls, hypot(F_eta, F_sigma)/lambda_N; inf in flight [1].
-
-    0 over 0 does not occur: n0 > 0 in contact.
-    """
+    """Return the least mu_s to roll, hypot(F_eta, F_sigma)/lambda_N; inf in flight [1]."""
     friction = np.hypot(rolling_drive / 3, axial_friction_acceleration)
     return _over_normal(friction, normal_acceleration, np.inf)
 

@@ -7,7 +7,8 @@ from core.errors import StudyError
 from core.quantities import REGIMES
 from core.scenes import SCENES
 from core.study import parse_study
-from core.sweep import sweep
+from core.sweep import prepare, sweep
+from core.sweep.evaluate import evaluate
 
 SCENE = "cylinder-rolling"
 # P = 39.4784176043574 m/s2
@@ -213,3 +214,24 @@ def test_each_output_keeps_only_what_it_depends_on():
     assert set(dataset["spin_acceleration"].dims) == {"axis_yaw", "diameter"}
     assert set(dataset["axial_friction"].dims) == set(grid)
     assert set(dataset["floor_pitch"].dims) == set(grid)
+
+
+def test_wrenches_are_handed_on_block_by_block():
+    study = {
+        "kind": "sweep", "scene": SCENE,
+        "outputs": ["floor_pitch", "force_axis_rolling", "cone_margin"],
+        "parameters": {
+            **BASE,
+            "mass": [0.001, 0.005],
+            "axis_yaw": {"start": 0, "stop": 90, "num": 7},
+            "spin_rate": {"start": -50, "stop": 50, "num": 5},
+            "yaw_rate": [1, 2, 3],
+            "drilling_moment": 1e-6,
+        },
+    }  # fmt: skip
+    prepared = prepare(parse_study(study))
+    whole = evaluate(prepared.plan, prepared.grid, block_cells=10**9)
+    for block_cells in (1, 4, 50):
+        parts = evaluate(prepared.plan, prepared.grid, block_cells=block_cells)
+        for name, values in whole.items():
+            np.testing.assert_array_equal(parts[name], values)
