@@ -1,0 +1,59 @@
+"""Rotations of rigid bodies as plain arrays (theory 1.1; (2.1) of the source).
+
+Plain arrays of shape (..., 3, 3) are the one representation of a rotation here, not
+``scipy.spatial.transform.Rotation``: closed forms need three elementary matrices and their
+products, a grid of angles broadcasts by itself, and scipy would be a dependency for this alone.
+There are no quaternions.
+
+All matrices are active: they turn a vector, components in the same axes before and after. Where the
+source uses a passive matrix the transpose is written out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+
+
+def rotation_x(angle: Array) -> Array:
+    """Return R_x, the active rotation about x, shape (..., 3, 3)."""
+    return _about(0, angle)
+
+
+def rotation_y(angle: Array) -> Array:
+    """Return R_y, the active rotation about y, shape (..., 3, 3)."""
+    return _about(1, angle)
+
+
+def rotation_z(angle: Array) -> Array:
+    """Return R_z, the active rotation about z, shape (..., 3, 3)."""
+    return _about(2, angle)
+
+
+def body_to_reference(*, about_x: Array, about_y: Array, about_z: Array) -> Array:
+    """Return A_RB = R_z R_y R_x, body components to reference components, (2.1).
+
+    The angles are the source's Cardan angles alpha, beta, gamma; they are not those of the drive
+    and of the track.
+    """
+    return rotation_z(about_z) @ rotation_y(about_y) @ rotation_x(about_x)
+
+
+def turned(matrix: Array, vector: Array) -> Array:
+    """Return the matrix times the vector, for arrays of both."""
+    return np.einsum("...ij,...j->...i", matrix, vector)
+
+
+def _about(axis: int, angle: Array) -> Array:
+    """Return the active rotation about one coordinate axis."""
+    angle = np.asarray(angle, dtype=np.float64)
+    c, s = np.cos(angle), np.sin(angle)
+    following, last = (axis + 1) % 3, (axis + 2) % 3
+    matrix = np.zeros((*angle.shape, 3, 3))
+    matrix[..., axis, axis] = 1.0
+    matrix[..., following, following] = c
+    matrix[..., last, last] = c
+    matrix[..., following, last] = -s
+    matrix[..., last, following] = s
+    return matrix

@@ -1,0 +1,296 @@
+"""Screws: dual vectors, twists, wrenches and momentum, each a type of its own (theory 1.6).
+
+A screw is a resultant and a moment about a point. Sources disagree on which half comes first, and a
+twist added to a wrench is nonsense that six bare numbers allow; so halves have names, and kinds do
+not mix. Halves are arrays of shape (..., 3) that broadcast against each other. A type does not know
+its reference point and axes: whoever combines two screws answers for these being the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.mechanics.arrays import Array
+from core.mechanics.rotations import turned
+
+
+def vector(first: Array, second: Array, third: Array) -> Array:
+    """Return the components as one array, on a new last axis."""
+    return np.stack(np.broadcast_arrays(first, second, third), axis=-1)
+
+
+def dot(a: Array, b: Array) -> Array:
+    """Return the scalar product over the last axis."""
+    return np.asarray(np.sum(a * b, axis=-1))
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Return the vector product over the last axis."""
+    return np.cross(a, b)
+
+
+@dataclass(frozen=True, eq=False)
+class DualVector:
+    """Two vectors as one number s + e s0 with e^2 = 0.
+
+    Attributes
+    ----------
+    real, dual : ndarray
+        The halves s and s0.
+    """
+
+    real: Array
+    dual: Array
+
+    def __add__(self, other: DualVector) -> DualVector:
+        return DualVector(self.real + other.real, self.dual + other.dual)
+
+    def __sub__(self, other: DualVector) -> DualVector:
+        return DualVector(self.real - other.real, self.dual - other.dual)
+
+    def dot(self, other: DualVector) -> tuple[Array, Array]:
+        """Return real and dual part of the scalar product; the latter is the mutual moment."""
+        mutual = dot(self.real, other.dual) + dot(self.dual, other.real)
+        return dot(self.real, other.real), mutual
+
+    def cross(self, other: DualVector) -> DualVector:
+        """Return the screw cross product s1 x s2 + e (s1 x s2o - s2 x s1o).
+
+        (2.13) prints the last term without the cross.
+        """
+        dual = cross(self.real, other.dual) - cross(other.real, self.dual)
+        return DualVector(cross(self.real, other.real), dual)
+
+    def moved_to(self, point: Array) -> DualVector:
+        """Return the same screw about another point, given from the present one."""
+        return DualVector(self.real, _about(point, self.real, self.dual))
+
+    def rotated(self, matrix: Array) -> DualVector:
+        """Return the screw turned by an active rotation about the reference point."""
+        return DualVector(turned(matrix, self.real), turned(matrix, self.dual))
+
+
+@dataclass(frozen=True, eq=False)
+class Twist:
+    """Velocity of a rigid body.
+
+    Attributes
+    ----------
+    angular, linear : ndarray
+        Angular velocity w [rad s-1]; velocity v_P of the body's point P [m s-1].
+    """
+
+    angular: Array
+    linear: Array
+
+    def __add__(self, other: Twist) -> Twist:
+        return Twist(self.angular + other.angular, self.linear + other.linear)
+
+    def moved_to(self, point: Array) -> Twist:
+        """Return the twist of another point, given from the present one: v_Q = v_P + w x PQ."""
+        return Twist(self.angular, _about(point, self.angular, self.linear))
+
+    def rotated(self, matrix: Array) -> Twist:
+        """Return the twist turned by an active rotation."""
+        return Twist(turned(matrix, self.angular), turned(matrix, self.linear))
+
+    def as_dual(self) -> DualVector:
+        """Return w + e v_P."""
+        return DualVector(self.angular, self.linear)
+
+    def reduced(self) -> Reduction:
+        """Return pitch and axis of the motion; a translation has none."""
+        return reduce_screw(self.angular, self.linear)
+
+
+@dataclass(frozen=True, eq=False)
+class Wrench:
+    """Resultant of a force system.
+
+    Attributes
+    ----------
+    force, moment : ndarray
+        Resultant force f [N]; moment m_P about the reference point P [N m].
+    """
+
+    force: Array
+    moment: Array
+
+    def __add__(self, other: Wrench) -> Wrench:
+        return Wrench(self.force + other.force, self.moment + other.moment)
+
+    def moved_to(self, point: Array) -> Wrench:
+        """Return the wrench about another point, given from the present one: m_Q = m_P + f x PQ."""
+        return Wrench(self.force, _about(point, self.force, self.moment))
+
+    def rotated(self, matrix: Array) -> Wrench:
+        """Return the wrench turned by an active rotation."""
+        return Wrench(turned(matrix, self.force), turned(matrix, self.moment))
+
+    def as_dual(self) -> DualVector:
+        """Return f + e m_P."""
+        return DualVector(self.force, self.moment)
+
+    def reduced(self) -> Reduction:
+        """Return pitch and axis, (4.1) to (4.7); a pure couple has none."""
+        return reduce_screw(self.force, self.moment)
+
+
+@dataclass(frozen=True, eq=False)
+class MomentumScrew:
+    """Momentum of a rigid body.
+
+    Attributes
+    ----------
+    linear, angular : ndarray
+        Momentum q [kg m s-1]; moment of momentum H_A about the body's point A [kg m2 s-1].
+    """
+
+    linear: Array
+    angular: Array
+
+    def moved_to(self, point: Array) -> MomentumScrew:
+        """Return the momentum about another point, given from the present one."""
+        return MomentumScrew(self.linear, _about(point, self.linear, self.angular))
+
+    def rotated(self, matrix: Array) -> MomentumScrew:
+        """Return the momentum turned by an active rotation."""
+        return MomentumScrew(turned(matrix, self.linear), turned(matrix, self.angular))
+
+    def as_dual(self) -> DualVector:
+        """Return q + e H_A."""
+        return DualVector(self.linear, self.angular)
+
+
+def force_at(*, point: Array, force: Array) -> Wrench:
+    """Return the wrench of a force that acts at a point given from the reference point."""
+    return Wrench(force, cross(point, force))
+
+
+def power(wrench: Wrench, twist: Twist) -> Array:
+    """Return the power of a wrench on a twist about the same point [W]."""
+    return dot(wrench.moment, twist.angular) + dot(wrench.force, twist.linear)
+
+
+class ScrewKind(IntEnum):
+    """What is left of a screw after reduction."""
+
+    GENERAL = 0  # a resultant along an axis, and a moment along it
+    PURE_COUPLE = 1  # no resultant: a couple, or a translation
+    ZERO = 2  # nothing at all
+
+
+@dataclass(frozen=True, eq=False)
+class Reduction:
+    """A screw as pitch and axis: moment = axis_point x resultant + pitch resultant.
+
+    Attributes
+    ----------
+    pitch : ndarray
+        Moment along the axis over the resultant [m]; NaN where there is no axis.
+    axis_point : ndarray
+        From the reference point to the nearest point of the axis [m]; NaN where there is none.
+    kind : ndarray of int8
+        `ScrewKind` of each element.
+    """
+
+    pitch: Array
+    axis_point: Array
+    kind: NDArray[np.int8]
+
+
+def reduce_screw(resultant: Array, moment: Array) -> Reduction:
+    """Return pitch S.S0/S^2 and axis S x S0/S^2 of a screw, (2.9), (4.1).
+
+    Both halves are scaled by powers of two first, so that no square leaves the range of floats: it
+    holds for resultants from the least to the largest float. A result beyond that range is
+    infinite. The source prints the axis of a wrench with the opposite sign, (4.3), (4.5), (4.6):
+    the vector from the axis to the point, which contradicts (2.9) and does not give back M in
+    (4.7).
+    """
+    F, M = np.broadcast_arrays(
+        np.asarray(resultant, dtype=np.float64), np.asarray(moment, dtype=np.float64)
+    )
+    f, f_exponent = _scaled(F)
+    m, m_exponent = _scaled(M)
+    has_force = np.any(F != 0, axis=-1)
+    has_moment = np.any(M != 0, axis=-1)
+    square = np.where(has_force, dot(f, f), 1.0)
+    back = m_exponent - f_exponent
+    with np.errstate(over="ignore", under="ignore"):
+        pitch = np.ldexp(dot(f, m) / square, back)
+        axis = np.ldexp(cross(f, m) / square[..., None], back[..., None])
+    kind = np.where(
+        has_force,
+        ScrewKind.GENERAL,
+        np.where(has_moment, ScrewKind.PURE_COUPLE, ScrewKind.ZERO),
+    ).astype(np.int8)
+    return Reduction(
+        np.where(has_force, pitch, np.nan), np.where(has_force[..., None], axis, np.nan), kind
+    )
+
+
+def inertia_about(*, mass: Array, central_inertia: Array, offset: Array) -> Array:
+    """Return the inertia about a point of the body, from the one about the mass centre.
+
+    `offset` leads from that point to the mass centre, or back.
+    """
+    square = dot(offset, offset)[..., None, None] * np.eye(3)
+    steiner = square - offset[..., :, None] * offset[..., None, :]
+    return central_inertia + np.asarray(mass)[..., None, None] * steiner
+
+
+def momentum_screw(
+    *, mass: Array, inertia: Array, mass_centre: Array, twist: Twist
+) -> MomentumScrew:
+    """Return q = m (V_A + w x AG), H_A = I_A w + m AG x V_A of any body point A, (2.11).
+
+    `inertia` is about A, `mass_centre` leads from A to the mass centre G, all in body components.
+    """
+    m = np.asarray(mass)[..., None]
+    linear = m * (twist.linear + cross(twist.angular, mass_centre))
+    angular = turned(inertia, twist.angular) + m * cross(mass_centre, twist.linear)
+    return MomentumScrew(linear, angular)
+
+
+def dual_euler(*, momentum: MomentumScrew, momentum_rate: MomentumScrew, twist: Twist) -> Wrench:
+    """Return the wrench about A that the motion asks for, (2.14).
+
+    F = q' + w x q and M_A = H_A' + w x H_A + V_A x q: the screw cross product of twist and
+    momentum. Components are those of axes that turn with w; `momentum_rate` holds their
+    derivatives. A is any point that moves with these axes, accelerating or not.
+    """
+    required = momentum_rate.as_dual() + twist.as_dual().cross(momentum.as_dual())
+    return Wrench(required.real, required.dual)
+
+
+def newton_euler(
+    *,
+    mass: Array,
+    central_inertia: Array,
+    twist: Twist,
+    twist_rate: Twist,
+) -> Wrench:
+    """Return the wrench about the mass centre that the motion asks for, (2.2).
+
+    Twist and the derivatives of its components are those of the mass centre, in body components.
+    """
+    acceleration = twist_rate.linear + cross(twist.angular, twist.linear)
+    spin = turned(central_inertia, twist.angular)
+    moment = turned(central_inertia, twist_rate.angular) + cross(twist.angular, spin)
+    return Wrench(np.asarray(mass)[..., None] * acceleration, moment)
+
+
+def _about(point: Array, resultant: Array, moment: Array) -> Array:
+    """Return the moment of a screw about another point."""
+    return moment + cross(resultant, point)
+
+
+def _scaled(half: Array) -> tuple[Array, NDArray[np.intc]]:
+    """Return the vectors with their largest component in [1/2, 1), and the exponents taken out."""
+    _, exponent = np.frexp(np.max(np.abs(half), axis=-1))
+    return np.ldexp(half, -exponent[..., None]), exponent

@@ -1,0 +1,264 @@
+"""A cylinder that rolls and yaws on a level plane: wrenches and accelerations (theory 9).
+
+Axes: n upwards (the source's E1), eta in rolling direction (E2), sigma along the axis (E3). Angles
+are counted from sigma towards eta, as the source does; theory 9.2 says what that means in the axes
+of the track. Pure rolling about mid-length, with angular velocity theta' n + phi' sigma and the
+centre's velocity r phi' eta. All functions take and return broadcastable float64 arrays, SI units,
+angles in radians; wrenches are about the centre, in the axes n, eta, sigma.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanics.arrays import Array, Mask, ratio
+from core.mechanics.rolling import is_rolling
+from core.mechanics.screws import Reduction, ScrewKind, Wrench, vector
+
+
+def level_gravity(*, gravity: Array) -> Array:
+    """Return gravity onto a level floor, g [m s-2]."""
+    return gravity
+
+
+def rolling_drive(
+    *, vibration_acceleration: Array, alpha: Array, beta: Array, axis_yaw: Array
+) -> Array:
+    """Return the drive at its peak along eta, D_eta = P cos(beta) sin(alpha + theta) [m s-2]."""
+    return vibration_acceleration * np.cos(beta) * np.sin(alpha + axis_yaw)
+
+
+def axial_drive(
+    *, vibration_acceleration: Array, alpha: Array, beta: Array, axis_yaw: Array
+) -> Array:
+    """Return the drive at its peak along sigma, D_sigma = P cos(beta) cos(alpha + theta)
+    [m s-2].
+    """  # noqa: D205
+    return vibration_acceleration * np.cos(beta) * np.cos(alpha + axis_yaw)
+
+
+def axial_friction_acceleration(
+    *, axial_drive: Array, diameter: Array, spin_rate: Array, yaw_rate: Array
+) -> Array:
+    """Return F_sigma/m = D_sigma - r phi' theta', (4.16): the yaw turns the velocity [m s-2]."""
+    return axial_drive - diameter / 2 * spin_rate * yaw_rate
+
+
+def rolling_friction(*, mass: Array, rolling_drive: Array) -> Array:
+    """Return F_eta = m D_eta/3, (4.15): a third of the drive spins the cylinder [N]."""
+    return mass * rolling_drive / 3
+
+
+def axial_friction(*, mass: Array, axial_friction_acceleration: Array) -> Array:
+    """Return F_sigma = m (D_sigma - r phi' theta'), (4.16) [N]."""
+    return mass * axial_friction_acceleration
+
+
+def spin_acceleration(*, rolling_drive: Array, diameter: Array) -> Array:
+    """Return phi'' = 2 D_eta/(3 r) as 4 D_eta/(3 d), (4.19) [rad s-2]."""
+    return 4 * rolling_drive / (3 * diameter)
+
+
+def yaw_acceleration(
+    *, mass: Array, diameter: Array, length: Array, drilling_moment: Array
+) -> Array:
+    """Return theta'' = M_z/I1, I1 = m (3 r^2 + L^2)/12; (4.18) has it 0, without M_z [rad s-2]."""
+    return 12 * drilling_moment / (mass * (0.75 * np.square(diameter) + np.square(length)))
+
+
+def printed_yaw_rate(*, axial_drive: Array, diameter: Array, spin_rate: Array) -> Array:
+    """Return theta' = 2 D_sigma/(3 r phi') as 4 D_sigma/(3 d phi'), (4.20) as printed [rad s-1].
+
+    It follows only if the floor's resultant is held at mid-length, e = 0. Without spin it has no
+    value, as at every start from rest, and its time derivative contradicts (4.18).
+    """
+    with np.errstate(over="ignore"):
+        return ratio(4 * axial_drive, 3 * diameter * spin_rate, np.nan)
+
+
+def pressure_offset_axial(
+    *,
+    axial_drive: Array,
+    diameter: Array,
+    spin_rate: Array,
+    yaw_rate: Array,
+    normal_acceleration: Array,
+) -> Array:
+    """Return e = r (D_sigma - (3/2) r phi' theta')/n0, the shift of the floor's normal force [m].
+
+    Friction along the axis tilts the cylinder and the yaw of its spin resists; the floor balances
+    both. The source leaves it out. NaN in flight.
+    """
+    tilting = axial_drive - 0.75 * diameter * spin_rate * yaw_rate
+    return diameter / 2 * _over_normal(tilting, normal_acceleration, np.nan)
+
+
+def required_friction(
+    *, rolling_drive: Array, axial_friction_acceleration: Array, normal_acceleration: Array
+) -> Array:
+    """Return the least mu_s to roll, hypot(F_eta, F_sigma)/lambda_N; inf in flight [1]."""
+    friction = np.hypot(rolling_drive / 3, axial_friction_acceleration)
+    return _over_normal(friction, normal_acceleration, np.inf)
+
+
+def cone_margin(
+    *,
+    mass: Array,
+    friction_static: Array,
+    rolling_drive: Array,
+    axial_friction_acceleration: Array,
+    normal_acceleration: Array,
+) -> Array:
+    """Return mu_s lambda_N - hypot(F_eta, F_sigma): below 0 it slips [N]."""
+    friction = np.hypot(rolling_drive / 3, axial_friction_acceleration)
+    return mass * (friction_static * normal_acceleration - friction)
+
+
+def floor_wrench(
+    *,
+    mass: Array,
+    diameter: Array,
+    spin_rate: Array,
+    yaw_rate: Array,
+    drilling_moment: Array,
+    rolling_friction: Array,
+    axial_friction: Array,
+    floor_force: Array,
+) -> Wrench:
+    """Return the wrench of the floor: (N, -F_eta, -F_sigma) and its moment about the centre.
+
+    The moment about eta, e N - r F_sigma, is the -I3 theta' phi' that turns the spin.
+    """
+    force = vector(floor_force, -rolling_friction, -axial_friction)
+    precession = _turning_of_spin(mass, diameter, spin_rate, yaw_rate)
+    return Wrench(force, vector(drilling_moment, precession, diameter / 2 * rolling_friction))
+
+
+def force_wrench(
+    *,
+    mass: Array,
+    diameter: Array,
+    spin_rate: Array,
+    yaw_rate: Array,
+    drilling_moment: Array,
+    rolling_drive: Array,
+    rolling_friction: Array,
+) -> Wrench:
+    """Return the wrench of drive, gravity and floor together, (4.12), (4.13).
+
+    Drive and gravity act at the centre. What (4.15) to (4.17) cancel is left out instead of
+    subtracted: along n nothing remains, along sigma m r phi' theta'.
+    """
+    turning = mass * (diameter / 2) * spin_rate * yaw_rate
+    force = vector(np.zeros(()), mass * rolling_drive * (2 / 3), turning)
+    precession = _turning_of_spin(mass, diameter, spin_rate, yaw_rate)
+    return Wrench(force, vector(drilling_moment, precession, diameter / 2 * rolling_friction))
+
+
+def floor_reduction(*, floor_wrench: Wrench) -> Reduction:
+    """Return pitch F.M/F^2 and axis F x M/F^2 of the floor's wrench."""
+    return floor_wrench.reduced()
+
+
+def force_reduction(*, force_wrench: Wrench) -> Reduction:
+    """Return pitch F.M/F^2 and axis F x M/F^2 of the force system."""
+    return force_wrench.reduced()
+
+
+def printed_floor_reduction(*, floor_wrench: Wrench) -> Reduction:
+    """Return pitch and axis of the floor's wrench with the sign of (4.3), (4.5), (4.6)."""
+    return _as_printed(floor_wrench.reduced())
+
+
+def printed_force_reduction(*, force_wrench: Wrench) -> Reduction:
+    """Return pitch and axis of the force system with the sign of (4.3), (4.5), (4.6)."""
+    return _as_printed(force_wrench.reduced())
+
+
+def floor_pitch(*, floor_reduction: Reduction) -> Array:
+    """Return the pitch of the floor's wrench [m]."""
+    return floor_reduction.pitch
+
+
+def floor_axis_normal(*, floor_reduction: Reduction) -> Array:
+    """Return where the axis of the floor's wrench passes the centre, along n [m]."""
+    return floor_reduction.axis_point[..., 0]
+
+
+def floor_axis_rolling(*, floor_reduction: Reduction) -> Array:
+    """Return where the axis of the floor's wrench passes the centre, along eta [m]."""
+    return floor_reduction.axis_point[..., 1]
+
+
+def floor_axis_axial(*, floor_reduction: Reduction) -> Array:
+    """Return where the axis of the floor's wrench passes the centre, along sigma [m]."""
+    return floor_reduction.axis_point[..., 2]
+
+
+def force_pitch(*, force_reduction: Reduction) -> Array:
+    """Return the pitch of the force system: 0 but for rounding, whatever the data [m]."""
+    return force_reduction.pitch
+
+
+def force_axis_normal(*, force_reduction: Reduction) -> Array:
+    """Return where the axis of the force system passes the centre, along n: r/2 [m]."""
+    return force_reduction.axis_point[..., 0]
+
+
+def force_axis_rolling(*, force_reduction: Reduction) -> Array:
+    """Return where the axis of the force system passes the centre, along eta [m]."""
+    return force_reduction.axis_point[..., 1]
+
+
+def force_axis_axial(*, force_reduction: Reduction) -> Array:
+    """Return where the axis of the force system passes the centre, along sigma [m]."""
+    return force_reduction.axis_point[..., 2]
+
+
+def tips_along_axis(*, pressure_offset_axial: Array, length: Array) -> Mask:
+    """Return where the floor's normal force would leave the cylinder: |e| > L/2, it tips."""
+    return np.abs(pressure_offset_axial) > length / 2
+
+
+def slips(
+    *,
+    rolling_drive: Array,
+    axial_friction_acceleration: Array,
+    friction_static: Array,
+    normal_acceleration: Array,
+) -> Mask:
+    """Return where rolling asks for more than the cone has: hypot(F_eta, F_sigma) > mu_s lambda_N.
+
+    The condition of theory 7.3, with the turning of the velocity in place of a part of the drive.
+    """
+    return ~is_rolling(
+        in_plane_drive_x=axial_friction_acceleration,
+        in_plane_drive_y=rolling_drive,
+        friction_static=friction_static,
+        floor_acceleration=normal_acceleration,
+    )
+
+
+def has_no_printed_yaw_rate(*, printed_yaw_rate: Array) -> Mask:
+    """Return where (4.20) has no value: without spin, or too little for a float."""
+    return ~np.isfinite(printed_yaw_rate)
+
+
+def has_no_force_axis(*, force_reduction: Reduction) -> Mask:
+    """Return where the force system has no axis: it is a pure couple, or nothing."""
+    return np.asarray(force_reduction.kind != ScrewKind.GENERAL)
+
+
+def _over_normal(value: Array, normal_acceleration: Array, otherwise: float) -> Array:
+    """Return value/n0, and `otherwise` in flight."""
+    pressed = normal_acceleration > 0
+    return np.where(pressed, value / np.where(pressed, normal_acceleration, 1.0), otherwise)
+
+
+def _turning_of_spin(mass: Array, diameter: Array, spin_rate: Array, yaw_rate: Array) -> Array:
+    """Return -I3 theta' phi', I3 = m r^2/2: the moment about eta that yaw asks of a spin."""
+    return -mass * np.square(diameter) / 8 * spin_rate * yaw_rate
+
+
+def _as_printed(reduction: Reduction) -> Reduction:
+    return Reduction(reduction.pitch, -reduction.axis_point, reduction.kind)
