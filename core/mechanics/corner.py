@@ -208,12 +208,11 @@ def contact_case(
 ) -> Array:
     """Return the case of the contact, as the numbers of `core.mechanics.complementarity`.
 
-    A corner at rest that friction can hold, while it could leave as well, has two solutions.
+    A corner at rest has one solution always (theory 2.4).
     """
     held = _is_held(holding_normal_acceleration, holding_tangential_acceleration, friction_static)
-    at_rest = np.where(free_normal_acceleration > 0, TWO_SOLUTIONS, STICK)
-    moving = case(normal_response, free_normal_acceleration)
-    return np.where((gap_tangential_rate == 0) & held, at_rest, moving)
+    otherwise = case(normal_response, free_normal_acceleration)
+    return np.where((gap_tangential_rate == 0) & held, STICK, otherwise)
 
 
 # --- forces and accelerations: of the solution in contact, where there are two
