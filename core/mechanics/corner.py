@@ -415,6 +415,11 @@ def least_limiting_pitch(*, inertia_ratio: Array, corner_angle: Array) -> Array:
 # --- conditions
 
 
+def another_corner_is_lower(*, pitch: Array) -> Mask:
+    """Return where another corner would be in the plane: xi < 0 or xi > 90 degrees."""
+    return (pitch < 0) | (pitch > np.pi / 2)
+
+
 def has_no_solution(*, contact_case: Array) -> Mask:
     """Return where no force satisfies the contact: Painleve's paradox."""
     return contact_case == NO_SOLUTION

@@ -69,7 +69,9 @@ FORCES = frozenset(
         "regime",
     )
 )
+LIMITS = frozenset(("limiting_friction_right", "limiting_friction_left"))
 CONDITIONS = (
+    Condition("invalid_geometry", corner.another_corner_is_lower, FORCES | LIMITS),
     Condition("no_solution", corner.has_no_solution, FORCES),
     Condition("two_solutions", corner.has_two_solutions, FORCES),
     Condition("separation", corner.separates, FORCES),

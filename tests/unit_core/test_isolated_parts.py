@@ -61,12 +61,12 @@ def test_the_least_limiting_friction_of_a_cylinder_depends_on_its_shape(ratio, p
 
 def test_left_slip_is_the_mirror_image_of_right_slip():
     outputs = ["limiting_friction_right", "limiting_friction_left"]
-    one = run("rectangle-isolated", outputs, **SQUARE, pitch=[-46, 0, 15, 44])
+    one = run("rectangle-isolated", outputs, **SQUARE, pitch=[0, 15, 44, 46])
     other = run("rectangle-isolated", outputs, **SQUARE, pitch=[90, 75, 46])  # s to 180 deg - s
-    assert np.isinf(one["limiting_friction_left"]).all()
+    assert np.isinf(one["limiting_friction_left"]).values.tolist() == [True, True, True, False]
     right = one["limiting_friction_right"].values
-    np.testing.assert_allclose(other["limiting_friction_left"].values, right[1:], rtol=1e-12)
-    assert right[0] == np.inf
+    np.testing.assert_allclose(other["limiting_friction_left"].values, right[:3], rtol=1e-12)
+    assert right[3] == np.inf
     assert np.isinf(other["limiting_friction_right"]).all()
 
 
@@ -96,6 +96,13 @@ def test_each_case_of_a_slipping_corner_is_told(friction, pitch_rate, velocity, 
     free = float(dataset["free_normal_acceleration"])
     gap = float(dataset["gap_normal_acceleration"])
     assert gap == free if expected == "separation" else not gap > 0
+
+
+def test_a_pitch_at_which_another_corner_is_lower_is_told():
+    at = run("rectangle-isolated", ["floor_force"], **SQUARE, mass=1, friction=0.3,
+             pitch=[-1, 0, 45, 90, 91])  # fmt: skip
+    told = at["regime"] == REGIMES["invalid_geometry"].value
+    assert told.values.tolist() == [True, False, False, False, True]
 
 
 def test_a_corner_at_rest_is_held_slips_or_leaves():
