@@ -17,6 +17,7 @@ from core.mechanics.arrays import Array, Mask, ratio
 from core.mechanics.complementarity import (
     NO_SOLUTION,
     SEPARATION,
+    SLIDING,
     STICK,
     TWO_SOLUTIONS,
     case,
@@ -438,6 +439,11 @@ def separates(*, contact_case: Array) -> Mask:
 def is_held(*, contact_case: Array) -> Mask:
     """Return where friction keeps the corner at rest."""
     return contact_case == STICK
+
+
+def slides(*, contact_case: Array) -> Mask:
+    """Return where the corner slides, or starts to."""
+    return contact_case == SLIDING
 
 
 def right_is_unlimited(*, inverse_limiting_friction: Array) -> Mask:

@@ -75,6 +75,8 @@ CONDITIONS = (
     Condition("no_solution", corner.has_no_solution, FORCES),
     Condition("two_solutions", corner.has_two_solutions, FORCES),
     Condition("separation", corner.separates, FORCES),
+    Condition("stick", corner.is_held, FORCES),
+    Condition("sliding", corner.slides, FORCES, otherwise="sliding"),
     Condition(
         "unbounded",
         corner.right_is_unlimited,
@@ -87,7 +89,6 @@ CONDITIONS = (
         frozenset(("limiting_friction_left",)),
         otherwise="contact",
     ),
-    Condition("stick", corner.is_held, FORCES, otherwise="sliding"),
 )
 
 # The two rates are 0, the corner touching and at rest, until a study gives the centre's velocity.

@@ -10,7 +10,8 @@ import pytest
 from core.errors import StudyError
 from core.quantities import REGIMES
 from core.study import parse_study
-from core.sweep import sweep
+from core.sweep import prepare, sweep
+from core.sweep.slice import cut
 
 SQUARE = {"height": 1.0, "length": 1.0}
 
@@ -228,3 +229,21 @@ def test_a_pitch_rate_has_units_of_its_own(written, read):
     at = run("rectangle-isolated", ["pivot_velocity_upward"], height=3.0, length=4.0, pitch=0,
              pitch_rate=written)  # fmt: skip
     assert float(at["pivot_velocity_upward"]) == pytest.approx(2 * read, rel=1e-14)
+
+
+def test_an_angle_among_the_outputs_is_in_degrees_in_a_slice_too():
+    content = {
+        "kind": "sweep", "scene": "rectangle-isolated", "outputs": ["diagonal_angle"],
+        "parameters": {**SQUARE, "pitch": [0, 15, 30]},
+    }  # fmt: skip
+    found = cut(
+        prepare(parse_study(content)), output="diagonal_angle", axes=["pitch"], at={}, most=10
+    )
+    np.testing.assert_allclose(found["values"]["data"], [45, 60, 75], rtol=1e-15)
+    assert found["unit"] == "degree"
+
+
+def test_an_output_with_a_default_asks_for_its_parameters():
+    with pytest.raises(StudyError) as caught:
+        run("rectangle-on-track", ["centripetal_acceleration"], "physical")
+    assert {p.place for p in caught.value.problems} == {"parameters.radius"}
