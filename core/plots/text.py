@@ -18,7 +18,10 @@ UNITS = {
 }
 SMALL_UNITS = {"m": "mm", "s": "ms", "kg": "g", "N": "mN"}
 SMALL = 0.1  # values all below this are read in the thousandth
-GREEK = ("Gamma", "alpha", "beta", "gamma", "delta", "theta", "lambda", "mu", "sigma", "psi")
+GREEK = (
+    "Gamma", "Lambda", "alpha", "beta", "gamma", "delta", "zeta", "theta", "kappa", "lambda", "mu",
+    "xi", "rho", "sigma", "tau", "chi", "psi",
+)  # fmt: skip
 SUBSCRIPTS = {"inf": r"\infty"}
 
 

@@ -19,6 +19,11 @@ def to_si(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.deg2rad(values) if QUANTITIES[name].is_angle else values
 
 
+def from_si(name: str, values: NDArray[np.generic]) -> NDArray[np.generic]:
+    """Return values of a quantity in the unit of files and replies; inverse of `to_si`."""
+    return np.rad2deg(values) if QUANTITIES[name].is_angle else values
+
+
 @dataclass(frozen=True)
 class Grid:
     """Ranged and fixed parameters, in the units of studies.

@@ -169,7 +169,8 @@ class _Walk:
         equation = self.producers.get(name)
         if equation is not None and name in self.scene_defaults:
             # A default of a derived quantity: the equation runs only if the study speaks of it.
-            return equation if set(equation.inputs) & set(self.given) else None
+            spoken_of = name in self.outputs or set(equation.inputs) & set(self.given)
+            return equation if spoken_of else None
         return equation
 
 

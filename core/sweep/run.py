@@ -17,6 +17,7 @@ from core.dataset.table import (
 )
 from core.quantities import QUANTITIES
 from core.sweep.evaluate import Progress, evaluate
+from core.sweep.grid import from_si
 from core.sweep.prepare import Sweep, prepare
 
 if TYPE_CHECKING:
@@ -56,7 +57,7 @@ def tabulate(prepared: Sweep, *, progress: Progress | None = None) -> Table:
     variables = {
         name: Variable(
             prepared.dims[name],
-            arrays[name],
+            from_si(name, arrays[name]),
             quantity_attributes(
                 name,
                 equation=equations[name].source,

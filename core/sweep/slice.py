@@ -12,7 +12,7 @@ from core.quantities import QUANTITIES, REGIMES
 from core.study.units import UnitError, problem, read_number
 from core.study.values import position_on_axis
 from core.sweep.evaluate import evaluate
-from core.sweep.grid import Grid
+from core.sweep.grid import Grid, from_si
 from core.sweep.prepare import Sweep
 
 MOST_AXES = 2
@@ -81,7 +81,7 @@ def cut(
             {"name": n, "unit": QUANTITIES[n].unit, "values": grid.coordinate(n)} for n in free
         ],
         "fixed": grid.fixed,
-        "values": _labelled(arrays[output], grid.dims(depends[output])),
+        "values": _labelled(from_si(output, arrays[output]), grid.dims(depends[output])),
         "regime": _labelled(arrays["regime"], grid.dims(depends["regime"])),
         "regimes": {
             name: {

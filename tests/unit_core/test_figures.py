@@ -1,4 +1,4 @@
-"""The figures of chapter 5: every study runs, and its numbers are those of theory 10.
+"""The figures of chapters 3 and 5: every study runs, and its numbers are those of theory 10.
 
 Theory 10 says of each figure what the source claims and what its formula gives. What it gives is
 computed again here, from the datasets alone.
@@ -65,7 +65,41 @@ def test_study_runs_and_its_regime_tells_of_every_cell(path: Path) -> None:
 
 def test_there_is_one_study_for_each_figure() -> None:
     found = {path.name for path in (CONFIGS / "figures").iterdir()}
-    assert found == {path_of(number).name for number in NUMBERS}
+    assert found == {path_of(number).name for number in NUMBERS} | {"fig-3-3.toml", "fig-3-15.toml"}
+
+
+@pytest.mark.parametrize(
+    ("number", "across", "least"), [(3, "height", 4 / 3), (15, "diameter", 5**0.5 / 2)]
+)
+def test_limiting_friction_of_chapter_3_is_the_formula_and_never_below_its_minimum(
+    number: int, across: str, least: float
+) -> None:
+    path = CONFIGS / "figures" / f"fig-3-{number}.toml"
+    study = load_study(path)
+    assert study.title is not None
+    assert study.title.startswith(f"Figure 3.{number}: ")
+    assert study.variant == "thesis"
+    dataset = sweep(study)
+    limit = dataset["limiting_friction_right"]
+    ratio = dataset[across] / dataset["length"]
+    kappa = 3 if number == 3 else 12 * (ratio**2 + 1) / (3 * ratio**2 + 4)
+    s = np.arctan(ratio) + np.deg2rad(dataset["pitch"])
+    tangent = np.tan(s)
+    formula = (1 + kappa + tangent**2) / (kappa * tangent)
+    paradox = (s > 1e-9) & (s < np.pi / 2 - 1e-9)
+    assert int(paradox.sum()) > 400
+    assert abs(limit / formula - 1).where(paradox).max() < 1e-12
+    assert float(limit.min()) >= least
+    # Each curve comes down to its minimum but for the step of the pitch, unless that lies below 0.
+    closest = limit.min("pitch") / (2 * np.sqrt(1 + kappa) / kappa)
+    assert float(closest.min()) >= 1
+    reached = np.sqrt(1 + kappa) >= ratio
+    assert float(closest.where(reached).max()) < 1.0002
+    flat = limit.sel(pitch=0) == limit.min("pitch")
+    assert flat.where(~reached, True).all()
+    if number == 3:
+        assert float(limit.sel(pitch=0, height=0.04)) == pytest.approx(5 / 3, rel=1e-14)
+    assert np.isinf(limit).equals(dataset["regime"] == REGIMES["unbounded"].value)
 
 
 @pytest.mark.parametrize("number", NUMBERS)

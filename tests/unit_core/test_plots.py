@@ -320,6 +320,7 @@ def test_a_picture_that_cannot_be_written_leaves_nothing(file: Path, tmp_path: P
     ("symbol", "shown"),
     [
         ("alpha", r"$\alpha$"),
+        ("xi", r"$\xi$"),
         ("a_x", r"$a_{\mathrm{x}}$"),
         ("v_inf", r"$v_{\infty}$"),
         ("Gamma", r"$\Gamma$"),

@@ -1,0 +1,456 @@
+"""A part that touches a fixed plane with one corner, in its own plane of motion (theory 2, 6).
+
+The corner lies on the right, below the centre: pitch counts clockwise, so that s, the angle of the
+diagonal from corner to centre, is zeta + xi. Everything is per mass. With e = c - sigma mu s (c, s:
+cosine and sine of the angle s, sigma the direction of slip) most results are products and need
+no difference of nearly equal numbers.
+
+All functions take and return broadcastable float64 arrays, SI units, angles in radians. Pairs
+(`corner_direction`, `diagonal_direction`) hold the sine and cosine of an angle.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanics.arrays import Array, Mask, ratio
+from core.mechanics.complementarity import (
+    NO_SOLUTION,
+    SEPARATION,
+    SLIDING,
+    STICK,
+    TWO_SOLUTIONS,
+    case,
+    contact_force,
+)
+
+Direction = tuple[Array, Array]
+"""Sine and cosine of an angle."""
+
+
+def direction_of(rise: Array, run: Array) -> Direction:
+    """Return sine and cosine of atan2(rise, run)."""
+    hypotenuse = np.hypot(rise, run)
+    return rise / hypotenuse, run / hypotenuse
+
+
+# --- geometry and motion
+
+
+def diagonal_angle(*, corner_angle: Array, pitch: Array) -> Array:
+    """Return s = zeta + xi, the angle of the diagonal above the plane [rad]."""
+    return corner_angle + pitch
+
+
+def diagonal_direction(*, corner_direction: Direction, pitch: Array) -> Direction:
+    """Return sine and cosine of s = zeta + xi by the addition theorem.
+
+    s itself, rounded, would lose the digits of a cosine near 90 degrees.
+    """
+    sine, cosine = corner_direction
+    return (
+        sine * np.cos(pitch) + cosine * np.sin(pitch),
+        cosine * np.cos(pitch) - sine * np.sin(pitch),
+    )
+
+
+def touching_height(*, half_diagonal: Array, diagonal_direction: Direction) -> Array:
+    """Return the height of the centre at which the corner touches, rho sin(s) [m]."""
+    return half_diagonal * diagonal_direction[0]
+
+
+def gap_normal(*, centre_height: Array, touching_height: Array) -> Array:
+    """Return the gap between corner and plane, y - rho sin(s), (3.2), (3.28) [m]."""
+    return centre_height - touching_height
+
+
+def gap_tangential(
+    *, centre_along: Array, half_diagonal: Array, diagonal_direction: Direction
+) -> Array:
+    """Return the place of the corner along the plane, x + rho cos(s), (3.2), (3.28) [m]."""
+    return centre_along + half_diagonal * diagonal_direction[1]
+
+
+def pivot_velocity_along(
+    *, half_diagonal: Array, pitch_rate: Array, diagonal_direction: Direction
+) -> Array:
+    """Return the velocity of the centre along the plane about a corner at rest [m s-1]."""
+    return half_diagonal * pitch_rate * diagonal_direction[0]
+
+
+def pivot_velocity_upward(
+    *, half_diagonal: Array, pitch_rate: Array, diagonal_direction: Direction
+) -> Array:
+    """Return the upward velocity of the centre about a corner at rest [m s-1]."""
+    return half_diagonal * pitch_rate * diagonal_direction[1]
+
+
+def gap_normal_rate(*, velocity_upward: Array, pivot_velocity_upward: Array) -> Array:
+    """Return the rate of the gap, y' - rho xi' cos(s), (3.3), (3.29) with cos [m s-1]."""
+    return velocity_upward - pivot_velocity_upward
+
+
+def gap_tangential_rate(*, velocity_along: Array, pivot_velocity_along: Array) -> Array:
+    """Return the slip velocity of the corner, x' - rho xi' sin(s), (3.3), (3.29) [m s-1]."""
+    return velocity_along - pivot_velocity_along
+
+
+def free_normal_acceleration(
+    *, half_diagonal: Array, pitch_rate: Array, diagonal_direction: Direction, gravity: Array
+) -> Array:
+    """Return chi = rho xi'^2 sin(s) - g, the corner's normal acceleration without force [m s-2]."""
+    return half_diagonal * pitch_rate * pitch_rate * diagonal_direction[0] - gravity
+
+
+def free_tangential_acceleration(
+    *, half_diagonal: Array, pitch_rate: Array, diagonal_direction: Direction
+) -> Array:
+    """Return -rho xi'^2 cos(s), the corner's acceleration along the plane without force [m s-2]."""
+    return -half_diagonal * pitch_rate * pitch_rate * diagonal_direction[1]
+
+
+# --- what friction makes of a normal force
+
+
+def _response(kappa: Array, direction: Direction, sigma_mu: Array) -> Array:
+    """Return 1 + kappa c (c - sigma mu s)."""
+    s, c = direction
+    return 1.0 + kappa * c * (c - sigma_mu * s)
+
+
+def normal_response_right(
+    *, inertia_ratio: Array, diagonal_direction: Direction, friction_kinetic: Array
+) -> Array:
+    """Return m tau in slip to the right, 1 + kappa c^2 - mu kappa s c, (3.6a), (3.33a) [1]."""
+    return _response(inertia_ratio, diagonal_direction, friction_kinetic)
+
+
+def normal_response_left(
+    *, inertia_ratio: Array, diagonal_direction: Direction, friction_kinetic: Array
+) -> Array:
+    """Return m tau in slip to the left, 1 + kappa c^2 + mu kappa s c; not in the source [1]."""
+    return _response(inertia_ratio, diagonal_direction, -friction_kinetic)
+
+
+def normal_response(
+    *,
+    inertia_ratio: Array,
+    diagonal_direction: Direction,
+    friction_kinetic: Array,
+    slip_direction: Array,
+) -> Array:
+    """Return m tau in the slip direction; the value without friction where nothing slips [1]."""
+    return _response(inertia_ratio, diagonal_direction, slip_direction * friction_kinetic)
+
+
+def holding_normal_acceleration(
+    *,
+    inertia_ratio: Array,
+    half_diagonal: Array,
+    pitch_rate: Array,
+    diagonal_direction: Direction,
+    gravity: Array,
+) -> Array:
+    """Return the normal force per mass that keeps the corner at rest, g (1 + kappa s^2)/(1 + kappa)
+    - rho xi'^2 s; negative where it would have to pull [m s-2].
+    """  # noqa: D205
+    s, _ = diagonal_direction
+    weight = gravity * ((1.0 + inertia_ratio * s * s) / (1.0 + inertia_ratio))
+    return weight - half_diagonal * pitch_rate * pitch_rate * s
+
+
+def holding_tangential_acceleration(
+    *,
+    inertia_ratio: Array,
+    half_diagonal: Array,
+    pitch_rate: Array,
+    diagonal_direction: Direction,
+    gravity: Array,
+) -> Array:
+    """Return the friction force per mass that keeps the corner at rest, c (rho xi'^2 - g kappa s/(1
+    + kappa)) [m s-2].
+    """  # noqa: D205
+    s, c = diagonal_direction
+    turning = half_diagonal * pitch_rate * pitch_rate
+    return c * (turning - gravity * s * (inertia_ratio / (1.0 + inertia_ratio)))
+
+
+def _is_held(normal: Array, tangential: Array, friction_static: Array) -> Mask:
+    """Return where the force that keeps the corner at rest lies in the friction cone."""
+    return (normal >= 0) & (np.abs(tangential) <= friction_static * normal)
+
+
+def slip_direction(
+    *,
+    gap_tangential_rate: Array,
+    free_normal_acceleration: Array,
+    holding_normal_acceleration: Array,
+    holding_tangential_acceleration: Array,
+    friction_static: Array,
+) -> Array:
+    """Return sigma: 1 if the corner slips to the right, -1 to the left, 0 if it does not slip [1].
+
+    From rest it slips against the force that would have held it (theory 2.4), unless it leaves.
+    """
+    held = _is_held(holding_normal_acceleration, holding_tangential_acceleration, friction_static)
+    stays = held | (free_normal_acceleration > 0)
+    from_rest = np.where(stays, 0.0, -np.sign(holding_tangential_acceleration))
+    return np.where(gap_tangential_rate == 0, from_rest, np.sign(gap_tangential_rate))
+
+
+def contact_case(
+    *,
+    gap_tangential_rate: Array,
+    free_normal_acceleration: Array,
+    holding_normal_acceleration: Array,
+    holding_tangential_acceleration: Array,
+    friction_static: Array,
+    normal_response: Array,
+) -> Array:
+    """Return the case of the contact, as the numbers of `core.mechanics.complementarity`.
+
+    A corner at rest has one solution always (theory 2.4).
+    """
+    held = _is_held(holding_normal_acceleration, holding_tangential_acceleration, friction_static)
+    otherwise = case(normal_response, free_normal_acceleration)
+    return np.where((gap_tangential_rate == 0) & held, STICK, otherwise)
+
+
+# --- forces and accelerations: of the solution in contact, where there are two
+
+
+def by_case(
+    contact_case: Array, slip_direction: Array, free: Array | float, held: Array, sliding: Array
+) -> Array:
+    """Return the value of each cell's case; NaN where there is no solution."""
+    value = np.where(slip_direction == 0, held, sliding)
+    value = np.where(contact_case == SEPARATION, free, value)
+    return np.where(contact_case == NO_SOLUTION, np.nan, value)
+
+
+def floor_acceleration(
+    *,
+    contact_case: Array,
+    slip_direction: Array,
+    normal_response: Array,
+    free_normal_acceleration: Array,
+    holding_normal_acceleration: Array,
+) -> Array:
+    """Return the normal force per mass: -chi/(m tau) in slip, 0 in separation [m s-2].
+
+    NaN without a solution, and where every force is one (tau = chi = 0).
+    """
+    sliding = contact_force(normal_response, free_normal_acceleration)
+    return by_case(contact_case, slip_direction, 0.0, holding_normal_acceleration, sliding)
+
+
+def acceleration_along(
+    *,
+    contact_case: Array,
+    slip_direction: Array,
+    floor_acceleration: Array,
+    friction_kinetic: Array,
+    holding_tangential_acceleration: Array,
+) -> Array:
+    """Return the acceleration of the centre along the plane: friction per mass, (3.1) [m s-2]."""
+    sliding = -slip_direction * friction_kinetic * floor_acceleration
+    return by_case(contact_case, slip_direction, 0.0, holding_tangential_acceleration, sliding)
+
+
+def acceleration_upward(
+    *,
+    contact_case: Array,
+    slip_direction: Array,
+    normal_response: Array,
+    inertia_ratio: Array,
+    half_diagonal: Array,
+    pitch_rate: Array,
+    diagonal_direction: Direction,
+    friction_kinetic: Array,
+    gravity: Array,
+) -> Array:
+    """Return the upward acceleration of the centre, n - g, (3.1) [m s-2].
+
+    In slip -(rho xi'^2 s + g kappa c e)/(m tau): no weight to subtract.
+    """
+    s, c = diagonal_direction
+    turning = half_diagonal * pitch_rate * pitch_rate * s
+    e = c - slip_direction * friction_kinetic * s
+    sliding = -ratio(turning + gravity * inertia_ratio * c * e, normal_response, np.nan)
+    held = -(turning + gravity * c * c * (inertia_ratio / (1.0 + inertia_ratio)))
+    return by_case(contact_case, slip_direction, -gravity, held, sliding)
+
+
+def pitch_acceleration(
+    *,
+    contact_case: Array,
+    slip_direction: Array,
+    floor_acceleration: Array,
+    inertia_ratio: Array,
+    half_diagonal: Array,
+    diagonal_direction: Direction,
+    friction_kinetic: Array,
+    gravity: Array,
+) -> Array:
+    """Return the pitch acceleration, -kappa (n c + t s)/rho, (3.1) [rad s-2].
+
+    While the corner is held, that of a pendulum about it, whatever the pitch rate.
+    """
+    s, c = diagonal_direction
+    e = c - slip_direction * friction_kinetic * s
+    sliding = -inertia_ratio * floor_acceleration * e / half_diagonal
+    held = -gravity * c * (inertia_ratio / (1.0 + inertia_ratio)) / half_diagonal
+    return by_case(contact_case, slip_direction, 0.0, held, sliding)
+
+
+def gap_normal_acceleration(*, contact_case: Array, free_normal_acceleration: Array) -> Array:
+    """Return the second rate of the gap: chi in separation, else 0, (3.4), (3.30) [m s-2]."""
+    value = np.where(contact_case == SEPARATION, free_normal_acceleration, 0.0)
+    return np.where(contact_case == NO_SOLUTION, np.nan, value)
+
+
+def gap_tangential_acceleration(
+    *,
+    contact_case: Array,
+    slip_direction: Array,
+    normal_response: Array,
+    free_tangential_acceleration: Array,
+    inertia_ratio: Array,
+    half_diagonal: Array,
+    pitch_rate: Array,
+    diagonal_direction: Direction,
+    friction_kinetic: Array,
+    gravity: Array,
+) -> Array:
+    """Return the acceleration of slip, (3.6b), (3.33b) with -mu and sin^2 [m s-2].
+
+    In slip (g (kappa s e - sigma mu) - (1 + kappa) rho xi'^2 e)/(m tau).
+    """
+    s, c = diagonal_direction
+    sigma_mu = slip_direction * friction_kinetic
+    e = c - sigma_mu * s
+    turning = (1.0 + inertia_ratio) * half_diagonal * pitch_rate * pitch_rate * e
+    pushing = gravity * (inertia_ratio * s * e - sigma_mu)
+    sliding = ratio(pushing - turning, normal_response, np.nan)
+    return by_case(
+        contact_case, slip_direction, free_tangential_acceleration, np.zeros(()), sliding
+    )
+
+
+def friction_force(*, mass: Array, acceleration_along: Array) -> Array:
+    """Return the friction force on the corner, along the plane [N]."""
+    return mass * acceleration_along
+
+
+def impact_impulse_normal(
+    *,
+    contact_case: Array,
+    mass: Array,
+    inertia_ratio: Array,
+    diagonal_direction: Direction,
+    gap_tangential_rate: Array,
+) -> Array:
+    """Return the normal impulse that stops the slip where no force is a solution; else 0 [N s].
+
+    Slip ends first, then compression with a corner at rest (theory 2.6): friction drops out.
+    """
+    s, c = diagonal_direction
+    impulse = mass * gap_tangential_rate * (inertia_ratio / (1.0 + inertia_ratio) * s * c)
+    return np.where(contact_case == NO_SOLUTION, impulse, 0.0)
+
+
+def impact_impulse_tangential(
+    *,
+    contact_case: Array,
+    mass: Array,
+    inertia_ratio: Array,
+    diagonal_direction: Direction,
+    gap_tangential_rate: Array,
+) -> Array:
+    """Return the friction impulse that goes with `impact_impulse_normal`; else 0 [N s]."""
+    _, c = diagonal_direction
+    share = (1.0 + inertia_ratio * c * c) / (1.0 + inertia_ratio)
+    return np.where(contact_case == NO_SOLUTION, -mass * gap_tangential_rate * share, 0.0)
+
+
+# --- limiting friction
+
+
+def inverse_limiting_friction(*, inertia_ratio: Array, diagonal_direction: Direction) -> Array:
+    """Return 1/mu_c of slip to the right, kappa s c/(1 + kappa c^2); to the left, its negative [1].
+
+    Negative where that slip has one solution at every friction.
+    """
+    s, c = diagonal_direction
+    return inertia_ratio * s * c / (1.0 + inertia_ratio * c * c)
+
+
+def _limit(inverse: Array) -> Array:
+    meaningful = inverse > 0
+    with np.errstate(over="ignore"):
+        return np.where(meaningful, 1.0 / np.where(meaningful, inverse, 1.0), np.inf)
+
+
+def limiting_friction_right(*, inverse_limiting_friction: Array) -> Array:
+    """Return mu_c, (3.7), (3.34): tau = 0 in slip to the right; infinite outside 0 < s < 90 deg
+    (modulo 180 deg), where no friction makes tau vanish [1].
+    """  # noqa: D205
+    return _limit(inverse_limiting_friction)
+
+
+def limiting_friction_left(*, inverse_limiting_friction: Array) -> Array:
+    """Return mu_c of slip to the left, the mirror image; infinite outside 90 < s < 180 deg [1]."""
+    return _limit(-inverse_limiting_friction)
+
+
+def least_limiting_friction(*, inertia_ratio: Array) -> Array:
+    """Return the least mu_c over all pitches, 2 sqrt(1 + kappa)/kappa [1]."""
+    return 2.0 * np.sqrt(1.0 + inertia_ratio) / inertia_ratio
+
+
+def least_limiting_pitch(*, inertia_ratio: Array, corner_angle: Array) -> Array:
+    """Return the pitch of the least mu_c, right slip: atan(sqrt(1 + kappa)) - zeta [rad]."""
+    return np.arctan(np.sqrt(1.0 + inertia_ratio)) - corner_angle
+
+
+# --- conditions
+
+
+def another_corner_is_lower(*, pitch: Array) -> Mask:
+    """Return where another corner would be in the plane: xi < 0 or xi > 90 degrees."""
+    return (pitch < 0) | (pitch > np.pi / 2)
+
+
+def has_no_solution(*, contact_case: Array) -> Mask:
+    """Return where no force satisfies the contact: Painleve's paradox."""
+    return contact_case == NO_SOLUTION
+
+
+def has_two_solutions(*, contact_case: Array) -> Mask:
+    """Return where separation and contact both satisfy the equations, or every force does."""
+    return contact_case == TWO_SOLUTIONS
+
+
+def separates(*, contact_case: Array) -> Mask:
+    """Return where the corner leaves the plane."""
+    return contact_case == SEPARATION
+
+
+def is_held(*, contact_case: Array) -> Mask:
+    """Return where friction keeps the corner at rest."""
+    return contact_case == STICK
+
+
+def slides(*, contact_case: Array) -> Mask:
+    """Return where the corner slides, or starts to."""
+    return contact_case == SLIDING
+
+
+def right_is_unlimited(*, inverse_limiting_friction: Array) -> Mask:
+    """Return where slip to the right has one solution at every friction."""
+    return inverse_limiting_friction <= 0
+
+
+def left_is_unlimited(*, inverse_limiting_friction: Array) -> Mask:
+    """Return where slip to the left has one solution at every friction."""
+    return inverse_limiting_friction >= 0
