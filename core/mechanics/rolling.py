@@ -141,5 +141,5 @@ def slipping_angular_acceleration(
     At z = 0 this is the rolling value 4 D_y/(3 d); 0 in flight.
     """
     q = friction_kinetic * floor_acceleration
-    share = np.where(roll_root == 0, 1.0 / 3.0, ratio(q, roll_root + 3 * q, 0.0))
-    return 4 * in_plane_drive_y * share / diameter
+    e_y = ratio(in_plane_drive_y, roll_root + 3 * q, 0.0)
+    return 4 * np.where(roll_root == 0, in_plane_drive_y / 3, q * e_y) / diameter
