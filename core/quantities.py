@@ -83,6 +83,164 @@ def _force(symbol: str, label: str, description: str) -> Quantity:
     return Quantity("N", symbol, label, description)
 
 
+def _pair_impact() -> dict[str, Quantity]:
+    """Return the quantities of two bodies, 1 and 2, that collide."""
+    several = {
+        "restitution": Quantity(
+            "1", "eps", "Restitution",
+            "Coefficient of restitution: 0 for no rebound, 1 for full rebound.", 0.0, 1.0,
+            parameter=True, examples=("0.5",),
+        ),
+        "contact_tolerance": Quantity(
+            "1", "g_tol/size", "Contact tolerance",
+            "Largest gap or overlap that counts as touching, as a share of the bodies' size, the "
+            "sum of their half diagonals. 1 lets the impact happen as the bodies are placed.", 0.0,
+            parameter=True, examples=("1e-6",),
+        ),
+        "gap": Quantity(
+            "m", "g_N", "Gap",
+            "Distance of the bodies where they are nearest to each other; negative in overlap.",
+        ),
+        "face_body": Quantity(
+            "1", "C", "Body with the face", "The body whose face is touched, 1 or 2."
+        ),
+        "contact_corner": Quantity(
+            "1", "A", "Touching corner",
+            "The corner of the other body, 1 to 4 counterclockwise from the one at +length/2, "
+            "+width/2; 0 where an edge lies on the face.",
+        ),
+        "contact_x": Quantity("m", "P_x", "Contact point, x", "Point where the impulse acts, x."),
+        "contact_y": Quantity("m", "P_y", "Contact point, y", "Point where the impulse acts, y."),
+        "normal_x": Quantity("1", "n_x", "Normal, x", "Unit normal from body 2 to body 1, x."),
+        "normal_y": Quantity("1", "n_y", "Normal, y", "Unit normal from body 2 to body 1, y."),
+        "delassus_normal": Quantity(
+            "kg-1", "G_NN", "Delassus number, normal", "Normal velocity that a unit normal impulse "
+            "gives.",
+        ),
+        "delassus_coupling": Quantity(
+            "kg-1", "G_NT", "Delassus number, coupling",
+            "Tangential velocity that a unit normal impulse gives.",
+        ),
+        "delassus_tangential": Quantity(
+            "kg-1", "G_TT", "Delassus number, tangential",
+            "Tangential velocity that a unit tangential impulse gives.",
+        ),
+        "approach_normal": _velocity(
+            "u_N", "Normal velocity before", "Velocity of body 1 off body 2 at the contact, before "
+            "the impact; negative where they approach.",
+        ),
+        "approach_tangential": _velocity(
+            "u_T", "Tangential velocity before",
+            "Velocity of body 1 along the contact, relative to body 2, before the impact.",
+        ),
+        "separation_normal": _velocity(
+            "u_N'", "Normal velocity after",
+            "Velocity of body 1 off body 2 at the contact, after the impact.",
+        ),
+        "separation_tangential": _velocity(
+            "u_T'", "Tangential velocity after",
+            "Velocity of body 1 along the contact, relative to body 2, after the impact.",
+        ),
+        "impulse_normal": Quantity(
+            "N s", "Lambda_N", "Normal impulse", "Impulse on body 1 along the normal."
+        ),
+        "impulse_tangential": Quantity(
+            "N s", "Lambda_T", "Tangential impulse",
+            "Impulse of friction on body 1, along the normal turned by +90 degrees.",
+        ),
+        "energy_before": Quantity(
+            "J", "T_A", "Energy before", "Kinetic energy of both bodies before the impact."
+        ),
+        "energy_lost": Quantity(
+            "J", "T_A - T_E", "Energy lost", "Kinetic energy that the impact takes away."
+        ),
+        "momentum_residual_x": Quantity(
+            "N s", "dp_x", "Residual of the momentum, x",
+            "Linear momentum after less before; 0 but for rounding.",
+        ),
+        "momentum_residual_y": Quantity(
+            "N s", "dp_y", "Residual of the momentum, y",
+            "Linear momentum after less before; 0 but for rounding.",
+        ),
+        "angular_momentum_residual": Quantity(
+            "kg m2 s-1", "dL_z", "Residual of the angular momentum",
+            "Angular momentum about the origin, after less before; 0 but for rounding.",
+        ),
+    }  # fmt: skip
+    bundles = {
+        name: Quantity("1", "", label, description, bundle=True)
+        for name, label, description in (
+            ("rectangle_contact", "Contact of two rectangles", "Gap, normal, ends of the contact."),
+            ("contact_arms", "Lever arms", "Moments of unit impulses at the contact."),
+            ("edge_action", "Action on an edge", "Where on a touching edge the impulse acts."),
+            ("planar_impulse", "Planar impulse", "Both components, and whether they stick."),
+            ("planar_motion_after", "Planar motion after", "All six velocities after."),
+        )
+    }
+    return {**_pair_body("1"), **_pair_body("2"), **several, **bundles}
+
+
+def _pair_body(body: str) -> dict[str, Quantity]:
+    """Return the parameters and velocities of one of two bodies."""
+
+    def quantity(unit: str, symbol: str, label: str, description: str, example: str) -> Quantity:
+        return Quantity(
+            unit, f"{symbol}{body}", f"{label}, body {body}", description.format(body),
+            parameter=True, examples=(example,),
+        )  # fmt: skip
+
+    def size(unit: str, symbol: str, label: str, description: str, example: str) -> Quantity:
+        return Quantity(
+            unit, f"{symbol}{body}", f"{label}, body {body}", description.format(body), 0.0,
+            strict=True, parameter=True, examples=(example,),
+        )  # fmt: skip
+
+    parameters = {
+        f"position_x_{body}": quantity(
+            "m", "x", "Position x", "Centre of body {}, x.", "5 mm"
+        ),
+        f"position_y_{body}": quantity(
+            "m", "y", "Position y", "Centre of body {}, y.", "5 mm"
+        ),
+        f"angle_{body}": quantity(
+            "degree", "th", "Angle", "Angle of the length of body {}, from +x towards +y.",
+            "30 deg",
+        ),
+        f"velocity_x_{body}": quantity(
+            "m s-1", "vx", "Velocity x", "Velocity of body {} before the impact, x.", "0.2 m/s"
+        ),
+        f"velocity_y_{body}": quantity(
+            "m s-1", "vy", "Velocity y", "Velocity of body {} before the impact, y.", "0.2 m/s"
+        ),
+        f"spin_{body}": quantity(
+            "rad s-1", "w", "Spin",
+            "Angular velocity of body {} before the impact, from +x towards +y.", "3 rad/s",
+        ),
+        f"length_{body}": size("m", "h", "Length", "Length of body {}.", "20 mm"),
+        f"width_{body}": size("m", "a", "Width", "Width of body {}.", "10 mm"),
+        f"mass_{body}": size("kg", "m", "Mass", "Mass of body {}.", "5 g"),
+    }  # fmt: skip
+    results = {
+        f"inertia_{body}": Quantity(
+            "kg m2", f"I{body}", f"Moment of inertia, body {body}",
+            f"Moment of inertia of body {body} about its centre, normal to the floor.",
+        ),
+        f"velocity_x_{body}_after": _velocity(
+            f"vx{body}'", f"Velocity x after, body {body}",
+            f"Velocity of body {body} after the impact, x.",
+        ),
+        f"velocity_y_{body}_after": _velocity(
+            f"vy{body}'", f"Velocity y after, body {body}",
+            f"Velocity of body {body} after the impact, y.",
+        ),
+        f"spin_{body}_after": Quantity(
+            "rad s-1", f"w{body}'", f"Spin after, body {body}",
+            f"Angular velocity of body {body} after the impact, from +x towards +y.",
+        ),
+    }  # fmt: skip
+    return {**parameters, **results}
+
+
 QUANTITIES: dict[str, Quantity] = {
     # --- parameters: the drive
     "frequency": Quantity(
@@ -298,6 +456,8 @@ QUANTITIES: dict[str, Quantity] = {
         "m", "e_y", "Centre of pressure, y", "Offset of the floor resultant across the track."
     ),
     "regime": Quantity("1", "regime", "Regime", "State of the contacts in each cell."),
+    # --- impacts of two bodies
+    **_pair_impact(),
 }  # fmt: skip
 
 
@@ -336,4 +496,15 @@ REGIMES: dict[str, Regime] = {
     "tipping": Regime(12, "the centre of pressure leaves the base: the part tips", valid=False),
     "faster_than_track": Regime(13, "the estimate exceeds the largest track speed", valid=False),
     "unbounded": Regime(14, "no finite value exists: nothing limits it"),
-}
+    # --- impacts of two bodies
+    "apart": Regime(19, "the bodies do not touch; nothing happens"),
+    "overlap": Regime(20, "the bodies overlap: no such placement is possible", valid=False),
+    "no_impact": Regime(21, "the bodies touch but do not approach; nothing happens"),
+    "impact_stick": Regime(22, "they collide and do not slide on each other at the end"),
+    "impact_slip": Regime(23, "they collide and slide on each other at the end"),
+    "simultaneous": Regime(
+        24, "they meet at several points at once, or edge to edge: the law does not tell more",
+        valid=False,
+    ),
+    "impact": Regime(25, "they collide"),
+}  # fmt: skip

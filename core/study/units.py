@@ -22,7 +22,7 @@ PER_MINUTE = frozenset(
 )
 _TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*(.*?)\s*")
 _UNIT = re.compile(r"(?:1/)?[A-Za-zµμ°'\"_][\w µμ°*/^().'\"-]{0,40}")
-_PINT_NAMES = {"1": "dimensionless", "m s-2": "m/s**2", "m s-1": "m/s"}
+_PINT_NAMES = {"1": "dimensionless", "m s-2": "m/s**2", "m s-1": "m/s", "rad s-1": "rad/s"}
 
 
 class UnitError(ValueError):
@@ -96,7 +96,7 @@ def _factor(name: str, quantity: Quantity, unit: str) -> Fraction:
         raise UnitError(
             f"'{unit}' is an angular velocity, not a frequency", f"Divide by 2 pi; {fix}"
         )
-    if quantity.is_angle != is_angular:
+    if (quantity.is_angle or quantity.unit.startswith("rad")) != is_angular:
         raise UnitError(f"'{unit}' does not measure {quantity.label.lower()}", fix)
     try:
         converted = one.to(_PINT_NAMES.get(quantity.unit, quantity.unit)).magnitude
