@@ -85,7 +85,8 @@ def rectangles() -> dict[str, np.ndarray]:
         "angle_1": other, "length_1": h, "width_1": a,
         "position_x_2": x, "position_y_2": y, "angle_2": angle, "length_2": ho, "width_2": ao,
         "mass_1": 10 ** random.uniform(-3, 0, n), "mass_2": 10 ** random.uniform(-3, 0, n),
-        "friction": random.choice([0.0, 1.0, 3.0], n, p=[0.05, 0.65, 0.3]) * random.uniform(0, 1, n),
+        "friction": random.choice([0.0, 1.0, 3.0], n, p=[0.05, 0.65, 0.3])
+        * random.uniform(0, 1, n),
         "restitution": random.choice([0.0, 1.0, -1.0], n, p=[0.1, 0.1, 0.8]),
     }  # fmt: skip
     free = points["restitution"] < 0
