@@ -113,6 +113,41 @@ def _pair_impact() -> dict[str, Quantity]:
         "contact_y": Quantity("m", "P_y", "Contact point, y", "Point where the impulse acts, y."),
         "normal_x": Quantity("1", "n_x", "Normal, x", "Unit normal from body 2 to body 1, x."),
         "normal_y": Quantity("1", "n_y", "Normal, y", "Unit normal from body 2 to body 1, y."),
+        "contact_form": Quantity(
+            "1", "form", "Contact form",
+            "0 none of the five, 1 rim on face, 2 rim on side, 3 face on face, 4 side on side, "
+            "5 side on face.",
+        ),
+        "contact_z": Quantity("m", "P_z", "Contact point, z", "Point where the impulse acts, z."),
+        "normal_z": Quantity("1", "n_z", "Normal, z", "Unit normal from body 2 to body 1, z."),
+        "sliding_before": _velocity(
+            "|u_T|", "Sliding velocity before", "Speed of sliding at the contact, before."
+        ),
+        "sliding_after": _velocity(
+            "|u_T'|", "Sliding velocity after", "Speed of sliding at the contact, after."
+        ),
+        "impulse_friction": Quantity(
+            "N s", "|Lambda_T|", "Impulse of friction", "Magnitude of the tangential impulse."
+        ),
+        "impulse_x": Quantity("N s", "Lambda_x", "Impulse, x", "Impulse on body 1, x."),
+        "impulse_y": Quantity("N s", "Lambda_y", "Impulse, y", "Impulse on body 1, y."),
+        "impulse_z": Quantity("N s", "Lambda_z", "Impulse, z", "Impulse on body 1, z."),
+        "momentum_residual_z": Quantity(
+            "N s", "dp_z", "Residual of the momentum, z",
+            "Linear momentum after less before; 0 but for rounding.",
+        ),
+        "angular_momentum_residual_x": Quantity(
+            "kg m2 s-1", "dL_x", "Residual of the angular momentum, x",
+            "Angular momentum about the origin, after less before; 0 but for rounding.",
+        ),
+        "angular_momentum_residual_y": Quantity(
+            "kg m2 s-1", "dL_y", "Residual of the angular momentum, y",
+            "Angular momentum about the origin, after less before; 0 but for rounding.",
+        ),
+        "angular_momentum_residual_z": Quantity(
+            "kg m2 s-1", "dL_z", "Residual of the angular momentum, z",
+            "Angular momentum about the origin, after less before; 0 but for rounding.",
+        ),
         "delassus_normal": Quantity(
             "kg-1", "G_NN", "Delassus number, normal", "Normal velocity that a unit normal impulse "
             "gives.",
@@ -175,6 +210,16 @@ def _pair_impact() -> dict[str, Quantity]:
             ("edge_action", "Action on an edge", "Where on a touching edge the impulse acts."),
             ("planar_impulse", "Planar impulse", "Both components, and whether they stick."),
             ("planar_motion_after", "Planar motion after", "All six velocities after."),
+            ("cylinder_1", "Cylinder 1", "Centre, axis, radius and half length."),
+            ("cylinder_2", "Cylinder 2", "Centre, axis, radius and half length."),
+            ("cylinder_masses", "Masses", "Masses and moments of inertia of both bodies."),
+            ("spatial_motion", "Motion before", "Velocities and spins of both bodies."),
+            ("cylinder_contact", "Contact of two cylinders", "Gap, form, normal, ends."),
+            ("contact_frame", "Contact frame", "Contact point, normal and two tangents."),
+            ("spatial_delassus", "Delassus numbers in space", "All six of them."),
+            ("spatial_approach", "Contact velocity before", "Components along n and tangents."),
+            ("spatial_impulse", "Impulse in space", "Components, and whether they stick."),
+            ("spatial_motion_after", "Motion after", "Velocities and spins after the impact."),
         )
     }
     return {**_pair_body("1"), **_pair_body("2"), **several, **bundles}
@@ -216,6 +261,33 @@ def _pair_body(body: str) -> dict[str, Quantity]:
             "rad s-1", "w", "Spin",
             "Angular velocity of body {} before the impact, from +x towards +y.", "3 rad/s",
         ),
+        f"position_z_{body}": quantity(
+            "m", "z", "Position z", "Centre of body {}, z.", "5 mm"
+        ),
+        f"azimuth_{body}": quantity(
+            "degree", "az", "Azimuth of the axis",
+            "Angle of the axis of body {} in the floor plane, from +x towards +y.", "30 deg",
+        ),
+        f"elevation_{body}": quantity(
+            "degree", "el", "Elevation of the axis",
+            "Angle of the axis of body {} above the floor plane.", "10 deg",
+        ),
+        f"velocity_z_{body}": quantity(
+            "m s-1", "vz", "Velocity z", "Velocity of body {} before the impact, z.", "0.2 m/s"
+        ),
+        f"spin_x_{body}": quantity(
+            "rad s-1", "wx", "Spin x", "Angular velocity of body {} before the impact, x.",
+            "3 rad/s",
+        ),
+        f"spin_y_{body}": quantity(
+            "rad s-1", "wy", "Spin y", "Angular velocity of body {} before the impact, y.",
+            "3 rad/s",
+        ),
+        f"spin_z_{body}": quantity(
+            "rad s-1", "wz", "Spin z", "Angular velocity of body {} before the impact, z.",
+            "3 rad/s",
+        ),
+        f"diameter_{body}": size("m", "d", "Diameter", "Diameter of body {}.", "8 mm"),
         f"length_{body}": size("m", "h", "Length", "Length of body {}.", "20 mm"),
         f"width_{body}": size("m", "a", "Width", "Width of body {}.", "10 mm"),
         f"mass_{body}": size("kg", "m", "Mass", "Mass of body {}.", "5 g"),
@@ -233,6 +305,17 @@ def _pair_body(body: str) -> dict[str, Quantity]:
             f"vy{body}'", f"Velocity y after, body {body}",
             f"Velocity of body {body} after the impact, y.",
         ),
+        f"velocity_z_{body}_after": _velocity(
+            f"vz{body}'", f"Velocity z after, body {body}",
+            f"Velocity of body {body} after the impact, z.",
+        ),
+        **{
+            f"spin_{axis}_{body}_after": Quantity(
+                "rad s-1", f"w{axis}{body}'", f"Spin {axis} after, body {body}",
+                f"Angular velocity of body {body} after the impact, {axis}.",
+            )
+            for axis in "xyz"
+        },
         f"spin_{body}_after": Quantity(
             "rad s-1", f"w{body}'", f"Spin after, body {body}",
             f"Angular velocity of body {body} after the impact, from +x towards +y.",

@@ -161,3 +161,120 @@ def on_edge(
     after_1, after_2 = u_1 + G_11 * L_1 + G_12 * L_2, u_2 + G_12 * L_1 + G_22 * L_2
     again = (L_1 + L_2 > 0) & ((after_1 < slack) | (after_2 < slack))
     return EdgeImpulse(L_1, L_2, again)
+
+
+class SpatialDelassus(NamedTuple):
+    """Delassus numbers of one contact in space, with two tangential directions 1 and 2."""
+
+    NN: Array
+    N1: Array
+    N2: Array
+    T11: Array
+    T12: Array
+    T22: Array
+
+
+# Newton's steps for the sliding direction converge in about 8; the rest is for bisection.
+MOST_STEPS = 100
+
+
+def _in_cone(
+    stiffness: tuple[Array, Array, Array],
+    c: tuple[Array, Array],
+    a: Array,
+    b: tuple[Array, Array],
+    friction: Array,
+) -> tuple[tuple[Array, Array], Mask]:
+    """Return L with c + S L = -z L, z >= 0, |L| <= mu (a - b.L), and z = 0 inside; and where z = 0.
+
+    With S on its axes, L_k = -c_k/(s_k + z). The root z of mu (a - b.L)/|L| - 1, which is nearly
+    linear in z, is bracketed by 0 and a bound and found by Newton's method with bisection.
+    """
+    S_11, S_12, S_22 = stiffness
+    mean, difference = (S_11 + S_22) / 2, (S_11 - S_22) / 2
+    s_1 = mean + np.hypot(difference, S_12)
+    s_2 = (S_11 * S_22 - S_12 * S_12) / s_1
+    turn = np.arctan2(S_12, difference) / 2
+    cosine, sine = np.cos(turn), np.sin(turn)
+    c_1, c_2 = cosine * c[0] + sine * c[1], cosine * c[1] - sine * c[0]
+    b_1, b_2 = cosine * b[0] + sine * b[1], cosine * b[1] - sine * b[0]
+    stick_1, stick_2 = -c_1 / s_1, -c_2 / s_2
+    sticks = np.hypot(stick_1, stick_2) <= friction * (a - b_1 * stick_1 - b_2 * stick_2)
+    speed = np.hypot(c_1, c_2)
+    slides = ~sticks & (friction * a > 0)
+    reach = np.where(slides, friction * a, 1.0)
+    low = np.zeros(np.shape(slides))
+    with np.errstate(over="ignore"):
+        high = np.minimum(speed * (1 + friction * np.hypot(b_1, b_2)) / reach, 1e300)
+    z = np.where(slides, np.minimum(speed / reach, high), 1.0) + low
+    for _ in range(MOST_STEPS):
+        L_1, L_2 = -c_1 / (s_1 + z), -c_2 / (s_2 + z)
+        length = np.where(slides, np.hypot(L_1, L_2), 1.0)
+        normal = a - b_1 * L_1 - b_2 * L_2
+        value = friction * normal / length - 1
+        shrink = (L_1 * L_1 / (s_1 + z) + L_2 * L_2 / (s_2 + z)) / (length * length)
+        gain = (b_1 * L_1 / (s_1 + z) + b_2 * L_2 / (s_2 + z)) + normal * shrink
+        slope = friction * gain / length
+        low, high = np.where(value < 0, z, low), np.where(value > 0, z, high)
+        newton = z - value / np.where(slope > 0, slope, 1.0)
+        inside = (slope > 0) & (newton > low) & (newton < high)
+        ahead = np.where(inside, newton, (low + high) / 2)
+        ahead = np.where(slides & (value != 0), ahead, z)
+        done = np.abs(ahead - z) <= 4e-16 * z
+        z = ahead
+        if np.all(done):
+            break
+    L_1 = np.where(sticks, stick_1, np.where(slides, -c_1 / (s_1 + z), 0.0))
+    L_2 = np.where(sticks, stick_2, np.where(slides, -c_2 / (s_2 + z), 0.0))
+    return (cosine * L_1 - sine * L_2, sine * L_1 + cosine * L_2), sticks
+
+
+def _arrest_in_space(
+    G: SpatialDelassus, u_N: Array, u: tuple[Array, Array], friction: Array
+) -> SpatialImpulse:
+    """Return the impulse that brings u_N to 0 with Coulomb friction on a disc; u_N <= 0."""
+    a, b = -u_N / G.NN, (G.N1 / G.NN, G.N2 / G.NN)
+    stiffness = (G.T11 - G.N1 * b[0], G.T12 - G.N1 * b[1], G.T22 - G.N2 * b[1])
+    tangential, sticks = _in_cone(stiffness, (u[0] + G.N1 * a, u[1] + G.N2 * a), a, b, friction)
+    along = a - b[0] * tangential[0] - b[1] * tangential[1]
+    over = np.where(friction > 0, friction, 1.0)
+    in_slip = np.hypot(*tangential) / over
+    return SpatialImpulse(np.where(sticks | (friction == 0), along, in_slip), tangential, sticks)
+
+
+def moreau_in_space(
+    *, G: SpatialDelassus, u_N: Array, u: tuple[Array, Array], friction: Array, restitution: Array
+) -> SpatialImpulse:
+    """Return Moreau's impulse with a disc of friction (theory 8.1)."""
+    growth = 1 + restitution
+    met = (growth * _met(u_N, u[0]), growth * _met(u_N, u[1]))
+    return _arrest_in_space(G, growth * np.minimum(u_N, 0.0), met, friction)
+
+
+def pfeiffer_glocker_in_space(
+    *, G: SpatialDelassus, u_N: Array, u: tuple[Array, Array], friction: Array, restitution: Array
+) -> SpatialImpulse:
+    """Return the impulse of compression and expansion with a disc of friction (theory 8.1).
+
+    NaN where the contact would close again in the expansion, which is not solved.
+    """
+    met = (_met(u_N, u[0]), _met(u_N, u[1]))
+    first = _arrest_in_space(G, np.minimum(u_N, 0.0), met, friction)
+    L_1, L_2 = first.tangential
+    left_1 = np.where(first.sticks, 0.0, met[0] + G.N1 * first.normal + G.T11 * L_1 + G.T12 * L_2)
+    left_2 = np.where(first.sticks, 0.0, met[1] + G.N2 * first.normal + G.T12 * L_1 + G.T22 * L_2)
+    normal = restitution * first.normal
+    none = np.zeros_like(normal)
+    (E_1, E_2), sticks = _in_cone(
+        (G.T11, G.T12, G.T22),
+        (left_1 + G.N1 * normal, left_2 + G.N2 * normal),
+        normal,
+        (none, none),
+        friction,
+    )
+    closes = G.NN * normal + G.N1 * E_1 + G.N2 * E_2 < 0
+    return SpatialImpulse(
+        np.where(closes, np.nan, first.normal + normal),
+        (np.where(closes, np.nan, L_1 + E_1), np.where(closes, np.nan, L_2 + E_2)),
+        np.where(normal > 0, sticks, first.sticks),
+    )

@@ -2,6 +2,7 @@
 
 from core.scenes import (
     cylinder_on_plane,
+    cylinder_pair_impact,
     rectangle_on_plane,
     rectangle_on_track,
     rectangle_pair_impact,
@@ -13,6 +14,7 @@ SCENES: dict[str, Scene] = {
     "rectangle-on-track": rectangle_on_track.SCENE,
     "cylinder-on-plane": cylinder_on_plane.SCENE,
     "rectangle-pair-impact": rectangle_pair_impact.SCENE,
+    "cylinder-pair-impact": cylinder_pair_impact.SCENE,
 }
 
 __all__ = ["ALIASES", "SCENES", "Condition", "Constraint", "Equation", "Scene"]

@@ -28,6 +28,10 @@ VALUES = {
     "position_x_2": 0.0, "position_y_2": 0.0, "angle_2": 0.0, "velocity_x_2": 0.0,
     "velocity_y_2": 0.1, "spin_2": -1.0, "length_2": 0.04, "width_2": 0.01, "mass_2": 0.02,
     "restitution": 0.5, "contact_tolerance": 0.1,
+    "position_z_1": 0.0, "azimuth_1": 90.0, "elevation_1": 20.0, "velocity_z_1": -0.3,
+    "spin_x_1": 1.0, "spin_y_1": 2.0, "spin_z_1": 3.0, "diameter_1": 0.02,
+    "position_z_2": -0.0285, "azimuth_2": 20.0, "elevation_2": 0.0, "velocity_z_2": 0.2,
+    "spin_x_2": -1.0, "spin_y_2": 2.0, "spin_z_2": 1.0, "diameter_2": 0.02,
 }  # fmt: skip
 
 
