@@ -13,7 +13,7 @@ from core.scenes import SCENES
 from core.sweep.plan import Plan, make_plan
 
 IMPACTS = 1_000_000
-SAMPLE = 2_000  # impacts of the loop, whose time is extrapolated
+SAMPLE = 1_000  # impacts of the loop, whose time is extrapolated
 BLOCK = 8_192  # impacts at a time, which stay in the processor's cache
 RECTANGLES = {
     "position_x_1": (0.004, 0.006), "position_y_1": (0.0209, 0.0211), "angle_1": (0.5, 0.55),
@@ -24,7 +24,19 @@ RECTANGLES = {
     "length_2": (0.04, 0.05), "width_2": (0.01, 0.012), "mass_2": (0.005, 0.02),
     "friction": (0, 1), "restitution": (0, 1), "contact_tolerance": (1, 1),
 }  # fmt: skip
-PAIRS = {"rectangle-pair-impact": RECTANGLES}
+CYLINDERS = {
+    **{
+        name: ends
+        for name, ends in RECTANGLES.items()
+        if name.rsplit("_", 1)[0] not in ("angle", "spin", "width")
+    },
+    "position_z_1": (0.0, 0.001), "azimuth_1": (1.4, 1.6), "elevation_1": (0.2, 0.4),
+    "velocity_z_1": (-1, -0.5), "spin_x_1": (-3, 3), "spin_y_1": (-3, 3), "spin_z_1": (-3, 3),
+    "diameter_1": (0.018, 0.02), "position_z_2": (-0.03, -0.029), "azimuth_2": (0.3, 0.4),
+    "elevation_2": (-0.1, 0.1), "velocity_z_2": (0.5, 1), "spin_x_2": (-3, 3),
+    "spin_y_2": (-3, 3), "spin_z_2": (-3, 3), "diameter_2": (0.018, 0.02),
+}  # fmt: skip
+PAIRS = {"rectangle-pair-impact": RECTANGLES, "cylinder-pair-impact": CYLINDERS}
 
 
 def impacts(plan: Plan, given: dict[str, Array]) -> list[Array]:

@@ -2,8 +2,9 @@
 
 A direction n separates two convex bodies by at least what their support functions say. A form gives
 n and a point of each body; if the points lie along n and as far apart as n separates, the gap is
-exact and no other form can have a larger one. Only such forms count. Where none does, rims may meet
-or the bodies are apart, and the largest separation that was tried tells which.
+exact and no other form can have a larger one. In overlap such points prove that the bodies do
+overlap, though not by how much at least. Only proven forms count. Where there is none, rims may
+meet or the bodies are apart, and the largest separation that was tried tells which.
 """
 
 from __future__ import annotations
@@ -129,7 +130,8 @@ def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Fo
         vectors.where(line, plus(bottom, other.axis, high), rim),
         line,
         flat | (np.abs(room) <= ALIKE * size),
-        room >= -ALIKE * size,
+        # Deeper than the base is thick, the point need not be in it.
+        (room >= -ALIKE * size) & (gap > -2 * base.half),
     )
 
 
@@ -228,7 +230,10 @@ def _sides(one: Cylinder, two: Cylinder, size: Array) -> _Form:
     d_1, d_2 = dot(apart, one.axis), dot(apart, two.axis)
     s, t = (k * d_2 - d_1) / square, (d_2 - k * d_1) / square
     low, high = np.maximum(d_2 - one.half, -two.half), np.minimum(d_2 + one.half, two.half)
-    room = np.where(line, high - low, np.minimum(one.half - np.abs(s), two.half - np.abs(t)))
+    room_1, room_2 = one.half - np.abs(s), two.half - np.abs(t)
+    room = np.where(line, high - low, np.minimum(room_1, room_2))
+    # One end on a side has the normal of that side; two ends have none.
+    end = np.abs(np.where(line, high - low, np.maximum(room_1, room_2)))
     surface = plus(two.centre, n, two.radius + gap / 2)
     return _Form(
         gap,
@@ -238,9 +243,18 @@ def _sides(one: Cylinder, two: Cylinder, size: Array) -> _Form:
         plus(surface, two.axis, np.where(line, low, t)),
         plus(surface, two.axis, np.where(line, high, t)),
         line,
-        np.abs(room) <= ALIKE * size,
+        (end <= ALIKE * size) & (room >= -ALIKE * size),
         room >= -ALIKE * size,
     )
+
+
+def _extent(form: _Form) -> Array:
+    """Return 0 for a point, 1 for a point on both rims, 2 for a line, 3 for a face or a line's end.
+
+    The end of a line may lie on both rims; the line has its normal all the same.
+    """
+    wide = form.line | (form.form == FACE_ON_FACE)
+    return np.where(wide, 2.0, 0.0) + np.where(form.several, 1.0, 0.0)
 
 
 def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderContact:
@@ -254,9 +268,10 @@ def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderC
     bound = separation(one, two, best.normal)
     for form in to_one[1:]:
         bound = np.maximum(bound, separation(one, two, form.normal))
-        better = (form.proven & ~best.proven) | (
-            (form.proven == best.proven) & (form.gap > best.gap)
-        )
+        # At the ends of a line or a face, points touch as well: the line or face comes first.
+        ahead, alike = form.gap > best.gap, np.abs(form.gap - best.gap) <= ALIKE * size
+        ahead = np.where(alike, _extent(form) > _extent(best), ahead)
+        better = (form.proven & ~best.proven) | ((form.proven == best.proven) & ahead)
         best = _Form(
             np.where(better, form.gap, best.gap),
             np.where(better, form.form, best.form),

@@ -223,3 +223,186 @@ def test_a_sweep_over_many_parameters_keeps_each_output_on_its_own_axes():
     assert at.approach_normal.dims == ("velocity_y_1",)
     assert set(at.impulse_normal.dims) == {"velocity_y_1", "friction", "restitution"}
     assert at.regime.sel(velocity_y_1=0.1).isin(REGIMES["no_impact"].value).all()
+
+
+CYLINDERS = {
+    "diameter_1": 0.02, "length_1": 0.06, "mass_1": 0.01,
+    "diameter_2": 0.02, "length_2": 0.08, "mass_2": 0.03,
+}  # fmt: skip
+SPATIAL = [
+    f"{name}_{axis}_{body}_after"
+    for body in "12"
+    for name in ("velocity", "spin")
+    for axis in "xyz"
+]
+
+
+def clash(law: str | None = None, outputs: list[str] | None = None, **parameters: object):
+    wanted = outputs or ["gap", "contact_form", "face_body", "contact_x", "contact_y", "contact_z",
+                         "impulse_normal", "impulse_friction", "energy_lost", *SPATIAL]  # fmt: skip
+    study = {"kind": "sweep", "scene": "cylinder-pair-impact", "outputs": wanted,
+             "parameters": {**CYLINDERS, "position_x_1": 0.0, "position_y_1": 0.0,
+                            "position_z_1": 0.02, "velocity_z_1": -0.4, "restitution": 0.5,
+                            **parameters}}  # fmt: skip
+    if law is not None:
+        study["variant"] = law
+    if law in LAWS[1:]:
+        study["parameters"].setdefault("friction", 0.3)
+    return sweep(parse_study(study))
+
+
+# place of body 1 over body 2, which lies along x; form; body with the face; gap from the geometry
+TILT = math.radians(30)
+TILTED = 0.03 * math.sin(TILT) + 0.01 * math.cos(TILT)  # how far a cylinder at 30 deg reaches down
+FORMS = {
+    "rim on face": ({"elevation_2": 90, "elevation_1": 30, "position_x_1": 0.02,
+                     "position_z_1": 0.04 + TILTED}, 1, 2),
+    "rim on side": ({"elevation_1": 30, "position_z_1": 0.01 + TILTED}, 2, 2),
+    "side on side": ({"azimuth_1": 90}, 4, 0),
+    "side on side, not square": ({"azimuth_1": 25}, 4, 0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_each_form_of_contact_is_found_from_both_sides(name):
+    place, form, body = FORMS[name]
+    at = clash(**place)
+    assert (int(at.contact_form), int(at.face_body)) == (form, body)
+    assert float(at.gap) == pytest.approx(0, abs=1e-16)
+    assert regime(at) == "impact"
+    above = clash(**{**place, "position_z_1": place.get("position_z_1", 0.02) + 1e-4})
+    assert regime(above) == "apart"
+    assert float(above.gap) == pytest.approx(1e-4, rel=1e-9)
+    below = clash(**{**place, "position_z_1": place.get("position_z_1", 0.02) - 1e-4})
+    assert regime(below) == "overlap"
+    assert np.isnan(below.impulse_normal)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_central_impact_of_crossed_cylinders_is_that_of_two_points(law):
+    at = clash(law, azimuth_1=90)
+    assert float(at.impulse_normal) == pytest.approx(4.5e-3, rel=1e-12)
+    assert float(at.velocity_z_1_after) == pytest.approx(0.05, rel=1e-12)
+    assert float(at.velocity_z_2_after) == pytest.approx(-0.15, rel=1e-12)
+    assert float(at.energy_lost) == pytest.approx(0.75 * 7.5e-3 * 0.16 / 2, rel=1e-12)
+    for name in SPATIAL:
+        if "velocity_z" not in name:
+            assert abs(float(at[name])) < 1e-14
+
+
+def test_an_eccentric_impact_turns_about_the_transverse_axis():
+    """Contact 20 mm from the middle of body 1: G_NN = 1/m1 + 1/m2 + 0.02^2/I_t."""
+    at = clash(azimuth_1=90, position_y_1=0.02)
+    I_t = 0.01 * (0.75 * 0.02**2 + 0.06**2) / 12
+    impulse = 0.6 / (100 + 1 / 0.03 + 0.02**2 / I_t)
+    assert float(at.contact_y) == pytest.approx(0, abs=1e-17)
+    assert float(at.impulse_normal) == pytest.approx(impulse, rel=1e-12)
+    assert float(at.spin_x_1_after) == pytest.approx(-0.02 * impulse / I_t, rel=1e-12)
+    assert float(at.spin_z_1_after) == pytest.approx(0, abs=1e-14)
+
+
+def test_friction_rolls_a_cylinder_about_its_own_axis():
+    """A blow with sliding on a heavy body: spin by mu L_N r/(m d^2/8)."""
+    at = clash("moreau", azimuth_1=90, velocity_x_1=5.0, mass_2=1e9, friction=0.1)
+    L_N = 0.6 * 0.01
+    assert regime(at) == "impact_slip"
+    assert float(at.impulse_normal) == pytest.approx(L_N, rel=1e-8)
+    assert float(at.impulse_friction) == pytest.approx(0.1 * L_N, rel=1e-8)
+    # the contact lies below: friction along -x turns body 1 about +y
+    assert float(at.spin_y_1_after) == pytest.approx(
+        0.1 * L_N * 0.01 / (0.01 * 0.02**2 / 8), rel=1e-8
+    )
+    assert float(at.velocity_x_1_after) == pytest.approx(5 - 0.1 * L_N / 0.01, rel=1e-8)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize(
+    ("place", "name"),
+    [
+        ({"azimuth_1": 90, "velocity_z_1": 0.1}, "no_impact"),
+        ({"azimuth_1": 90, "velocity_z_1": 0, "velocity_x_1": 1}, "no_impact"),
+        ({"azimuth_1": 90, "position_y_1": 0.0301}, "apart"),  # passes beside the end
+        ({"elevation_1": 90, "elevation_2": 90, "position_z_1": 0.07}, "simultaneous"),  # 3
+        ({"azimuth_1": 90, "position_y_1": 0.03, "position_x_1": 0.04}, "simultaneous"),  # ends
+    ],
+)
+def test_cylinders_without_impact_or_without_a_unique_one(law, place, name):
+    at = clash(law, **place)
+    assert regime(at) == name
+    assert np.isnan(at.impulse_normal) == (name == "simultaneous")
+    if name != "simultaneous":
+        assert float(at.impulse_normal) == 0
+        assert float(at.velocity_z_1_after) == place.get("velocity_z_1", -0.4)
+
+
+@pytest.mark.parametrize(
+    ("place", "form"),
+    [
+        ({"position_x_1": 0.01}, 4),  # parallel axes
+        ({"elevation_2": 90, "position_z_1": 0.05}, 5),  # side on an end face
+    ],
+)
+def test_lines_are_solved_without_friction_only(place, form):
+    at = clash(**place)
+    assert (regime(at), int(at.contact_form)) == ("impact", form)
+    for law in LAWS[1:]:
+        assert regime(clash(law, **place)) == "simultaneous"
+
+
+def test_a_line_of_contact_is_reversed_as_a_whole():
+    """Both ends of the line of parallel cylinders separate with -eps times their approach."""
+    at = clash(position_x_1=0.01)
+    spin_1, spin_2 = float(at.spin_y_1_after), float(at.spin_y_2_after)
+    assert spin_1 == pytest.approx(spin_2, rel=1e-9)
+    # v_z at a point is v_z - w_y (x - x_c), at the middle of body 1
+    rise = float(at.velocity_z_1_after) - (float(at.velocity_z_2_after) - 0.01 * spin_2)
+    assert rise == pytest.approx(0.2, rel=1e-9)
+
+
+def test_cylinders_on_a_floor_are_the_planar_problem():
+    """Equal diameters: footprint h x d, but the inertia of the cylinder (theory 8.2)."""
+    turn, half, r = math.radians(40), 0.03, 0.01
+    y = 0.01 + half * math.sin(turn) + r * math.cos(turn)
+    at = clash(azimuth_1=40, position_z_1=0.0, position_y_1=y, position_x_1=0.02, velocity_z_1=0.0,
+               velocity_y_1=-0.4)  # fmt: skip
+    assert int(at.contact_form) == 2
+    x_P = 0.02 - half * math.cos(turn) + r * math.sin(turn)
+    I_1, I_2 = (m * (0.75 * 0.02**2 + h**2) / 12 for m, h in ((0.01, 0.06), (0.03, 0.08)))
+    G_NN = 1 / 0.01 + 1 / 0.03 + (x_P - 0.02) ** 2 / I_1 + x_P**2 / I_2
+    assert float(at.impulse_normal) == pytest.approx(0.6 / G_NN, rel=1e-12)
+    assert float(at.contact_x) == pytest.approx(x_P, rel=1e-12)
+    assert float(at.spin_z_2_after) == pytest.approx(-x_P * 0.6 / G_NN / I_2, rel=1e-12)
+
+
+def test_the_proven_gap_is_the_largest_separation_of_any_direction():
+    """Random pairs near each other, against the best of many directions, refined around it."""
+    from core.mechanics import vectors
+    from core.mechanics.cylinder_contact import Cylinder, cylinder_contact, separation
+
+    random = np.random.default_rng(82)
+    n = 400
+
+    def body(reach: float) -> Cylinder:
+        axis = random.normal(size=(3, n))
+        axis /= np.linalg.norm(axis, axis=0)
+        return Cylinder(tuple(random.uniform(-reach, reach, (3, n))), tuple(axis),
+                        random.uniform(0.2, 1, n), random.uniform(0.2, 1, n))  # fmt: skip
+
+    one, two = body(1.7), body(1.7)
+    at = cylinder_contact(cylinder_1=one, cylinder_2=two)
+    best, most = tuple(random.normal(size=(3, n))), np.full(n, -np.inf)
+    for spread in (*[3.0] * 400, *np.geomspace(1, 1e-5, 1500)):
+        tried = tuple(np.array(best) + spread * random.normal(size=(3, n)))
+        tried = vectors.direction(tried, best)
+        value = separation(one, two, tried)
+        best, most = vectors.where(value > most, tried, best), np.maximum(most, value)
+    # The directions tried come near the largest separation from below.
+    proven = (at.form > 0) & (at.gap >= 0)
+    assert proven.sum() > 100
+    assert np.all(at.gap[proven] >= most[proven] - 1e-12)
+    assert np.all(at.gap[proven] <= most[proven] + 1e-3)
+    assert np.all(at.gap[at.form == 0] <= most[at.form == 0] + 1e-3)
+    # A proven overlap is one: no direction separates.
+    overlap = (at.form > 0) & (at.gap < 0)
+    assert overlap.sum() > 50
+    assert np.all(most[overlap] < 0)
