@@ -3,20 +3,24 @@
 from core.scenes import (
     cylinder_isolated,
     cylinder_on_plane,
+    cylinder_pair_impact,
     cylinder_rolling,
     rectangle_isolated,
     rectangle_on_plane,
     rectangle_on_track,
+    rectangle_pair_impact,
 )
 from core.scenes.scene import ALIASES, Condition, Constraint, Equation, Scene
 
 SCENES: dict[str, Scene] = {
+    "rectangle-isolated": rectangle_isolated.SCENE,
     "rectangle-on-plane": rectangle_on_plane.SCENE,
     "rectangle-on-track": rectangle_on_track.SCENE,
-    "cylinder-on-plane": cylinder_on_plane.SCENE,
-    "cylinder-rolling": cylinder_rolling.SCENE,
-    "rectangle-isolated": rectangle_isolated.SCENE,
+    "rectangle-pair-impact": rectangle_pair_impact.SCENE,
     "cylinder-isolated": cylinder_isolated.SCENE,
+    "cylinder-on-plane": cylinder_on_plane.SCENE,
+    "cylinder-pair-impact": cylinder_pair_impact.SCENE,
+    "cylinder-rolling": cylinder_rolling.SCENE,
 }
 
 __all__ = ["ALIASES", "SCENES", "Condition", "Constraint", "Equation", "Scene"]

@@ -1,0 +1,296 @@
+"""Where two cylinders touch: the five forms of contact, each with a proof of its gap (theory 8.2).
+
+A direction n separates two convex bodies by at least what their support functions say. A form gives
+n and a point of each body; if the points lie along n and as far apart as n separates, the gap is
+exact and no other form can have a larger one. In overlap such points prove that the bodies do
+overlap, though not by how much at least. Only proven forms count. Where there is none, rims may
+meet or the bodies are apart, and the largest separation that was tried tells which.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from core.mechanics import vectors
+from core.mechanics.arrays import Array, Mask
+from core.mechanics.rectangle_contact import ALIKE
+from core.mechanics.vectors import Vector, across, cross, dot, norm, plus, scaled
+
+# What `form` says.
+NO_FORM, RIM_ON_FACE, RIM_ON_SIDE, FACE_ON_FACE, SIDE_ON_SIDE, SIDE_ON_FACE = range(6)
+SAMPLES = 24  # of a rim: its distance from an axis has at most two minima, far apart or shallow
+MOST_STEPS = 40  # bisection alone would need 50 to the last digit; Newton's steps need about 5
+
+
+class Cylinder(NamedTuple):
+    """Centre, unit axis, radius and half length."""
+
+    centre: Vector
+    axis: Vector
+    radius: Array
+    half: Array
+
+
+class CylinderContact(NamedTuple):
+    """The place where two cylinders are nearest.
+
+    Attributes
+    ----------
+    gap : ndarray
+        Distance; negative in overlap; a lower bound of it where no form is proven.
+    size : ndarray
+        Sum of both half diagonals.
+    form : ndarray
+        0 none, 1 rim on face, 2 rim on side, 3 face on face, 4 side on side, 5 side on face.
+    face_body : ndarray
+        The body whose face or side is met, 1 or 2; 0 where it is both or none.
+    normal : three ndarrays
+        Unit normal, from body 2 to body 1.
+    first, second : three ndarrays each
+        Ends of a line of contact; the same point where a point touches.
+    line : ndarray of bool
+        Where a line touches.
+    several : ndarray of bool
+        Where a face lies on a face, or the contact lies on a rim of both bodies.
+    """
+
+    gap: Array
+    size: Array
+    form: Array
+    face_body: Array
+    normal: Vector
+    first: Vector
+    second: Vector
+    line: Mask
+    several: Mask
+
+
+class _Form(NamedTuple):
+    """A candidate: as the contact, with the separation of its normal and whether it is proven."""
+
+    gap: Array
+    form: Array
+    body: Array
+    normal: Vector
+    first: Vector
+    second: Vector
+    line: Mask
+    several: Mask
+    proven: Mask
+
+
+def support(body: Cylinder, n: Vector) -> Array:
+    """Return how far a cylinder reaches from its centre along n."""
+    return body.half * np.abs(dot(n, body.axis)) + body.radius * norm(across(n, body.axis))
+
+
+def separation(one: Cylinder, other: Cylinder, n: Vector) -> Array:
+    """Return how far n, pointing from `other` to `one`, separates two cylinders."""
+    between = dot(n, vectors.minus(one.centre, other.centre))
+    return between - support(one, n) - support(other, n)
+
+
+def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Form:
+    """Return rim, side or face of `other` on the end face of `base` that looks at it."""
+    u, apart = base.axis, vectors.minus(other.centre, base.centre)
+    n = scaled(u, np.where(dot(u, apart) < 0, -1.0, 1.0))
+    w = dot(n, other.axis)
+    leaning = across(n, other.axis)
+    down = vectors.direction(leaning, vectors.any_across(other.axis))
+    gap = separation(other, base, n)
+    flat = 2 * other.radius * norm(leaning) <= ALIKE * size
+    line = ~flat & (2 * other.half * np.abs(w) <= ALIKE * size)
+    bottom = plus(other.centre, down, -other.radius)
+    rim = plus(bottom, other.axis, np.where(w > 0, -other.half, other.half))
+    off = norm(across(vectors.minus(rim, base.centre), u))
+    # The line of a side that lies on the face, as far as it crosses the disc.
+    along = across(other.axis, u)
+    along = vectors.direction(along, vectors.any_across(u))
+    foot = across(vectors.minus(bottom, base.centre), u)
+    ahead = dot(foot, along)
+    beside = norm(plus(foot, along, -ahead))
+    chord = np.sqrt(np.maximum(0.0, (base.radius - beside) * (base.radius + beside)))
+    low = np.maximum(-ahead - chord, -other.half)
+    high = np.minimum(-ahead + chord, other.half)
+    # Faces: the discs meet if their centres are near enough.
+    face_centre = across(apart, u)
+    room = np.where(
+        flat,
+        base.radius + other.radius - norm(face_centre),
+        np.where(line, np.where(beside <= base.radius, high - low, -size), base.radius - off),
+    )
+    return _Form(
+        gap,
+        np.where(flat, FACE_ON_FACE, np.where(line, SIDE_ON_FACE, RIM_ON_FACE)),
+        np.where(flat, 0.0, number),
+        n,
+        vectors.where(line, plus(bottom, other.axis, low), rim),
+        vectors.where(line, plus(bottom, other.axis, high), rim),
+        line,
+        flat | (np.abs(room) <= ALIKE * size),
+        # Deeper than the base is thick, the point need not be in it.
+        (room >= -ALIKE * size) & (gap > -2 * base.half),
+    )
+
+
+def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> list[_Form]:
+    """Return, for each rim of `other`, the nearest places to the axis of `base`, two at most."""
+    forms = []
+    e_1 = vectors.any_across(other.axis)
+    e_2 = cross(other.axis, e_1)
+    a_1 = scaled(across(e_1, base.axis), other.radius)
+    a_2 = scaled(across(e_2, base.axis), other.radius)
+    # Half the squared distance is F = p.a1 c + p.a2 s + (a1.a1 c^2 + 2 a1.a2 c s + a2.a2 s^2)/2.
+    square, mixed = (dot(a_1, a_1) - dot(a_2, a_2)) / 2, dot(a_1, a_2)
+    for sign in (-1.0, 1.0):
+        middle = plus(vectors.minus(other.centre, base.centre), other.axis, sign * other.half)
+        p = across(middle, base.axis)
+        p_1, p_2 = dot(p, a_1), dot(p, a_2)
+        for angle in _minima(p_1, p_2, square, mixed):
+            c, s = np.cos(angle), np.sin(angle)
+            rim = plus(plus(middle, e_1, other.radius * c), e_2, other.radius * s)
+            off = across(rim, base.axis)
+            distance = norm(off)
+            n = vectors.direction(off, vectors.any_across(base.axis))
+            n = vectors.direction(across(n, base.axis), n)
+            gap = distance - base.radius
+            room = base.half - np.abs(dot(rim, base.axis))
+            point = plus(base.centre, rim)
+            # The rim point has to be the one that comes first along n.
+            first = np.abs(separation(other, base, n) - gap) <= ALIKE * size
+            forms.append(
+                _Form(
+                    gap, np.asarray(float(RIM_ON_SIDE)), np.asarray(number), n, point, point,
+                    np.zeros(np.shape(gap), dtype=np.bool_), np.abs(room) <= ALIKE * size,
+                    first & (room >= -ALIKE * size),
+                )
+            )  # fmt: skip
+    return forms
+
+
+def _minima(p_1: Array, p_2: Array, square: Array, mixed: Array) -> tuple[Array, Array]:
+    """Return where p1 c + p2 s + square/2 cos 2t + mixed/2 sin 2t has its minima.
+
+    The second is the first again where there is one only.
+    """
+    step = 2 * np.pi / SAMPLES
+    values = [
+        p_1 * np.cos(t) + p_2 * np.sin(t) + (square * np.cos(2 * t) + mixed * np.sin(2 * t)) / 2
+        for t in step * np.arange(SAMPLES)
+    ]
+    least = [np.full(np.shape(values[0]), np.inf) for _ in range(2)]
+    place = [np.zeros(np.shape(values[0])) for _ in range(2)]
+    for number, value in enumerate(values):
+        dip = (value <= values[number - 1]) & (value < values[(number + 1) % SAMPLES])
+        best, next_best = dip & (value < least[0]), dip & (value < least[1])
+        place[1] = np.where(best, place[0], np.where(next_best, number * step, place[1]))
+        least[1] = np.where(best, least[0], np.where(next_best, value, least[1]))
+        place[0] = np.where(best, number * step, place[0])
+        least[0] = np.where(best, value, least[0])
+    place[1] = np.where(np.isfinite(least[1]), place[1], place[0])
+    return (
+        _refined(place[0], step, p_1, p_2, square, mixed),
+        _refined(place[1], step, p_1, p_2, square, mixed),
+    )
+
+
+def _refined(t: Array, reach: float, p_1: Array, p_2: Array, square: Array, mixed: Array) -> Array:
+    """Return the minimum within one sample of t, by Newton's method kept in a shrinking bracket."""
+    low, high = t - reach, t + reach
+    for _ in range(MOST_STEPS):
+        c, s = np.cos(t), np.sin(t)
+        c_2, s_2 = np.cos(2 * t), np.sin(2 * t)
+        slope = -p_1 * s + p_2 * c - square * s_2 + mixed * c_2
+        bend = -p_1 * c - p_2 * s - 2 * (square * c_2 + mixed * s_2)
+        low, high = np.where(slope < 0, t, low), np.where(slope > 0, t, high)
+        newton = t - slope / np.where(bend > 0, bend, 1.0)
+        inside = (bend > 0) & (newton > low) & (newton < high)
+        ahead = np.where(inside, newton, (low + high) / 2)
+        ahead = np.where(slope == 0, t, ahead)
+        if np.all(np.abs(ahead - t) <= 1e-15 * (1 + np.abs(t))):
+            return ahead
+        t = ahead
+    return t
+
+
+def _sides(one: Cylinder, two: Cylinder, size: Array) -> _Form:
+    """Return the side of body 1 on the side of body 2, with crossed or parallel axes."""
+    apart = vectors.minus(one.centre, two.centre)
+    k = dot(one.axis, two.axis)
+    turn = cross(one.axis, two.axis)
+    sine = norm(turn)
+    line = sine * (one.half + two.half) <= ALIKE * size
+    off = across(apart, two.axis)
+    n = vectors.where(line, off, scaled(turn, np.where(dot(turn, apart) < 0, -1.0, 1.0)))
+    n = vectors.direction(n, vectors.any_across(two.axis))
+    gap = dot(n, apart) - one.radius - two.radius
+    square = np.where(line, 1.0, sine * sine)
+    d_1, d_2 = dot(apart, one.axis), dot(apart, two.axis)
+    s, t = (k * d_2 - d_1) / square, (d_2 - k * d_1) / square
+    low, high = np.maximum(d_2 - one.half, -two.half), np.minimum(d_2 + one.half, two.half)
+    room_1, room_2 = one.half - np.abs(s), two.half - np.abs(t)
+    room = np.where(line, high - low, np.minimum(room_1, room_2))
+    # One end on a side has the normal of that side; two ends have none.
+    end = np.abs(np.where(line, high - low, np.maximum(room_1, room_2)))
+    surface = plus(two.centre, n, two.radius + gap / 2)
+    return _Form(
+        gap,
+        np.asarray(float(SIDE_ON_SIDE)),
+        np.asarray(0.0),
+        n,
+        plus(surface, two.axis, np.where(line, low, t)),
+        plus(surface, two.axis, np.where(line, high, t)),
+        line,
+        (end <= ALIKE * size) & (room >= -ALIKE * size),
+        room >= -ALIKE * size,
+    )
+
+
+def _extent(form: _Form) -> Array:
+    """Return 0 for a point, 1 for a point on both rims, 2 for a line, 3 for a face or a line's end.
+
+    The end of a line may lie on both rims; the line has its normal all the same.
+    """
+    wide = form.line | (form.form == FACE_ON_FACE)
+    return np.where(wide, 2.0, 0.0) + np.where(form.several, 1.0, 0.0)
+
+
+def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderContact:
+    """Return the proven form of contact, or a lower bound of the gap where none is proven."""
+    one, two = cylinder_1, cylinder_2
+    size = np.hypot(one.radius, one.half) + np.hypot(two.radius, two.half)
+    to_one = [_on_face(2.0, two, one, size), *_on_side(2.0, two, one, size), _sides(one, two, size)]
+    to_two = [_on_face(1.0, one, two, size), *_on_side(1.0, one, two, size)]
+    to_one += [form._replace(normal=scaled(form.normal, -1.0)) for form in to_two]
+    best = to_one[0]
+    bound = separation(one, two, best.normal)
+    for form in to_one[1:]:
+        bound = np.maximum(bound, separation(one, two, form.normal))
+        # At the ends of a line or a face, points touch as well: the line or face comes first.
+        ahead, alike = form.gap > best.gap, np.abs(form.gap - best.gap) <= ALIKE * size
+        ahead = np.where(alike, _extent(form) > _extent(best), ahead)
+        better = (form.proven & ~best.proven) | ((form.proven == best.proven) & ahead)
+        best = _Form(
+            np.where(better, form.gap, best.gap),
+            np.where(better, form.form, best.form),
+            np.where(better, form.body, best.body),
+            vectors.where(better, form.normal, best.normal),
+            vectors.where(better, form.first, best.first),
+            vectors.where(better, form.second, best.second),
+            np.where(better, form.line, best.line),
+            np.where(better, form.several, best.several),
+            np.where(better, form.proven, best.proven),
+        )
+    return CylinderContact(
+        gap=np.where(best.proven, best.gap, bound),
+        size=size,
+        form=np.where(best.proven, best.form, float(NO_FORM)),
+        face_body=np.where(best.proven, best.body, 0.0),
+        normal=best.normal,
+        first=best.first,
+        second=best.second,
+        line=best.line & best.proven,
+        several=best.several | ~best.proven,
+    )

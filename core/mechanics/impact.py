@@ -1,0 +1,280 @@
+"""Laws of a rigid impact at one contact: normal and tangential impulse (theory 1.4, 5.2, 5.3, 8.1).
+
+A law sees the Delassus numbers of the contact, the velocities with which it closes and slides, the
+friction coefficient and the restitution. It knows no shape. The normal velocity `u_N` is negative
+where the bodies approach; elsewhere the impulse is 0. All arrays broadcast.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from core.mechanics.arrays import Array, Mask
+
+
+class Impulse(NamedTuple):
+    """The impulse of one planar contact, on body 1.
+
+    Attributes
+    ----------
+    normal, tangential : ndarray
+        Components along n and along t.
+    sticks : ndarray of bool
+        Where the contact does not slide at the end of the impact, and friction is in its cone.
+    """
+
+    normal: Array
+    tangential: Array
+    sticks: Mask
+
+
+class SpatialImpulse(NamedTuple):
+    """The impulse of one contact in space, on body 1; two tangential components."""
+
+    normal: Array
+    tangential: tuple[Array, Array]
+    sticks: Mask
+
+
+class EdgeImpulse(NamedTuple):
+    """Impulses at both ends of a line of contact without friction.
+
+    Attributes
+    ----------
+    first, second : ndarray
+        Normal impulses at the ends.
+    again : ndarray of bool
+        Where an end that got no impulse approaches after the impact: another impact follows at
+        once, and this one does not tell the whole.
+    """
+
+    first: Array
+    second: Array
+    again: Mask
+
+
+def frictionless(*, G_NN: Array, u_N: Array, restitution: Array) -> Array:
+    """Return Newton's normal impulse -(1 + eps) u_N/G_NN, 0 where the bodies do not approach."""
+    return (1 + restitution) * np.maximum(0.0, -u_N) / G_NN
+
+
+def _arrest(
+    G_NN: Array, G_NT: Array, G_TT: Array, u_N: Array, u_T: Array, friction: Array
+) -> Impulse:
+    """Return the impulse that brings u_N to 0 with Coulomb friction; u_N <= 0.
+
+    On the line u_N' = 0 the tangential velocity grows strictly with L_T, and the friction cone
+    cuts an interval around L_T = 0 out of the line, infinite on a side where the cone does not meet
+    it. The impulse is the one that sticks, moved to the nearest end if it lies outside. There is
+    therefore exactly one solution, for any friction coefficient.
+    """
+    arrest = -u_N / G_NN
+    coupling = G_NT / G_NN
+    sticking = -(u_T + G_NT * arrest) / (G_TT - G_NT * coupling)
+    forward, backward = 1 - friction * coupling, 1 + friction * coupling  # s = +1, s = -1
+    lowest = np.where(
+        forward > 0, -friction * arrest / np.where(forward > 0, forward, 1.0), -np.inf
+    )
+    highest = np.where(
+        backward > 0, friction * arrest / np.where(backward > 0, backward, 1.0), np.inf
+    )
+    tangential = np.clip(sticking, lowest, highest)
+    slides = (sticking < lowest) | (sticking > highest)
+    # In sliding the cone gives the normal impulse; the line would lose digits of |L_T| = mu L_N.
+    along = arrest - coupling * tangential
+    over = np.where(friction > 0, friction, 1.0)
+    normal = np.where(slides & (friction > 0), np.abs(tangential) / over, along)
+    return Impulse(normal, tangential, ~slides)
+
+
+def moreau(
+    *,
+    G_NN: Array,
+    G_NT: Array,
+    G_TT: Array,
+    u_N: Array,
+    u_T: Array,
+    friction: Array,
+    restitution: Array,
+) -> Impulse:
+    """Return Moreau's impulse, restitution alike along n and t, in one step (theory 5.3)."""
+    growth = 1 + restitution
+    return _arrest(G_NN, G_NT, G_TT, growth * np.minimum(u_N, 0.0), growth * _met(u_N, u_T),
+                   friction)  # fmt: skip
+
+
+def pfeiffer_glocker(
+    *,
+    G_NN: Array,
+    G_NT: Array,
+    G_TT: Array,
+    u_N: Array,
+    u_T: Array,
+    friction: Array,
+    restitution: Array,
+) -> Impulse:
+    """Return the impulse of compression and expansion together, Poisson's restitution (theory 5.3).
+
+    The normal impulse of the expansion is eps times that of the compression. The law would let it
+    be larger where the contact would close again; a single contact never does (theory 5.3).
+    """
+    first = _arrest(G_NN, G_NT, G_TT, np.minimum(u_N, 0.0), _met(u_N, u_T), friction)
+    sliding = np.where(
+        first.sticks, 0.0, _met(u_N, u_T) + G_NT * first.normal + G_TT * first.tangential
+    )
+    normal = restitution * first.normal
+    wanted = -(sliding + G_NT * normal) / G_TT
+    limit = friction * normal
+    tangential = np.clip(wanted, -limit, limit)
+    # Without expansion the compression has the last word.
+    sticks = np.where(normal > 0, np.abs(wanted) <= limit, first.sticks)
+    return Impulse(first.normal + normal, first.tangential + tangential, sticks)
+
+
+def _met(u_N: Array, u_T: Array) -> Array:
+    """Return the sliding velocity where the bodies approach, 0 elsewhere."""
+    return np.where(u_N < 0, u_T, 0.0)
+
+
+def on_edge(
+    *, G_11: Array, G_12: Array, G_22: Array, u_1: Array, u_2: Array, restitution: Array
+) -> EdgeImpulse:
+    """Return the impulses at two contacts: L >= 0, G L + (1+eps) u >= 0, one of them 0.
+
+    G is positive definite, so that exactly one of the four combinations fits.
+    """
+    b_1, b_2 = (1 + restitution) * u_1, (1 + restitution) * u_2
+    determinant = G_11 * G_22 - G_12 * G_12
+    regular = determinant > 0
+    over = np.where(regular, determinant, 1.0)
+    both_1 = (G_12 * b_2 - G_22 * b_1) / over
+    both_2 = (G_12 * b_1 - G_11 * b_2) / over
+    only_1, only_2 = np.maximum(0.0, -b_1) / G_11, np.maximum(0.0, -b_2) / G_22
+    both = regular & (both_1 > 0) & (both_2 > 0)
+    first = (only_1 > 0) & (G_12 * only_1 + b_2 >= 0)
+    first |= (only_1 > 0) & ~regular & (b_1 <= b_2)
+    L_1 = np.where(both, both_1, np.where(first, only_1, 0.0))
+    L_2 = np.where(both, both_2, np.where(first, 0.0, only_2))
+    slack = -1e-12 * (np.abs(u_1) + np.abs(u_2))
+    after_1, after_2 = u_1 + G_11 * L_1 + G_12 * L_2, u_2 + G_12 * L_1 + G_22 * L_2
+    again = (L_1 + L_2 > 0) & ((after_1 < slack) | (after_2 < slack))
+    return EdgeImpulse(L_1, L_2, again)
+
+
+class SpatialDelassus(NamedTuple):
+    """Delassus numbers of one contact in space, with two tangential directions 1 and 2."""
+
+    NN: Array
+    N1: Array
+    N2: Array
+    T11: Array
+    T12: Array
+    T22: Array
+
+
+# Newton's steps for the sliding direction converge in about 8; the rest is for bisection.
+MOST_STEPS = 100
+
+
+def _in_cone(
+    stiffness: tuple[Array, Array, Array],
+    c: tuple[Array, Array],
+    a: Array,
+    b: tuple[Array, Array],
+    friction: Array,
+) -> tuple[tuple[Array, Array], Mask]:
+    """Return L with c + S L = -z L, z >= 0, |L| <= mu (a - b.L), and z = 0 inside; and where z = 0.
+
+    With S on its axes, L_k = -c_k/(s_k + z). The root z of mu (a - b.L)/|L| - 1, which is nearly
+    linear in z, is bracketed by 0 and a bound and found by Newton's method with bisection.
+    """
+    S_11, S_12, S_22 = stiffness
+    mean, difference = (S_11 + S_22) / 2, (S_11 - S_22) / 2
+    s_1 = mean + np.hypot(difference, S_12)
+    s_2 = (S_11 * S_22 - S_12 * S_12) / s_1
+    turn = np.arctan2(S_12, difference) / 2
+    cosine, sine = np.cos(turn), np.sin(turn)
+    c_1, c_2 = cosine * c[0] + sine * c[1], cosine * c[1] - sine * c[0]
+    b_1, b_2 = cosine * b[0] + sine * b[1], cosine * b[1] - sine * b[0]
+    stick_1, stick_2 = -c_1 / s_1, -c_2 / s_2
+    sticks = np.hypot(stick_1, stick_2) <= friction * (a - b_1 * stick_1 - b_2 * stick_2)
+    speed = np.hypot(c_1, c_2)
+    slides = ~sticks & (friction * a > 0)
+    reach = np.where(slides, friction * a, 1.0)
+    low = np.zeros(np.shape(slides))
+    with np.errstate(over="ignore"):
+        high = np.minimum(speed * (1 + friction * np.hypot(b_1, b_2)) / reach, 1e300)
+    z = np.where(slides, np.minimum(speed / reach, high), 1.0) + low
+    for _ in range(MOST_STEPS):
+        L_1, L_2 = -c_1 / (s_1 + z), -c_2 / (s_2 + z)
+        length = np.where(slides, np.hypot(L_1, L_2), 1.0)
+        normal = a - b_1 * L_1 - b_2 * L_2
+        value = friction * normal / length - 1
+        shrink = (L_1 * L_1 / (s_1 + z) + L_2 * L_2 / (s_2 + z)) / (length * length)
+        gain = (b_1 * L_1 / (s_1 + z) + b_2 * L_2 / (s_2 + z)) + normal * shrink
+        slope = friction * gain / length
+        low, high = np.where(value < 0, z, low), np.where(value > 0, z, high)
+        newton = z - value / np.where(slope > 0, slope, 1.0)
+        inside = (slope > 0) & (newton > low) & (newton < high)
+        ahead = np.where(inside, newton, (low + high) / 2)
+        ahead = np.where(slides & (value != 0), ahead, z)
+        done = np.abs(ahead - z) <= 4e-16 * z
+        z = ahead
+        if np.all(done):
+            break
+    L_1 = np.where(sticks, stick_1, np.where(slides, -c_1 / (s_1 + z), 0.0))
+    L_2 = np.where(sticks, stick_2, np.where(slides, -c_2 / (s_2 + z), 0.0))
+    return (cosine * L_1 - sine * L_2, sine * L_1 + cosine * L_2), sticks
+
+
+def _arrest_in_space(
+    G: SpatialDelassus, u_N: Array, u: tuple[Array, Array], friction: Array
+) -> SpatialImpulse:
+    """Return the impulse that brings u_N to 0 with Coulomb friction on a disc; u_N <= 0."""
+    a, b = -u_N / G.NN, (G.N1 / G.NN, G.N2 / G.NN)
+    stiffness = (G.T11 - G.N1 * b[0], G.T12 - G.N1 * b[1], G.T22 - G.N2 * b[1])
+    tangential, sticks = _in_cone(stiffness, (u[0] + G.N1 * a, u[1] + G.N2 * a), a, b, friction)
+    along = a - b[0] * tangential[0] - b[1] * tangential[1]
+    over = np.where(friction > 0, friction, 1.0)
+    in_slip = np.hypot(*tangential) / over
+    return SpatialImpulse(np.where(sticks | (friction == 0), along, in_slip), tangential, sticks)
+
+
+def moreau_in_space(
+    *, G: SpatialDelassus, u_N: Array, u: tuple[Array, Array], friction: Array, restitution: Array
+) -> SpatialImpulse:
+    """Return Moreau's impulse with a disc of friction (theory 8.1)."""
+    growth = 1 + restitution
+    met = (growth * _met(u_N, u[0]), growth * _met(u_N, u[1]))
+    return _arrest_in_space(G, growth * np.minimum(u_N, 0.0), met, friction)
+
+
+def pfeiffer_glocker_in_space(
+    *, G: SpatialDelassus, u_N: Array, u: tuple[Array, Array], friction: Array, restitution: Array
+) -> SpatialImpulse:
+    """Return the impulse of compression and expansion with a disc of friction (theory 8.1).
+
+    NaN where the contact would close again in the expansion, which is not solved.
+    """
+    met = (_met(u_N, u[0]), _met(u_N, u[1]))
+    first = _arrest_in_space(G, np.minimum(u_N, 0.0), met, friction)
+    L_1, L_2 = first.tangential
+    left_1 = np.where(first.sticks, 0.0, met[0] + G.N1 * first.normal + G.T11 * L_1 + G.T12 * L_2)
+    left_2 = np.where(first.sticks, 0.0, met[1] + G.N2 * first.normal + G.T12 * L_1 + G.T22 * L_2)
+    normal = restitution * first.normal
+    none = np.zeros_like(normal)
+    (E_1, E_2), sticks = _in_cone(
+        (G.T11, G.T12, G.T22),
+        (left_1 + G.N1 * normal, left_2 + G.N2 * normal),
+        normal,
+        (none, none),
+        friction,
+    )
+    closes = G.NN * normal + G.N1 * E_1 + G.N2 * E_2 < 0
+    return SpatialImpulse(
+        np.where(closes, np.nan, first.normal + normal),
+        (np.where(closes, np.nan, L_1 + E_1), np.where(closes, np.nan, L_2 + E_2)),
+        np.where(normal > 0, sticks, first.sticks),
+    )

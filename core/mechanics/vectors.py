@@ -1,0 +1,70 @@
+"""Vectors in space as three arrays, so that each component broadcasts on its own grid."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanics.arrays import Array, Mask
+
+Vector = tuple[Array, Array, Array]
+"""Components along x, y, z."""
+
+
+def dot(a: Vector, b: Vector) -> Array:
+    """Return a . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    """Return a x b."""
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+def norm(a: Vector) -> Array:
+    """Return |a|."""
+    return np.sqrt(dot(a, a))
+
+
+def scaled(a: Vector, by: Array | float) -> Vector:
+    """Return a times a number."""
+    return a[0] * by, a[1] * by, a[2] * by
+
+
+def plus(a: Vector, b: Vector, by: Array | float = 1.0) -> Vector:
+    """Return a + by b."""
+    return a[0] + by * b[0], a[1] + by * b[1], a[2] + by * b[2]
+
+
+def minus(a: Vector, b: Vector) -> Vector:
+    """Return a - b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def across(a: Vector, axis: Vector) -> Vector:
+    """Return the part of a that is normal to a unit axis."""
+    return plus(a, axis, -dot(a, axis))
+
+
+def where(condition: Mask, a: Vector, b: Vector) -> Vector:
+    """Return a where the condition holds, else b."""
+    return tuple(np.where(condition, x, y) for x, y in zip(a, b, strict=True))  # type: ignore[return-value]
+
+
+def direction(a: Vector, otherwise: Vector) -> Vector:
+    """Return a/|a|, and `otherwise` where a is 0."""
+    length = norm(a)
+    some = length > 0
+    return where(some, scaled(a, 1 / np.where(some, length, 1.0)), otherwise)
+
+
+def any_across(axis: Vector) -> Vector:
+    """Return some unit vector normal to a unit axis."""
+    z = axis[2]
+    flat = np.abs(z) > 0.5
+    zero = np.zeros_like(z)
+    e = where(flat, (np.ones_like(z), zero, zero), (zero, zero, np.ones_like(z)))
+    return direction(across(e, axis), e)
