@@ -324,7 +324,8 @@ def across_the_track() -> list[Judgement]:
     """Judge 5.11 and 5.12."""
     box = {"alpha": (0.0, 20.0), "beta": (0.0, 45.0)}
     a_y = changed(11, alpha=fine(0, 50, 0.1), beta=fine(0, 60, 0.1))["acceleration_y"]
-    level, found, misfit = nearest_region(a_y, box, above=False)
+    level, _, misfit = nearest_region(a_y, box, above=False)
+    ends = (crossing(a_y.sel(beta=0), level), crossing(a_y.sel(alpha=0), level))
     coarse = data(11)["acceleration_y"]
     short = shortfall(coarse, box, above=False)
     small = extents(abs(a_y) <= 5)
@@ -332,8 +333,8 @@ def across_the_track() -> list[Judgement]:
         Judgement(
             "The minimum interval is alpha 0 to 20, beta 0 to 45 deg.",
             REPRODUCED if misfit <= EDGE else NOT_REPRODUCED,
-            f"a_y <= {level:.1f} m/s2 reaches alpha {found['alpha'][1]:.1f} and beta "
-            f"{found['beta'][1]:.1f} deg, each where the other angle is 0. The minimum, "
+            f"a_y <= {level:.1f} m/s2 reaches alpha {ends[0]:.1f} and beta "
+            f"{ends[1]:.1f} deg, each where the other angle is 0. The minimum, "
             f"{float(coarse.min()):.1f} m/s2, lies at (0, 0), where nothing pushes sideways.",
         ),
         Judgement(
