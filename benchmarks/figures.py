@@ -382,9 +382,9 @@ def across_by_frequency() -> list[Judgement]:
         Judgement(
             "Best at small angles, where a_x is high and a_y low.",
             HOLDS if chosen["alpha"][1] <= 20 and chosen["beta"][1] <= 45 else NOT_REPRODUCED,
-            f"At 60 Hz, friction 0.5, no other angles have both a higher a_x and a lower |a_y| (to "
-            f"0.1 m/s2) than alpha {span(chosen['alpha'], 0)}, beta {span(chosen['beta'])} deg, "
-            f"from lift-off on. With the friction disc |a_y| at alpha 0 is "
+            f"At 60 Hz, friction 0.5, the angles that no others beat in both a_x and |a_y| (to 0.1 "
+            f"m/s2) are alpha {span(chosen['alpha'], 0)}, beta {span(chosen['beta'])} deg, from "
+            f"lift-off on. With the friction disc |a_y| at alpha 0 is "
             f"{float(abs(bare).max()):.0f}: there is no such trade-off.",
         ),
     ]
