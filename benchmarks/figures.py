@@ -32,7 +32,7 @@ BEGIN = "<!-- Written by `python -m benchmarks.figures`: begin. -->"
 END = "<!-- Written by `python -m benchmarks.figures`: end. -->"
 
 DPI = 84
-COLOURS = 96  # of a picture's palette
+COLOURS = 256  # of a picture's palette
 
 HOLDS = "holds"
 REPRODUCED = "reproduced"
@@ -727,7 +727,10 @@ def draw_picture(number: int) -> None:
     picture = io.BytesIO()
     figure.savefig(picture, format="png", dpi=DPI)
     with Image.open(picture) as image:
-        small = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        # Of the ways to choose a palette, this one keeps the colours of the colour bar.
+        small = image.convert("RGB").quantize(
+            COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
+        )
         small.save(picture_of(number), format="PNG", optimize=True)
 
 
