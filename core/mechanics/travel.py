@@ -93,7 +93,10 @@ def travel_time(
     s = _damping(friction_kinetic, radius, distance)
     arrives = (v > 0) | (distance == 0)
     pace = np.where(arrives & (distance > 0), v + v0 * np.exp(-s), 1.0)
-    q = np.where(distance > 0, 2 * distance * expm1_quotient(s) / pace, 0.0)
+    with np.errstate(over="ignore"):  # beyond the floats it is infinite
+        q = np.where(distance > 0, 2 * distance * expm1_quotient(s) / pace, 0.0)
+    arrives &= np.isfinite(q)
+    q = np.where(arrives, q, 0.0)
     k = _rate(K, friction_kinetic, radius)
     kq = k * q
     near = np.minimum(kq, 0.5)
@@ -109,9 +112,23 @@ def travel_time(
     return np.where(arrives, time, np.inf)
 
 
-def mean_velocity(*, travel_time: Array, distance: Array, speed: Array) -> Array:
-    """Return distance over travel time [m s-1]; 0 where the part does not get there."""
-    return ratio(distance, travel_time, speed)
+def mean_velocity(
+    *,
+    travel_time: Array,
+    distance: Array,
+    speed: Array,
+    transport_velocity: Array,
+    friction_kinetic: Array,
+    radius: Array,
+) -> Array:
+    """Return distance over travel time [m s-1]; 0 where the part does not get there.
+
+    Where it does, but in a time beyond the floats, it is 1/q of `travel_time`, times the distance.
+    """
+    s = _damping(friction_kinetic, radius, distance)
+    creeping = (transport_velocity + speed * np.exp(-s)) / (2 * expm1_quotient(s))
+    mean = ratio(distance, travel_time, speed)
+    return np.where(np.isinf(travel_time) & (transport_velocity > 0), creeping, mean)
 
 
 def _speed_ratio(K: Array, friction: Array, radius: Array, speed: Array) -> Array:

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.figures import FIGURES, PAGE, VERDICTS, Judgement, page, picture_of
+from core.scenes import SCENES
 
 ROOT = Path(__file__).parents[2]
 TEXT = PAGE.read_text(encoding="utf-8")
@@ -30,12 +31,23 @@ def test_every_error_has_a_row():
     assert numbers == [str(number) for number in range(1, 33)]
 
 
-def test_named_tests_and_files_exist():
+def test_every_error_names_tests_that_exist_or_says_why_there_is_none():
     tests = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("*.py"))
-    for name in re.findall(r"`(test_\w+)`", ERRORS):
-        assert f"def {name}(" in tests, name
-    for path in re.findall(r"`((?:tests|configs)/\S+\.(?:py|toml))`", TEXT):
+    for row in re.findall(r"^\| \d+ \|.*\|$", ERRORS, re.MULTILINE):
+        shown = row.split(" | ")[-1]
+        names = re.findall(r"`(test_\w+)`", shown)
+        assert names or "no test: " in shown or "`tests/" in shown, row
+        for name in names:
+            assert f"def {name}(" in tests, name
+
+
+def test_named_files_exist():
+    for path in re.findall(r"`((?:tests|configs|core|docs)/\S+\.(?:py|toml|md))`", TEXT):
         assert (ROOT / path).is_file(), path
+
+
+def test_every_scene_occurs():
+    assert [name for name in SCENES if f"`{name}`" not in TEXT] == []
 
 
 def test_cited_sections_of_the_theory_exist():

@@ -1,4 +1,4 @@
-"""Every output of the three scenes against exact values: random, extreme and threshold points.
+"""Every output of planes and track against exact values: random, extreme and threshold points.
 
 The exact functions are the textbook formulas of the theory (sections 0.2, 3, 4, 7, 11.1) in mpmath
 with so many digits that cancellation does not matter; they share nothing with the code under test.
@@ -9,9 +9,9 @@ infinite or NaN but where the exact value is.
 
 Switches: where a function changes its form, rounding may put the code on the other side. This is
 accepted only if the argument of the switch, itself a function of the inputs, is within its own
-``8 kappa ulp`` of 0. Then a continuous function may take the values that it has, all else being
-exact, for arguments in that bar (`BENDS`); at a jump, the value on the other side, to the bar
-(`JUMPS`). The report counts what each switch admits.
+``8 kappa ulp`` of 0. Then, all else being exact, a continuous function may take (to the bar) the
+values between those at the ends of that range of the argument (`BENDS`), and at a jump the value on
+the other side (`JUMPS`). The report counts what each switch admits.
 """
 
 from __future__ import annotations
@@ -33,19 +33,21 @@ from core.sweep.plan import make_plan, scene_parameters
 BAR = 8
 DIGITS = 60
 STEP = mpf(10) ** -20  # relative, of central differences
-RANDOM, EXTREME, TUNED = 2000, 500, 10  # points; the last for each threshold, three in a row
+RANDOM, EXTREME, TUNED = 2000, 300, 8  # points; the last for each threshold, three in a row
 ZERO, EPSILON = mpf(0), mpf(2) ** -52
 
 
 class Point:
     """Exact values at one point: `point.name` is an input, or is worked out by its formula, once.
 
-    `used` are the inputs that were asked for, `beside` the points a step in one of them away.
+    `fixed` are values that stand in for formulas, `used` the inputs that were asked for, `beside`
+    the points a step in one input away.
     """
 
-    def __init__(self, scene, variant, given):
+    def __init__(self, scene, variant, given, fixed=None):
         self.scene, self.variant, self.given = scene, variant, given
-        self.used, self.beside = set(), {}
+        self.fixed, self.used, self.beside = fixed or {}, set(), {}
+        self.__dict__.update(self.fixed)
         self.physical, self.thesis = variant == "physical", variant == "thesis"
 
     def __getattr__(self, name):
@@ -96,7 +98,7 @@ PLANE = {
     ),
     "floor_force": lambda p: p.mass * p.floor_acceleration,
     "load": lambda p: p.floor_acceleration,
-    "hold_margin": lambda p: p.friction_static * p.load - p.in_plane_drive,
+    "hold_margin": lambda p: p.friction_static * p.normal_acceleration - p.in_plane_drive,
     "sliding_fraction": sliding_fraction,
     "acceleration_x": lambda p: plane_acceleration(p, p.in_plane_drive_x),
     "acceleration_y": lambda p: plane_acceleration(p, p.in_plane_drive_y),
@@ -154,7 +156,7 @@ def angular_acceleration(p):
 CYLINDER = PLANE | {
     "grip": lambda p: p.friction_kinetic * p.floor_acceleration,
     "roll_margin": lambda p: (
-        p.friction_static * p.floor_acceleration
+        p.friction_static * p.normal_acceleration
         - mp.hypot(p.in_plane_drive_x, p.in_plane_drive_y / 3)
     ),
     "rolls": lambda p: p.floor_acceleration > 0 and p.roll_margin >= 0,
@@ -293,7 +295,7 @@ TRACK = PLANE | {
     "hold_margin": lambda p: p.friction_static * p.load - abs(p.in_plane_drive_x),
     "acceleration_x": track_acceleration_x,
     "acceleration_y": lambda p: (
-        max(p.centripetal_acceleration, p.wall_pull) if p.physical else p.centripetal_acceleration
+        p.centripetal_acceleration + (max(ZERO, -p.wall_balance) if p.physical else ZERO)
     ),
     "limit": lambda p: p.starting_acceleration * p.radius / p.friction_kinetic,
     "rate": lambda p: mp.sqrt(p.friction_kinetic * abs(p.starting_acceleration) / p.radius),
@@ -338,15 +340,18 @@ def digits(scene, variant, given):
 # --- the bar
 
 
+def near(point, changed, fixed=None):
+    return Point(point.scene, point.variant, point.given | changed, fixed or point.fixed)
+
+
 def moves(point, name):
     """Yield x_i dF/dx_i for each input, central differences."""
-    fresh = Point(point.scene, point.variant, point.given)
+    fresh = near(point, {})
     getattr(fresh, name)
     for key in sorted(fresh.used):
         if x := point.given[key]:
             if key not in point.beside:
-                sides = (point.given | {key: x * (1 + side * STEP)} for side in (1, -1))
-                point.beside[key] = [Point(point.scene, point.variant, side) for side in sides]
+                point.beside[key] = [near(point, {key: x * (1 + h)}) for h in (STEP, -STEP)]
             up, down = point.beside[key]
             yield (getattr(up, name) - getattr(down, name)) / (2 * STEP)
 
@@ -381,25 +386,23 @@ def admitted(point, name, got, value):
             if not abs(argument) <= bar:
                 continue
             if kind is JUMPS:
-                other = switched(point, switch, ZERO if switch == "pole" else -argument)
-                if excess(other, name, got, getattr(other, name)) <= BAR:
-                    return switch
+                arguments = [ZERO if switch == "pole" else -argument]
             else:
-                ends = [switched(point, switch, argument + side * bar) for side in (-1, 1)]
-                values = [value, *(getattr(end, name) for end in ends)]
-                if min(values) <= got <= max(values):
-                    return switch
+                arguments = [argument - bar, argument + bar]
+            others = [switched(point, switch, moved) for moved in arguments]
+            values = [getattr(other, name) for other in others]
+            pairs = zip(others, values, strict=True)
+            between = kind is BENDS and min(value, *values) <= got <= max(value, *values)
+            if between or any(excess(other, name, got, there) <= BAR for other, there in pairs):
+                return switch
     return None
 
 
 def switched(point, switch, argument):
     """Return the point with another value of the argument of a switch, all else as it was."""
-    other = Point(point.scene, point.variant, point.given)
     if switch == "time_left":
-        other.time = other.stopping_time - argument
-    else:
-        setattr(other, switch, argument)
-    return other
+        return near(point, {"time": point.stopping_time - argument})
+    return near(point, {}, {switch: argument})
 
 
 MOTION = {f"{turned}acceleration_{axis}" for turned in ("", "rotated_") for axis in "xy"}
@@ -417,6 +420,7 @@ BENDS = {  # continuous
     "rectangle-on-track": {
         "normal_acceleration": FLOOR | MOTION,
         "wall_balance": WALL | MOTION,
+        "in_plane_drive_x": MOTION,
         "wall_pull": {"wall_speed"},
         "starting_acceleration": AT_DISTANCE
         | AT_TIME
@@ -472,6 +476,37 @@ THRESHOLDS = {
         "pole": "width",
     },
 }
+VELOCITY_SWITCHES = ("starting_acceleration", "speed_squared", "time_left", "bound_margin")
+
+# Points that broke a form once.
+HARD = {
+    "cylinder-on-plane": (
+        {  # mu n is subnormal, the angular acceleration is not
+            "alpha": 1.2, "amplitude": 2e-4, "beta": 0.0, "diameter": 10.0, "frequency": 1e5,
+            "gamma": 0.0, "gravity": 1e-3, "friction_kinetic": 1e-300, "friction_static": 1e-8,
+        },
+    ),
+    "rectangle-on-track": (
+        {  # starts 100 times faster than the terminal velocity, and loses it all
+            "alpha": 0.69, "amplitude": 7e-5, "beta": 0.1, "delta": 0.1, "distance": 0.68,
+            "frequency": 16.8, "gamma": -0.0126, "gravity": 17.2, "radius": 0.0343, "speed": 46.4,
+            "friction_kinetic": 0.39, "friction_static": 0.77,
+        },
+        {  # v0/|K| is too large for a float, the stopping distance is not
+            "alpha": 0.0, "amplitude": 0.0, "delta": np.pi / 2, "frequency": 50.0, "gamma": 0.0,
+            "gravity": 1e-3, "radius": 0.3, "speed": 1e4, "friction_kinetic": 1e-300,
+        },
+        {  # K = 0 and nearly no speed left: the travel time is too large for a float
+            "alpha": -np.pi / 2, "amplitude": 0.0, "delta": 0.0, "distance": 1e9, "gamma": 0.0,
+            "gravity": 9.8, "radius": 1e6, "speed": 1e-9, "friction_kinetic": 0.69,
+        },
+        {  # K = 0 to rounding; as a float it is subnormal
+            "alpha": 0.0, "amplitude": 1.0132118364233776e-08, "beta": 0.0, "delta": np.pi / 2,
+            "frequency": 50.0, "gamma": np.pi / 2, "gravity": 1e-3, "radius": 0.83, "speed": 5e-4,
+            "friction_kinetic": 1e-300, "friction_static": 0.04, "time": 1.0,
+        },
+    ),
+}  # fmt: skip
 
 
 def parameters(scene, variants):
@@ -516,13 +551,15 @@ def extreme_point(scene, rng):
 def tuned_points(scene, switch, turned, rng):
     """Yield points where the argument of a switch is as near 0 as floats allow, and next to it.
 
-    The input to turn is solved for; half of the points are extreme in the others.
+    The input to turn is solved for. Half of those for the velocity laws are extreme in the others;
+    for contacts they are not, lest two switches meet.
     """
+    kinds = (random_point, extreme_point if switch in VELOCITY_SWITCHES else random_point)
     for _ in range(TUNED):
         root = None
         while root is None:
             variant = rng.choice(tuple(SCENES[scene].variants))
-            base = (random_point, extreme_point)[rng.integers(2)](scene, rng)
+            base = kinds[rng.integers(2)](scene, rng)
             root = solve(scene, variant, base, switch, turned)
         for value in (np.nextafter(root, 0.0), root, np.nextafter(root, np.inf)):
             yield base | {turned: value}
@@ -552,6 +589,7 @@ def make_points(scene):
         *(random_point(scene, rng) for _ in range(RANDOM)),
         *(extreme_point(scene, rng) for _ in range(EXTREME)),
         *(p for pair in THRESHOLDS[scene].items() for p in tuned_points(scene, *pair, rng)),
+        *(random_point(scene, rng) | hard for hard in HARD.get(scene, ())),
     ]
 
 
@@ -568,11 +606,13 @@ def evaluate(scene, variant, points):
     return {name: np.broadcast_to(known[name], len(points)) for name in plan.outputs}
 
 
-@pytest.mark.parametrize(("scene", "variant"), [(s, v) for s in SCENES for v in SCENES[s].variants])
+@pytest.mark.parametrize(
+    ("scene", "variant"), [(s, v) for s in FORMULAS for v in SCENES[s].variants]
+)
 def test_every_output_is_exact_to_the_bar(scene, variant):
     points = make_points(scene)
     got = evaluate(scene, variant, points)
-    worst = dict.fromkeys(got, (ZERO, 0))
+    worst = dict.fromkeys(got, (mpf(1), None))  # less than an ulp is not followed up
     switches, wrong = collections.Counter(), []
     for number, inputs in enumerate(points):
         given = {name: mpf(value) for name, value in inputs.items()}
@@ -594,5 +634,10 @@ def test_every_output_is_exact_to_the_bar(scene, variant):
 
 def report(title, worst):
     """Print the worst error of each output over kappa ulp; `pytest -s` shows it."""
-    lines = [f"{float(error):7.2f}  {name}, point {n}" for name, (error, n) in worst.items()]
-    print("\n".join(("", title, *sorted(lines, reverse=True))))  # noqa: T201
+    lines = [
+        f"  at most 1  {name}"
+        if number is None
+        else f"{float(error):11.3g}  {name}, point {number}"
+        for name, (error, number) in sorted(worst.items(), key=lambda item: -item[1][0])
+    ]
+    print("\n".join(("", title, *lines)))  # noqa: T201
