@@ -50,7 +50,7 @@ def show_plan(path: Path, sweep: Sweep) -> None:
     plan = sweep.plan
     _say(f"{path}: {plan.scene.name}, variant {plan.variant}")
     _say(f"  {sweep.cells:,} cells, {sweep.bytes:,} bytes before compression")
-    grid = Grid("output", "unit", "values", "dimensions kept", box=box.SIMPLE)
+    grid = _grid("output", "unit", "values", "dimensions kept")
     for name, dims in sweep.dims.items():
         shape = " x ".join(f"{dim} {sweep.grid.shape[dim]}" for dim in dims) or "none"
         grid.add_row(name, QUANTITIES[name].unit, f"{sweep.grid.size(dims):,}", shape)
@@ -67,7 +67,7 @@ def show_table(
 ) -> None:
     """Print a short table of a result: ranges, regimes, timings."""
     _say(f"{path} -> {target}")
-    grid = Grid("output", "unit", "least", "largest", "dimensions", box=box.SIMPLE)
+    grid = _grid("output", "unit", "least", "largest", "dimensions")
     for name, variable in table.variables.items():
         if name != "regime":
             finite = variable.values[np.isfinite(variable.values)]
@@ -92,7 +92,7 @@ def regime_shares(table: Table) -> dict[str, float]:
 
 def show_scenes(lines: list[dict[str, Any]]) -> None:
     """Print one line for each scene."""
-    grid = Grid("scene", "source", "variants", "title", box=box.SIMPLE)
+    grid = _grid("scene", "source", "variants", "title")
     for line in lines:
         names = (f"{v}*" if v == line["default_variant"] else v for v in line["variants"])
         grid.add_row(line["name"], line["source"], ", ".join(names), line["title"])
@@ -105,7 +105,7 @@ def show_scene(scene: dict[str, Any]) -> None:
     _say(f"{scene['name']}: {scene['title']} (source: {scene['source']})")
     _say(f"variant {scene['variant']} of {', '.join(scene['variants'])}")
     _say(scene["validity"])
-    grid = Grid("parameter", "symbol", "unit", "bounds", "default", "meaning", box=box.SIMPLE)
+    grid = _grid("parameter", "symbol", "unit", "bounds", "default", "meaning")
     for p in scene["parameters"]:
         least = (
             "" if p["lower"] is None else f"{'>' if p['lower_excluded'] else '>='} {p['lower']:g}"
@@ -116,7 +116,7 @@ def show_scene(scene: dict[str, Any]) -> None:
             p["name"], p["symbol"], p["unit"], f"{least} {most}".strip(), default, p["description"]
         )
     console.print(grid)
-    grid = Grid("output", "symbol", "unit", "source", "needs", "equation", box=box.SIMPLE)
+    grid = _grid("output", "symbol", "unit", "source", "needs", "equation")
     for o in scene["outputs"]:
         grid.add_row(
             o["name"],
@@ -127,10 +127,18 @@ def show_scene(scene: dict[str, Any]) -> None:
             o["equation"],
         )
     console.print(grid)
-    grid = Grid("regime", "value", "meaning", box=box.SIMPLE)
+    grid = _grid("regime", "value", "meaning")
     for r in scene["regimes"]:
         grid.add_row(r["name"], str(r["value"]), r["description"])
     console.print(grid)
+
+
+def _grid(*columns: str) -> Grid:
+    """Return an empty table; names, in its first column, are never broken."""
+    grid = Grid(box=box.SIMPLE)
+    for number, column in enumerate(columns):
+        grid.add_column(column, no_wrap=number == 0, min_width=None if number else 12)
+    return grid
 
 
 def _say(text: str) -> None:

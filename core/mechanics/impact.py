@@ -278,3 +278,8 @@ def pfeiffer_glocker_in_space(
         (np.where(closes, np.nan, L_1 + E_1), np.where(closes, np.nan, L_2 + E_2)),
         np.where(normal > 0, sticks, first.sticks),
     )
+
+
+def only_in_impact(value: Array, nothing: Mask, unknown: Mask) -> Array:
+    """Return `value`, 0 where nothing happens, and NaN where the law does not tell."""
+    return np.where(unknown, np.nan, np.where(nothing, 0.0, value))

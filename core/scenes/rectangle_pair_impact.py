@@ -8,642 +8,72 @@ What the source prints, (3.24), drives the bodies into each other and is not off
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import numpy as np
-
-from core.mechanics import impact
-from core.mechanics.arrays import Array, Mask
-from core.mechanics.impact import Impulse
-from core.mechanics.rectangle_contact import RectangleContact, rectangle_contact
-from core.scenes.pair_impact import only_in_impact
+from core.mechanics import rectangle_impact, rectangle_outcome
+from core.mechanics.rectangle_contact import rectangle_contact
 from core.scenes.scene import Condition, Equation, Scene
-
-
-class EdgeAction(NamedTuple):
-    """Where on a touching edge the impulse acts: share of the way from its first end, 0 to 1.
-
-    `unknown` marks edges for which no single impulse tells the result.
-    """
-
-    share: Array
-    unknown: Mask
-
-
-class Arms(NamedTuple):
-    """Moments about each centre of unit impulses at the contact, along n and along t."""
-
-    normal_1: Array
-    tangential_1: Array
-    normal_2: Array
-    tangential_2: Array
-
-
-class Motion(NamedTuple):
-    """Velocities of both bodies."""
-
-    velocity_x_1: Array
-    velocity_y_1: Array
-    spin_1: Array
-    velocity_x_2: Array
-    velocity_y_2: Array
-    spin_2: Array
-
-
-# --- the place of the contact
-
-
-def gap(*, rectangle_contact: RectangleContact) -> Array:
-    """Return the largest of the four gaps between a face and the other body [m]."""
-    return rectangle_contact.gap
-
-
-def face_body(*, rectangle_contact: RectangleContact) -> Array:
-    """Return the body whose face has the largest gap, 1 or 2."""
-    return rectangle_contact.face_body
-
-
-def contact_corner(*, rectangle_contact: RectangleContact) -> Array:
-    """Return the corner of the other body nearest to that face, 1 to 4, or 0 for an edge."""
-    return rectangle_contact.corner
-
-
-def normal_x(*, rectangle_contact: RectangleContact) -> Array:
-    """Return n_x, the normal pointing from body 2 to body 1."""
-    return rectangle_contact.normal_x
-
-
-def normal_y(*, rectangle_contact: RectangleContact) -> Array:
-    """Return n_y, the normal pointing from body 2 to body 1."""
-    return rectangle_contact.normal_y
-
-
-def inertia_1(*, mass_1: Array, length_1: Array, width_1: Array) -> Array:
-    """Return I = m (a^2 + h^2)/12 of body 1 [kg m2]."""
-    return mass_1 * (length_1 * length_1 + width_1 * width_1) / 12
-
-
-def inertia_2(*, mass_2: Array, length_2: Array, width_2: Array) -> Array:
-    """Return I = m (a^2 + h^2)/12 of body 2 [kg m2]."""
-    return mass_2 * (length_2 * length_2 + width_2 * width_2) / 12
-
-
-def _closing(
-    x: Array, y: Array, n_x: Array, n_y: Array, *, position_x_1: Array, position_y_1: Array,
-    position_x_2: Array, position_y_2: Array, velocity_x_1: Array, velocity_y_1: Array,
-    spin_1: Array, velocity_x_2: Array, velocity_y_2: Array, spin_2: Array,
-) -> Array:  # fmt: skip
-    """Return the velocity of body 1 relative to body 2 at a point, along a direction."""
-    slip_x = (velocity_x_1 - spin_1 * (y - position_y_1)) - (
-        velocity_x_2 - spin_2 * (y - position_y_2)
-    )
-    slip_y = (velocity_y_1 + spin_1 * (x - position_x_1)) - (
-        velocity_y_2 + spin_2 * (x - position_x_2)
-    )
-    return n_x * slip_x + n_y * slip_y
-
-
-def edge_action_without_friction(
-    *,
-    rectangle_contact: RectangleContact,
-    position_x_1: Array,
-    position_y_1: Array,
-    position_x_2: Array,
-    position_y_2: Array,
-    velocity_x_1: Array,
-    velocity_y_1: Array,
-    spin_1: Array,
-    velocity_x_2: Array,
-    velocity_y_2: Array,
-    spin_2: Array,
-    mass_1: Array,
-    mass_2: Array,
-    inertia_1: Array,
-    inertia_2: Array,
-    restitution: Array,
-) -> EdgeAction:
-    """Return where the resultant of both ends of a touching edge acts.
-
-    Both ends are contacts without friction, and the impulses solve the complementarity problem of
-    theory 1.4. The impact is that of the resultant alone, since the normals are parallel.
-    """
-    at = rectangle_contact
-    u_1, u_2 = (
-        _closing(
-            x, y, at.normal_x, at.normal_y, position_x_1=position_x_1, position_y_1=position_y_1,
-            position_x_2=position_x_2, position_y_2=position_y_2, velocity_x_1=velocity_x_1,
-            velocity_y_1=velocity_y_1, spin_1=spin_1, velocity_x_2=velocity_x_2,
-            velocity_y_2=velocity_y_2, spin_2=spin_2,
-        )
-        for x, y in ((at.first_x, at.first_y), (at.second_x, at.second_y))
-    )  # fmt: skip
-    arms = [
-        (x - px) * at.normal_y - (y - py) * at.normal_x
-        for px, py in ((position_x_1, position_y_1), (position_x_2, position_y_2))
-        for x, y in ((at.first_x, at.first_y), (at.second_x, at.second_y))
-    ]
-    first_1, second_1, first_2, second_2 = arms
-    free = 1 / mass_1 + 1 / mass_2
-    both = impact.on_edge(
-        G_11=free + first_1 * first_1 / inertia_1 + first_2 * first_2 / inertia_2,
-        G_12=free + first_1 * second_1 / inertia_1 + first_2 * second_2 / inertia_2,
-        G_22=free + second_1 * second_1 / inertia_1 + second_2 * second_2 / inertia_2,
-        u_1=u_1,
-        u_2=u_2,
-        restitution=restitution,
-    )
-    total = both.first + both.second
-    idle = np.where(u_2 < u_1, 1.0, 0.0)
-    share = np.where(total > 0, both.second / np.where(total > 0, total, 1.0), idle)
-    return EdgeAction(share, at.edge & both.again)
-
-
-def edge_action_with_friction(
-    *,
-    rectangle_contact: RectangleContact,
-    position_x_1: Array,
-    position_y_1: Array,
-    position_x_2: Array,
-    position_y_2: Array,
-    velocity_x_1: Array,
-    velocity_y_1: Array,
-    spin_1: Array,
-    velocity_x_2: Array,
-    velocity_y_2: Array,
-    spin_2: Array,
-) -> EdgeAction:
-    """Return the end of a touching edge that approaches most; friction at two ends is not solved.
-
-    If that end does not approach, the edge does not; else the impact is `simultaneous`.
-    """
-    at = rectangle_contact
-    u_1, u_2 = (
-        _closing(
-            x, y, at.normal_x, at.normal_y, position_x_1=position_x_1, position_y_1=position_y_1,
-            position_x_2=position_x_2, position_y_2=position_y_2, velocity_x_1=velocity_x_1,
-            velocity_y_1=velocity_y_1, spin_1=spin_1, velocity_x_2=velocity_x_2,
-            velocity_y_2=velocity_y_2, spin_2=spin_2,
-        )
-        for x, y in ((at.first_x, at.first_y), (at.second_x, at.second_y))
-    )  # fmt: skip
-    return EdgeAction(np.where(u_2 < u_1, 1.0, 0.0), at.edge & (np.minimum(u_1, u_2) < 0))
-
-
-def contact_x(*, rectangle_contact: RectangleContact, edge_action: EdgeAction) -> Array:
-    """Return the point where the impulse acts, x [m]."""
-    at = rectangle_contact
-    return at.first_x + edge_action.share * (at.second_x - at.first_x)
-
-
-def contact_y(*, rectangle_contact: RectangleContact, edge_action: EdgeAction) -> Array:
-    """Return the point where the impulse acts, y [m]."""
-    at = rectangle_contact
-    return at.first_y + edge_action.share * (at.second_y - at.first_y)
-
-
-def contact_arms(
-    *,
-    contact_x: Array,
-    contact_y: Array,
-    normal_x: Array,
-    normal_y: Array,
-    position_x_1: Array,
-    position_y_1: Array,
-    position_x_2: Array,
-    position_y_2: Array,
-) -> Arms:
-    """Return rho x n and rho x t of both bodies, t = (-n_y, n_x) [m]."""
-    x_1, y_1 = contact_x - position_x_1, contact_y - position_y_1
-    x_2, y_2 = contact_x - position_x_2, contact_y - position_y_2
-    return Arms(
-        x_1 * normal_y - y_1 * normal_x,
-        x_1 * normal_x + y_1 * normal_y,
-        x_2 * normal_y - y_2 * normal_x,
-        x_2 * normal_x + y_2 * normal_y,
-    )
-
-
-# --- what the law sees
-
-
-def delassus_normal(
-    *, contact_arms: Arms, mass_1: Array, mass_2: Array, inertia_1: Array, inertia_2: Array
-) -> Array:
-    """Return G_NN = 1/m1 + 1/m2 + (rho1 x n)^2/I1 + (rho2 x n)^2/I2 [kg-1]."""
-    of_1, of_2 = contact_arms.normal_1, contact_arms.normal_2
-    return 1 / mass_1 + 1 / mass_2 + of_1 * of_1 / inertia_1 + of_2 * of_2 / inertia_2
-
-
-def delassus_coupling(*, contact_arms: Arms, inertia_1: Array, inertia_2: Array) -> Array:
-    """Return G_NT = (rho1 x n)(rho1 x t)/I1 + (rho2 x n)(rho2 x t)/I2 [kg-1]."""
-    arms = contact_arms
-    return (
-        arms.normal_1 * arms.tangential_1 / inertia_1
-        + arms.normal_2 * arms.tangential_2 / inertia_2
-    )
-
-
-def delassus_tangential(
-    *, contact_arms: Arms, mass_1: Array, mass_2: Array, inertia_1: Array, inertia_2: Array
-) -> Array:
-    """Return G_TT = 1/m1 + 1/m2 + (rho1 x t)^2/I1 + (rho2 x t)^2/I2 [kg-1]."""
-    of_1, of_2 = contact_arms.tangential_1, contact_arms.tangential_2
-    return 1 / mass_1 + 1 / mass_2 + of_1 * of_1 / inertia_1 + of_2 * of_2 / inertia_2
-
-
-def approach_normal(
-    *,
-    contact_arms: Arms,
-    normal_x: Array,
-    normal_y: Array,
-    velocity_x_1: Array,
-    velocity_y_1: Array,
-    spin_1: Array,
-    velocity_x_2: Array,
-    velocity_y_2: Array,
-    spin_2: Array,
-) -> Array:
-    """Return u_N = n.(v1 + w1 x rho1 - v2 - w2 x rho2) [m s-1]."""
-    centres = normal_x * (velocity_x_1 - velocity_x_2) + normal_y * (velocity_y_1 - velocity_y_2)
-    return centres + spin_1 * contact_arms.normal_1 - spin_2 * contact_arms.normal_2
-
-
-def approach_tangential(
-    *,
-    contact_arms: Arms,
-    normal_x: Array,
-    normal_y: Array,
-    velocity_x_1: Array,
-    velocity_y_1: Array,
-    spin_1: Array,
-    velocity_x_2: Array,
-    velocity_y_2: Array,
-    spin_2: Array,
-) -> Array:
-    """Return u_T = t.(v1 + w1 x rho1 - v2 - w2 x rho2) [m s-1]."""
-    centres = normal_x * (velocity_y_1 - velocity_y_2) - normal_y * (velocity_x_1 - velocity_x_2)
-    return centres + spin_1 * contact_arms.tangential_1 - spin_2 * contact_arms.tangential_2
-
-
-# --- where there is an impact
-
-
-def is_apart(*, rectangle_contact: RectangleContact, contact_tolerance: Array) -> Mask:
-    """Return where the gap exceeds the tolerance, or the nearest corner lies beside the face."""
-    at = rectangle_contact
-    return (at.gap > contact_tolerance * at.size) | (at.beside & (at.gap >= 0))
-
-
-def overlaps(*, rectangle_contact: RectangleContact, contact_tolerance: Array) -> Mask:
-    """Return where the overlap exceeds the tolerance."""
-    at = rectangle_contact
-    return (at.gap < -contact_tolerance * at.size) | (at.beside & (at.gap < 0))
-
-
-def is_corner_on_corner(*, rectangle_contact: RectangleContact) -> Mask:
-    """Return where a corner meets a corner: the normal is not unique."""
-    return rectangle_contact.at_corner
-
-
-def is_edge_on_edge(*, edge_action: EdgeAction) -> Mask:
-    """Return where an edge meets an edge and no single impulse tells the result."""
-    return edge_action.unknown
-
-
-def does_not_approach(*, approach_normal: Array) -> Mask:
-    """Return where the bodies separate or slide past each other, u_N >= 0."""
-    return approach_normal >= 0
-
-
-def ends_in_stick(*, planar_impulse: Impulse) -> Mask:
-    """Return where the contact does not slide at the end of the impact."""
-    return planar_impulse.sticks
-
-
-def _masked(
-    impulse: Impulse,
-    at: RectangleContact,
-    tolerance: Array,
-    edge_action: EdgeAction,
-) -> Impulse:
-    nothing = is_apart(rectangle_contact=at, contact_tolerance=tolerance)
-    unknown = overlaps(rectangle_contact=at, contact_tolerance=tolerance)
-    unknown = unknown | ((at.at_corner | edge_action.unknown) & ~nothing)
-    return Impulse(
-        only_in_impact(impulse.normal, nothing, unknown),
-        only_in_impact(impulse.tangential, nothing, unknown),
-        impulse.sticks,
-    )
-
-
-def frictionless_impulse(
-    *,
-    rectangle_contact: RectangleContact,
-    contact_tolerance: Array,
-    edge_action: EdgeAction,
-    delassus_normal: Array,
-    approach_normal: Array,
-    restitution: Array,
-) -> Impulse:
-    """Return Newton's impulse without friction; NaN where the bodies overlap or the law is mute."""
-    normal = impact.frictionless(G_NN=delassus_normal, u_N=approach_normal, restitution=restitution)
-    impulse = Impulse(normal, np.zeros_like(normal), np.zeros(normal.shape, dtype=np.bool_))
-    return _masked(impulse, rectangle_contact, contact_tolerance, edge_action)
-
-
-def pfeiffer_glocker_impulse(
-    *,
-    rectangle_contact: RectangleContact,
-    contact_tolerance: Array,
-    edge_action: EdgeAction,
-    delassus_normal: Array,
-    delassus_coupling: Array,
-    delassus_tangential: Array,
-    approach_normal: Array,
-    approach_tangential: Array,
-    friction: Array,
-    restitution: Array,
-) -> Impulse:
-    """Return the impulse of compression and expansion with friction, Poisson's restitution."""
-    impulse = impact.pfeiffer_glocker(
-        G_NN=delassus_normal,
-        G_NT=delassus_coupling,
-        G_TT=delassus_tangential,
-        u_N=approach_normal,
-        u_T=approach_tangential,
-        friction=friction,
-        restitution=restitution,
-    )
-    return _masked(impulse, rectangle_contact, contact_tolerance, edge_action)
-
-
-def moreau_impulse(
-    *,
-    rectangle_contact: RectangleContact,
-    contact_tolerance: Array,
-    edge_action: EdgeAction,
-    delassus_normal: Array,
-    delassus_coupling: Array,
-    delassus_tangential: Array,
-    approach_normal: Array,
-    approach_tangential: Array,
-    friction: Array,
-    restitution: Array,
-) -> Impulse:
-    """Return Moreau's impulse with friction, one restitution for both directions."""
-    impulse = impact.moreau(
-        G_NN=delassus_normal,
-        G_NT=delassus_coupling,
-        G_TT=delassus_tangential,
-        u_N=approach_normal,
-        u_T=approach_tangential,
-        friction=friction,
-        restitution=restitution,
-    )
-    return _masked(impulse, rectangle_contact, contact_tolerance, edge_action)
-
-
-def impulse_normal(*, planar_impulse: Impulse) -> Array:
-    """Return the normal impulse on body 1 [N s]."""
-    return planar_impulse.normal
-
-
-def impulse_tangential(*, planar_impulse: Impulse) -> Array:
-    """Return the tangential impulse on body 1, along t = (-n_y, n_x) [N s]."""
-    return planar_impulse.tangential
-
-
-# --- after the impact
-
-
-def motion_after(
-    *,
-    planar_impulse: Impulse,
-    contact_arms: Arms,
-    normal_x: Array,
-    normal_y: Array,
-    velocity_x_1: Array,
-    velocity_y_1: Array,
-    spin_1: Array,
-    velocity_x_2: Array,
-    velocity_y_2: Array,
-    spin_2: Array,
-    mass_1: Array,
-    mass_2: Array,
-    inertia_1: Array,
-    inertia_2: Array,
-) -> Motion:
-    """Return all velocities after the impulse, qdot + M^-1 (W_N L_N + W_T L_T)."""
-    L_N, L_T, arms = planar_impulse.normal, planar_impulse.tangential, contact_arms
-    L_x, L_y = normal_x * L_N - normal_y * L_T, normal_y * L_N + normal_x * L_T
-    return Motion(
-        velocity_x_1 + L_x / mass_1,
-        velocity_y_1 + L_y / mass_1,
-        spin_1 + (arms.normal_1 * L_N + arms.tangential_1 * L_T) / inertia_1,
-        velocity_x_2 - L_x / mass_2,
-        velocity_y_2 - L_y / mass_2,
-        spin_2 - (arms.normal_2 * L_N + arms.tangential_2 * L_T) / inertia_2,
-    )
-
-
-def velocity_x_1_after(*, planar_motion_after: Motion) -> Array:
-    """Return the velocity of body 1 after the impact, x [m s-1]."""
-    return planar_motion_after.velocity_x_1
-
-
-def velocity_y_1_after(*, planar_motion_after: Motion) -> Array:
-    """Return the velocity of body 1 after the impact, y [m s-1]."""
-    return planar_motion_after.velocity_y_1
-
-
-def spin_1_after(*, planar_motion_after: Motion) -> Array:
-    """Return the angular velocity of body 1 after the impact [rad s-1]."""
-    return planar_motion_after.spin_1
-
-
-def velocity_x_2_after(*, planar_motion_after: Motion) -> Array:
-    """Return the velocity of body 2 after the impact, x [m s-1]."""
-    return planar_motion_after.velocity_x_2
-
-
-def velocity_y_2_after(*, planar_motion_after: Motion) -> Array:
-    """Return the velocity of body 2 after the impact, y [m s-1]."""
-    return planar_motion_after.velocity_y_2
-
-
-def spin_2_after(*, planar_motion_after: Motion) -> Array:
-    """Return the angular velocity of body 2 after the impact [rad s-1]."""
-    return planar_motion_after.spin_2
-
-
-def separation_normal(
-    *, planar_motion_after: Motion, contact_arms: Arms, normal_x: Array, normal_y: Array
-) -> Array:
-    """Return u_N of the velocities after the impact [m s-1]."""
-    return approach_normal(
-        contact_arms=contact_arms,
-        normal_x=normal_x,
-        normal_y=normal_y,
-        **planar_motion_after._asdict(),
-    )
-
-
-def separation_tangential(
-    *, planar_motion_after: Motion, contact_arms: Arms, normal_x: Array, normal_y: Array
-) -> Array:
-    """Return u_T of the velocities after the impact [m s-1]."""
-    return approach_tangential(
-        contact_arms=contact_arms,
-        normal_x=normal_x,
-        normal_y=normal_y,
-        **planar_motion_after._asdict(),
-    )
-
-
-def energy_before(
-    *,
-    velocity_x_1: Array,
-    velocity_y_1: Array,
-    spin_1: Array,
-    velocity_x_2: Array,
-    velocity_y_2: Array,
-    spin_2: Array,
-    mass_1: Array,
-    mass_2: Array,
-    inertia_1: Array,
-    inertia_2: Array,
-) -> Array:
-    """Return the kinetic energy of both bodies before the impact [J]."""
-    return (
-        mass_1 * (velocity_x_1 * velocity_x_1 + velocity_y_1 * velocity_y_1)
-        + inertia_1 * spin_1 * spin_1
-        + mass_2 * (velocity_x_2 * velocity_x_2 + velocity_y_2 * velocity_y_2)
-        + inertia_2 * spin_2 * spin_2
-    ) / 2
-
-
-def energy_lost(
-    *,
-    impulse_normal: Array,
-    impulse_tangential: Array,
-    approach_normal: Array,
-    approach_tangential: Array,
-    separation_normal: Array,
-    separation_tangential: Array,
-) -> Array:
-    """Return T_A - T_E as the work -L.(u + u')/2 of the impulse, free of cancellation [J]."""
-    return (
-        -(
-            impulse_normal * (approach_normal + separation_normal)
-            + impulse_tangential * (approach_tangential + separation_tangential)
-        )
-        / 2
-    )
-
-
-def momentum_residual_x(
-    *, planar_motion_after: Motion, velocity_x_1: Array, velocity_x_2: Array, mass_1: Array,
-    mass_2: Array,
-) -> Array:  # fmt: skip
-    """Return what the velocities after the impact add to the linear momentum, x [N s]."""
-    after = planar_motion_after
-    change_1, change_2 = after.velocity_x_1 - velocity_x_1, after.velocity_x_2 - velocity_x_2
-    return mass_1 * change_1 + mass_2 * change_2
-
-
-def momentum_residual_y(
-    *, planar_motion_after: Motion, velocity_y_1: Array, velocity_y_2: Array, mass_1: Array,
-    mass_2: Array,
-) -> Array:  # fmt: skip
-    """Return what the velocities after the impact add to the linear momentum, y [N s]."""
-    after = planar_motion_after
-    change_1, change_2 = after.velocity_y_1 - velocity_y_1, after.velocity_y_2 - velocity_y_2
-    return mass_1 * change_1 + mass_2 * change_2
-
-
-def angular_momentum_residual(
-    *,
-    planar_motion_after: Motion,
-    position_x_1: Array,
-    position_y_1: Array,
-    position_x_2: Array,
-    position_y_2: Array,
-    velocity_x_1: Array,
-    velocity_y_1: Array,
-    spin_1: Array,
-    velocity_x_2: Array,
-    velocity_y_2: Array,
-    spin_2: Array,
-    mass_1: Array,
-    mass_2: Array,
-    inertia_1: Array,
-    inertia_2: Array,
-) -> Array:
-    """Return what the velocities after add to the angular momentum about the origin [kg m2 s-1]."""
-    after = planar_motion_after
-    change_x_1, change_y_1 = after.velocity_x_1 - velocity_x_1, after.velocity_y_1 - velocity_y_1
-    change_x_2, change_y_2 = after.velocity_x_2 - velocity_x_2, after.velocity_y_2 - velocity_y_2
-    return (
-        mass_1 * (position_x_1 * change_y_1 - position_y_1 * change_x_1)
-        + inertia_1 * (after.spin_1 - spin_1)
-        + mass_2 * (position_x_2 * change_y_2 - position_y_2 * change_x_2)
-        + inertia_2 * (after.spin_2 - spin_2)
-    )
-
 
 PLACE = (
     Equation("rectangle_contact", rectangle_contact, "theory 5.1"),
-    Equation("gap", gap, "theory 5.1"),
-    Equation("face_body", face_body, "theory 5.1"),
-    Equation("contact_corner", contact_corner, "theory 5.1"),
-    Equation("normal_x", normal_x, "theory 5.1"),
-    Equation("normal_y", normal_y, "theory 5.1"),
-    Equation("inertia_1", inertia_1, "theory 5.1"),
-    Equation("inertia_2", inertia_2, "theory 5.1"),
+    Equation("gap", rectangle_impact.gap, "theory 5.1"),
+    Equation("face_body", rectangle_impact.face_body, "theory 5.1"),
+    Equation("contact_corner", rectangle_impact.contact_corner, "theory 5.1"),
+    Equation("normal_x", rectangle_impact.normal_x, "theory 5.1"),
+    Equation("normal_y", rectangle_impact.normal_y, "theory 5.1"),
+    Equation("inertia_1", rectangle_impact.inertia_1, "theory 5.1"),
+    Equation("inertia_2", rectangle_impact.inertia_2, "theory 5.1"),
 )
 REST = (
-    Equation("contact_x", contact_x, "theory 5.1"),
-    Equation("contact_y", contact_y, "theory 5.1"),
-    Equation("contact_arms", contact_arms, "theory 5.1"),
-    Equation("delassus_normal", delassus_normal, "theory 5.1"),
-    Equation("delassus_coupling", delassus_coupling, "theory 5.1"),
-    Equation("delassus_tangential", delassus_tangential, "theory 5.1"),
-    Equation("approach_normal", approach_normal, "theory 5.1"),
-    Equation("approach_tangential", approach_tangential, "theory 5.1"),
-    Equation("impulse_normal", impulse_normal, "theory 5.2, theory 5.3"),
-    Equation("impulse_tangential", impulse_tangential, "theory 5.3"),
-    Equation("planar_motion_after", motion_after, "theory 5.2"),
-    Equation("velocity_x_1_after", velocity_x_1_after, "theory 5.2"),
-    Equation("velocity_y_1_after", velocity_y_1_after, "theory 5.2"),
-    Equation("spin_1_after", spin_1_after, "theory 5.2"),
-    Equation("velocity_x_2_after", velocity_x_2_after, "theory 5.2"),
-    Equation("velocity_y_2_after", velocity_y_2_after, "theory 5.2"),
-    Equation("spin_2_after", spin_2_after, "theory 5.2"),
-    Equation("separation_normal", separation_normal, "theory 5.2"),
-    Equation("separation_tangential", separation_tangential, "theory 5.3"),
-    Equation("energy_before", energy_before, "theory 5.3"),
-    Equation("energy_lost", energy_lost, "theory 5.3"),
-    Equation("momentum_residual_x", momentum_residual_x, "theory 5.3"),
-    Equation("momentum_residual_y", momentum_residual_y, "theory 5.3"),
-    Equation("angular_momentum_residual", angular_momentum_residual, "theory 5.3"),
+    Equation("contact_x", rectangle_impact.contact_x, "theory 5.1"),
+    Equation("contact_y", rectangle_impact.contact_y, "theory 5.1"),
+    Equation("contact_arms", rectangle_impact.contact_arms, "theory 5.1"),
+    Equation("delassus_normal", rectangle_impact.delassus_normal, "theory 5.1"),
+    Equation("delassus_coupling", rectangle_impact.delassus_coupling, "theory 5.1"),
+    Equation("delassus_tangential", rectangle_impact.delassus_tangential, "theory 5.1"),
+    Equation("approach_normal", rectangle_impact.approach_normal, "theory 5.1"),
+    Equation("approach_tangential", rectangle_impact.approach_tangential, "theory 5.1"),
+    Equation("impulse_normal", rectangle_outcome.impulse_normal, "theory 5.2, theory 5.3"),
+    Equation("impulse_tangential", rectangle_outcome.impulse_tangential, "theory 5.3"),
+    Equation("planar_motion_after", rectangle_outcome.motion_after, "theory 5.2"),
+    Equation("velocity_x_1_after", rectangle_outcome.velocity_x_1_after, "theory 5.2"),
+    Equation("velocity_y_1_after", rectangle_outcome.velocity_y_1_after, "theory 5.2"),
+    Equation("spin_1_after", rectangle_outcome.spin_1_after, "theory 5.2"),
+    Equation("velocity_x_2_after", rectangle_outcome.velocity_x_2_after, "theory 5.2"),
+    Equation("velocity_y_2_after", rectangle_outcome.velocity_y_2_after, "theory 5.2"),
+    Equation("spin_2_after", rectangle_outcome.spin_2_after, "theory 5.2"),
+    Equation("separation_normal", rectangle_outcome.separation_normal, "theory 5.2"),
+    Equation("separation_tangential", rectangle_outcome.separation_tangential, "theory 5.3"),
+    Equation("energy_before", rectangle_outcome.energy_before, "theory 5.3"),
+    Equation("energy_lost", rectangle_outcome.energy_lost, "theory 5.3"),
+    Equation("momentum_residual_x", rectangle_outcome.momentum_residual_x, "theory 5.3"),
+    Equation("momentum_residual_y", rectangle_outcome.momentum_residual_y, "theory 5.3"),
+    Equation(
+        "angular_momentum_residual", rectangle_outcome.angular_momentum_residual, "theory 5.3"
+    ),
 )
-WITH_FRICTION = Equation("edge_action", edge_action_with_friction, "theory 5.1")
+WITH_FRICTION = Equation("edge_action", rectangle_impact.edge_action_with_friction, "theory 5.1")
 FRICTIONLESS = (
     *PLACE,
-    Equation("edge_action", edge_action_without_friction, "theory 1.4", "frictionless"),
-    Equation("planar_impulse", frictionless_impulse, "theory 5.2", "frictionless"),
+    Equation(
+        "edge_action", rectangle_impact.edge_action_without_friction, "theory 1.4", "frictionless"
+    ),
+    Equation("planar_impulse", rectangle_impact.frictionless_impulse, "theory 5.2", "frictionless"),
     *REST,
 )
 PFEIFFER_GLOCKER = (
     *PLACE,
     WITH_FRICTION,
-    Equation("planar_impulse", pfeiffer_glocker_impulse, "theory 5.3", "pfeiffer_glocker"),
+    Equation(
+        "planar_impulse",
+        rectangle_impact.pfeiffer_glocker_impulse,
+        "theory 5.3",
+        "pfeiffer_glocker",
+    ),
     *REST,
 )
 MOREAU = (
     *PLACE,
     WITH_FRICTION,
-    Equation("planar_impulse", moreau_impulse, "theory 5.3", "moreau"),
+    Equation("planar_impulse", rectangle_impact.moreau_impulse, "theory 5.3", "moreau"),
     *REST,
 )
 
@@ -679,15 +109,15 @@ AFTER = frozenset(
     )
 )
 CONDITIONS = (
-    Condition("apart", is_apart, WHERE | BEFORE | AFTER, otherwise="contact"),
-    Condition("overlap", overlaps, WHERE | BEFORE | AFTER),
-    Condition("simultaneous", is_corner_on_corner, WHERE | BEFORE | AFTER),
-    Condition("simultaneous", is_edge_on_edge, AFTER),
-    Condition("no_impact", does_not_approach, BEFORE | AFTER, otherwise="impact"),
+    Condition("apart", rectangle_impact.is_apart, WHERE | BEFORE | AFTER, otherwise="contact"),
+    Condition("overlap", rectangle_impact.overlaps, WHERE | BEFORE | AFTER),
+    Condition("simultaneous", rectangle_impact.is_corner_on_corner, WHERE | BEFORE | AFTER),
+    Condition("simultaneous", rectangle_impact.is_edge_on_edge, AFTER),
+    Condition("no_impact", rectangle_impact.does_not_approach, BEFORE | AFTER, otherwise="impact"),
 )
 FRICTION_CONDITIONS = (
     *CONDITIONS,
-    Condition("impact_stick", ends_in_stick, AFTER, otherwise="impact_slip"),
+    Condition("impact_stick", rectangle_impact.ends_in_stick, AFTER, otherwise="impact_slip"),
 )
 
 SCENE = Scene(

@@ -1,0 +1,295 @@
+"""What an impact of two cylinders leaves: motion, energy, balances (theory 8).
+
+All functions take and return broadcastable float64 arrays, SI units, angles in radians.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.mechanics.cylinder_contact import Cylinder, CylinderContact
+from core.mechanics.cylinder_impact import (
+    Approach,
+    Frame,
+    Masses,
+    SpatialMotion,
+    approach,
+    in_space,
+    inertial,
+    turning,
+)
+from core.mechanics.impact import SpatialDelassus, SpatialImpulse
+from core.mechanics.vectors import dot
+
+
+def impulse_friction(*, spatial_impulse: SpatialImpulse) -> Array:
+    """Return the magnitude of the tangential impulse [N s]."""
+    return np.hypot(*spatial_impulse.tangential)
+
+
+def sliding_before(*, spatial_approach: Approach) -> Array:
+    """Return the speed of sliding before the impact [m s-1]."""
+    return np.hypot(*spatial_approach.tangential)
+
+
+def separation_normal(
+    *,
+    contact_frame: Frame,
+    cylinder_1: Cylinder,
+    cylinder_2: Cylinder,
+    spatial_motion_after: SpatialMotion,
+) -> Array:
+    """Return u_N of the velocities after the impact [m s-1]."""
+    return approach(contact_frame, cylinder_1, cylinder_2, spatial_motion_after).normal
+
+
+def sliding_after(
+    *,
+    contact_frame: Frame,
+    cylinder_1: Cylinder,
+    cylinder_2: Cylinder,
+    spatial_motion_after: SpatialMotion,
+) -> Array:
+    """Return the speed of sliding after the impact [m s-1]."""
+    after = approach(contact_frame, cylinder_1, cylinder_2, spatial_motion_after)
+    return np.hypot(*after.tangential)
+
+
+def energy_before(
+    *,
+    cylinder_1: Cylinder,
+    cylinder_2: Cylinder,
+    cylinder_masses: Masses,
+    spatial_motion: SpatialMotion,
+) -> Array:
+    """Return the kinetic energy of both bodies before the impact [J]."""
+    motion, masses = spatial_motion, cylinder_masses
+    turning_1 = inertial(motion.spin_1, cylinder_1, masses.axial_1, masses.across_1)
+    turning_2 = inertial(motion.spin_2, cylinder_2, masses.axial_2, masses.across_2)
+    return (
+        masses.mass_1 * dot(motion.velocity_1, motion.velocity_1)
+        + dot(motion.spin_1, turning_1)
+        + masses.mass_2 * dot(motion.velocity_2, motion.velocity_2)
+        + dot(motion.spin_2, turning_2)
+    ) / 2
+
+
+def energy_lost(
+    *,
+    spatial_impulse: SpatialImpulse,
+    contact_frame: Frame,
+    cylinder_1: Cylinder,
+    cylinder_2: Cylinder,
+    spatial_motion: SpatialMotion,
+    spatial_motion_after: SpatialMotion,
+) -> Array:
+    """Return T_A - T_E as the work -L.(u + u')/2 of the impulse, free of cancellation [J]."""
+    at, L = contact_frame, spatial_impulse
+    before = approach(at, cylinder_1, cylinder_2, spatial_motion)
+    after = approach(at, cylinder_1, cylinder_2, spatial_motion_after)
+    work = L.normal * (before.normal + after.normal)
+    for impulse, u, u_after in zip(L.tangential, before.tangential, after.tangential, strict=True):
+        work = work + impulse * (u + u_after)
+    return -work / 2
+
+
+def gap(*, cylinder_contact: CylinderContact) -> Array:
+    """Return the gap, or a lower bound of it where no form of contact is proven [m]."""
+    return cylinder_contact.gap
+
+
+def contact_form(*, cylinder_contact: CylinderContact) -> Array:
+    """Return the form of contact, 1 to 5, or 0."""
+    return cylinder_contact.form
+
+
+def face_body(*, cylinder_contact: CylinderContact) -> Array:
+    """Return the body whose face or side is met, 1 or 2; 0 if it is both."""
+    return cylinder_contact.face_body
+
+
+def normal_x(*, cylinder_contact: CylinderContact) -> Array:
+    """Return n_x, the normal pointing from body 2 to body 1."""
+    return cylinder_contact.normal[0]
+
+
+def normal_y(*, cylinder_contact: CylinderContact) -> Array:
+    """Return n_y, the normal pointing from body 2 to body 1."""
+    return cylinder_contact.normal[1]
+
+
+def normal_z(*, cylinder_contact: CylinderContact) -> Array:
+    """Return n_z, the normal pointing from body 2 to body 1."""
+    return cylinder_contact.normal[2]
+
+
+def contact_x(*, contact_frame: Frame) -> Array:
+    """Return the point where the impulse acts, x [m]."""
+    return contact_frame.point[0]
+
+
+def contact_y(*, contact_frame: Frame) -> Array:
+    """Return the point where the impulse acts, y [m]."""
+    return contact_frame.point[1]
+
+
+def contact_z(*, contact_frame: Frame) -> Array:
+    """Return the point where the impulse acts, z [m]."""
+    return contact_frame.point[2]
+
+
+def delassus_normal(*, spatial_delassus: SpatialDelassus) -> Array:
+    """Return G_NN = 1/m1 + 1/m2 + (rho1 x n).J1^-1 (rho1 x n) + the like of body 2 [kg-1]."""
+    return spatial_delassus.NN
+
+
+def approach_normal(*, spatial_approach: Approach) -> Array:
+    """Return u_N = n.(v1 + w1 x rho1 - v2 - w2 x rho2) [m s-1]."""
+    return spatial_approach.normal
+
+
+def impulse_normal(*, spatial_impulse: SpatialImpulse) -> Array:
+    """Return the normal impulse on body 1 [N s]."""
+    return spatial_impulse.normal
+
+
+def velocity_x_1_after(*, spatial_motion_after: SpatialMotion) -> Array:
+    """Return the velocity of body 1 after the impact, x [m s-1]."""
+    return spatial_motion_after.velocity_1[0]
+
+
+def velocity_y_1_after(*, spatial_motion_after: SpatialMotion) -> Array:
+    """Return the velocity of body 1 after the impact, y [m s-1]."""
+    return spatial_motion_after.velocity_1[1]
+
+
+def velocity_z_1_after(*, spatial_motion_after: SpatialMotion) -> Array:
+    """Return the velocity of body 1 after the impact, z [m s-1]."""
+    return spatial_motion_after.velocity_1[2]
+
+
+def spin_x_1_after(*, spatial_motion_after: SpatialMotion) -> Array:
+    """Return the angular velocity of body 1 after the impact, x [rad s-1]."""
+    return spatial_motion_after.spin_1[0]
+
+
+def spin_y_1_after(*, spatial_motion_after: SpatialMotion) -> Array:
+    """Return the angular velocity of body 1 after the impact, y [rad s-1]."""
+    return spatial_motion_after.spin_1[1]
+
+
+def spin_z_1_after(*, spatial_motion_after: SpatialMotion) -> Array:
+    """Return the angular velocity of body 1 after the impact, z [rad s-1]."""
+    return spatial_motion_after.spin_1[2]
+
+
+def velocity_x_2_after(*, spatial_motion_after: SpatialMotion) -> Array:
+    """Return the velocity of body 2 after the impact, x [m s-1]."""
+    return spatial_motion_after.velocity_2[0]
+
+
+def velocity_y_2_after(*, spatial_motion_after: SpatialMotion) -> Array:
+    """Return the velocity of body 2 after the impact, y [m s-1]."""
+    return spatial_motion_after.velocity_2[1]
+
+
+def velocity_z_2_after(*, spatial_motion_after: SpatialMotion) -> Array:
+    """Return the velocity of body 2 after the impact, z [m s-1]."""
+    return spatial_motion_after.velocity_2[2]
+
+
+def spin_x_2_after(*, spatial_motion_after: SpatialMotion) -> Array:
+    """Return the angular velocity of body 2 after the impact, x [rad s-1]."""
+    return spatial_motion_after.spin_2[0]
+
+
+def spin_y_2_after(*, spatial_motion_after: SpatialMotion) -> Array:
+    """Return the angular velocity of body 2 after the impact, y [rad s-1]."""
+    return spatial_motion_after.spin_2[1]
+
+
+def spin_z_2_after(*, spatial_motion_after: SpatialMotion) -> Array:
+    """Return the angular velocity of body 2 after the impact, z [rad s-1]."""
+    return spatial_motion_after.spin_2[2]
+
+
+def impulse_x(*, spatial_impulse: SpatialImpulse, contact_frame: Frame) -> Array:
+    """Return the impulse on body 1, x [N s]."""
+    return in_space(spatial_impulse, contact_frame)[0]
+
+
+def impulse_y(*, spatial_impulse: SpatialImpulse, contact_frame: Frame) -> Array:
+    """Return the impulse on body 1, y [N s]."""
+    return in_space(spatial_impulse, contact_frame)[1]
+
+
+def impulse_z(*, spatial_impulse: SpatialImpulse, contact_frame: Frame) -> Array:
+    """Return the impulse on body 1, z [N s]."""
+    return in_space(spatial_impulse, contact_frame)[2]
+
+
+def momentum_residual_x(
+    *, spatial_motion: SpatialMotion, spatial_motion_after: SpatialMotion, cylinder_masses: Masses
+) -> Array:
+    """Return what the velocities after the impact add to the linear momentum, x [N s]."""
+    before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
+    change_1 = after.velocity_1[0] - before.velocity_1[0]
+    change_2 = after.velocity_2[0] - before.velocity_2[0]
+    return masses.mass_1 * change_1 + masses.mass_2 * change_2
+
+
+def momentum_residual_y(
+    *, spatial_motion: SpatialMotion, spatial_motion_after: SpatialMotion, cylinder_masses: Masses
+) -> Array:
+    """Return what the velocities after the impact add to the linear momentum, y [N s]."""
+    before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
+    change_1 = after.velocity_1[1] - before.velocity_1[1]
+    change_2 = after.velocity_2[1] - before.velocity_2[1]
+    return masses.mass_1 * change_1 + masses.mass_2 * change_2
+
+
+def momentum_residual_z(
+    *, spatial_motion: SpatialMotion, spatial_motion_after: SpatialMotion, cylinder_masses: Masses
+) -> Array:
+    """Return what the velocities after the impact add to the linear momentum, z [N s]."""
+    before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
+    change_1 = after.velocity_1[2] - before.velocity_1[2]
+    change_2 = after.velocity_2[2] - before.velocity_2[2]
+    return masses.mass_1 * change_1 + masses.mass_2 * change_2
+
+
+def angular_momentum_residual_x(
+    *,
+    cylinder_1: Cylinder,
+    cylinder_2: Cylinder,
+    spatial_motion: SpatialMotion,
+    spatial_motion_after: SpatialMotion,
+    cylinder_masses: Masses,
+) -> Array:
+    """Return what the impact adds to the angular momentum about the origin, x [kg m2 s-1]."""
+    return turning(cylinder_1, cylinder_2, spatial_motion, spatial_motion_after, cylinder_masses)[0]
+
+
+def angular_momentum_residual_y(
+    *,
+    cylinder_1: Cylinder,
+    cylinder_2: Cylinder,
+    spatial_motion: SpatialMotion,
+    spatial_motion_after: SpatialMotion,
+    cylinder_masses: Masses,
+) -> Array:
+    """Return what the impact adds to the angular momentum about the origin, y [kg m2 s-1]."""
+    return turning(cylinder_1, cylinder_2, spatial_motion, spatial_motion_after, cylinder_masses)[1]
+
+
+def angular_momentum_residual_z(
+    *,
+    cylinder_1: Cylinder,
+    cylinder_2: Cylinder,
+    spatial_motion: SpatialMotion,
+    spatial_motion_after: SpatialMotion,
+    cylinder_masses: Masses,
+) -> Array:
+    """Return what the impact adds to the angular momentum about the origin, z [kg m2 s-1]."""
+    return turning(cylinder_1, cylinder_2, spatial_motion, spatial_motion_after, cylinder_masses)[2]
