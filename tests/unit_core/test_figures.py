@@ -98,7 +98,7 @@ def test_limiting_friction_of_chapter_3_is_the_formula_and_never_below_its_minim
     flat = limit.sel(pitch=0) == limit.min("pitch")
     assert flat.where(~reached, True).all()
     if number == 3:
-        assert float(limit.sel(pitch=0, height=0.04)) == pytest.approx(5 / 3, rel=1e-14)
+        assert float(limit.sel(pitch=0, length=0.0025)) == pytest.approx(5 / 3, rel=1e-14)
     assert np.isinf(limit).equals(dataset["regime"] == REGIMES["unbounded"].value)
 
 
