@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 from rich import box
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -70,8 +71,7 @@ def show_table(
     grid = _grid("output", "unit", "least", "largest", "dimensions")
     for name, variable in table.variables.items():
         if name != "regime":
-            finite = variable.values[np.isfinite(variable.values)]
-            ends = (f"{finite.min():.6g}", f"{finite.max():.6g}") if finite.size else ("-", "-")
+            ends = _finite_ends(variable.values)
             grid.add_row(name, QUANTITIES[name].unit, *ends, ", ".join(variable.dims) or "none")
     console.print(grid)
     shares = regime_shares(table)
@@ -131,6 +131,17 @@ def show_scene(scene: dict[str, Any]) -> None:
     for r in scene["regimes"]:
         grid.add_row(r["name"], str(r["value"]), r["description"])
     console.print(grid)
+
+
+def _finite_ends(values: NDArray[np.float64]) -> tuple[str, str]:
+    """Return the least and the largest finite value as text."""
+    least, largest = values.min(), values.max()
+    if not (np.isfinite(least) and np.isfinite(largest)):
+        finite = values[np.isfinite(values)]
+        if not finite.size:
+            return "-", "-"
+        least, largest = finite.min(), finite.max()
+    return f"{least:.6g}", f"{largest:.6g}"
 
 
 def _grid(*columns: str) -> Grid:
