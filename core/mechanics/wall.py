@@ -257,8 +257,3 @@ def rear_corner_lifts(
 def is_too_long(*, length: Array, radius: Array) -> Mask:
     """Return where the part is longer than the bowl is wide: h > 2R."""
     return length > 2 * radius
-
-
-def tips(*, pressure_offset_x: Array, length: Array) -> Mask:
-    """Return where the floor resultant leaves the base along the track: the part tips."""
-    return np.abs(pressure_offset_x) > length / 2

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.mechanics import travel, vibration, wall
+from core.mechanics import friction, travel, vibration, wall
 from core.scenes.planar import DRIVE
 from core.scenes.scene import (
     STANDARD_GRAVITY,
@@ -136,7 +136,7 @@ PHYSICAL_CONDITIONS = (
     *LEFT_FLOOR,
     *REST,
     LEFT_WALL,
-    Condition("tipping", wall.tips, frozenset(("pressure_offset_x",))),
+    Condition("tipping", friction.tips_x, frozenset(("pressure_offset_x",))),
     *BEYOND,
     Condition("stick", wall.is_held, ACCELERATION, otherwise="slip"),
 )

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.errors import Problem, StudyError, suggestion
 from core.quantities import QUANTITIES, REGIMES
 from core.scenes import ALIASES, SCENES, Equation, Scene
 from core.study.models import SweepStudy
-from core.sweep.plan import scene_parameters
+from core.sweep.plan import find_scene, scene_parameters
 
 
 def describe_all() -> list[dict[str, Any]]:
@@ -33,15 +32,7 @@ def describe(name: str, variant: str | None = None) -> dict[str, Any]:
     StudyError
         If there is no such scene or variant.
     """
-    scene = SCENES.get(name)
-    if scene is None:
-        raise StudyError(
-            [Problem("scene", f"'{name[:60]}' is not a scene", suggestion(name, SCENES))]
-        )
-    chosen = variant or scene.default_variant
-    if chosen not in scene.variants:
-        fix = suggestion(chosen, scene.variants)
-        raise StudyError([Problem("variant", f"{name} has no variant '{chosen[:60]}'", fix)])
+    scene, chosen = find_scene(name, variant)
     line = next(line for line in describe_all() if line["name"] == name)
     return {
         **line,

@@ -72,6 +72,24 @@ class Plan:
         return known
 
 
+def find_scene(name: str, variant: str | None) -> tuple[Scene, str]:
+    """Return a scene and the variant in force, its default where none is named.
+
+    Raises
+    ------
+    StudyError
+        If there is no such scene or variant.
+    """
+    scene = SCENES.get(name)
+    if scene is None:
+        message = f"'{name[:60]}' is not a scene"
+        raise StudyError([Problem("scene", message, suggestion(name, SCENES))])
+    if variant is not None and variant not in scene.variants:
+        message = f"{scene.name} has no variant '{variant[:60]}'"
+        raise StudyError([Problem("variant", message, suggestion(variant, scene.variants))])
+    return scene, variant or scene.default_variant
+
+
 def make_plan(
     scene_name: str, variant: str | None, outputs: Collection[str], given: Collection[str]
 ) -> Plan:
@@ -82,14 +100,7 @@ def make_plan(
     StudyError
         With every problem: unknown scene, variant or output, missing and unused parameters.
     """
-    scene = SCENES.get(scene_name)
-    if scene is None:
-        message = f"'{scene_name}' is not a scene"
-        raise StudyError([Problem("scene", message, suggestion(scene_name, SCENES))])
-    if variant is not None and variant not in scene.variants:
-        message = f"{scene.name} has no variant '{variant}'"
-        raise StudyError([Problem("variant", message, suggestion(variant, scene.variants))])
-    variant = variant or scene.default_variant
+    scene, variant = find_scene(scene_name, variant)
     problems = [
         *(
             _unknown_output(scene, variant, name)
