@@ -791,8 +791,8 @@ QUANTITIES: dict[str, Quantity] = {
 
 
 @dataclass(frozen=True)
-class Regime:
-    """A state that a cell can be in.
+class Flag:
+    """A value of a flag variable, such as a state that a cell can be in.
 
     Attributes
     ----------
@@ -801,7 +801,7 @@ class Regime:
     description : str
         What it says to the user.
     valid : bool
-        False where the closed forms no longer describe a real part.
+        False where the values of the cell do not describe a real part.
     """
 
     value: int
@@ -809,36 +809,48 @@ class Regime:
     valid: bool = True
 
 
-REGIMES: dict[str, Regime] = {
-    "not_assessed": Regime(0, "the asked outputs do not depend on any contact"),
-    "contact": Regime(1, "the part is in contact; stick or slip does not matter here"),
-    "stick": Regime(2, "friction holds the part; it does not move"),
-    "slip": Regime(3, "the part slides"),
-    "roll": Regime(4, "the cylinder rolls without slip"),
-    "flight": Regime(5, "the part has left the floor", valid=False),
-    "wall_lost": Regime(6, "the part has left the wall", valid=False),
-    "flight_and_wall_lost": Regime(7, "the part has left floor and wall", valid=False),
-    "no_motion": Regime(8, "the drive is too weak to start forward motion"),
-    "stopped": Regime(9, "the part stops before the distance or time is reached"),
-    "outside_cone": Regime(10, "the forces lie outside the friction cone", valid=False),
-    "invalid_geometry": Regime(11, "the part does not fit the track or the model", valid=False),
-    "tipping": Regime(12, "the centre of pressure leaves the base: the part tips", valid=False),
-    "faster_than_track": Regime(13, "the estimate exceeds the largest track speed", valid=False),
-    "unbounded": Regime(14, "no finite value exists: nothing limits it"),
-    "separation": Regime(15, "the corner leaves the plane"),
-    "sliding": Regime(16, "the corner slides on the plane, or starts to"),
-    "two_solutions": Regime(17, "more than one contact force satisfies the model", valid=False),
-    "no_solution": Regime(18, "no contact force satisfies the model", valid=False),
+REGIMES: dict[str, Flag] = {
+    "not_assessed": Flag(0, "the asked outputs do not depend on any contact"),
+    "contact": Flag(1, "the part is in contact; stick or slip does not matter here"),
+    "stick": Flag(2, "friction holds the part; it does not move"),
+    "slip": Flag(3, "the part slides"),
+    "roll": Flag(4, "the cylinder rolls without slip"),
+    "flight": Flag(5, "the part has left the floor", valid=False),
+    "wall_lost": Flag(6, "the part has left the wall", valid=False),
+    "flight_and_wall_lost": Flag(7, "the part has left floor and wall", valid=False),
+    "no_motion": Flag(8, "the drive is too weak to start forward motion"),
+    "stopped": Flag(9, "the part stops before the distance or time is reached"),
+    "outside_cone": Flag(10, "the forces lie outside the friction cone", valid=False),
+    "invalid_geometry": Flag(11, "the part does not fit the track or the model", valid=False),
+    "tipping": Flag(12, "the centre of pressure leaves the base: the part tips", valid=False),
+    "faster_than_track": Flag(13, "the estimate exceeds the largest track speed", valid=False),
+    "unbounded": Flag(14, "no finite value exists: nothing limits it"),
+    "separation": Flag(15, "the corner leaves the plane"),
+    "sliding": Flag(16, "the corner slides on the plane, or starts to"),
+    "two_solutions": Flag(17, "more than one contact force satisfies the model", valid=False),
+    "no_solution": Flag(18, "no contact force satisfies the model", valid=False),
     # --- impacts of two bodies
-    "apart": Regime(19, "the bodies do not touch; nothing happens"),
-    "overlap": Regime(20, "the bodies overlap: no such placement is possible", valid=False),
-    "no_impact": Regime(21, "the bodies touch but do not approach; nothing happens"),
-    "impact_stick": Regime(22, "they collide and do not slide on each other at the end"),
-    "impact_slip": Regime(23, "they collide and slide on each other at the end"),
-    "simultaneous": Regime(
+    "apart": Flag(19, "the bodies do not touch; nothing happens"),
+    "overlap": Flag(20, "the bodies overlap: no such placement is possible", valid=False),
+    "no_impact": Flag(21, "the bodies touch but do not approach; nothing happens"),
+    "impact_stick": Flag(22, "they collide and do not slide on each other at the end"),
+    "impact_slip": Flag(23, "they collide and slide on each other at the end"),
+    "simultaneous": Flag(
         24, "they meet at several points at once, or edge to edge: the law does not tell more",
         valid=False,
     ),
-    "impact": Regime(25, "they collide"),
-    "singular": Regime(26, "the formula divides by zero here: it has no value", valid=False),
+    "impact": Flag(25, "they collide"),
+    "singular": Flag(26, "the formula divides by zero here: it has no value", valid=False),
 }  # fmt: skip
+
+MOTION_STATUSES: dict[str, Flag] = {
+    "not_computed": Flag(0, "the study was stopped before this cell", valid=False),
+    "periodic": Flag(1, "the motion repeats after a whole number of periods"),
+    "at_rest": Flag(2, "friction holds the part; it does not move"),
+    "aperiodic": Flag(3, "the motion does not repeat; mean and spread over many periods"),
+    "runaway": Flag(4, "the part gains speed for ever; it has no mean velocity", valid=False),
+    "neutral": Flag(5, "no friction: the speed is that of the start, at rest on the track"),
+    "limit_reached": Flag(6, "the limit on periods came first; mean of those run", valid=False),
+    "no_solution": Flag(7, "the contact laws had no solution, or several", valid=False),
+    "settled": Flag(8, "the part has come to rest on a side"),
+}

@@ -1,0 +1,1 @@
+"""Motion in time: stick, slide, hop, and the true mean velocity."""
