@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -64,41 +66,114 @@ COLUMNS = len(Motion._fields) - 1
 Kernel = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int8]], object]
 
 
+@dataclass(frozen=True)
+class Watch:
+    """What a long computation asks while it runs: whether to stop, and whom to tell.
+
+    Attributes
+    ----------
+    progress : callable, optional
+        Called with the share of the cells done since the last call; from any thread, one at a time.
+    stop : callable, optional
+        Returns True if no further cell is to be started.
+    deadline : float, optional
+        The `time.monotonic` at which no further cell is started.
+    """
+
+    progress: Callable[[float], object] | None = None
+    stop: Callable[[], bool] | None = None
+    deadline: float | None = None
+
+    def stopped(self) -> bool:
+        """Return whether no further cell is to be started."""
+        late = self.deadline is not None and time.monotonic() >= self.deadline
+        return late or (self.stop is not None and self.stop())
+
+    def advance(self, share: float) -> None:
+        """Tell that a share of the cells is done."""
+        if self.progress is not None:
+            self.progress(share)
+
+
 def run_cells(
-    kernel: Kernel, groups: NDArray[np.float64], *, piece: int = 256
+    kernel: Kernel,
+    groups: NDArray[np.float64],
+    *,
+    columns: int = COLUMNS,
+    piece: int = 256,
+    watch: Watch | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
-    """Run a kernel over cells, in pieces shared out among as many threads as there are cores.
+    """Run a kernel over the different cells, in pieces shared out among threads, one a core.
 
     Parameters
     ----------
     kernel : callable
-        Takes groups (n, g), a table (n, COLUMNS) and statuses (n,), and fills the last two. It
+        Takes groups (n, g), a table (n, columns) and statuses (n,), and fills the last two. It
         must release the interpreter's lock, and may not look across cells.
     groups : ndarray, shape (n, g)
-        The dimensionless groups of each cell.
+        The dimensionless groups of each cell; equal rows are computed once.
+    columns : int
+        Columns of the table.
     piece : int
-        Cells of one call.
+        Most cells of one call.
+    watch : Watch, optional
+        Asked before each piece; what is not started has status `not_computed`, and NaN.
 
     Returns
     -------
-    table : ndarray, shape (n, COLUMNS)
+    table : ndarray, shape (n, columns)
     status : ndarray of int8, shape (n,)
     """
-    cells = groups.shape[0]
-    table = np.empty((cells, COLUMNS))
-    status = np.zeros(cells, dtype=np.int8)
+    watch = watch or Watch()
+    different, where = _different(groups)
+    cells = different.shape[0]
+    table = np.full((cells, columns), np.nan)
+    status = np.full(cells, STATUS["not_computed"], dtype=np.int8)
+    threads = os.cpu_count() or 1
+    piece = max(1, min(piece, cells // (4 * threads)))
 
-    def run(start: int) -> None:
-        end = start + piece
-        kernel(groups[start:end], table[start:end], status[start:end])
+    def run(start: int) -> int:
+        if watch.stopped():
+            return 0
+        end = min(start + piece, cells)
+        kernel(different[start:end], table[start:end], status[start:end])
+        return end - start
 
     starts = range(0, cells, piece)
-    threads = min(os.cpu_count() or 1, len(starts))
-    if threads <= 1:
+    if threads == 1 or len(starts) == 1:
         for start in starts:
-            run(start)
+            watch.advance(run(start) / cells)
     else:
         with ThreadPoolExecutor(threads, thread_name_prefix="motion") as pool:
-            for _ in pool.map(run, starts):
-                pass
-    return table, status
+            for done in pool.map(run, starts):
+                watch.advance(done / cells)
+    return (table, status) if where is None else (table[where], status[where])
+
+
+def motion_of(
+    table: NDArray[np.float64], status: NDArray[np.int8], shape: tuple[int, ...]
+) -> Motion:
+    """Return a kernel's table as a `Motion` of arrays of a shape."""
+    columns = (np.ascontiguousarray(column).reshape(shape) for column in table.T)
+    return Motion(*columns, status.reshape(shape))
+
+
+def _different(
+    groups: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.intp] | None]:
+    """Return the different rows, and the place of each row among them; None if all differ."""
+    rows = np.ascontiguousarray(groups + 0.0)  # -0.0 is 0.0
+    # One number a row, by a sum of products of its bits: 64 bits sort faster than whole rows.
+    factors = np.random.default_rng(0).integers(1, 2**63, rows.shape[1], dtype=np.uint64) * 2 + 1
+    marks = (rows.view(np.uint64) * factors).sum(axis=1, dtype=np.uint64)
+    marks ^= marks >> np.uint64(29)
+    _, first, where = np.unique(marks, return_index=True, return_inverse=True)
+    if first.size == rows.shape[0]:
+        return rows, None
+    order = np.argsort(first, kind="stable")  # in the order of the grid, whatever the marks
+    place = np.empty_like(order)
+    place[order] = np.arange(order.size)
+    different, where = rows[first[order]], place[where]
+    if not np.array_equal(different[where], rows, equal_nan=True):
+        return rows, None  # two rows share a mark
+    return different, where
