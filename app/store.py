@@ -11,8 +11,9 @@ from pathlib import Path
 import core
 from app.errors import NotFoundError
 from core.dataset.netcdf import write_netcdf
-from core.study import SweepStudy, parse_json
-from core.sweep import Sweep, prepare, tabulate
+from core.study import SweepStudy
+from core.study.load import read_json
+from core.sweep import Sweep, prepare_content, tabulate
 
 IDENTIFIER = re.compile(r"[0-9a-f]{64}")
 
@@ -55,7 +56,7 @@ class SweepStore:
         path = self.directory / key / "study.json"
         if not IDENTIFIER.fullmatch(key) or not path.is_file():
             raise NotFoundError(f"There is no sweep '{key[:80]}'. POST its study to /sweeps first.")
-        return prepare(parse_json(path.read_bytes()))
+        return prepare_content(read_json(path.read_bytes()))
 
     def netcdf(self, key: str) -> Path:
         """Return the NetCDF file of a sweep; the first call writes it."""

@@ -98,14 +98,97 @@ def _screw(name: str, label: str, what: str) -> dict[str, Quantity]:
     return {f"{name}_pitch": pitch, **point}
 
 
+def _motion() -> dict[str, Quantity]:
+    """Return the quantities of motion in time: scales, settings, results."""
+
+    def number(symbol: str, label: str, description: str) -> Quantity:
+        return Quantity("1", symbol, label, description)
+
+    def fraction(label: str, description: str) -> Quantity:
+        return Quantity("1", "", label, f"Part of the period in which {description}.")
+
+    scales = {
+        "drive_number": number(
+            "p", "Drive number", "Amplitude of the drive acceleration over gravity."
+        ),
+        "drive_number_along": number(
+            "p cb ca", "Drive number along the track", "Drive acceleration along +x over gravity."
+        ),
+        "drive_number_across": number(
+            "p cb sa", "Drive number across the track", "Drive acceleration along +y over gravity."
+        ),
+        "drive_number_normal": number(
+            "p sb", "Drive number off the floor", "Drive acceleration along +z over gravity."
+        ),
+        "gravity_number_along": number(
+            "sin(gamma)", "Share of gravity along the track", "Gravity along -x over gravity."
+        ),
+        "gravity_number_across": number(
+            "cg sd", "Share of gravity towards the wall", "Gravity along -y over gravity."
+        ),
+        "gravity_number_normal": number(
+            "cg cd", "Share of gravity onto the floor", "Gravity along -z over gravity."
+        ),
+        "curvature_number": number(
+            "g/(w^2 R)", "Curvature number", "Length scale g/w^2 over the bowl radius."
+        ),
+        "velocity_scale": _velocity("g/w", "Velocity scale", "Gravity over circular frequency."),
+        "length_scale": Quantity(
+            "m", "g/w^2", "Length scale", "Gravity over circular frequency squared."
+        ),
+        "motion": Quantity(
+            "1", "", "Motion", "Motion over a period, in the scales of the drive.", bundle=True
+        ),
+    }
+    settings = {
+        "tolerance": number(
+            "tol", "Tolerance", "Largest error of a periodic state, as a share of the drive."
+        ),
+        "most_periods": number(
+            "N", "Most periods", "Most periods of the drive that one point is followed for."
+        ),
+    }
+    results = {
+        "conveying_velocity": _velocity(
+            "v", "Conveying velocity", "Mean velocity along the track once the motion repeats."
+        ),
+        "conveying_velocity_spread": _velocity(
+            "s(v)", "Spread of the conveying velocity",
+            "Standard deviation of the means of runs from several phases; 0 where the motion "
+            "repeats.",
+        ),
+        "conveying_velocity_error": _velocity(
+            "e(v)", "Error of the conveying velocity", "The method's own estimate of its error."
+        ),
+        "efficiency": number(
+            "v/v_b", "Transport efficiency",
+            "Conveying velocity over the largest speed of the track along x.",
+        ),
+        "stick_fraction": fraction("Sticking share", "friction holds the part"),
+        "forward_fraction": fraction("Forward sliding share", "the part slides forward"),
+        "backward_fraction": fraction("Backward sliding share", "the part slides backward"),
+        "flight_fraction": fraction("Flight share", "the part is off the floor"),
+        "impacts_per_period": number(
+            "", "Impacts per period",
+            "Impacts on the floor per period of the drive; a run of ever smaller hops counts as "
+            "those resolved.",
+        ),
+        "period_multiple": number(
+            "", "Period multiple",
+            "Periods of the drive after which the motion repeats; 0 where it does not.",
+        ),
+        "landing_speed": _velocity(
+            "u_N", "Landing speed", "Largest speed normal to the floor before an impact."
+        ),
+        "hop_height": Quantity("m", "z", "Hop height", "Largest distance from the floor."),
+        "motion_status": number("", "Status of the motion", "How the motion ended."),
+    }  # fmt: skip
+    return {**scales, **settings, **results}
+
+
 def _pair_impact() -> dict[str, Quantity]:
     """Return the quantities of two bodies, 1 and 2, that collide."""
     several = {
-        "restitution": Quantity(
-            "1", "eps", "Restitution",
-            "Coefficient of restitution: 0 for no rebound, 1 for full rebound.", 0.0, 1.0,
-            parameter=True, examples=("0.5",),
-        ),
         "contact_tolerance": Quantity(
             "1", "g_tol/size", "Contact tolerance",
             "Largest gap or overlap that counts as touching, as a share of the bodies' size, the "
@@ -394,6 +477,11 @@ QUANTITIES: dict[str, Quantity] = {
     "mass": Quantity(
         "kg", "m", "Part mass", "Mass of the part.", 0.0, strict=True, parameter=True,
         examples=("5 g",),
+    ),
+    "restitution": Quantity(
+        "1", "eps", "Restitution",
+        "Coefficient of restitution: 0 for no rebound, 1 for full rebound.", 0.0, 1.0,
+        parameter=True, examples=("0.5",),
     ),
     # --- parameters: the motion
     "speed": Quantity(
@@ -787,6 +875,8 @@ QUANTITIES: dict[str, Quantity] = {
     "regime": Quantity("1", "regime", "Regime", "State of the contacts in each cell."),
     # --- impacts of two bodies
     **_pair_impact(),
+    # --- motion in time
+    **_motion(),
 }  # fmt: skip
 
 
@@ -841,6 +931,16 @@ REGIMES: dict[str, Flag] = {
     ),
     "impact": Flag(25, "they collide"),
     "singular": Flag(26, "the formula divides by zero here: it has no value", valid=False),
+    # --- motion in time
+    "stick_slip": Flag(27, "the part sticks for a part of the period and slides for the rest"),
+    "hopping": Flag(28, "the part hops once a period or more often, and touches the floor between"),
+    "hop_after_hop": Flag(29, "the part hops without touching the floor between"),
+    "period_doubled": Flag(30, "the motion repeats after two periods of the drive or more"),
+    "aperiodic": Flag(31, "the motion does not repeat; values are means over many periods"),
+    "runaway": Flag(32, "the part gains speed for ever; it has no mean velocity", valid=False),
+    "unresolved": Flag(
+        33, "no answer: the study was stopped, or a limit came first", valid=False
+    ),
 }  # fmt: skip
 
 MOTION_STATUSES: dict[str, Flag] = {

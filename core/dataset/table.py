@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.quantities import QUANTITIES, REGIMES
+from core.quantities import QUANTITIES, REGIMES, Flag
 
 if TYPE_CHECKING:
     import xarray
@@ -82,12 +82,19 @@ def quantity_attributes(name: str, **extra: str) -> dict[str, Any]:
 
 def regime_attributes(names: tuple[str, ...]) -> dict[str, Any]:
     """Return the CF flag attributes of a `regime` variable that can take the named regimes."""
-    ordered = sorted(names, key=lambda name: REGIMES[name].value)
-    legend = "; ".join(f"{name}: {REGIMES[name].description}" for name in ordered)
+    return flag_attributes("regime", REGIMES, names)
+
+
+def flag_attributes(
+    variable: str, flags: Mapping[str, Flag], names: tuple[str, ...]
+) -> dict[str, Any]:
+    """Return the CF flag attributes of a variable that can take the named flags."""
+    ordered = sorted(names, key=lambda name: flags[name].value)
+    legend = "; ".join(f"{name}: {flags[name].description}" for name in ordered)
     return {
-        "long_name": QUANTITIES["regime"].label,
+        "long_name": QUANTITIES[variable].label,
         "standard_name": "status_flag",
-        "flag_values": np.array([REGIMES[name].value for name in ordered], dtype=np.int8),
+        "flag_values": np.array([flags[name].value for name in ordered], dtype=np.int8),
         "flag_meanings": " ".join(ordered),
         "comment": legend,
     }

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +12,7 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.quantities import MOTION_STATUSES
+from core.watch import Watch
 
 
 class Motion(NamedTuple):
@@ -64,35 +63,6 @@ COLUMNS = len(Motion._fields) - 1
 """Columns of a kernel's table, one a field of `Motion` in its order, without the status."""
 
 Kernel = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int8]], object]
-
-
-@dataclass(frozen=True)
-class Watch:
-    """What a long computation asks while it runs: whether to stop, and whom to tell.
-
-    Attributes
-    ----------
-    progress : callable, optional
-        Called with the share of the cells done since the last call; from any thread, one at a time.
-    stop : callable, optional
-        Returns True if no further cell is to be started.
-    deadline : float, optional
-        The `time.monotonic` at which no further cell is started.
-    """
-
-    progress: Callable[[float], object] | None = None
-    stop: Callable[[], bool] | None = None
-    deadline: float | None = None
-
-    def stopped(self) -> bool:
-        """Return whether no further cell is to be started."""
-        late = self.deadline is not None and time.monotonic() >= self.deadline
-        return late or (self.stop is not None and self.stop())
-
-    def advance(self, share: float) -> None:
-        """Tell that a share of the cells is done."""
-        if self.progress is not None:
-            self.progress(share)
 
 
 def run_cells(
@@ -154,8 +124,8 @@ def motion_of(
     table: NDArray[np.float64], status: NDArray[np.int8], shape: tuple[int, ...]
 ) -> Motion:
     """Return a kernel's table as a `Motion` of arrays of a shape."""
-    columns = (np.ascontiguousarray(column).reshape(shape) for column in table.T)
-    return Motion(*columns, status.reshape(shape))
+    columns = [np.ascontiguousarray(column).reshape(shape) for column in table.T]
+    return Motion._make([*columns, status.reshape(shape)])
 
 
 def _different(

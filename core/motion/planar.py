@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.motion.motion import Motion, Watch, motion_of, run_cells
+from core.motion.motion import Motion, motion_of, run_cells
+from core.watch import Watch
 
 MODES = {"stick": 0, "forward": 1, "backward": 2, "flight": 3}
 
@@ -67,7 +68,7 @@ def planar_motion(
         tolerance,
         most_periods,
     )
-    from core.motion.planar_kernel import solve_cells
+    from core.motion.kernels.planar import solve_cells
 
     groups = np.stack([array.ravel() for array in arrays], axis=-1)
     return motion_of(*run_cells(solve_cells, groups, watch=watch), arrays[0].shape)
@@ -94,7 +95,7 @@ def planar_path(
         Phases from the start of a period of the drive, at least 0; beyond the cycle's end it goes
         on with the next one. An aperiodic motion is shown over the last stretch that was followed.
     """
-    from core.motion.planar_kernel import follow, sample
+    from core.motion.kernels.planar import follow, sample
 
     group = np.array(
         [
@@ -110,7 +111,7 @@ def planar_path(
         ]
     )
     pieces, shift, way = follow(group)
-    samples = sample(pieces, group, shift, np.asarray(phases, dtype=np.float64))
+    samples = sample(pieces, group, shift, phases)
     return Path(
         phases,
         way * samples[:, 0],

@@ -18,7 +18,9 @@ Function = Callable[..., Any]
 
 
 def _inputs(function: Function) -> tuple[str, ...]:
-    return tuple(inspect.signature(function).parameters)
+    """Return the names of the arguments that have no default: those are quantities."""
+    parameters = inspect.signature(function).parameters.values()
+    return tuple(p.name for p in parameters if p.default is inspect.Parameter.empty)
 
 
 def _summary(function: Function) -> str:
@@ -119,12 +121,15 @@ class Constraint:
         returns whether the study may go on.
     message, fix : str
         What is wrong if it does not, and what would be right.
+    variant : str
+        The only variant that it concerns; empty for all.
     """
 
     parameters: tuple[str, ...]
     holds: Callable[..., bool]
     message: str
     fix: str
+    variant: str = ""
 
 
 STATIC_ABOVE_KINETIC = Constraint(
@@ -154,6 +159,8 @@ class Scene:
         equation gives stands only where the study gives no parameter of that equation.
     constraints : tuple of Constraint
         Relations between parameters, beyond the bounds of each.
+    choice : str
+        The key by which a study chooses among the variants.
     """
 
     name: str
@@ -165,6 +172,7 @@ class Scene:
     conditions: Mapping[str, tuple[Condition, ...]]
     defaults: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     constraints: tuple[Constraint, ...] = (STATIC_ABOVE_KINETIC,)
+    choice: str = "variant"
 
     def __post_init__(self) -> None:
         if self.default_variant not in self.variants or set(self.conditions) != set(self.variants):
@@ -214,7 +222,8 @@ class Scene:
         undeclared |= {condition.regime for condition in conditions} - set(REGIMES)
         if undeclared:
             raise SceneError(f"{where}: {sorted(undeclared)} are not declared")
-        orphans = {name for name in needed - set(gives) if not QUANTITIES[name].parameter}
+        stand_alone = {name for name in QUANTITIES if QUANTITIES[name].parameter} | {*self.defaults}
+        orphans = needed - set(gives) - stand_alone
         if orphans:
             raise SceneError(f"{where}: nothing gives {sorted(orphans)}")
         strange = {name for condition in conditions for name in condition.outputs}

@@ -86,22 +86,22 @@ def parse_study(content: object) -> Study:
     try:
         return STUDIES[kind].model_validate(content)
     except ValidationError as error:
-        raise StudyError(_problems(error.errors(include_url=False))) from None
+        raise StudyError(_problems(kind, error.errors(include_url=False))) from None
 
 
 def _problems_of(content: dict[str, Any]) -> Iterable[Problem]:
     try:
         STUDIES[content["kind"]].model_validate(content)
     except ValidationError as error:
-        return _problems(error.errors(include_url=False))
+        return _problems(content["kind"], error.errors(include_url=False))
     return ()
 
 
-def _problems(errors: Iterable[ErrorDetails]) -> list[Problem]:
-    return [_problem(error) for error in errors]
+def _problems(kind: str, errors: Iterable[ErrorDetails]) -> list[Problem]:
+    return [_problem(kind, error) for error in errors]
 
 
-def _problem(error: ErrorDetails) -> Problem:
+def _problem(kind: str, error: ErrorDetails) -> Problem:
     """Return one error of pydantic in our words."""
     place = ".".join(str(part)[:60] for part in error["loc"]) or "study"
     name = str(error["loc"][-1])[:60] if error["loc"] else ""
@@ -110,8 +110,8 @@ def _problem(error: ErrorDetails) -> Problem:
         return Problem(place, context["message"], context["fix"])
     if error["type"] == "extra_forbidden":
         in_parameters = len(error["loc"]) > 1
-        known = PARAMETERS if in_parameters else tuple(STUDIES["sweep"].model_fields)
-        what = "is not a parameter" if in_parameters else "is not a key of a study"
+        known = PARAMETERS if in_parameters else tuple(STUDIES[kind].model_fields)
+        what = "is not a parameter" if in_parameters else f"is not a key of kind '{kind}'"
         return Problem(place, f"'{name}' {what}", suggestion(name, known))
     if error["type"] == "missing":
         return Problem(place, "it is missing", f"Add {name}")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
+from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import (
@@ -95,21 +97,12 @@ else:
     )
 
 
-class SweepStudy(_Frozen):
-    """Closed-form equations of one scene over a grid of parameters."""
+class GridStudy(_Frozen):
+    """What every kind of study has: a scene, and parameters that may range over a grid."""
 
-    kind: Literal["sweep"] = Field(description="The kind of study.")
+    kind: str = Field(description="The kind of study.")
     scene: str = Field(
         description="Name of a scene; `vibrafeed scenes` lists them.", max_length=100
-    )
-    variant: str | None = Field(
-        None,
-        description="thesis (as printed), derived (errors corrected) or physical; the scene's "
-        "default where left out.",
-        max_length=100,
-    )
-    outputs: tuple[Annotated[str, Field(max_length=100)], ...] = Field(
-        description="Names of the outputs.", min_length=1, max_length=100
     )
     parameters: Parameters = Field(description="Fixed or ranged parameters.")
     title: str | None = Field(None, description="Title of the dataset.", max_length=500)
@@ -142,7 +135,100 @@ class SweepStudy(_Frozen):
         return hashlib.sha256(self.canonical().encode()).hexdigest()
 
 
-Study = SweepStudy
+MOST_SAMPLES = 100_000
+_TRAJECTORY_SCHEMA = {
+    "anyOf": [
+        {"type": "integer", "minimum": 2, "maximum": MOST_SAMPLES},
+        {
+            "type": "array",
+            "items": {"type": "number", "minimum": 0},
+            "minItems": 1,
+            "maxItems": MOST_SAMPLES,
+        },
+        {"type": "null"},
+    ]
+}
+
+
+def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
+    """Return a number of steps, or times in seconds."""
+    whole = isinstance(raw, int) and not isinstance(raw, bool)
+    if raw is None or (whole and 2 <= raw <= MOST_SAMPLES):  # type: ignore[operator]
+        return raw  # type: ignore[return-value]
+    if isinstance(raw, list | tuple) and 0 < len(raw) <= MOST_SAMPLES:
+        numbers = [x for x in raw if isinstance(x, int | float) and not isinstance(x, bool)]
+        rises = all(before < after for before, after in pairwise(numbers))
+        if len(numbers) == len(raw) and rises and numbers[0] >= 0 and math.isfinite(numbers[-1]):
+            return tuple(float(number) for number in numbers)
+    raise PydanticCustomError(
+        "value",
+        "{message}",
+        {
+            "message": f"{str(raw)[:40]!r} is neither a number of steps nor a list of times",
+            "fix": f"Write a whole number from 2 to {MOST_SAMPLES:,}, or times in seconds that rise"
+            " from 0 or later",
+        },
+    )
+
+
+_Outputs = tuple[Annotated[str, Field(max_length=100)], ...]
+
+
+class SweepStudy(GridStudy):
+    """Closed-form equations of one scene over a grid of parameters."""
+
+    kind: Literal["sweep"] = Field(description="The kind of study.")
+    variant: str | None = Field(
+        None,
+        description="thesis (as printed), derived (errors corrected) or physical; the scene's "
+        "default where left out.",
+        max_length=100,
+    )
+    outputs: _Outputs = Field(description="Names of the outputs.", min_length=1, max_length=100)
+
+
+class SimulateStudy(GridStudy):
+    """Motion in time of one scene over a grid of parameters."""
+
+    kind: Literal["simulate"] = Field(description="The kind of study.")
+    method: str | None = Field(
+        None,
+        description="events (from event to event, exact), time-stepping or regularised; events "
+        "where left out and the motion is planar, else time-stepping.",
+        max_length=100,
+    )
+    outputs: _Outputs = Field(
+        ("conveying_velocity",), description="Names of the outputs.", min_length=1, max_length=100
+    )
+    tolerance: float | None = Field(
+        None, description="Largest error of a periodic state, as a share of the drive.", gt=0, le=1
+    )
+    most_periods: int | None = Field(
+        None,
+        description="Most periods of the drive that one point is followed for.",
+        ge=1,
+        le=1_000_000,
+    )
+    trajectory: Annotated[
+        int | tuple[float, ...] | None,
+        PlainValidator(_read_trajectory),
+        WithJsonSchema(_TRAJECTORY_SCHEMA),
+    ] = Field(
+        None,
+        description="Also give the motion in time of the one point of the study: at so many equal "
+        "steps of its cycle, or at these times in seconds since the start of a period.",
+    )
+
+    def settings(self) -> dict[str, float]:
+        """Return the settings that the study gives, by their names among the quantities."""
+        given = {name: getattr(self, name) for name in ("tolerance", "most_periods")}
+        return {name: float(value) for name, value in given.items() if value is not None}
+
+
+Study = SweepStudy | SimulateStudy
 """A study of any kind."""
 
-STUDIES: dict[str, type[Study]] = {"sweep": SweepStudy}
+STUDIES: dict[str, type[SweepStudy] | type[SimulateStudy]] = {
+    "sweep": SweepStudy,
+    "simulate": SimulateStudy,
+}

@@ -72,21 +72,25 @@ class Plan:
         return known
 
 
-def find_scene(name: str, variant: str | None) -> tuple[Scene, str]:
-    """Return a scene and the variant in force, its default where none is named.
+def find_scene(
+    name: str, variant: str | None, scenes: Mapping[str, Scene] = SCENES
+) -> tuple[Scene, str]:
+    """Return one of the scenes and the variant in force, its default where none is named.
 
     Raises
     ------
     StudyError
         If there is no such scene or variant.
     """
-    scene = SCENES.get(name)
+    scene = scenes.get(name)
     if scene is None:
-        message = f"'{name[:60]}' is not a scene"
-        raise StudyError([Problem("scene", message, suggestion(name, SCENES))])
+        is_scene = name in SCENES
+        message = f"'{name[:60]}' {'cannot be simulated' if is_scene else 'is not a scene'}"
+        fix = f"Known: {', '.join(scenes)}" if is_scene else suggestion(name, scenes)
+        raise StudyError([Problem("scene", message, fix)])
     if variant is not None and variant not in scene.variants:
-        message = f"{scene.name} has no variant '{variant[:60]}'"
-        raise StudyError([Problem("variant", message, suggestion(variant, scene.variants))])
+        message = f"{scene.name} has no {scene.choice} '{variant[:60]}'"
+        raise StudyError([Problem(scene.choice, message, suggestion(variant, scene.variants))])
     return scene, variant or scene.default_variant
 
 
@@ -100,7 +104,13 @@ def make_plan(
     StudyError
         With every problem: unknown scene, variant or output, missing and unused parameters.
     """
-    scene, variant = find_scene(scene_name, variant)
+    return plan_scene(*find_scene(scene_name, variant), outputs, given)
+
+
+def plan_scene(
+    scene: Scene, variant: str, outputs: Collection[str], given: Collection[str]
+) -> Plan:
+    """Return the plan of the outputs of a scene, as `make_plan` does."""
     problems = [
         *(
             _unknown_output(scene, variant, name)
@@ -190,8 +200,8 @@ def _unknown_output(scene: Scene, variant: str, name: str) -> Problem:
     if others:
         return Problem(
             "outputs",
-            f"the variant '{variant}' of {scene.name} does not give '{name}'",
-            f"Set variant to {' or '.join(others)}",
+            f"the {scene.choice} '{variant}' of {scene.name} does not give '{name}'",
+            f"Set {scene.choice} to {' or '.join(others)}",
         )
     return Problem(
         "outputs",

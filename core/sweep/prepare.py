@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 from core.errors import LimitError, Problem, StudyError, suggestion
-from core.scenes import SCENES, Scene
+from core.scenes import Scene
 from core.study.load import parse_study
-from core.study.models import PARAMETERS, SweepStudy
+from core.study.models import PARAMETERS, GridStudy, Study, SweepStudy
 from core.sweep.grid import Grid
-from core.sweep.plan import Plan, make_plan
+from core.sweep.plan import Plan, find_scene, plan_scene
 
-BYTES = {"regime": 1}  # of one value; 8 for all others
+BYTES = {"regime": 1, "motion_status": 1}  # of one value; 8 for all others
 
 
 @dataclass(frozen=True)
-class Sweep:
+class Prepared:
     """A study that can be carried out: its plan and its grid."""
 
-    study: SweepStudy
+    study: Study
     plan: Plan
     grid: Grid
 
@@ -41,7 +42,7 @@ class Sweep:
         return sum(self.grid.size(dims) * BYTES.get(name, 8) for name, dims in self.dims.items())
 
     def check_limits(self, *, cells: int, bytes_: int) -> None:
-        """Raise `LimitError` if the sweep has more cells or bytes than allowed."""
+        """Raise `LimitError` if the study has more cells or bytes than allowed."""
         for limit, asked, allowed in (("cells", self.cells, cells), ("bytes", self.bytes, bytes_)):
             if asked > allowed:
                 raise LimitError(limit, asked, allowed, self._what_fits(allowed / asked))
@@ -59,6 +60,16 @@ class Sweep:
         return f"It fits with fewer than {axes} ranged parameters"
 
 
+class Sweep(Prepared):
+    """A sweep that can be carried out."""
+
+    study: SweepStudy
+
+
+Chosen = Callable[[], tuple[Scene, str]]
+"""Finds the scene of a study and the variant in force; raises `StudyError` if there is none."""
+
+
 def prepare(study: SweepStudy) -> Sweep:
     """Return the sweep of a study.
 
@@ -67,18 +78,23 @@ def prepare(study: SweepStudy) -> Sweep:
     StudyError
         With every problem of scene, outputs and parameters.
     """
+    plan, grid = plan_study(study, study.outputs, lambda: find_scene(study.scene, study.variant))
+    return Sweep(study, plan, grid)
+
+
+def plan_study(study: GridStudy, outputs: Iterable[str], chosen: Chosen) -> tuple[Plan, Grid]:
+    """Return plan and grid of a study of any kind; raise `StudyError` with every problem."""
     values = study.values()
     grid = Grid.of(values)
-    problems: list[Problem] = []
-    if study.scene in SCENES:
-        problems += _broken_constraints(SCENES[study.scene], grid)
+    scene, variant = chosen()
+    problems = list(_broken_constraints(scene, variant, grid))
     try:
-        plan = make_plan(study.scene, study.variant, study.outputs, values)
+        plan = plan_scene(scene, variant, tuple(outputs), values)
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
     if problems:
         raise StudyError(problems)
-    return Sweep(study, plan, grid)
+    return plan, grid
 
 
 def prepare_content(content: object) -> Sweep:
@@ -92,32 +108,55 @@ def prepare_content(content: object) -> Sweep:
     try:
         study = parse_study(content)
     except StudyError as error:
-        places = {problem.place for problem in error.problems}
-        more = (p for p in _plan_problems(content) if p.place not in places)
-        raise StudyError([*error.problems, *more]) from None
+        raise StudyError([*error.problems, *further_problems(content, error, _chosen)]) from None
+    if not isinstance(study, SweepStudy):
+        problem = Problem("kind", f"'{study.kind}' is not a sweep", "Set kind = 'sweep'")
+        raise StudyError([problem])
     return prepare(study)
 
 
-def _plan_problems(content: object) -> tuple[Problem, ...]:
-    """Return what a plan of unsound content would object to, as far as it can be told."""
+def _chosen(content: Mapping[str, Any]) -> tuple[Scene, str]:
+    variant = content.get("variant")
+    return find_scene(content["scene"], variant if isinstance(variant, str) else None)
+
+
+def further_problems(
+    content: object,
+    known: StudyError,
+    chosen: Callable[[Mapping[str, Any]], tuple[Scene, str]],
+    outputs: tuple[str, ...] = (),
+) -> list[Problem]:
+    """Return what a plan of unsound content would object to, as far as it can be told.
+
+    Parameters
+    ----------
+    content : object
+        What stands in a file or request.
+    known : StudyError
+        What has been found; its places are not blamed again.
+    chosen : callable
+        Returns the scene and the variant in force of the content.
+    outputs : tuple of str
+        Those of a study that names none.
+    """
     if not isinstance(content, Mapping):
-        return ()
-    scene, variant = content.get("scene"), content.get("variant")
-    outputs, parameters = content.get("outputs"), content.get("parameters")
+        return []
+    asked, parameters = content.get("outputs", outputs), content.get("parameters")
     if not (
-        isinstance(scene, str)
-        and (variant is None or isinstance(variant, str))
-        and isinstance(outputs, list | tuple)
-        and all(isinstance(name, str) for name in outputs)
+        isinstance(content.get("scene"), str)
+        and isinstance(asked, list | tuple)
+        and all(isinstance(name, str) for name in asked)
         and isinstance(parameters, Mapping)
     ):
-        return ()
+        return []
     given = [_meant(str(name)) for name in parameters]
     try:
-        make_plan(scene, variant, outputs, [name for name in given if name])
+        scene, variant = chosen(content)
+        plan_scene(scene, variant, asked, [name for name in given if name])
     except StudyError as error:
-        return error.problems
-    return ()
+        places = {problem.place for problem in known.problems}
+        return [problem for problem in error.problems if problem.place not in places]
+    return []
 
 
 def _meant(name: str) -> str:
@@ -128,11 +167,12 @@ def _meant(name: str) -> str:
     return guess.split("'")[1] if guess.startswith("Did you mean") else ""
 
 
-def _broken_constraints(scene: Scene, grid: Grid) -> Iterable[Problem]:
+def _broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:
     """Yield the relations between given parameters that do not hold."""
     given = {*grid.axes, *grid.fixed}
     for constraint in scene.constraints:
-        if set(constraint.parameters) <= given:
+        concerned = constraint.variant in ("", variant)
+        if concerned and set(constraint.parameters) <= given:
             ends = [end for name in constraint.parameters for end in grid.bounds(name)]
             if not constraint.holds(*ends):
                 place = f"parameters.{constraint.parameters[0]}"

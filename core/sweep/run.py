@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import core
 from core.dataset.table import (
@@ -17,8 +19,9 @@ from core.dataset.table import (
 )
 from core.quantities import QUANTITIES
 from core.sweep.evaluate import Progress, evaluate
-from core.sweep.grid import from_si
-from core.sweep.prepare import Sweep, prepare
+from core.sweep.grid import Grid, from_si
+from core.sweep.plan import Plan
+from core.sweep.prepare import Prepared, Sweep, prepare
 
 if TYPE_CHECKING:
     import xarray
@@ -43,33 +46,43 @@ def tabulate(prepared: Sweep, *, progress: Progress | None = None) -> Table:
     """Return the labelled outputs of a prepared sweep; `progress` as in `evaluate`."""
     plan, grid = prepared.plan, prepared.grid
     arrays = evaluate(plan, grid, progress=progress)
-    equations = {equation.gives: equation for equation in plan.equations}
+    variables = outputs_of(prepared, arrays)
+    variables["regime"] = Variable(
+        prepared.dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
+    )
+    return Table(coordinates_of(plan, grid), variables, _global_attributes(prepared))
+
+
+def coordinates_of(plan: Plan, grid: Grid) -> dict[str, Variable]:
+    """Return the axes of a grid, and the values of fixed parameters and defaults of the plan."""
     coordinates = {
         name: Variable((name,), grid.coordinate(name), quantity_attributes(name))
         for name in grid.axes
     }
     fixed = {name: value for name, value in grid.fixed.items() if name in plan.parameters}
     fixed |= {name: _edge(name, value) for name, value in plan.defaults.items()}
-    coordinates |= {
+    return coordinates | {
         name: Variable((), np.asarray(value, dtype=np.float64), quantity_attributes(name))
         for name, value in fixed.items()
     }
-    variables = {
+
+
+def outputs_of(prepared: Prepared, arrays: Mapping[str, NDArray[Any]]) -> dict[str, Variable]:
+    """Return the asked outputs, labelled; `arrays` are in the units of the code."""
+    plan = prepared.plan
+    equations = {equation.gives: equation for equation in plan.equations}
+    return {
         name: Variable(
             prepared.dims[name],
             from_si(name, arrays[name]),
             quantity_attributes(
                 name,
                 equation=equations[name].source,
-                variant=plan.scene.variant_of(plan.variant, name),
+                **{plan.scene.choice: plan.scene.variant_of(plan.variant, name)},
             ),
         )
         for name in plan.outputs
     }
-    variables["regime"] = Variable(
-        prepared.dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
-    )
-    return Table(coordinates, variables, _global_attributes(prepared))
 
 
 def _edge(name: str, value: float) -> float:

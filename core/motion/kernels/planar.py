@@ -2,21 +2,20 @@
 
 Scales: phase tau = w t, lengths g/w^2, velocities g/w, accelerations g. The drive accelerates the
 part, in the frame of the track, by (c, s) sin(tau); gravity by -(gs, gn). In every mode the flow is
-closed, so a motion is a chain of events: lift-off, landing, stop, start of slip. Each is isolated on
-a piece of its flow that bends one way only, where Newton's iteration runs to the root from one side:
-none can be missed.
+closed, so a motion is a chain of events: lift-off, landing, stop, start of slip. Each is isolated
+on a piece of its flow that bends one way only, where Newton's iteration runs to the root from one
+side: none can be missed.
 
-The motion normal to the floor knows nothing of friction. Its attractor is found first, as a chain of
-segments (contact, flight) that repeats after whole periods; what is left is a map of one number, the
-sliding velocity at the start of the chain, onto itself. Under one coefficient of friction it never
-stretches distances, so its fixed point is bracketed by every evaluation.
-
-Everything stands in one file: the cache of compiled code looks at the date of that file only.
+The motion normal to the floor knows nothing of friction. Its attractor is found first, as a chain
+of segments (contact, flight) that repeats after whole periods; what is left is a map of one number,
+the sliding velocity at the start of the chain, onto itself. Under one coefficient of friction it
+never stretches distances, so its fixed point is bracketed by every evaluation.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -54,6 +53,17 @@ SETTLED_VELOCITY = 1e-10  # rebound below which a run of shrinking hops may end 
 ROUNDING = 1e-14  # of a mean velocity, per unit of the drive
 SETTLED_ROUGHLY = 1e-4  # the same in an aperiodic run, whose mean has a spread of 1e-3 at best
 SETTLED_TIME = 1e-3  # its remaining time, as a share of the time to lift-off
+
+
+class Drive(NamedTuple):
+    """Drive and gravity along and normal to the floor, and both coefficients of friction."""
+
+    c: float
+    s: float
+    gs: float
+    gn: float
+    mu_s: float
+    mu_k: float
 
 
 # --- flows
@@ -474,9 +484,8 @@ STICK, FORWARD, BACKWARD, FLYING = 0, 1, 2, 3
 def _contact(tau, span, u, drive, sums, log, used):
     """Return velocity and its derivative after a stretch on the floor; add to `sums` and `log`.
 
-    `sums` holds the distance and the times in the four modes; `drive` is (c, s, gs, gn, mu_s,
-    mu_k). The last value returned is the number of rows of the log in use, -1 if the stretch held
-    too many stops.
+    `sums` holds the distance and the times in the four modes. The last value returned is the number
+    of rows of the log in use, -1 if the stretch held too many stops.
     """
     c, s, gs, gn, mu_s, mu_k = drive
     least, largest, way = _stick_range(c, s, gs, gn, mu_s)
@@ -532,7 +541,7 @@ def _pass(rows, count, u, drive, e, sums, log):
 
     Fills `sums`; the last value is the number of rows of the log in use, -1 if a limit came first.
     """
-    c, s, gs, gn, mu_s, mu_k = drive
+    c, gs, mu_k = drive.c, drive.gs, drive.mu_k
     sums[:] = 0.0
     slope, used = 1.0, 0
     for row in range(count):
@@ -565,8 +574,7 @@ def _settle(rows, count, u, drive, e, tolerance, most_periods, sums, log):
     tuple
         Velocity, estimate of its error, cycles after which it repeats (0: not found), status.
     """
-    c, s, gs, gn, mu_s, mu_k = drive
-    if mu_s == mu_k:
+    if drive.mu_s == drive.mu_k:
         return _settle_bracketed(rows, count, u, drive, e, tolerance, sums, log)
     return _settle_followed(rows, count, u, drive, e, tolerance, most_periods, sums, log)
 
@@ -578,7 +586,7 @@ def _settle_bracketed(rows, count, u, drive, e, tolerance, sums, log):
     Coulomb friction never drives two motions under the same normal force apart: the map is
     increasing and stretches nothing, so that the change over a cycle falls with the velocity.
     """
-    scale = abs(drive[0]) + abs(drive[2])
+    scale = abs(drive.c) + abs(drive.gs)
     low, high, stride = -math.inf, math.inf, 1.0
     for _ in range(MOST_ITERATIONS):
         after, slope, used = _pass(rows, count, u, drive, e, sums, log)
@@ -611,7 +619,7 @@ def _settle_followed(rows, count, u, drive, e, tolerance, most_periods, sums, lo
 
     Sticking motions may then lie beside sliding ones, and which is reached depends on the start.
     """
-    c, s, gs, gn, mu_s, mu_k = drive
+    c, gs, gn, mu_k = drive.c, drive.gs, drive.gn, drive.mu_k
     scale = abs(c) + abs(gs)
     states = np.empty(LONGEST_MULTIPLE + 1)
     slopes = np.empty(LONGEST_MULTIPLE + 1)
@@ -677,7 +685,7 @@ def _long_run(tau, periods, hops, drive, e, sums):
     The first part of the run is dropped. `sums` is as in `_contact`. A time of 0 means that the
     hops allowed did not reach beyond that part.
     """
-    c, s, gs, gn, mu_s, mu_k = drive
+    c, s, gs, gn, mu_k = drive.c, drive.s, drive.gs, drive.gn, drive.mu_k
     up_at = math.asin(gn / s)
     no_log = np.empty((0, 6))
     settling = periods * SHARE_SETTLING * TURN
@@ -687,7 +695,7 @@ def _long_run(tau, periods, hops, drive, e, sums):
     u, w = 0.0, 0.0
     if s * math.sin(tau) < gn:
         span = _ahead(up_at, tau)
-        u, _, used = _contact(tau, span, u, drive, sums, no_log, 0)
+        u = _contact(tau, span, u, drive, sums, no_log, 0)[0]
         tau, total = up_at, span
     for hop in range(hops):
         if began == math.inf and (total >= settling or hop >= settling_hops):
@@ -711,7 +719,7 @@ def _long_run(tau, periods, hops, drive, e, sums):
         tau, w = (tau + span) % TURN, e * speed
         if _rests(tau, w, s, gn, e, up_at, SETTLED_ROUGHLY):
             span = _ahead(up_at, tau)
-            u, _, used = _contact(tau, span, u, drive, sums, no_log, 0)
+            u = _contact(tau, span, u, drive, sums, no_log, 0)[0]
             tau, w, total = up_at, 0.0, total + span
     return max(0.0, total - began), impacts, fastest, highest
 
@@ -752,19 +760,19 @@ def _start(drive, phase, rows, count):
 
     Where it never lifts off the cycle may start anywhere: it is moved to where slip begins.
     """
-    c, s, gs, gn, mu_s, mu_k = drive
+    c, s, gs, gn, mu_s = drive.c, drive.s, drive.gs, drive.gn, drive.mu_s
     if mu_s == 0 and gs == 0:  # nothing acts along the track but the drive
         return c * (math.cos(phase) - math.cos(rows[0, 0]))
     if s > gn:
         sums = np.zeros(5)
         # A part that lifts off starts on the floor, at least at the drive's own zero.
         span = _ahead(math.asin(gn / s), phase)
-        u, _, used = _contact(phase, span, 0.0, drive, sums, np.empty((0, 6)), 0)
+        u = _contact(phase, span, 0.0, drive, sums, np.empty((0, 6)), 0)[0]
         if rows[count - 1, 2] >= 0:
             # A cycle without contact: friction brings any velocity to the same motion.
             return 0.0
         return u
-    least, largest, way = _stick_range(c, s, gs, gn, mu_s)
+    least, largest, _ = _stick_range(c, s, gs, gn, mu_s)
     rises, falls = largest < 1, least > -1
     if rises and (math.cos(phase) > 0 or not falls):
         rows[0, 0] = _arc_sine(largest)
@@ -780,11 +788,11 @@ def _solve(group, rows, sums, log, result):
     `rows` then holds the cycle and the log its last pass, in the axes of the drive as mirrored by
     `_upright`.
     """
-    c, s, gs, gn, mu_s, mu_k, e = group[0], group[1], group[2], group[3], group[4], group[5], group[6]
+    c, s, gs, phase, way = _upright(group[0], group[1], group[2])
+    gn, mu_s, mu_k, e = group[3], group[4], group[5], group[6]
     tolerance, most_periods = group[7], int(group[8])
+    drive = Drive(c, s, gs, gn, mu_s, mu_k)
     result[:] = math.nan
-    c, s, gs, phase, way = _upright(c, s, gs)
-    drive = (c, s, gs, gn, mu_s, mu_k)
     if not (math.isfinite(c + s + gs + gn + mu_s + mu_k + e) and gn > 0):
         return LIMIT_REACHED, 0, 0.0, 0
     if abs(gs) > mu_s * gn:
@@ -823,7 +831,7 @@ def _solve(group, rows, sums, log, result):
         total = np.zeros(5)
         velocity = u
         for _ in range(max(1, cycles)):
-            velocity, _, used = _pass(rows, count, velocity, drive, e, sums, log)
+            velocity, _, _ = _pass(rows, count, velocity, drive, e, sums, log)
             total += sums
         sums[:] = total
     time = periods * max(1, cycles) * TURN
@@ -868,7 +876,10 @@ def _turn_round(result, way):
 
 @compiled
 def solve_cells(groups, table, status):
-    """Fill table and status of cells; `groups` holds (c, s, gs, gn, mu_s, mu_k, e, tol, periods)."""
+    """Fill table and status of cells.
+
+    `groups` holds (c, s, gs, gn, mu_s, mu_k, restitution, tolerance, most periods).
+    """
     rows = np.empty((MOST_SEGMENTS, 4))
     sums = np.empty(5)
     log = np.empty((0, 6))
@@ -892,7 +903,7 @@ def follow(group):
     c, s, gs, phase, way = _upright(group[0], group[1], group[2])
     status, count, u, _ = _solve(group, rows, sums, log, result)
     gn, mu_s, mu_k, e = group[3], group[4], group[5], group[6]
-    drive = (c, s, gs, gn, mu_s, mu_k)
+    drive = Drive(c, s, gs, gn, mu_s, mu_k)
     if status == AT_REST:
         log[0] = 0.0, TURN, STICK, 0.0, 0.0, 0.0
         used = 1

@@ -1,0 +1,71 @@
+"""The kinds of study, and what carries each of them out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from core import motion, sweep
+from core.dataset.table import Table
+from core.study.load import parse_study
+from core.study.models import Study
+from core.sweep.prepare import Prepared
+from core.watch import Watch
+
+
+@dataclass(frozen=True)
+class Kind:
+    """How studies of one kind are checked and carried out.
+
+    Attributes
+    ----------
+    prepare_content : callable
+        Takes what stands in a file or request; raises `StudyError` with every problem.
+    prepare : callable
+        The same for a study that has been read.
+    tabulate : callable
+        Takes what the first two return and a `Watch`; returns the `Table` of results.
+    """
+
+    prepare_content: Callable[[object], Prepared]
+    prepare: Callable[[Any], Prepared]
+    tabulate: Callable[[Any, Watch], Table]
+
+
+def _tabulate_sweep(prepared: sweep.Sweep, watch: Watch) -> Table:
+    return sweep.tabulate(prepared, progress=lambda done: watch.advance(done / prepared.cells))
+
+
+def _tabulate_simulation(prepared: motion.Simulation, watch: Watch) -> Table:
+    return motion.tabulate(prepared, watch=watch)
+
+
+KINDS: dict[str, Kind] = {
+    "sweep": Kind(sweep.prepare_content, sweep.prepare, _tabulate_sweep),
+    "simulate": Kind(motion.prepare_content, motion.prepare, _tabulate_simulation),
+}
+"""Every kind of study, by the value of its key `kind`."""
+
+
+def prepare_content(content: object) -> Prepared:
+    """Return the study that the content of a file or request describes, ready to be carried out.
+
+    Raises
+    ------
+    StudyError
+        With every problem, those of single values and those of the study as a whole.
+    """
+    name = content.get("kind") if isinstance(content, Mapping) else None
+    kind = KINDS.get(name) if isinstance(name, str) else None
+    return kind.prepare_content(content) if kind else prepare(parse_study(content))
+
+
+def prepare(study: Study) -> Prepared:
+    """Return a study, ready to be carried out; raise `StudyError` with every problem."""
+    return KINDS[study.kind].prepare(study)
+
+
+def tabulate(prepared: Prepared, watch: Watch | None = None) -> Table:
+    """Return the labelled results of a prepared study."""
+    return KINDS[prepared.study.kind].tabulate(prepared, watch or Watch())

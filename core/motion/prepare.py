@@ -1,0 +1,113 @@
+"""From a study of motion to what can be carried out: system, method, plan, grid."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from core.errors import Problem, StudyError
+from core.motion.systems import SYSTEMS
+from core.quantities import QUANTITIES
+from core.scenes import Scene
+from core.study.load import parse_study
+from core.study.models import SimulateStudy
+from core.sweep.plan import find_scene
+from core.sweep.prepare import Prepared, further_problems, plan_study
+
+DEFAULT_OUTPUTS = ("conveying_velocity",)
+PLANAR_METHOD = "events"
+
+
+class Simulation(Prepared):
+    """A study of motion that can be carried out; `plan.variant` is the method."""
+
+    study: SimulateStudy
+
+
+def prepare(study: SimulateStudy) -> Simulation:
+    """Return the simulation of a study.
+
+    Raises
+    ------
+    StudyError
+        With every problem of scene, method, outputs, settings and parameters.
+    """
+    across = study.values().get("alpha")
+    planar = across is None or across.canonical() == 0
+
+    def chosen() -> tuple[Scene, str]:
+        return find_system(study.scene, study.method, planar)
+
+    _, method = chosen()
+    settings = study.settings()
+    # `motion_status` tells how each value was found: it is never left out.
+    asked = tuple(dict.fromkeys((*study.outputs, "motion_status")))
+    problems: list[Problem] = []
+    try:
+        plan, grid = plan_study(study, asked, chosen)
+    except StudyError as error:
+        problems += error.problems
+    else:
+        problems += [
+            Problem(name, f"the method {method} does not use it", "Remove it")
+            for name in settings
+            if name not in plan.defaults
+        ]
+        problems += _many_points(study, list(grid.axes))
+    if problems:
+        raise StudyError(problems)
+    return Simulation(study, replace(plan, defaults={**plan.defaults, **settings}), grid)
+
+
+def prepare_content(content: object) -> Simulation:
+    """Return the simulation that the content of a file or request describes.
+
+    Raises
+    ------
+    StudyError
+        With every problem, those of single values and those of the study as a whole.
+    """
+    try:
+        study = parse_study(content)
+    except StudyError as error:
+        more = further_problems(content, error, _chosen, DEFAULT_OUTPUTS)
+        raise StudyError([*error.problems, *more]) from None
+    if not isinstance(study, SimulateStudy):
+        problem = Problem("kind", f"'{study.kind}' is no simulation", "Set kind = 'simulate'")
+        raise StudyError([problem])
+    return prepare(study)
+
+
+def find_system(name: str, method: str | None, planar: bool = True) -> tuple[Scene, str]:
+    """Return a system and the method in force.
+
+    Where none is named that is `events` if the motion stays in one vertical plane and the system
+    has that method, else the system's own choice.
+
+    Raises
+    ------
+    StudyError
+        If there is no such system or method.
+    """
+    scene, chosen = find_scene(name, method, SYSTEMS)
+    if method is None and planar and PLANAR_METHOD in scene.variants:
+        chosen = PLANAR_METHOD
+    return scene, chosen
+
+
+def _chosen(content: Mapping[str, Any]) -> tuple[Scene, str]:
+    method, parameters = content.get("method"), content["parameters"]
+    return find_system(
+        content["scene"],
+        method if isinstance(method, str) else None,
+        parameters.get("alpha", 0) == 0,
+    )
+
+
+def _many_points(study: SimulateStudy, axes: list[str]) -> list[Problem]:
+    if study.trajectory is None or not axes:
+        return []
+    ranged = ", ".join(QUANTITIES[name].label.lower() for name in axes)
+    fix = f"Give one value of {', '.join(axes)}, or leave trajectory out"
+    return [Problem("trajectory", f"it shows one point, and {ranged} is ranged", fix)]

@@ -1,0 +1,108 @@
+"""Carrying out a simulation: scales, motion, and the labelled results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import core
+from core.dataset.table import (
+    CONVENTIONS,
+    REFERENCES,
+    Table,
+    Variable,
+    flag_attributes,
+    regime_attributes,
+)
+from core.motion.prepare import Simulation, prepare
+from core.quantities import MOTION_STATUSES
+from core.sweep.evaluate import regimes
+from core.sweep.run import coordinates_of, outputs_of
+from core.watch import Watch
+
+if TYPE_CHECKING:
+    import xarray
+
+    from core.study import SimulateStudy
+
+
+def simulate(study: SimulateStudy, *, watch: Watch | None = None) -> xarray.Dataset:
+    """Return the dataset of a study of motion.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from core.motion import simulate
+    >>> from core.study import load_study
+    >>> dataset = simulate(load_study(Path("configs/conveying-velocity.toml")))
+    """
+    return tabulate(prepare(study), watch=watch).to_xarray()
+
+
+def tabulate(prepared: Simulation, *, watch: Watch | None = None) -> Table:
+    """Return the labelled results of a prepared simulation; `watch` may stop it early.
+
+    What is finished then is kept; the other cells are NaN, with the status `not_computed`.
+    """
+    known = _evaluate(prepared, watch or Watch())
+    plan, grid = prepared.plan, prepared.grid
+    arrays = {name: _squeezed(prepared, name, known[name]) for name in plan.outputs}
+    variables = outputs_of(prepared, arrays)
+    statuses = variables["motion_status"]
+    variables["motion_status"] = Variable(
+        statuses.dims,
+        statuses.values,
+        flag_attributes("motion_status", MOTION_STATUSES, tuple(MOTION_STATUSES)),
+    )
+    regime = _squeezed(prepared, "regime", regimes(plan, known))
+    variables["regime"] = Variable(prepared.dims["regime"], regime, regime_attributes(plan.regimes))
+    coordinates = coordinates_of(plan, grid)
+    attributes = _global_attributes(prepared)
+    return Table(coordinates, variables, attributes)
+
+
+def _evaluate(prepared: Simulation, watch: Watch) -> dict[str, Any]:
+    """Return every quantity of the plan, each on its own small grid.
+
+    The scales before the motion have few axes, and the motion itself is shared out among threads
+    by cells: there is nothing to gain from blocks.
+    """
+    plan, grid = prepared.plan, prepared.grid
+    known: dict[str, Any] = {n: value for n, value in grid.si().items() if n in plan.parameters}
+    known |= {name: np.asarray(value) for name, value in plan.defaults.items()}
+    for equation in plan.equations:
+        arguments = {name: known[name] for name in equation.inputs}
+        function: Callable[..., Any] = equation.function
+        watched = {"watch": watch} if equation.gives == "motion" else {}
+        known[equation.gives] = function(**arguments, **watched)
+    return known
+
+
+def _squeezed(prepared: Simulation, name: str, values: NDArray[Any]) -> NDArray[Any]:
+    """Return values without the axes of the grid that they do not depend on."""
+    if not values.ndim:
+        return values
+    dims = prepared.dims[name]
+    positions = enumerate(prepared.grid.axes)
+    return values.squeeze(axis=tuple(p for p, axis in positions if axis not in dims))
+
+
+def _global_attributes(prepared: Simulation) -> dict[str, str]:
+    study, plan = prepared.study, prepared.plan
+    attributes = {
+        "Conventions": CONVENTIONS,
+        "title": study.title or plan.scene.title,
+        "source": f"vibrafeed {core.__version__}, motion in time, method {plan.variant}",
+        "references": REFERENCES,
+        "comment": plan.scene.validity,
+        "scene": plan.scene.name,
+        "method": plan.variant,
+        "study": study.canonical(),
+        "study_sha256": study.key(),
+    }
+    if study.notes:
+        attributes["notes"] = study.notes
+    return attributes

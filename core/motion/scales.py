@@ -1,0 +1,138 @@
+"""The numbers that a motion depends on, and the way back to metres (theory 13.8, 13.10).
+
+With length g/w^2 and velocity g/w only the drive's share of gravity, angles, friction, restitution
+and the curvature are left. All functions take and return broadcastable float64 arrays.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.mechanics.arrays import Array, ratio
+from core.motion.motion import Motion
+
+
+def drive_number(*, vibration_acceleration: Array, gravity: Array) -> Array:
+    """Return the drive number, p = P/g [1]."""
+    return vibration_acceleration / gravity
+
+
+def drive_number_along(*, drive_number: Array, alpha: Array, beta: Array) -> Array:
+    """Return p cos(beta) cos(alpha) [1]."""
+    return drive_number * (np.cos(beta) * np.cos(alpha))
+
+
+def drive_number_across(*, drive_number: Array, alpha: Array, beta: Array) -> Array:
+    """Return p cos(beta) sin(alpha) [1]."""
+    return drive_number * (np.cos(beta) * np.sin(alpha))
+
+
+def drive_number_normal(*, drive_number: Array, beta: Array) -> Array:
+    """Return p sin(beta) [1]."""
+    return drive_number * np.sin(beta)
+
+
+def gravity_number_along(*, gamma: Array) -> Array:
+    """Return sin(gamma) [1]."""
+    return np.sin(gamma)
+
+
+def gravity_number_across(*, gamma: Array, delta: Array) -> Array:
+    """Return cos(gamma) sin(delta) [1]."""
+    return np.cos(gamma) * np.sin(delta)
+
+
+def gravity_number_normal(*, gamma: Array) -> Array:
+    """Return cos(gamma), for a floor without lean [1]."""
+    return np.cos(gamma)
+
+
+def leaning_gravity_number_normal(*, gamma: Array, delta: Array) -> Array:
+    """Return cos(gamma) cos(delta) [1]."""
+    return np.cos(gamma) * np.cos(delta)
+
+
+def throw_number(*, drive_number_normal: Array, gravity_number_normal: Array) -> Array:
+    """Return the throw number, drive over gravity normal to the floor [1]."""
+    return drive_number_normal / gravity_number_normal
+
+
+def velocity_scale(*, gravity: Array, frequency: Array) -> Array:
+    """Return g/w [m s-1]."""
+    return gravity / (2 * np.pi * frequency)
+
+
+def length_scale(*, gravity: Array, frequency: Array) -> Array:
+    """Return g/w^2 [m]."""
+    return gravity / np.square(2 * np.pi * frequency)
+
+
+def curvature_number(*, length_scale: Array, radius: Array) -> Array:
+    """Return g/(w^2 R) [1]."""
+    return length_scale / radius
+
+
+def conveying_velocity(*, motion: Motion, velocity_scale: Array) -> Array:
+    """Return the mean velocity along the track, over whole cycles of the motion [m s-1]."""
+    return motion.velocity * velocity_scale
+
+
+def conveying_velocity_spread(*, motion: Motion, velocity_scale: Array) -> Array:
+    """Return the standard deviation of means of runs from several phases [m s-1]."""
+    return motion.spread * velocity_scale
+
+
+def conveying_velocity_error(*, motion: Motion, velocity_scale: Array) -> Array:
+    """Return the method's own estimate of the error of the conveying velocity [m s-1]."""
+    return motion.error * velocity_scale
+
+
+def efficiency(*, motion: Motion, drive_number_along: Array) -> Array:
+    """Return the conveying velocity over A0 w cos(beta) cos(alpha) [1]."""
+    return ratio(motion.velocity, drive_number_along, np.nan)
+
+
+def stick_fraction(*, motion: Motion) -> Array:
+    """Return the part of the period in which friction holds the part [1]."""
+    return motion.stick
+
+
+def forward_fraction(*, motion: Motion) -> Array:
+    """Return the part of the period in which the part slides forward [1]."""
+    return motion.forward
+
+
+def backward_fraction(*, motion: Motion) -> Array:
+    """Return the part of the period in which the part slides backward [1]."""
+    return motion.backward
+
+
+def flight_fraction(*, motion: Motion) -> Array:
+    """Return the part of the period in which the part is off the floor [1]."""
+    return motion.flight
+
+
+def impacts_per_period(*, motion: Motion) -> Array:
+    """Return the impacts on the floor per period of the drive [1]."""
+    return motion.impacts
+
+
+def period_multiple(*, motion: Motion) -> Array:
+    """Return after how many periods of the drive the motion repeats; 0 where it does not [1]."""
+    return motion.multiple
+
+
+def landing_speed(*, motion: Motion, velocity_scale: Array) -> Array:
+    """Return the largest speed normal to the floor before an impact [m s-1]."""
+    return motion.landing_speed * velocity_scale
+
+
+def hop_height(*, motion: Motion, length_scale: Array) -> Array:
+    """Return the largest distance from the floor [m]."""
+    return motion.hop_height * length_scale
+
+
+def motion_status(*, motion: Motion) -> NDArray[np.int8]:
+    """Return how the motion ended, a `MOTION_STATUSES` value."""
+    return motion.status

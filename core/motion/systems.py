@@ -1,0 +1,153 @@
+"""The systems that can be simulated: a scene's coordinates and contacts, by method.
+
+The systems are scenes of their own: the same parameters, other equations. What a closed-form scene
+calls a variant is a method here. Nothing that computes is loaded before it is called.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from core.mechanics import vibration
+from core.mechanics.arrays import Mask
+from core.motion import scales
+from core.motion.motion import STATUS, Motion
+from core.motion.planar import planar_motion
+from core.scenes.scene import (
+    STANDARD_GRAVITY,
+    STATIC_ABOVE_KINETIC,
+    Condition,
+    Constraint,
+    Equation,
+    Scene,
+)
+
+SETTINGS = {"tolerance": 1e-12, "most_periods": 1000.0}
+"""What a study may set beside its parameters, and what stands in for it."""
+
+
+def _has_status(*names: str) -> Callable[..., Mask]:
+    values = [STATUS[name] for name in names]
+
+    def has_status(*, motion: Motion) -> Mask:
+        return np.isin(motion.status, values)
+
+    has_status.__doc__ = f"Return where the status is {' or '.join(names)}."
+    return has_status
+
+
+def _is_stuck(*, motion: Motion) -> Mask:
+    """Return where friction holds the part all the time."""
+    return motion.stick == 1
+
+
+def _is_period_doubled(*, motion: Motion) -> Mask:
+    """Return where the motion repeats after two periods of the drive or more."""
+    return motion.multiple > 1
+
+
+def _hops_on(*, motion: Motion) -> Mask:
+    """Return where the part is in the air all the time but for impacts."""
+    return motion.flight >= 1 - 1e-12
+
+
+def _hops(*, motion: Motion) -> Mask:
+    """Return where the part is in the air for a part of the period."""
+    return motion.flight > 0
+
+
+def _sticks(*, motion: Motion) -> Mask:
+    """Return where friction holds the part for a part of the period."""
+    return motion.stick > 0
+
+
+RESULTS = (
+    Equation("conveying_velocity", scales.conveying_velocity, "theory 13.8"),
+    Equation("conveying_velocity_spread", scales.conveying_velocity_spread, "theory 13.8"),
+    Equation("conveying_velocity_error", scales.conveying_velocity_error, "theory 13.8"),
+    Equation("efficiency", scales.efficiency, "theory 13.10"),
+    Equation("stick_fraction", scales.stick_fraction, "theory 13.2"),
+    Equation("forward_fraction", scales.forward_fraction, "theory 13.2"),
+    Equation("backward_fraction", scales.backward_fraction, "theory 13.2"),
+    Equation("flight_fraction", scales.flight_fraction, "theory 13.2"),
+    Equation("impacts_per_period", scales.impacts_per_period, "theory 13.4"),
+    Equation("period_multiple", scales.period_multiple, "theory 13.8"),
+    Equation("landing_speed", scales.landing_speed, "theory 13.4"),
+    Equation("hop_height", scales.hop_height, "theory 13.2"),
+    Equation("motion_status", scales.motion_status, "theory 13.8"),
+)
+ANY_RESULT = frozenset(equation.gives for equation in RESULTS) | {"regime"}
+
+CONDITIONS = (
+    Condition(
+        "unresolved",
+        _has_status("not_computed", "limit_reached", "no_solution"),
+        ANY_RESULT,
+        otherwise="slip",
+    ),
+    Condition("runaway", _has_status("runaway"), ANY_RESULT),
+    Condition("aperiodic", _has_status("aperiodic"), ANY_RESULT),
+    Condition("period_doubled", _is_period_doubled, ANY_RESULT),
+    Condition("hop_after_hop", _hops_on, ANY_RESULT),
+    Condition("hopping", _hops, ANY_RESULT),
+    Condition("stick", _is_stuck, ANY_RESULT),
+    Condition("stick_slip", _sticks, ANY_RESULT),
+)
+
+PLANAR_SCALES = (
+    Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),
+    Equation("drive_number", scales.drive_number, "theory 13.10"),
+    Equation("drive_number_along", scales.drive_number_along, "theory 13.2"),
+    Equation("drive_number_normal", scales.drive_number_normal, "theory 13.2"),
+    Equation("gravity_number_along", scales.gravity_number_along, "theory 13.2"),
+    Equation("gravity_number_normal", scales.gravity_number_normal, "theory 13.2"),
+    Equation("throw_number", scales.throw_number, "theory 13.10"),
+    Equation("velocity_scale", scales.velocity_scale, "theory 13.8"),
+    Equation("length_scale", scales.length_scale, "theory 13.8"),
+)
+
+EVENTS = (*PLANAR_SCALES, Equation("motion", planar_motion, "theory 13.2-13.8"), *RESULTS)
+
+PLANAR = Constraint(
+    ("alpha",),
+    lambda least, largest: least == largest == 0.0,
+    "the method events follows motion in one vertical plane, with alpha = 0",
+    "Leave alpha out, or set method = 'time-stepping'",
+    variant="events",
+)
+
+PLANE_DEFAULTS = {
+    "alpha": 0.0,
+    "gamma": 0.0,
+    "gravity": STANDARD_GRAVITY,
+    "restitution": 0.0,
+    **SETTINGS,
+}
+
+
+def _plane(name: str, title: str) -> Scene:
+    return Scene(
+        name=name,
+        title=title,
+        source="theory 13",
+        validity="The part is a point with contact conditions: it does not tip or spin. It starts "
+        "at rest on the floor. Mean values are those of the motion that it falls into.",
+        variants={"events": EVENTS},
+        default_variant="events",
+        conditions={"events": CONDITIONS},
+        defaults=PLANE_DEFAULTS,
+        constraints=(STATIC_ABOVE_KINETIC, PLANAR),
+        choice="method",
+    )
+
+
+SYSTEMS: dict[str, Scene] = {
+    system.name: system
+    for system in (
+        _plane("rectangle-on-plane", "Motion in time of a rectangular part on a plane"),
+        _plane("cylinder-on-plane", "Motion in time of a cylinder, its axis along the track"),
+    )
+}
+"""Every system that can be simulated, by the name of its scene."""
