@@ -5,8 +5,11 @@ Every command imports what it needs when it runs: `vibrafeed scenes` loads no Ne
 
 from __future__ import annotations
 
+import signal
+import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
@@ -16,7 +19,7 @@ import typer
 from core.errors import LimitError, Problem, StudyError
 
 if TYPE_CHECKING:
-    from core.sweep import Sweep
+    from core.sweep.prepare import Prepared
 
 WRONG_INPUT = 2
 FAILED = 1
@@ -27,7 +30,7 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
-    help="Parameter sweeps for parts on vibratory feeder tracks.",
+    help="Parameter sweeps and motion in time of parts on vibratory feeder tracks.",
 )
 
 
@@ -54,11 +57,16 @@ def run(
     max_bytes: Annotated[
         int, typer.Option(help="Largest number of bytes of one study.")
     ] = MOST_BYTES,
+    time_limit: Annotated[
+        float | None,
+        typer.Option(help="Seconds after which no further cell of a simulation is started.", min=0),
+    ] = None,
 ) -> None:
     """Carry out studies and write one NetCDF file each.
 
     All files are checked before the first is run. Exit code 2 means that a file is wrong, 1 that
-    a result could not be written.
+    a result could not be written, or that a simulation was stopped, by Ctrl-C or the time limit:
+    what was finished by then is written.
     """
     from app import report
 
@@ -69,12 +77,15 @@ def run(
         return
     targets = _targets(list(prepared), output)
     from core.dataset.netcdf import write_netcdf
-    from core.sweep import tabulate
+    from core.kinds import tabulate
+    from core.watch import Watch
 
+    deadline = None if time_limit is None else time.monotonic() + time_limit
+    whole = True
     for path, sweep in prepared.items():
         started = time.perf_counter()
-        with report.progress(path.name, sweep.cells) as advance:
-            table = tabulate(sweep, progress=advance)
+        with report.progress(path.name) as advance, _interruption(sweep.study.kind) as interrupted:
+            table = tabulate(sweep, Watch(advance, interrupted, deadline))
         evaluated = time.perf_counter()
         stamp = datetime.now(UTC).isoformat(timespec="seconds")
         try:
@@ -86,6 +97,11 @@ def run(
         report.show_table(
             path, targets[path], table, sweep.cells, evaluated - started, written - evaluated
         )
+        whole &= report.is_whole(table)
+        if interrupted():
+            break
+    if not whole:
+        raise typer.Exit(FAILED)
 
 
 @app.command()
@@ -204,12 +220,12 @@ def serve(
     uvicorn.run(create_app(settings), host=host, port=port, timeout_graceful_shutdown=10)
 
 
-def _prepare_all(files: Sequence[Path], *, cells: int, bytes_: int) -> dict[Path, Sweep]:
-    """Return the sweep of each file, or report every error of every file and exit."""
+def _prepare_all(files: Sequence[Path], *, cells: int, bytes_: int) -> dict[Path, Prepared]:
+    """Return the study of each file, or report every error of every file and exit."""
+    from core.kinds import prepare_content
     from core.study.load import read_content
-    from core.sweep import prepare_content
 
-    prepared: dict[Path, Sweep] = {}
+    prepared: dict[Path, Prepared] = {}
     wrong: dict[Path, Sequence[Problem]] = {}
     for path in files:
         try:
@@ -222,6 +238,30 @@ def _prepare_all(files: Sequence[Path], *, cells: int, bytes_: int) -> dict[Path
     if wrong:
         _refuse(wrong)
     return prepared
+
+
+@contextmanager
+def _interruption(kind: str) -> Iterator[Callable[[], bool]]:
+    """Let Ctrl-C stop a simulation between cells, not in the middle; yield whether it has.
+
+    A second Ctrl-C stops at once. Other kinds of study have nothing to keep: there it stops at once
+    in any case.
+    """
+    asked = threading.Event()
+    if kind != "simulate":
+        yield asked.is_set
+        return
+
+    def interrupt(number: int, frame: object) -> None:
+        if asked.is_set():
+            raise KeyboardInterrupt
+        asked.set()
+
+    before = signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield asked.is_set
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _targets(files: Sequence[Path], output: Path | None) -> dict[Path, Path]:

@@ -10,7 +10,7 @@ from fastapi_offline import FastAPIOffline
 
 import core
 from app import errors
-from app.routes import health, scenes, sweeps
+from app.routes import health, processes, scenes, sweeps
 from app.settings import Settings
 from app.store import SweepStore
 
@@ -29,12 +29,12 @@ def create_app(settings: Settings) -> FastAPI:
         redoc_url=None,
         title="vibrafeed",
         version=core.__version__,
-        description="Parameter sweeps for parts on vibratory feeder tracks.",
+        description="Parameter sweeps and motion in time of parts on vibratory feeder tracks.",
         lifespan=lifespan,
     )
     app.state.settings = settings
     app.state.store = store
     errors.install(app)
-    for router in (health.router, scenes.router, sweeps.router):
+    for router in (health.router, scenes.router, sweeps.router, processes.router):
         app.include_router(router)
     return app

@@ -14,11 +14,13 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table as Grid
 
-from core.quantities import QUANTITIES, REGIMES
+from core.quantities import MOTION_STATUSES, QUANTITIES, REGIMES
 
 if TYPE_CHECKING:
     from core.dataset import Table
-    from core.sweep import Sweep
+    from core.sweep.prepare import Prepared
+
+NOT_COMPUTED = MOTION_STATUSES["not_computed"].value
 
 console = Console(highlight=False)
 errors = Console(stderr=True, highlight=False)
@@ -30,8 +32,11 @@ def fail(message: str) -> None:
 
 
 @contextmanager
-def progress(label: str, cells: int) -> Iterator[Callable[[int], None]]:
-    """Show a progress bar on the error stream while the block runs; yield what advances it."""
+def progress(label: str) -> Iterator[Callable[[float], None]]:
+    """Show a progress bar on the error stream while the block runs; yield what advances it.
+
+    It takes the share of the work done since the last call.
+    """
     bar = Progress(
         TextColumn("{task.description}", markup=False),
         BarColumn(),
@@ -42,14 +47,14 @@ def progress(label: str, cells: int) -> Iterator[Callable[[int], None]]:
         disable=not errors.is_terminal,
     )
     with bar:
-        task = bar.add_task(label, total=cells)
+        task = bar.add_task(label, total=1.0)
         yield lambda done: bar.advance(task, done)
 
 
-def show_plan(path: Path, sweep: Sweep) -> None:
+def show_plan(path: Path, sweep: Prepared) -> None:
     """Print what a study would do: cells, bytes, dimensions kept, equations planned."""
     plan = sweep.plan
-    _say(f"{path}: {plan.scene.name}, variant {plan.variant}")
+    _say(f"{path}: {plan.scene.name}, {plan.scene.choice} {plan.variant}")
     _say(f"  {sweep.cells:,} cells, {sweep.bytes:,} bytes before compression")
     grid = _grid("output", "unit", "values", "dimensions kept")
     for name, dims in sweep.dims.items():
@@ -70,16 +75,27 @@ def show_table(
     _say(f"{path} -> {target}")
     grid = _grid("output", "unit", "least", "largest", "dimensions")
     for name, variable in table.variables.items():
-        if name != "regime":
+        if "flag_values" not in variable.attributes:
             ends = _finite_ends(variable.values)
             grid.add_row(name, QUANTITIES[name].unit, *ends, ", ".join(variable.dims) or "none")
     console.print(grid)
     shares = regime_shares(table)
     _say("  regimes: " + ", ".join(f"{name} {share:.1%}" for name, share in shares.items()))
     beyond = sum(share for name, share in shares.items() if not REGIMES[name].valid)
-    if beyond:
+    if beyond and "method" in table.attributes:
+        _say(f"  {beyond:.1%} of the cells have no mean velocity.")
+    elif beyond:
         _say(f"  {beyond:.1%} of the cells lie where the closed forms do not describe a real part.")
+    if not is_whole(table):
+        left = np.mean(table.variables["motion_status"].values == NOT_COMPUTED)
+        fail(f"  It was stopped: {left:.1%} of the cells are not computed, and marked so.")
     _say(f"  {cells:,} cells evaluated in {evaluating:.3f} s, written in {writing:.3f} s")
+
+
+def is_whole(table: Table) -> bool:
+    """Return whether every cell of a result has been computed."""
+    statuses = table.variables.get("motion_status")
+    return statuses is None or bool((statuses.values != NOT_COMPUTED).all())
 
 
 def regime_shares(table: Table) -> dict[str, float]:

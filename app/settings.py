@@ -21,6 +21,12 @@ class Settings(BaseSettings):
     max_bytes: int = Field(
         default=1_000_000_000, gt=0, description="Most bytes of one sweep, before compression."
     )
+    max_simulation_cells: int = Field(
+        default=200_000, gt=0, description="Most cells of a simulation that is replied to at once."
+    )
+    max_execution_seconds: float = Field(
+        default=30.0, gt=0, description="Longest run of a simulation that is replied to at once."
+    )
     max_slice_cells: int = Field(
         default=1_000_000, gt=0, description="Largest number of values of one slice."
     )

@@ -183,7 +183,32 @@ def _motion() -> dict[str, Quantity]:
         "hop_height": Quantity("m", "z", "Hop height", "Largest distance from the floor."),
         "motion_status": number("", "Status of the motion", "How the motion ended."),
     }  # fmt: skip
-    return {**scales, **settings, **results}
+    trajectory = {
+        "cycle_time": Quantity(
+            "s", "t", "Time in the cycle", "Time since the start of a period of the drive."
+        ),
+        "position_along": Quantity(
+            "m", "x", "Position on the track",
+            "Position along the track, relative to it, from that at the first time.",
+        ),
+        "height_above_floor": Quantity(
+            "m", "z", "Height above the floor", "Distance of the part from the moving floor."
+        ),
+        "relative_velocity_along": _velocity(
+            "u_x", "Velocity relative to the track", "Velocity along the track, relative to it."
+        ),
+        "relative_velocity_normal": _velocity(
+            "u_z", "Velocity off the floor", "Velocity normal to the floor, relative to it."
+        ),
+        "track_along": Quantity(
+            "m", "A0 cb sin(wt)", "Displacement of the track along x", "Displacement of the track."
+        ),
+        "track_normal": Quantity(
+            "m", "A0 sb sin(wt)", "Displacement of the track along z", "Displacement of the track."
+        ),
+        "motion_mode": number("", "Mode of the motion", "What the part does on the track."),
+    }  # fmt: skip
+    return {**scales, **settings, **results, **trajectory}
 
 
 def _pair_impact() -> dict[str, Quantity]:
@@ -953,4 +978,11 @@ MOTION_STATUSES: dict[str, Flag] = {
     "limit_reached": Flag(6, "the limit on periods came first; mean of those run", valid=False),
     "no_solution": Flag(7, "the contact laws had no solution, or several", valid=False),
     "settled": Flag(8, "the part has come to rest on a side"),
+}
+
+MOTION_MODES: dict[str, Flag] = {
+    "stick": Flag(0, "friction holds the part on the track"),
+    "forward": Flag(1, "the part slides forward"),
+    "backward": Flag(2, "the part slides backward"),
+    "flight": Flag(3, "the part is off the floor"),
 }

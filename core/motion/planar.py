@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.motion.motion import Motion, motion_of, run_cells
+from core.quantities import MOTION_MODES
 from core.watch import Watch
-
-MODES = {"stick": 0, "forward": 1, "backward": 2, "flight": 3}
 
 
 class Path(NamedTuple):
@@ -26,7 +25,7 @@ class Path(NamedTuple):
     velocity_along, velocity_normal : ndarray, shape (n,)
         Velocities relative to the track.
     mode : ndarray of int8, shape (n,)
-        Value of a `MODES` entry.
+        Value of a `MOTION_MODES` entry.
     """
 
     phase: Array
@@ -124,6 +123,8 @@ def planar_path(
 
 def _modes(values: Array, way: float) -> NDArray[np.int8]:
     modes = values.astype(np.int8)
+    forward, backward = MOTION_MODES["forward"].value, MOTION_MODES["backward"].value
     if way < 0:
-        modes = np.choose(modes, [0, MODES["backward"], MODES["forward"], 3]).astype(np.int8)
+        turned = {forward: backward, backward: forward}
+        modes = np.array([turned.get(mode, mode) for mode in modes.tolist()], dtype=np.int8)
     return modes

@@ -43,6 +43,8 @@ def prepare(study: SimulateStudy) -> Simulation:
     settings = study.settings()
     # `motion_status` tells how each value was found: it is never left out.
     asked = tuple(dict.fromkeys((*study.outputs, "motion_status")))
+    if study.trajectory is not None:  # its scales have to be planned
+        asked = tuple(dict.fromkeys((*asked, "velocity_scale", "length_scale")))
     problems: list[Problem] = []
     try:
         plan, grid = plan_study(study, asked, chosen)

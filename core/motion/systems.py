@@ -14,7 +14,7 @@ from core.mechanics import vibration
 from core.mechanics.arrays import Mask
 from core.motion import scales
 from core.motion.motion import STATUS, Motion
-from core.motion.planar import planar_motion
+from core.motion.planar import Path, planar_motion, planar_path
 from core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
@@ -142,6 +142,9 @@ def _plane(name: str, title: str) -> Scene:
         choice="method",
     )
 
+
+PATHS: dict[str, Callable[..., Path]] = {"events": planar_path}
+"""What follows the one point of a study in time, by method; takes what the motion takes."""
 
 SYSTEMS: dict[str, Scene] = {
     system.name: system

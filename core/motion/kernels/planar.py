@@ -21,6 +21,7 @@ import numpy as np
 
 from core.motion.compiled import compiled
 from core.motion.motion import STATUS, Motion
+from core.quantities import MOTION_MODES
 
 PERIODIC = STATUS["periodic"]
 AT_REST = STATUS["at_rest"]
@@ -477,7 +478,9 @@ def _log(log, used, at, span, mode, u, w, x):
     return used
 
 
-STICK, FORWARD, BACKWARD, FLYING = 0, 1, 2, 3
+STICK, FORWARD, BACKWARD, FLYING = (
+    MOTION_MODES[name].value for name in ("stick", "forward", "backward", "flight")
+)
 
 
 @compiled
