@@ -40,9 +40,10 @@ SEARCH_HOPS = 512  # before a motion without contact phase is taken to be aperio
 SEARCH_PERIODS = 400
 FIRST_LOOK = 32  # hops before the first search for a cycle; each later one waits half as long again
 MOST_TRIES = 3  # at cycles of different lengths, in one search
-MOST_NEWTON = 12
+MOST_NEWTON = 40  # near a period doubling it closes in by two thirds a step at first
 LONGEST_CYCLE = 32  # impacts of a cycle without contact phase
 LONGEST_MULTIPLE = 16  # cycles after which a motion under two coefficients may repeat
+SAME_STATE = 1e-7  # distance of two states of a cycle that are one
 MOST_GROWTH = 1e6  # of a rounding error along a cycle that is taken to repeat
 NEAR = 1e-2  # recurrence that a search for a cycle starts from
 SHOWN_SEGMENTS = 8  # of an aperiodic motion, in its path
@@ -337,10 +338,21 @@ def _find_cycle(s, gn, e, up_at, rows, count, tau, w):
         after, rebound_after, a, b, c, d = _run_cycle(at, rebound, hops, s, gn, e, up_at, scratch)
         if math.isnan(after):
             continue
-        for hop in range(hops):
+        # The shortest cycle: near a period doubling two hops may be one hop twice.
+        shortest = hops
+        for part in range(1, hops // 2 + 1):
+            if hops % part == 0 and periods % (hops // part) == 0:
+                apart = 0.0
+                for hop in range(hops - part):
+                    apart += abs(scratch[hop + part, 0] - scratch[hop, 0])
+                    apart += abs(scratch[hop + part, 2] - scratch[hop, 2])
+                if apart < SAME_STATE * hops:
+                    shortest = part
+                    break
+        for hop in range(shortest):
             for column in range(4):
                 rows[hop, column] = scratch[hop, column]
-        return hops, periods
+        return shortest, periods * shortest // hops
     return 0, 0
 
 
@@ -452,6 +464,8 @@ def _stick_range(c, s, gs, gn, mu_s):
     (-1) where the drive lifts it off more than it pushes it on (theory 13.3).
     """
     least, largest, way = -math.inf, math.inf, 1.0
+    if mu_s == 0:
+        return math.inf, -math.inf, way
     if c + mu_s * s > 0:
         largest = (gs + mu_s * gn) / (c + mu_s * s)
     elif gs + mu_s * gn < 0:
