@@ -464,8 +464,6 @@ def _stick_range(c, s, gs, gn, mu_s):
     (-1) where the drive lifts it off more than it pushes it on (theory 13.3).
     """
     least, largest, way = -math.inf, math.inf, 1.0
-    if mu_s == 0:
-        return math.inf, -math.inf, way
     if c + mu_s * s > 0:
         largest = (gs + mu_s * gn) / (c + mu_s * s)
     elif gs + mu_s * gn < 0:
@@ -833,18 +831,25 @@ def _solve(group, rows, sums, log, result):
         done = _from_phases(phase, drive, e, most_periods, runs, result)
         _turn_round(result, way)
         return (APERIODIC if done and periods == 0 else LIMIT_REACHED), 0, 0.0, 0
-    neutral = mu_s == 0 and gs == 0
     u = _start(drive, phase, rows, count)
     error, cycles, status = 0.0, 1, NEUTRAL
-    if neutral:
-        _pass(rows, count, u, drive, e, sums, log)
+    if mu_s == 0:
+        # Without friction, and as it does not run away on the level, the part keeps the speed that
+        # the track had at the start: the fastest forward, or backward half a turn later.
+        flying = 0.0
+        for row in range(count):
+            flying += rows[row, 1] if rows[row, 2] >= 0 else 0.0
+        sums[:] = 0.0
+        sums[0] = c * math.cos(phase) * periods * TURN
+        sums[1 + (FORWARD if math.cos(phase) > 0 else BACKWARD)] = periods * TURN - flying
+        sums[1 + FLYING] = flying
     else:
         u, error, cycles, status = _settle(
             rows, count, u, drive, e, tolerance, most_periods, sums, log
         )
         if status == RUNAWAY:
             return RUNAWAY, 0, 0.0, 0
-    if cycles != 1 or mu_s != mu_k:
+    if mu_s != mu_k:
         total = np.zeros(5)
         velocity = u
         for _ in range(max(1, cycles)):
