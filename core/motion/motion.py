@@ -65,27 +65,29 @@ Kernel = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int8]], 
 
 
 def run_cells(
-    kernel: Kernel, groups: NDArray[np.float64], *, piece: int = 256
+    kernel: Kernel, groups: NDArray[np.float64], *, piece: int = 256, columns: int = COLUMNS
 ) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
     """Run a kernel over cells, in pieces shared out among as many threads as there are cores.
 
     Parameters
     ----------
     kernel : callable
-        Takes groups (n, g), a table (n, COLUMNS) and statuses (n,), and fills the last two. It
+        Takes groups (n, g), a table (n, columns) and statuses (n,), and fills the last two. It
         must release the interpreter's lock, and may not look across cells.
     groups : ndarray, shape (n, g)
         The dimensionless groups of each cell.
     piece : int
         Cells of one call.
+    columns : int
+        Columns of the kernel's table.
 
     Returns
     -------
-    table : ndarray, shape (n, COLUMNS)
+    table : ndarray, shape (n, columns)
     status : ndarray of int8, shape (n,)
     """
     cells = groups.shape[0]
-    table = np.empty((cells, COLUMNS))
+    table = np.empty((cells, columns))
     status = np.zeros(cells, dtype=np.int8)
 
     def run(start: int) -> None:
