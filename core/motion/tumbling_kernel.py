@@ -38,11 +38,11 @@ TOUCH = 1e-13
 """Gap that counts as touching, of the half diagonal."""
 DEEP = 1e-12
 """Overlap that is more than a rounding, of the half diagonal."""
-SLOW = 1e-7
+SLOW = 1e-6
 """Velocity that counts as none, of sqrt(acceleration times half diagonal).
 
-A fall through `OVERLAP` ends at 0.9e-7 of it: with less, the rounding of a height would keep a part
-bouncing for ever.
+A fall through `OVERLAP` ends at 0.09e-6 of it: with not much less, the rounding of a height would
+keep a part bouncing for ever.
 """
 EVENTS, EVENTS_A_STEP = 20_000, 20  # at most: so many, and so many more a step
 MOST_STEPS, STEPS_MORE = 20_000_000, 50  # STEPS_MORE times as many where the part turns fast
@@ -376,18 +376,51 @@ def holds(cell: Cell, support: int, sigma: int, state: Array, time: float) -> bo
     return sigma * slip >= -1e-5 * SLOW * speed_scale(cell)
 
 
+@compiled
+def delassus(cell: Cell, s: float, c: float) -> tuple[float, float, float]:
+    """Return the Delassus numbers of a corner, per mass."""
+    kappa = cell.inertia_ratio
+    return 1.0 + kappa * c * c, kappa * s * c, 1.0 + kappa * s * s
+
+
+@compiled
+def push(cell: Cell, state: Array, s: float, c: float, normal: float, tangential: float) -> None:
+    """Add an impulse per mass at a corner to the state."""
+    state[ALONG_RATE] += tangential
+    state[UP_RATE] += normal
+    state[PITCH_RATE] -= cell.inertia_ratio * (normal * c + tangential * s) / cell.half_diagonal
+
+
 # --- transitions
+
+
+@compiled
+def stop_corner(cell: Cell, state: Array, corner: int, slip_too: bool) -> None:
+    """Take a small rest of velocity from a corner by an impulse, which cannot add energy."""
+    s, c = corner_at(cell, corner, state[PITCH])
+    nn, nt, tt = delassus(cell, s, c)
+    u_n = gap_rate_of(cell, state, corner)
+    if slip_too:
+        u_t = slip_of(cell, state, corner)
+        determinant = 1.0 + cell.inertia_ratio
+        normal, tangential = (nt * u_t - tt * u_n), (nt * u_n - nn * u_t)
+        push(cell, state, s, c, normal / determinant, tangential / determinant)
+    else:
+        push(cell, state, s, c, -u_n / nn, 0.0)
 
 
 @compiled
 def choose_corner(cell: Cell, state: Array, time: float, corner: int) -> tuple[int, int]:
     """Return support and direction of slip where one corner touches and does not approach."""
     slow = SLOW * speed_scale(cell)
-    s, c = corner_at(cell, corner, state[PITCH])
-    chi, along = free_corner(cell, time, s, c, state[PITCH_RATE])
+    stop_corner(cell, state, corner, False)
     slip = slip_of(cell, state, corner)
     if abs(slip) <= slow:
-        state[ALONG_RATE] -= slip
+        stop_corner(cell, state, corner, True)
+    settle_on(cell, state, corner, 1)
+    s, c = corner_at(cell, corner, state[PITCH])
+    chi, along = free_corner(cell, time, s, c, state[PITCH_RATE])
+    if abs(slip) <= slow:
         normal, friction = holding_force(cell, s, c, chi, along)
         if normal >= 0.0 and abs(friction) <= cell.friction_static * normal:
             return corner, 0
@@ -443,7 +476,6 @@ def choose(cell: Cell, state: Array, time: float) -> tuple[int, int]:
             corner = (1 - quarter_turns) % 4 if right < 0.0 else -quarter_turns % 4
             support, sigma = choose_corner(cell, state, time, corner)
     else:
-        settle_on(cell, state, first, 1)
         support, sigma = choose_corner(cell, state, time, first)
     settle_on(cell, state, support, sigma)
     state[LOST] += before - kinetic(cell, state)
@@ -491,21 +523,6 @@ def arrest(
     # In sliding the cone gives the normal impulse; elsewhere it is larger than |T|/mu.
     normal = stop - coupling * tangential
     return max(normal, 0.0), tangential
-
-
-@compiled
-def delassus(cell: Cell, s: float, c: float) -> tuple[float, float, float]:
-    """Return the Delassus numbers of a corner, per mass."""
-    kappa = cell.inertia_ratio
-    return 1.0 + kappa * c * c, kappa * s * c, 1.0 + kappa * s * s
-
-
-@compiled
-def push(cell: Cell, state: Array, s: float, c: float, normal: float, tangential: float) -> None:
-    """Add an impulse per mass at a corner to the state."""
-    state[ALONG_RATE] += tangential
-    state[UP_RATE] += normal
-    state[PITCH_RATE] -= cell.inertia_ratio * (normal * c + tangential * s) / cell.half_diagonal
 
 
 @compiled
