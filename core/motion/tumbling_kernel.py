@@ -706,6 +706,49 @@ def dips(
 
 
 @compiled
+def first_misfit(
+    cell: Cell, support: int, sigma: int, state: Array, time: float, step: float, after: Array,
+    trial: Array,
+) -> float:  # fmt: skip
+    """Return the time in a step at which the state ceases to fit, and set `after` to it.
+
+    `after` holds the state at the end of the step, which does not fit. A corner that falls on the
+    plane is followed back by Newton's method, which approaches from below a path that bends down;
+    everything else, and what Newton's method leaves, is halved.
+    """
+    overlap = OVERLAP * cell.half_diagonal
+    low, part, halve = 0.0, step, False
+    for _ in range(HALVINGS):
+        guess = (low + part) / 2
+        deepest, falling = -overlap, -1
+        for corner in range(corner_count(cell)):
+            gap = gap_of(cell, after, corner)
+            if corner != support and gap < deepest:
+                deepest, falling = gap, corner
+        at_plane = falling >= 0 and deepest >= -1.5 * overlap
+        if part - low <= (1e-9 if at_plane else 1e-12 if falling < 0 else 0.0) * step:
+            break
+        if at_plane:  # was the corner the first? just before, everything has to fit
+            guess = max(guess, part - 1e-9 * step)
+        elif falling >= 0:
+            rate = gap_rate_of(cell, after, falling)
+            if rate < 0.0 and not halve:
+                back = part - (deepest + overlap) / rate
+                if low < back < part:
+                    guess = back
+        if guess in (low, part):
+            break
+        carry(cell, support, sigma, state, time, guess, trial)
+        halve = holds(cell, support, sigma, trial, time + guess)
+        if halve:
+            low = guess
+        else:
+            part = guess
+            after[:] = trial
+    return part
+
+
+@compiled
 def run_events(cell: Cell, state: Array, times: Array, rows: NDArray[np.float64]) -> Run:
     """Run one cell from event to event, and write its state at the times into the rows."""
     after, trial = np.empty_like(state), np.empty_like(state)
@@ -749,19 +792,10 @@ def run_events(cell: Cell, state: Array, times: Array, rows: NDArray[np.float64]
             if impacts > 0:
                 bounce = max(bounce, lowest_gap(cell, state))
             continue
-        # The state fits at `low` and not at `part`: halve to the last digit.
-        low = 0.0
-        for _ in range(HALVINGS):
-            middle = (low + part) / 2
-            if middle in (low, part):
-                break
-            carry(cell, support, sigma, state, time, middle, trial)
-            if holds(cell, support, sigma, trial, time + middle):
-                low = middle
-            else:
-                part = middle
-        carry(cell, support, sigma, state, time, part, trial)
-        state[:] = trial
+        if part != step:
+            carry(cell, support, sigma, state, time, part, after)
+        part = first_misfit(cell, support, sigma, state, time, part, after, trial)
+        state[:] = after
         time = end if part == step else time + part
         events += 1
         if strike(cell, state, after):
