@@ -373,6 +373,8 @@ def holds(cell: Cell, support: int, sigma: int, state: Array, time: float) -> bo
         slip = slip_of(cell, state, support)
     if sigma == 0:
         return abs(friction) <= cell.friction_static * normal
+    if cell.friction_static == 0.0:
+        return True
     return sigma * slip >= -1e-5 * SLOW * speed_scale(cell)
 
 
@@ -415,12 +417,13 @@ def choose_corner(cell: Cell, state: Array, time: float, corner: int) -> tuple[i
     slow = SLOW * speed_scale(cell)
     stop_corner(cell, state, corner, False)
     slip = slip_of(cell, state, corner)
-    if abs(slip) <= slow:
+    stops = abs(slip) <= slow and cell.friction_static > 0.0
+    if stops:
         stop_corner(cell, state, corner, True)
     settle_on(cell, state, corner, 1)
     s, c = corner_at(cell, corner, state[PITCH])
     chi, along = free_corner(cell, time, s, c, state[PITCH_RATE])
-    if abs(slip) <= slow:
+    if stops:
         normal, friction = holding_force(cell, s, c, chi, along)
         if normal >= 0.0 and abs(friction) <= cell.friction_static * normal:
             return corner, 0
