@@ -519,13 +519,12 @@ def arrest(
     forward, backward = 1.0 - friction * coupling, 1.0 + friction * coupling
     lowest = -friction * stop / forward if forward > 0.0 else -np.inf
     highest = friction * stop / backward if backward > 0.0 else np.inf
-    if tangential < lowest:
-        tangential = lowest
-    elif tangential > highest:
-        tangential = highest
-    # In sliding the cone gives the normal impulse; elsewhere it is larger than |T|/mu.
-    normal = stop - coupling * tangential
-    return max(normal, 0.0), tangential
+    if lowest <= tangential <= highest:
+        return max(stop - coupling * tangential, 0.0), tangential
+    tangential = lowest if tangential < lowest else highest
+    # In sliding the cone gives the normal impulse; the line would lose digits.
+    normal = abs(tangential) / friction if friction > 0.0 else stop
+    return normal, tangential
 
 
 @compiled
@@ -764,7 +763,7 @@ def run_events(cell: Cell, state: Array, times: Array, rows: NDArray[np.float64]
     support, sigma = choose(cell, state, time)
     steps = math.ceil(min(cell.duration / cell.time_step, MOST_STEPS))
     most_events = EVENTS + EVENTS_A_STEP * steps
-    steps_left = 1000 + STEPS_MORE * steps + times.size
+    steps_left = min(1000 + STEPS_MORE * steps, MOST_STEPS) + times.size
     while True:
         while written < times.size and times[written] <= time:
             record(cell, state, times[written], support, rows[written])
@@ -848,6 +847,19 @@ def arrest_all(
 
 
 @compiled
+def slides_without_solution(
+    cell: Cell, state: Array, middle: Array, near: NDArray[np.int64]
+) -> bool:
+    """Return whether the one corner that is near slides where tau <= 0 (theory 2.3)."""
+    corner = int(np.argmax(near))
+    s, c = corner_at(cell, corner, middle[PITCH])
+    slip = state[ALONG_RATE] - cell.half_diagonal * state[PITCH_RATE] * s
+    if abs(slip) <= SLOW * speed_scale(cell):
+        return False
+    return response_of(cell, s, c, 1 if slip > 0.0 else -1) <= 0.0
+
+
+@compiled
 def run_steps(cell: Cell, state: Array, times: Array, rows: NDArray[np.float64]) -> Run:
     """Run one cell by the midpoint rule of Moreau and Jean (theory 13.9), with Moreau's law."""
     corners = corner_count(cell)
@@ -887,6 +899,9 @@ def run_steps(cell: Cell, state: Array, times: Array, rows: NDArray[np.float64])
                     slip = state[ALONG_RATE] - cell.half_diagonal * state[PITCH_RATE] * s
                     target[1, corner] = -cell.restitution * slip
                     struck = True
+        if touching == 1 and not struck and slides_without_solution(cell, state, middle, near):
+            status = NO_SOLUTION
+            break
         before = kinetic(cell, middle)
         if touching > 0:
             arrest_all(cell, middle, near, target, impulse)
@@ -895,13 +910,6 @@ def run_steps(cell: Cell, state: Array, times: Array, rows: NDArray[np.float64])
         for corner in range(corners):
             if near[corner] != 0 and impulse[0, corner] > 0.0 and touching > 0:
                 support = FLAT if support != FREE else corner
-        if support >= 0 and not struck:
-            s, c = corner_at(cell, support, middle[PITCH])
-            slip = slip_of(cell, middle, support)
-            sigma = 0 if abs(slip) <= slow else (1 if slip > 0.0 else -1)
-            if sigma != 0 and response_of(cell, s, c, sigma) <= 0.0:
-                status = NO_SOLUTION
-                break
         for place, rate in ((ALONG, ALONG_RATE), (UP, UP_RATE), (PITCH, PITCH_RATE)):
             middle[place] += step / 2 * middle[rate]
         state[:] = middle

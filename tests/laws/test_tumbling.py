@@ -43,10 +43,11 @@ def dropped(count: int, seed: int) -> dict:
 
 
 def one(case: dict, number: int) -> dict:
+    """One of the parts."""
     part = case["part"]
-    single = {key: value[number] for key, value in case.items() if np.ndim(value) == 1
-              and not isinstance(value, tuple)}  # fmt: skip
-    return {**case, **single, "part": type(part)(part[0], part[1][number])}
+    values = {key: value for key, value in case.items() if key != "part"}
+    single = {key: value[number] if np.ndim(value) else value for key, value in values.items()}
+    return {**single, "part": type(part)(part[0], part[1][number])}
 
 
 def energy(path, part, gravity=GRAVITY):
@@ -316,6 +317,18 @@ def test_both_methods_agree():
     assert stepped.velocity == pytest.approx(exact.velocity, rel=5e-3)
     assert stepped.largest_bounce == pytest.approx(exact.largest_bounce, rel=0.02, abs=1e-5)
     assert stepped.energy_lost == pytest.approx(exact.energy_lost, rel=5e-3)
+
+
+def test_a_block_stands_on_a_slope_until_its_weight_passes_its_edge():
+    # tan(gamma) = base/height; uphill is to the right, so it topples to the left, on side 4.
+    slope = np.arctan(0.01 / 0.03) + np.array([-1e-3, 1e-3])
+    found = tumbling_motion(
+        part=Rectangle(0.01, 0.03), friction_kinetic=0.6, restitution=0.0, duration=5.0,
+        gamma=slope, gravity=GRAVITY,
+    )  # fmt: skip
+    assert found.resting_side.tolist() == [1, 4]
+    assert found.settling_time[0] == 0
+    assert np.all(found.status == STATUS["settled"])
 
 
 # --- the vibrating plane
