@@ -8,9 +8,10 @@ moment of inertia) or a ball. Two methods, which check each other:
     From event to event: free flight in closed form, motion on one corner or on a side with the
     contact laws of accelerations (theory 2.3, 2.4) by Runge-Kutta steps of order 4 in pitch and
     slide alone, so that nothing sinks; impacts, lift-off, stick and slip, and tipping at their own
-    time, found by halving the step; impacts by the laws of theory 5.3. Endless series of ever
-    smaller impacts end where the velocity off the plane falls below 1e-7 of
-    sqrt(acceleration * half diagonal).
+    time, found within the step; impacts by the laws of theory 5.3. Endless series of ever smaller
+    impacts, bounces as well as rocking, end where the velocity off the plane falls below 1e-6 of
+    sqrt(acceleration * half diagonal). After many impacts with much restitution the motion is
+    chaotic, and its details depend on the last digit.
 ``"stepping"``
     The midpoint rule of Moreau and Jean with all corners (theory 13.9), Moreau's impact law and
     projected Gauss-Seidel; error of the order of the step.
