@@ -183,9 +183,54 @@ def _motion() -> dict[str, Quantity]:
         "hop_height": Quantity("m", "z", "Hop height", "Largest distance from the floor."),
         "motion_status": number("", "Status of the motion", "How the motion ended."),
     }  # fmt: skip
+    tumbling = {
+        "duration": Quantity(
+            "s", "t_e", "Duration", "Time after which the run ends.", 0.0, strict=True,
+            parameter=True, examples=("2 s",),
+        ),
+        "drop_height": Quantity(
+            "m", "z_0", "Drop height",
+            "Height of the part's lowest corner above the plane at the start.", 0.0,
+            parameter=True, examples=("10 mm",),
+        ),
+        "tumble": Quantity("1", "", "Tumble", "How the part tumbled.", bundle=True),
+        "final_pitch": Quantity(
+            "degree", "xi_e", "Final pitch", "Pitch at the end, clockwise, with all its turns."
+        ),
+        "resting_side": number(
+            "", "Resting side",
+            "Side that lies on the plane at the end: 1 as at pitch 0, 2 at 90 degrees, 3 at 180, "
+            "4 at 270; 0 if none does.",
+        ),
+        "settling_time": Quantity(
+            "s", "t_s", "Settling time", "Time from which the part lies at rest for good."
+        ),
+        "impact_count": number(
+            "", "Impacts", "Impacts until the end; both ends of a side at once count as one."
+        ),
+        "largest_bounce": Quantity(
+            "m", "z_b", "Largest bounce",
+            "Largest height of the lowest corner above the plane after the first impact.",
+        ),
+        "drift_velocity": _velocity(
+            "x/t", "Drift velocity", "Displacement along the plane over the duration."
+        ),
+        "specific_energy_lost": Quantity(
+            "J kg-1", "e_l", "Energy lost per mass", "Energy that impacts and friction took."
+        ),
+    }  # fmt: skip
+    tumbling |= {
+        "tumbling_part": Quantity("1", "", "Tumbling part", "Its shape and size.", bundle=True),
+        "path_along": Quantity("m", "x", "Centre along the plane", "Place of the centre."),
+        "path_height": Quantity("m", "y", "Height of the centre", "Height of the centre."),
+        "path_pitch": Quantity("degree", "xi", "Pitch", "Pitch, clockwise, with all its turns."),
+        "path_gap": Quantity("m", "g_N", "Lowest gap", "Height of the lowest corner."),
+        "path_corners": number("", "Corners in contact", "Corners that carry the part."),
+    }
     trajectory = {
         "cycle_time": Quantity(
-            "s", "t", "Time in the cycle", "Time since the start of a period of the drive."
+            "s", "t", "Time in the cycle",
+            "Time since the start of a period of the drive; of a tumbling part, since the start.",
         ),
         "position_along": Quantity(
             "m", "x", "Position on the track",
@@ -208,7 +253,7 @@ def _motion() -> dict[str, Quantity]:
         ),
         "motion_mode": number("", "Mode of the motion", "What the part does on the track."),
     }  # fmt: skip
-    return {**scales, **settings, **results, **trajectory}
+    return {**scales, **settings, **results, **tumbling, **trajectory}
 
 
 def _pair_impact() -> dict[str, Quantity]:
@@ -966,6 +1011,8 @@ REGIMES: dict[str, Flag] = {
     "unresolved": Flag(
         33, "no answer: the study was stopped, or a limit came first", valid=False
     ),
+    "rests": Flag(34, "the part has come to rest on a side"),
+    "tumbles": Flag(35, "the part still moves at the end of the duration"),
 }  # fmt: skip
 
 MOTION_STATUSES: dict[str, Flag] = {
@@ -978,6 +1025,7 @@ MOTION_STATUSES: dict[str, Flag] = {
     "limit_reached": Flag(6, "the limit on periods came first; mean of those run", valid=False),
     "no_solution": Flag(7, "the contact laws had no solution, or several", valid=False),
     "settled": Flag(8, "the part has come to rest on a side"),
+    "moving": Flag(9, "the part still moves at the end of the duration"),
 }
 
 MOTION_MODES: dict[str, Flag] = {

@@ -17,6 +17,7 @@ from core.sweep.prepare import Prepared, further_problems, plan_study
 
 DEFAULT_OUTPUTS = ("conveying_velocity",)
 PLANAR_METHOD = "events"
+SCALES = ("velocity_scale", "length_scale")
 
 
 class Simulation(Prepared):
@@ -39,12 +40,12 @@ def prepare(study: SimulateStudy) -> Simulation:
     def chosen() -> tuple[Scene, str]:
         return find_system(study.scene, study.method, planar)
 
-    _, method = chosen()
+    scene, method = chosen()
     settings = study.settings()
     # `motion_status` tells how each value was found: it is never left out.
     asked = tuple(dict.fromkeys((*study.outputs, "motion_status")))
-    if study.trajectory is not None:  # its scales have to be planned
-        asked = tuple(dict.fromkeys((*asked, "velocity_scale", "length_scale")))
+    if study.trajectory is not None:  # its way back to metres and seconds has to be planned
+        asked += tuple(n for n in SCALES if n not in asked and n in scene.outputs(method))
     problems: list[Problem] = []
     try:
         plan, grid = plan_study(study, asked, chosen)

@@ -18,9 +18,9 @@ from core.dataset.table import (
     quantity_attributes,
     regime_attributes,
 )
+from core.motion.course import COURSES
 from core.motion.prepare import Simulation, prepare
-from core.motion.systems import PATHS
-from core.quantities import MOTION_MODES, MOTION_STATUSES
+from core.quantities import MOTION_STATUSES
 from core.sweep.evaluate import regimes
 from core.sweep.run import coordinates_of, outputs_of
 from core.watch import Watch
@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     import xarray
 
     from core.study import SimulateStudy
+
+WATCHED = ("motion", "tumble")
+"""What takes long, may be stopped, and has a course in time."""
 
 
 def simulate(study: SimulateStudy, *, watch: Watch | None = None) -> xarray.Dataset:
@@ -63,7 +66,7 @@ def tabulate(prepared: Simulation, *, watch: Watch | None = None) -> Table:
     variables["regime"] = Variable(prepared.dims["regime"], regime, regime_attributes(plan.regimes))
     coordinates = coordinates_of(plan, grid)
     if prepared.study.trajectory is not None:
-        time, courses = _trajectory(prepared, known)
+        time, courses = _course(prepared, known)
         coordinates["cycle_time"] = time
         variables |= courses
     return Table(coordinates, variables, _global_attributes(prepared))
@@ -81,41 +84,28 @@ def _evaluate(prepared: Simulation, watch: Watch) -> dict[str, Any]:
     for equation in plan.equations:
         arguments = {name: known[name] for name in equation.inputs}
         function: Callable[..., Any] = equation.function
-        watched = {"watch": watch} if equation.gives == "motion" else {}
+        watched = {"watch": watch} if equation.gives in WATCHED else {}
         known[equation.gives] = function(**arguments, **watched)
     return known
 
 
-def _trajectory(
-    prepared: Simulation, known: dict[str, Any]
-) -> tuple[Variable, dict[str, Variable]]:
-    """Return the asked times, and what the part and the track do at them."""
+def _course(prepared: Simulation, known: dict[str, Any]) -> tuple[Variable, dict[str, Variable]]:
+    """Return the asked times, and what the part does at them."""
     asked = prepared.study.trajectory
-    motion = next(e for e in prepared.plan.equations if e.gives == "motion")
-    arguments = {name: known[name].item() for name in motion.inputs}
-    pace = known["velocity_scale"].item() / known["length_scale"].item()  # the circular frequency
-    if isinstance(asked, int):
-        cycle = max(1.0, known["motion"].multiple.item())
-        phases = np.linspace(0.0, 2 * np.pi * cycle, asked + 1)
-        times = phases / pace
-    else:
-        times = np.array(asked)
-        phases = pace * times
-    path = PATHS[prepared.plan.variant](**arguments, phases=phases)
-    speed, length = known["velocity_scale"].item(), known["length_scale"].item()
-    values = {
-        "position_along": path.along * length,
-        "height_above_floor": path.height * length,
-        "relative_velocity_along": path.velocity_along * speed,
-        "relative_velocity_normal": path.velocity_normal * speed,
-        "track_along": arguments["drive_number_along"] * length * np.sin(phases),
-        "track_normal": arguments["drive_number_normal"] * length * np.sin(phases),
-    }
+    assert asked is not None
+    motion = next(e for e in prepared.plan.equations if e.gives in WATCHED)
+    arguments = {name: known[name] for name in motion.inputs}
+    course = COURSES[motion.gives](asked, arguments, known)
     dims = ("cycle_time",)
-    courses = {n: Variable(dims, v, quantity_attributes(n)) for n, v in values.items()}
-    modes = flag_attributes("motion_mode", MOTION_MODES, tuple(MOTION_MODES))
-    courses["motion_mode"] = Variable(dims, path.mode, modes)
-    return Variable(dims, times, quantity_attributes("cycle_time")), courses
+    variables = {
+        name: Variable(dims, values, quantity_attributes(name))
+        for name, values in course.values.items()
+    }
+    variables |= {
+        name: Variable(dims, values, flag_attributes(name, flags, tuple(flags)))
+        for name, (values, flags) in course.flags.items()
+    }
+    return Variable(dims, course.times, quantity_attributes("cycle_time")), variables
 
 
 def _squeezed(prepared: Simulation, name: str, values: NDArray[Any]) -> NDArray[Any]:

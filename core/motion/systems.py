@@ -14,7 +14,8 @@ from core.mechanics import vibration
 from core.mechanics.arrays import Mask
 from core.motion import scales
 from core.motion.motion import STATUS, Motion
-from core.motion.planar import Path, planar_motion, planar_path
+from core.motion.planar import planar_motion
+from core.motion.tumbling_scene import cylinder, rectangle, tumbling_scene
 from core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
@@ -143,14 +144,13 @@ def _plane(name: str, title: str) -> Scene:
     )
 
 
-PATHS: dict[str, Callable[..., Path]] = {"events": planar_path}
-"""What follows the one point of a study in time, by method; takes what the motion takes."""
-
 SYSTEMS: dict[str, Scene] = {
     system.name: system
     for system in (
         _plane("rectangle-on-plane", "Motion in time of a rectangular part on a plane"),
         _plane("cylinder-on-plane", "Motion in time of a cylinder, its axis along the track"),
+        tumbling_scene("rectangle-isolated", "Tumbling rectangular part on a plane", rectangle),
+        tumbling_scene("cylinder-isolated", "Tumbling cylindrical part on a plane", cylinder),
     )
 }
 """Every system that can be simulated, by the name of its scene."""

@@ -96,7 +96,7 @@ def test_restitution_plays_no_part_on_the_floor(sample):
 
 
 def test_mirror_image(sample):
-    # Seen from behind, the drive points back, the track climbs the other way, velocity changes sign.
+    # Seen from behind, the drive points back and the track climbs the other way.
     groups, motion = sample
     turned = groups | {
         "drive_number_along": -groups["drive_number_along"],

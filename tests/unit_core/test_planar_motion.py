@@ -112,7 +112,9 @@ def test_hop_after_hop(throw, beta, gamma, mu):
     assert (result.impacts, result.multiple) == (1, 1)
 
 
-@pytest.mark.parametrize(("periods", "e", "throw"), [(1, 0.2, 2.45), (1, 0.2, 2.5), (2, 0.2, 4.426)])
+@pytest.mark.parametrize(
+    ("periods", "e", "throw"), [(1, 0.2, 2.45), (1, 0.2, 2.5), (2, 0.2, 4.426)]
+)
 def test_periodic_bounce(periods, e, throw):
     # q < throw < sqrt(q^2 + [2 (1 + e^2)/(1 + e)^2]^2): one impact every so many periods is stable.
     q = math.pi * periods * (1 - e) / (1 + e)

@@ -1,0 +1,175 @@
+"""What a study of a tumbling part gives, as equations and conditions of a system."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.mechanics.arrays import Array, Mask
+from core.motion.motion import STATUS
+from core.motion.tumbling import Cylinder, Method, Part, Rectangle, Tumble, tumbling_motion
+from core.scenes.scene import STANDARD_GRAVITY, STATIC_ABOVE_KINETIC, Condition, Equation, Scene
+from core.watch import Watch
+
+
+def rectangle(*, length: Array, height: Array) -> Part:
+    """Return the rectangular part."""
+    return Rectangle(length, height)
+
+
+def cylinder(*, length: Array, diameter: Array) -> Part:
+    """Return the cylindrical part, seen along its side."""
+    return Cylinder(length, diameter)
+
+
+def tumble(
+    *,
+    tumbling_part: Part,
+    friction_static: Array,
+    friction_kinetic: Array,
+    restitution: Array,
+    duration: Array,
+    gravity: Array,
+    gamma: Array,
+    frequency: Array,
+    amplitude: Array,
+    beta: Array,
+    drop_height: Array,
+    pitch: Array,
+    velocity_along: Array,
+    velocity_upward: Array,
+    pitch_rate: Array,
+    method: Method = "events",
+    watch: Watch | None = None,
+) -> Tumble:
+    """Return how the part tumbles from its start to the end of the duration."""
+    return tumbling_motion(
+        part=tumbling_part,
+        friction_static=friction_static,
+        friction_kinetic=friction_kinetic,
+        restitution=restitution,
+        duration=duration,
+        gravity=gravity,
+        gamma=gamma,
+        frequency=frequency,
+        amplitude=amplitude,
+        beta=beta,
+        gap_normal=drop_height,
+        pitch=pitch,
+        velocity_along=velocity_along,
+        velocity_upward=velocity_upward,
+        pitch_rate=pitch_rate,
+        law="pfeiffer_glocker" if method == "events" else "moreau",
+        method=method,
+        watch=watch,
+    )
+
+
+@wraps(tumble)
+def stepped_tumble(**arguments: Any) -> Tumble:
+    """Return the same by time stepping."""
+    return tumble(**arguments, method="stepping")
+
+
+def final_pitch(*, tumble: Tumble) -> Array:
+    """Return the pitch at the end, with all its turns [rad]."""
+    return tumble.pitch
+
+
+def resting_side(*, tumble: Tumble) -> Array:
+    """Return the side that lies on the plane at the end, 0 if none does [1]."""
+    return tumble.resting_side
+
+
+def settling_time(*, tumble: Tumble) -> Array:
+    """Return the time from which the part lies at rest for good; NaN where it does not [s]."""
+    return tumble.settling_time
+
+
+def impact_count(*, tumble: Tumble) -> Array:
+    """Return the number of impacts [1]."""
+    return tumble.impacts
+
+
+def largest_bounce(*, tumble: Tumble) -> Array:
+    """Return the largest height of the lowest corner after the first impact [m]."""
+    return tumble.largest_bounce
+
+
+def drift_velocity(*, tumble: Tumble) -> Array:
+    """Return the displacement along the plane over the duration [m s-1]."""
+    return tumble.velocity
+
+
+def specific_energy_lost(*, tumble: Tumble) -> Array:
+    """Return the energy per mass that impacts and friction took [J kg-1]."""
+    return tumble.energy_lost
+
+
+def tumbling_status(*, tumble: Tumble) -> NDArray[np.int8]:
+    """Return how the run ended, a `MOTION_STATUSES` value."""
+    return tumble.status
+
+
+def _ended(name: str) -> Callable[..., Mask]:
+    def ended(*, tumble: Tumble) -> Mask:
+        return tumble.status == STATUS[name]
+
+    ended.__doc__ = f"Return where the status is {name}."
+    return ended
+
+
+RESULTS = (
+    Equation("final_pitch", final_pitch, "theory 2.1"),
+    Equation("resting_side", resting_side, "theory 2.1"),
+    Equation("settling_time", settling_time, "theory 13.5"),
+    Equation("impact_count", impact_count, "theory 13.4"),
+    Equation("largest_bounce", largest_bounce, "theory 13.4"),
+    Equation("drift_velocity", drift_velocity, "theory 13.8"),
+    Equation("specific_energy_lost", specific_energy_lost, "theory 5.3"),
+    Equation("motion_status", tumbling_status, "theory 2.3"),
+)
+ANY_RESULT = frozenset(equation.gives for equation in RESULTS) | {"regime"}
+
+CONDITIONS = (
+    Condition("no_solution", _ended("no_solution"), ANY_RESULT, otherwise="unresolved"),
+    Condition("rests", _ended("settled"), ANY_RESULT),
+    Condition("tumbles", _ended("moving"), ANY_RESULT),
+)
+
+
+def tumbling_scene(name: str, title: str, part: Callable[..., Part]) -> Scene:
+    """Return the system of a tumbling part of one shape."""
+    body = Equation("tumbling_part", part, "theory 2.1")
+    return Scene(
+        name=name,
+        title=title,
+        source="theory 2, 13",
+        validity="A rigid part in the vertical plane of the track, with one rotation: it strikes "
+        "the plane with its corners, rocks, slides, and comes to rest on a side. After many "
+        "impacts with much restitution its details depend on the last digit.",
+        variants={
+            "events": (body, Equation("tumble", tumble, "theory 2.3, 5.3"), *RESULTS),
+            "time-stepping": (body, Equation("tumble", stepped_tumble, "theory 13.9"), *RESULTS),
+        },
+        default_variant="events",
+        conditions={"events": CONDITIONS, "time-stepping": CONDITIONS},
+        defaults={
+            "gamma": 0.0,
+            "gravity": STANDARD_GRAVITY,
+            "frequency": 0.0,
+            "amplitude": 0.0,
+            "beta": 0.0,
+            "drop_height": 0.0,
+            "pitch": 0.0,
+            "pitch_rate": 0.0,
+            "velocity_along": 0.0,
+            "velocity_upward": 0.0,
+        },
+        constraints=(STATIC_ABOVE_KINETIC,),
+        choice="method",
+    )

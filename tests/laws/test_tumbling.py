@@ -1,0 +1,439 @@
+"""Laws and known values of tumbling: a part that strikes a plane, rocks and comes to rest."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from core.mechanics import impact
+from core.motion.kernels import tumbling as kernel
+from core.motion.motion import STATUS
+from core.motion.tumbling import Ball, Cylinder, Rectangle, tumbling_motion, tumbling_path
+
+GRAVITY = 9.81
+LAWS = ["pfeiffer_glocker", "moreau"]
+
+# The rocking block of the literature: half sizes 0.0282 m by 0.1065 m, here full ones.
+BLOCK = Rectangle(0.0564, 0.213)
+BLOCK_ANGLE = np.arctan2(0.0282, 0.1065)
+
+
+def ball(**change):
+    """A ball of 0.1 m dropped with its centre at 1 m."""
+    given = {"part": Ball(0.1), "gap_normal": 0.9, "restitution": 0.5, "friction_kinetic": 0.3}
+    return tumbling_motion(**{**given, "gravity": GRAVITY, "duration": 2.0, **change})
+
+
+def dropped(count: int, seed: int) -> dict:
+    """Random parts that fall, turn and slide; restitution below 0.7, so that they come to rest."""
+    draw = np.random.default_rng(seed).uniform
+    return {
+        "part": Rectangle(0.02, draw(0.004, 0.03, count)),
+        "friction_kinetic": draw(0.2, 1.1, count),
+        "restitution": draw(0.0, 0.7, count),
+        "gap_normal": draw(0.0, 0.03, count),
+        "pitch": draw(-4.0, 4.0, count),
+        "pitch_rate": draw(-20.0, 20.0, count),
+        "velocity_along": draw(-0.5, 0.5, count),
+        "gravity": GRAVITY,
+    }
+
+
+def one(case: dict, number: int) -> dict:
+    """One of the parts."""
+    part = case["part"]
+    values = {key: value for key, value in case.items() if key != "part"}
+    single = {key: value[number] if np.ndim(value) else value for key, value in values.items()}
+    return {**single, "part": type(part)(part[0], part[1][number])}
+
+
+def energy(path, part, gravity=GRAVITY):
+    """Kinetic and potential energy per mass, from m rho^2/I of theory 2.1."""
+    body = part.body()
+    turning = (body.half_diagonal * path.pitch_rate) ** 2 / body.inertia_ratio
+    moving = path.velocity_along**2 + path.velocity_upward**2 + turning
+    return 0.5 * moving + gravity * path.upward
+
+
+# --- impacts in a series: the bouncing ball
+
+
+def test_a_ball_comes_to_rest_after_endlessly_many_bounces():
+    # Fall t_1, then bounces of 2 e^k t_1: together t_1 (1 + e)/(1 - e). The series is cut where a
+    # bounce leaves with 1e-6 sqrt(g R): it lacks at most 2e-6 sqrt(R/g)/(1 - e) = 4e-7 s.
+    found = ball()
+    assert found.settling_time == pytest.approx(3 * np.sqrt(2 * 0.9 / GRAVITY), abs=4e-7)
+    assert found.settling_time == pytest.approx(1.285059, abs=1e-6)
+    assert found.status == STATUS["settled"]
+    assert found.energy_lost == pytest.approx(GRAVITY * 0.9, rel=1e-11)
+    # e^2 of the fall; the steps miss the top by g (h/2)^2/2 at most, h = 0.02 sqrt(R/g).
+    assert found.largest_bounce == pytest.approx(0.225, abs=GRAVITY * 0.002**2 / 8)
+
+
+def test_stepping_finds_it_with_an_error_of_the_order_of_the_step():
+    # Each impact comes early or late by a step at most, and so does the end. The slope is 1 but for
+    # the number of impacts, which grows with the logarithm of the step, and for chance: 1.0 in a
+    # fit over twice as many steps.
+    steps = np.array([1e-3, 1e-4, 1e-5, 1e-6])
+    found = ball(method="stepping", law="moreau", time_step=steps)
+    error = np.abs(found.settling_time - 3 * np.sqrt(2 * 0.9 / GRAVITY))
+    assert np.all(error <= steps * (found.impacts + 1))
+    slope = np.polyfit(np.log(steps), np.log(error), 1)[0]
+    assert 0.7 < slope < 1.1
+
+
+# --- rocking
+
+
+def housner_ratio() -> float:
+    """Pitch rate after an impact over that before it: 1 - (3/2) sin^2 of the block's angle."""
+    return 1 - 1.5 * np.sin(BLOCK_ANGLE) ** 2
+
+
+def rocking(**change):
+    given = {"part": BLOCK, "pitch": 0.1, "friction_kinetic": 1.0, "restitution": 0.0}
+    return {**given, "gravity": GRAVITY, **change}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_rocking_block_loses_what_housner_says(law):
+    # Between impacts the energy above that of standing upright stays; at an impact it falls by the
+    # square of the ratio of the pitch rates: 1 - (m R^2/I_O)(1 - cos 2 alpha), I_O = 4/3 m R^2.
+    assert housner_ratio() == pytest.approx(0.901721, abs=5e-7)
+    times = np.linspace(0, 2, 2001)
+    path = tumbling_path(times=times, **rocking(law=law))
+    left = energy(path, BLOCK) - GRAVITY * 0.1065
+    swings = np.cumsum(np.r_[False, np.diff(np.sign(path.pitch)) != 0])
+    per_swing = np.array([np.median(left[swings == number]) for number in range(6)])
+    # Runge-Kutta of order 4 with 50 steps in sqrt(R/g): (1/50)^4 = 1.6e-7 over a swing or less.
+    assert np.sqrt(per_swing[1:] / per_swing[:-1]) == pytest.approx(housner_ratio(), abs=2e-7)
+    assert np.all(np.sign(path.pitch[path.touching[:, 0] & ~path.touching[:, 1]]) >= 0)
+
+
+def test_stepping_rocks_like_housner():
+    # First order: sqrt(R/g) = 0.1 s, step 1e-5 s, some ten times 1e-4 in the energy of a swing.
+    times = np.linspace(0, 1, 1001)
+    path = tumbling_path(times=times, **rocking(law="moreau", method="stepping", time_step=1e-5))
+    left = energy(path, BLOCK) - GRAVITY * 0.1065
+    swings = np.cumsum(np.r_[False, np.diff(np.sign(path.pitch)) != 0])
+    before, after = (left[swings == number] for number in (0, 1))
+    assert np.sqrt(after[5] / before[-5]) == pytest.approx(housner_ratio(), abs=1e-3)
+
+
+def test_a_pushed_block_topples_beyond_its_angle_only():
+    # Released at rest, a block falls back if its centre is inside its corner, and over if not.
+    pitch = BLOCK_ANGLE + np.array([-0.01, 0.01])
+    found = tumbling_motion(duration=10.0, **rocking(pitch=pitch))
+    assert found.resting_side.tolist() == [1, 2]
+    assert found.pitch == pytest.approx([0, np.pi / 2], abs=1e-12)
+
+
+# --- one impact
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("shape", [Rectangle, Cylinder])
+def test_an_impact_of_a_corner_is_that_of_the_impact_scenes(law, shape):
+    draw = np.random.default_rng(3).uniform
+    count, mu, eps = 500, draw(0, 3, 500), draw(0, 1, 500)
+    part = shape(0.03, 0.02)
+    cells, _ = cells_of(part, friction_kinetic=mu, restitution=eps, law=law)
+    for number in range(count):
+        cell = kernel.cell_of(cells[number])
+        state, after = np.zeros(kernel.STATE), np.empty(kernel.STATE)
+        state[kernel.PITCH] = draw(0.05, 1.5)
+        s, c = kernel.corner_at(cell, 0, state[kernel.PITCH])
+        rho, kappa = cell.half_diagonal, cell.inertia_ratio
+        state[kernel.UP] = rho * s
+        state[3:6] = draw(-1, 1), draw(-1, 1), draw(-50, 50)
+        u_n, u_t = state[4] - rho * state[5] * c, state[3] - rho * state[5] * s
+        before = state.copy()
+        struck = kernel.strike(cell, state, after)
+        assert struck == (u_n < -kernel.SLOW * kernel.speed_scale(cell))
+        if not struck:
+            continue
+        given = [np.asarray(value) for value in
+                 (1 + kappa * c * c, kappa * s * c, 1 + kappa * s * s, u_n, u_t)]  # fmt: skip
+        names = ("G_NN", "G_NT", "G_TT", "u_N", "u_T")
+        expected = getattr(impact, law)(
+            **dict(zip(names, given, strict=True)),
+            friction=np.asarray(mu[number]), restitution=np.asarray(eps[number]),
+        )  # fmt: skip
+        change = state - before
+        # A dozen operations on velocities of 1 m/s, and divisions by numbers above 0.1.
+        assert change[3] == pytest.approx(float(expected.tangential), abs=1e-12)
+        assert change[4] == pytest.approx(float(expected.normal), abs=1e-12)
+        # The angular momentum about the corner stays, whatever the impulse.
+        about = rho * (change[4] * c + change[3] * s) + rho**2 / kappa * change[5]
+        assert about == pytest.approx(0, abs=1e-12 * rho)
+        assert state[kernel.LOST] >= -1e-12
+
+
+def cells_of(part, **given):
+    from core.motion import tumbling
+
+    defaults = dict.fromkeys(
+        ("gamma", "frequency", "amplitude", "beta", "start_phase", "gap_normal", "pitch",
+         "velocity_along", "velocity_upward", "pitch_rate"), 0.0,
+    )  # fmt: skip
+    rest = {"friction_static": None, "gravity": GRAVITY, "duration": 1.0, "time_step": None}
+    return tumbling._cells(part=part, **{**defaults, **rest, **given})
+
+
+@pytest.mark.parametrize("eps", [0.0, 0.4, 1.0])
+def test_a_smooth_corner_loses_what_newton_says(eps):
+    # (1 - eps^2) u^2/(2 G_NN) after a fall by the gap, G_NN = 1 + 3 cos^2 s; theory 1.4.
+    part = Rectangle(0.03, 0.01)
+    s = np.arctan2(0.01, 0.03) + 0.4
+    fall = np.sqrt(2 * 0.02 / GRAVITY)
+    found = tumbling_motion(
+        part=part, friction_kinetic=0.0, restitution=eps, gap_normal=0.02, pitch=0.4,
+        gravity=GRAVITY, duration=1.001 * fall,
+    )  # fmt: skip
+    assert found.impacts == 1
+    lost = (1 - eps**2) * 2 * GRAVITY * 0.02 / (2 * (1 + 3 * np.cos(s) ** 2))
+    assert found.energy_lost == pytest.approx(lost, rel=1e-9, abs=1e-13)
+
+
+def test_a_smooth_elastic_part_keeps_its_energy_and_its_pace():
+    # Each of some ten impacts falls within 4e-15 half diagonals of the plane; the rest is rounding.
+    case = {"part": Rectangle(0.03, 0.01), "friction_kinetic": 0.0, "restitution": 1.0}
+    path = tumbling_path(
+        times=np.linspace(0, 1, 201), gap_normal=0.02, pitch=0.4, velocity_along=0.3,
+        gravity=GRAVITY, **case,
+    )  # fmt: skip
+    total = energy(path, case["part"])
+    assert np.ptp(total) <= 1e-11 * total[0]
+    assert np.all(path.velocity_along == 0.3)
+    assert np.all(path.gap_normal >= -1e-12 * 0.016)
+
+
+def test_in_flight_the_spin_stays_and_the_centre_falls():
+    times = np.linspace(0, 0.1, 11)
+    path = tumbling_path(
+        part=Cylinder(0.02, 0.01), times=times, friction_kinetic=0.3, restitution=0.5,
+        gap_normal=1.0, pitch_rate=30.0, velocity_along=0.2, velocity_upward=0.5, gravity=GRAVITY,
+    )  # fmt: skip
+    assert np.all(path.pitch_rate == 30.0)
+    assert path.pitch == pytest.approx(30 * times, abs=1e-13)
+    assert path.along == pytest.approx(0.2 * times, abs=1e-14)
+    assert path.upward == pytest.approx(1.005 + 0.5 * times - GRAVITY * times**2 / 2, abs=1e-14)
+
+
+# --- coming to rest
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_dropped_parts_come_to_rest_on_a_side(law):
+    case = dropped(200, 7)
+    found = tumbling_motion(duration=4.0, law=law, **case)
+    assert np.all(found.status == STATUS["settled"])
+    assert np.all(found.resting_side > 0)
+    quarter = np.rint(found.pitch / (np.pi / 2))
+    assert np.array_equal(found.resting_side, quarter % 4 + 1)
+    assert found.pitch == pytest.approx(quarter * np.pi / 2, abs=1e-12)
+    # What is lost is what is missing, by an energy balance that the method does not use.
+    body, height = case["part"].body(), case["part"].height
+    low = np.where(quarter % 2 == 0, height, 0.02) / 2
+    angles = [case["pitch"] + turn for turn in
+              (body.corner_angle, np.pi - body.corner_angle,
+               np.pi + body.corner_angle, -body.corner_angle)]  # fmt: skip
+    start = case["gap_normal"] + body.half_diagonal * np.max(np.sin(angles), axis=0)
+    turning = (body.half_diagonal * case["pitch_rate"]) ** 2 / 3
+    total = (case["velocity_along"] ** 2 + turning) / 2 + GRAVITY * (start - low)
+    assert found.energy_lost == pytest.approx(total, rel=1e-6)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_energy_never_grows_and_no_corner_sinks(law):
+    case = dropped(12, 11)
+    for number in range(12):
+        given = one(case, number)
+        path = tumbling_path(times=np.linspace(0, 1, 2001), law=law, **given)
+        total = energy(path, given["part"])
+        # Order 4 in steps of 1/50 of the scale: 1e-7 of the energy over a run at the very most.
+        assert np.all(np.diff(total) <= 1e-8 * total[0])
+        assert total + path.energy_lost == pytest.approx(total[0], rel=1e-7)
+        assert np.all(path.gap_normal >= -1e-12 * 0.02)
+        assert np.all(np.diff(path.energy_lost) >= 0)
+
+
+def test_the_path_ends_where_the_run_ends():
+    case = one(dropped(3, 17), 1)
+    found = tumbling_motion(duration=2.0, **case)
+    path = tumbling_path(times=[0.0, 1.0, 2.0], **case)
+    # The path's times cut some steps: the difference is that of two runs of order 4.
+    assert path.pitch[-1] == pytest.approx(float(found.pitch), abs=1e-12)
+    assert path.along[-1] == pytest.approx(2.0 * float(found.velocity), abs=1e-7)
+    assert path.touching[-1].sum() == 2
+    assert path.velocity_along[-1] == path.velocity_upward[-1] == path.pitch_rate[-1] == 0
+
+
+def test_a_mirrored_part_moves_as_its_mirror_image():
+    # Rounding grows from impact to impact: few impacts, short runs.
+    case = {**dropped(100, 13), "restitution": 0.2}
+    turned = {name: -case[name] for name in ("pitch", "pitch_rate", "velocity_along")}
+    found = tumbling_motion(duration=0.15, **case)
+    mirrored = tumbling_motion(duration=0.15, **{**case, **turned})
+    assert mirrored.pitch == pytest.approx(-found.pitch, abs=1e-6)
+    assert mirrored.velocity == pytest.approx(-found.velocity, abs=1e-6)
+
+
+def test_a_part_four_times_as_large_takes_twice_as_long():
+    # Lengths 4, times and velocities 2, same gravity: powers of 2 change no rounding.
+    case = dropped(100, 19)
+    part = case["part"]
+    large = {
+        **case,
+        "part": Rectangle(4 * part.length, 4 * part.height),
+        "gap_normal": 4 * case["gap_normal"],
+        "velocity_along": 2 * case["velocity_along"],
+        "pitch_rate": case["pitch_rate"] / 2,
+    }
+    drive = {"amplitude": 2e-4, "frequency": 50.0, "beta": 0.5}
+    slow = {"amplitude": 8e-4, "frequency": 25.0, "beta": 0.5}
+    found = tumbling_motion(duration=0.5, **case, **drive)
+    scaled = tumbling_motion(duration=1.0, **large, **slow)
+    assert np.array_equal(scaled.pitch, found.pitch)
+    assert np.array_equal(scaled.velocity, 2 * found.velocity)
+    assert np.array_equal(scaled.impacts, found.impacts)
+    assert np.array_equal(scaled.settling_time, 2 * found.settling_time, equal_nan=True)
+
+
+def test_both_methods_agree():
+    # Three impacts or rocks without rebound; stepping is of first order, its step 1/3000 of the
+    # scale sqrt(0.016/9.81) = 0.04 s.
+    case = {
+        "part": Rectangle(0.03, 0.01), "friction_kinetic": 0.3, "law": "moreau", "pitch": 0.5,
+        "restitution": np.array([0.0, 0.3]), "gap_normal": 0.02, "gravity": GRAVITY,
+    }  # fmt: skip
+    exact = tumbling_motion(duration=1.0, **case)
+    stepped = tumbling_motion(duration=1.0, method="stepping", time_step=1e-5, **case)
+    assert np.array_equal(stepped.resting_side, exact.resting_side)
+    assert stepped.settling_time == pytest.approx(exact.settling_time, rel=5e-3)
+    assert stepped.velocity == pytest.approx(exact.velocity, rel=5e-3)
+    assert stepped.largest_bounce == pytest.approx(exact.largest_bounce, rel=0.02, abs=1e-5)
+    assert stepped.energy_lost == pytest.approx(exact.energy_lost, rel=5e-3)
+
+
+def test_a_block_stands_on_a_slope_until_its_weight_passes_its_edge():
+    # tan(gamma) = base/height; uphill is to the right, so it topples to the left, on side 4.
+    slope = np.arctan(0.01 / 0.03) + np.array([-1e-3, 1e-3])
+    found = tumbling_motion(
+        part=Rectangle(0.01, 0.03), friction_kinetic=0.6, restitution=0.0, duration=5.0,
+        gamma=slope, gravity=GRAVITY,
+    )  # fmt: skip
+    assert found.resting_side.tolist() == [1, 4]
+    assert found.settling_time[0] == 0
+    assert np.all(found.status == STATUS["settled"])
+
+
+# --- the vibrating plane
+
+
+def test_below_throw_number_one_a_part_at_rest_stays():
+    for beta in (np.pi / 2, 0.3):
+        # Throw number 0.9 or less, and friction that holds at every phase.
+        amplitude = np.array([0.1, 0.5, 0.9]) * GRAVITY / (2 * np.pi * 50) ** 2
+        found = tumbling_motion(
+            part=Rectangle(0.02, 0.01), friction_kinetic=5.0, restitution=0.5, duration=1.0,
+            frequency=50.0, amplitude=amplitude, beta=beta, gravity=GRAVITY,
+        )  # fmt: skip
+        assert np.all(found.status == STATUS["settled"])
+        assert np.all(found.settling_time == 0)
+        assert np.all(found.velocity == 0)
+
+
+def test_above_throw_number_one_it_leaves():
+    found = tumbling_motion(
+        part=Rectangle(0.02, 0.01), friction_kinetic=0.5, restitution=0.0, duration=0.5,
+        frequency=50.0, amplitude=1.2 * GRAVITY / (2 * np.pi * 50) ** 2, beta=np.pi / 2,
+        gravity=GRAVITY,
+    )  # fmt: skip
+    # One hop per period for throw numbers to 3.297 (theory 13.7), straight up and flat; the first
+    # begins in the first period, the last of 25 ends in the last.
+    assert found.impacts == 25
+    assert found.status == STATUS["moving"]
+    assert found.velocity == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "beta", "gamma", "mu_s", "mu_k", "expected"),
+    [
+        (0.22e-3, 8, 1, 0.3, 0.3, 1.3192764443573e-4),
+        (24e-6, 20, 0, 0.35, 0.25, 4.3067566120832e-4),
+        (0.3e-3, 28, 2, 0.4, 0.4, 0.029158419079761),
+    ],
+)
+def test_a_flat_part_is_conveyed_like_a_point(amplitude, beta, gamma, mu_s, mu_k, expected):
+    # Worked values of theory 15: two-sided sliding, stick-slip, hop without rebound. The part is so
+    # long that it never tips; a hop lands on both ends at once.
+    frequency = 50.0 if beta == 28 else 60.0
+    periods = 400 if beta == 8 else 40
+    path = tumbling_path(
+        part=Rectangle(0.2, 0.001), times=np.array([periods, periods + 1]) / frequency,
+        friction_kinetic=mu_k, friction_static=mu_s, restitution=0.0, frequency=frequency,
+        amplitude=amplitude, beta=np.radians(beta), gamma=np.radians(gamma), gravity=9.8,
+    )  # fmt: skip
+    # Order 4 with 64 steps a period, and an end of the transient that decays by the period.
+    assert np.diff(path.along)[0] * frequency == pytest.approx(expected, rel=1e-5)
+
+
+# --- no solution
+
+
+def test_where_a_sliding_corner_has_no_solution_the_run_says_so():
+    # Rectangle at s = 60 degrees: limiting friction 1.34715062811 (theory 15), whatever its shape.
+    part = Rectangle(0.02, 0.005)
+    pitch = np.pi / 3 - np.arctan2(0.005, 0.02)
+    slides = {"part": part, "pitch": pitch, "restitution": 0.0, "gravity": GRAVITY}
+    mu = np.array([1.0, 1.3471, 1.3472, 2.0])
+    right = tumbling_motion(duration=1e-3, velocity_along=1.0, friction_kinetic=mu, **slides)
+    paradox = right.status == STATUS["no_solution"]
+    assert paradox.tolist() == [False, False, True, True]
+    assert np.all(np.isnan(right.settling_time[paradox]))
+    # To the left the same corner is dragged: one solution at any friction.
+    left = tumbling_motion(duration=1e-3, velocity_along=-1.0, friction_kinetic=mu, **slides)
+    assert np.all(left.status == STATUS["moving"])
+    stepped = tumbling_motion(
+        duration=1e-3, velocity_along=1.0, friction_kinetic=mu, method="stepping", law="moreau",
+        time_step=1e-5, **slides,
+    )  # fmt: skip
+    assert np.array_equal(stepped.status == STATUS["no_solution"], paradox)
+    path = tumbling_path(times=[0, 1e-3], velocity_along=1.0, friction_kinetic=2.0, **slides)
+    assert not np.isnan(path.along[0])
+    assert np.isnan(path.along[1])
+
+
+# --- the interface
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"restitution": 1.1}, "restitution"),
+        ({"gap_normal": -0.1}, "gap_normal"),
+        ({"friction_static": 0.1}, "friction_static"),
+        ({"duration": 0.0}, "duration"),
+        ({"velocity_along": np.nan}, "finite"),
+        ({"method": "stepping"}, "law"),
+    ],
+)
+def test_wrong_values_are_refused(change, message):
+    with pytest.raises(ValueError, match=message):
+        ball(**change)
+
+
+def test_arguments_broadcast():
+    found = ball(restitution=np.array([[0.0], [0.5]]), gap_normal=np.array([0.1, 0.2, 0.3]))
+    assert {array.shape for array in found} == {(2, 3)}
+    # Without rebound the fall is all.
+    assert found.settling_time[0] == pytest.approx(np.sqrt(2 * np.array([0.1, 0.2, 0.3]) / GRAVITY))
+
+
+def test_the_public_module_loads_without_the_compiler():
+    code = "import sys, core.motion.tumbling; sys.exit('numba' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
