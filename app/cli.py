@@ -160,16 +160,19 @@ def plot(
 def scenes(
     name: Annotated[str | None, typer.Argument(help="A scene; all if left out.")] = None,
     variant: Annotated[str | None, typer.Option(help="A variant; the default if left out.")] = None,
+    method: Annotated[
+        str | None, typer.Option(help="Describe the motion in time by this method instead.")
+    ] = None,
 ) -> None:
     """Print the catalogue: scenes, parameters, outputs, units, equations, validity."""
     from app import report
-    from core.sweep.catalogue import describe, describe_all
+    from core.catalogue import describe, describe_all
 
     try:
         if name is None:
             report.show_scenes(describe_all())
         else:
-            report.show_scene(describe(name, variant))
+            report.show_scene(describe(name, variant, method=method))
     except StudyError as error:
         _refuse({Path("scenes"): error.problems})
 
@@ -179,7 +182,7 @@ def schema() -> None:
     """Print the JSON Schema of studies, for editors."""
     import json
 
-    from core.sweep.catalogue import study_schema
+    from core.catalogue import study_schema
 
     typer.echo(json.dumps(study_schema(), indent=2))
 

@@ -108,18 +108,27 @@ def regime_shares(table: Table) -> dict[str, float]:
 
 def show_scenes(lines: list[dict[str, Any]]) -> None:
     """Print one line for each scene."""
-    grid = _grid("scene", "source", "variants", "title")
+    grid = _grid("scene", "source", "variants", "methods in time", "title")
     for line in lines:
         names = (f"{v}*" if v == line["default_variant"] else v for v in line["variants"])
-        grid.add_row(line["name"], line["source"], ", ".join(names), line["title"])
+        grid.add_row(
+            line["name"],
+            line["source"],
+            ", ".join(names),
+            ", ".join(line["methods"]) or "-",
+            line["title"],
+        )
     console.print(grid)
-    _say("  * default; `vibrafeed scenes NAME` tells more")
+    _say("  * default; `vibrafeed scenes NAME` tells more, with --method about its motion in time")
 
 
 def show_scene(scene: dict[str, Any]) -> None:
     """Print everything about one scene."""
     _say(f"{scene['name']}: {scene['title']} (source: {scene['source']})")
-    _say(f"variant {scene['variant']} of {', '.join(scene['variants'])}")
+    if "method" in scene:
+        _say(f"motion in time, method {scene['method']} of {', '.join(scene['methods'])}")
+    else:
+        _say(f"variant {scene['variant']} of {', '.join(scene['variants'])}")
     _say(scene["validity"])
     grid = _grid("parameter", "symbol", "unit", "bounds", "default", "meaning")
     for p in scene["parameters"]:

@@ -9,8 +9,8 @@ from fastapi.responses import Response
 
 from app.errors import NotFoundError
 from app.routes import json_reply, problems
+from core.catalogue import describe, describe_all, study_schema
 from core.scenes import SCENES
-from core.sweep.catalogue import describe, describe_all, study_schema
 
 router = APIRouter(tags=["scenes"])
 
@@ -25,18 +25,21 @@ def list_scenes() -> Response:
     "/scenes/{name}",
     summary="Describe a scene",
     response_model=dict[str, Any],
-    responses=problems(s404="No such scene", s422="No such variant"),
+    responses=problems(s404="No such scene", s422="No such variant or method"),
 )
 def describe_scene(
     name: Annotated[str, Path(max_length=100)],
     variant: Annotated[
         str | None, Query(max_length=100, description="The scene's default if left out.")
     ] = None,
+    method: Annotated[
+        str | None, Query(max_length=100, description="Describes the motion in time instead.")
+    ] = None,
 ) -> Response:
     """Return parameters, outputs, units, equations, regimes and validity of a scene."""
     if name not in SCENES:
         raise NotFoundError(f"There is no scene '{name}'. GET /scenes lists them.")
-    return json_reply(describe(name, variant))
+    return json_reply(describe(name, variant, method=method))
 
 
 @router.get("/schema", summary="JSON Schema of a study", response_model=dict[str, Any])

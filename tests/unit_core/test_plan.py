@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from core.catalogue import describe, study_schema
 from core.errors import LimitError, SceneError, StudyError
+from core.motion import SYSTEMS, simulate
 from core.quantities import QUANTITIES, REGIMES
 from core.scenes import ALIASES, SCENES, Condition, Equation
 from core.scenes.scene import Scene
-from core.study import parse_study
+from core.study import load_study, parse_study
+from core.study.models import STUDIES
 from core.sweep import make_plan, prepare, prepare_content, sweep
-from core.sweep.catalogue import describe, study_schema
 from core.sweep.plan import scene_parameters
 
 DRIVE = ("frequency", "amplitude", "beta")
@@ -301,10 +304,13 @@ class TestScenes:
                     assert condition.summary.startswith("Return where ")
 
     def test_every_quantity_is_used(self):
-        used = {name for scene in SCENES.values() for v in scene.variants
+        used = {name for scene in (*SCENES.values(), *SYSTEMS.values()) for v in scene.variants
                 for eq in scene.variants[v] for name in (eq.gives, *eq.inputs)}  # fmt: skip
         used |= {name for alias in ALIASES for name in alias.inputs}
-        assert set(QUANTITIES) - used == {"regime"}
+        configs = Path(__file__).parents[2] / "configs"
+        for study in ("trajectory.toml", "tumbling-course.toml"):
+            used |= set(simulate(load_study(configs / study)).variables)
+        assert set(QUANTITIES) - used == set()
 
     def test_regime_values_are_distinct_and_without_gaps(self):
         values = [regime.value for regime in REGIMES.values()]
@@ -338,10 +344,13 @@ class TestScenes:
 
 
 def test_the_schema_knows_every_scene_output_and_parameter():
-    schema = study_schema()
-    assert schema["properties"]["scene"]["enum"] == list(SCENES)
-    properties = schema["$defs"]["Parameters"]["properties"]
-    assert set(properties) == {n for n, q in QUANTITIES.items() if q.parameter}
+    kinds = study_schema()["oneOf"]
+    assert [kind["properties"]["kind"]["const"] for kind in kinds] == list(STUDIES)
+    for schema in kinds:
+        properties = schema["$defs"]["Parameters"]["properties"]
+        assert set(properties) == {n for n, q in QUANTITIES.items() if q.parameter}
+    assert kinds[0]["properties"]["scene"]["enum"] == list(SCENES)
+    assert kinds[1]["properties"]["scene"]["enum"] == list(SYSTEMS)
     for name, quantity in QUANTITIES.items():
         if quantity.parameter:
             assert quantity.examples, name

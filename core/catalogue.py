@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
+from core.motion.prepare import find_system
+from core.motion.systems import SYSTEMS
 from core.quantities import QUANTITIES, REGIMES
 from core.scenes import ALIASES, SCENES, Equation, Scene
-from core.study.models import SweepStudy
+from core.study.models import STUDIES
 from core.sweep.plan import find_scene, scene_parameters
 
 
 def describe_all() -> list[dict[str, Any]]:
-    """Return one line for each scene: name, title, source, variants."""
+    """Return one line for each scene: name, title, source, variants, methods of simulation."""
     return [
         {
             "name": scene.name,
@@ -19,24 +21,30 @@ def describe_all() -> list[dict[str, Any]]:
             "source": scene.source,
             "variants": list(scene.variants),
             "default_variant": scene.default_variant,
+            "methods": list(SYSTEMS[scene.name].variants) if scene.name in SYSTEMS else [],
         }
         for scene in SCENES.values()
     ]
 
 
-def describe(name: str, variant: str | None = None) -> dict[str, Any]:
+def describe(name: str, variant: str | None = None, *, method: str | None = None) -> dict[str, Any]:
     """Return everything about one scene: parameters, outputs, equations, regimes, validity.
+
+    With a method it describes the scene's motion in time, as `kind = "simulate"` studies it.
 
     Raises
     ------
     StudyError
-        If there is no such scene or variant.
+        If there is no such scene, variant or method.
     """
     scene, chosen = find_scene(name, variant)
     line = next(line for line in describe_all() if line["name"] == name)
+    if method is not None:
+        scene, chosen = find_system(name, method)
+        line |= {"title": scene.title}
     return {
         **line,
-        "variant": chosen,
+        scene.choice: chosen,
         "validity": scene.validity,
         "parameters": [
             _describe_parameter(scene, parameter) for parameter in scene_parameters(scene, chosen)
@@ -80,20 +88,29 @@ def needed_parameters(scene: Scene, variant: str, output: str) -> tuple[str, ...
 
 
 def study_schema() -> dict[str, Any]:
-    """Return the JSON Schema of a study, with the names of scenes, variants and outputs."""
-    schema = SweepStudy.model_json_schema()
-    scenes = SCENES.values()
+    """Return the JSON Schema of a study of any kind."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "oneOf": [kind_schema(kind) for kind in STUDIES],
+    }
+
+
+def kind_schema(kind: str) -> dict[str, Any]:
+    """Return the JSON Schema of one kind, with the names of scenes, variants and outputs."""
+    schema = STUDIES[kind].model_json_schema()
+    known = SYSTEMS if kind == "simulate" else SCENES
+    scenes = known.values()
     outputs = {name for scene in scenes for v in scene.variants for name in scene.outputs(v)}
     variants = {variant for scene in scenes for variant in scene.variants}
+    choice = next(iter(scenes)).choice
     properties = schema["properties"]
-    properties["scene"] |= {"enum": list(SCENES)}
+    properties["scene"] |= {"enum": list(known)}
     properties["outputs"]["items"] = {"enum": [name for name in QUANTITIES if name in outputs]}
-    properties["variant"] = {
+    properties[choice] = {
         "enum": [*sorted(variants), None],
         "default": None,
-        "description": properties["variant"]["description"],
+        "description": properties[choice]["description"],
     }
-    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     return schema
 
 
