@@ -12,6 +12,7 @@ everything is divided by the drive acceleration P.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Literal, NamedTuple
 
@@ -61,6 +62,8 @@ MOST_STEPS = 60
 # Friction directions at which the cylinder's value is sampled before its root is bisected.
 DIRECTIONS = 129
 BISECTIONS = 52
+GOLDEN_SECTIONS = 40
+GOLDEN = (math.sqrt(5.0) - 1) / 2
 
 
 class PlaneOptimum(NamedTuple):
@@ -329,8 +332,8 @@ def cylinder_physical_fastest(
     As for the block alpha = 0, beta = min(atan(mu_k), asin(G/P)), and a_y = 0. Here a drive from
     the side does better only on tracks much steeper than friction (c > 8 mu n at the limit of
     motion). For a contact slip along (cos psi, sin psi) the best a_x is again a closed form of psi;
-    its maximum is sampled and then bisected to rounding. An edge of stick with alpha > 0 is not
-    looked at: with mu_s > mu_k on such a track the answer is the best of the others.
+    its maximum is sampled and then bisected to rounding, and on the edge of stick by golden
+    sections, to 1e-7 rad.
     """
     P, c, G, mu, mu_s = _broadcast(
         vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, friction_static
@@ -342,7 +345,7 @@ def cylinder_physical_fastest(
     k, g = c / scale, G / scale
     straight = _straight(k, g, mu, mu_s)
     turned = _turned_cylinder(k, g, mu, mu_s)
-    found = (*straight, turned)
+    found = (*straight, turned, _edge_cylinder(k, g, mu, mu_s))
     return _best_physical(P, c, G, mu, mu_s, valid, driven, found, _cylinder_acceleration)
 
 
@@ -648,6 +651,50 @@ def _turned_cylinder(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
     exists &= Dx / np.cos(psi) > m
     alpha = np.where(exists, np.arctan2(Dy, np.where(exists, Dx + k, 1.0)), 0.0)
     return alpha, np.where(exists, np.arcsin(dz), 0.0), zero, np.asarray(exists)
+
+
+def _cylinder_edge_point(
+    eta: Array, k: Array, g: Array, mu: Array, mu_s: Array
+) -> tuple[Array, Array, Array, Array]:
+    """Return a_x, D_x, D_y and n where D_x = mu_s n cos(eta), D_y = 3 mu_s n sin(eta); a_x may be -inf.
+
+    The drive's unit length leaves a quadratic in n; a_x is a multiple of n, so the larger root.
+    """
+    along, across = mu_s * np.cos(eta), 3 * mu_s * np.sin(eta)
+    a, b = 1 + along**2 + across**2, g - k * along
+    left = b * b - a * (k * k + g * g - 1)
+    n = (b + np.sqrt(np.maximum(left, 0.0))) / a
+    meets = (left >= 0) & (n > 0) & (n <= g)
+    n = np.where(meets, n, 1.0)
+    D = (along * n, across * n)
+    value = _cylinder_acceleration(D, n, mu)[0]
+    return np.where(meets, value, -np.inf), *D, n
+
+
+def _edge_cylinder(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
+    """Return the best point where static friction just holds; sampled, then by golden sections."""
+    zero = np.zeros_like(k)
+    exists = (k > 0) & (mu_s > mu)
+    if not np.any(exists):
+        return zero, zero, zero, np.asarray(exists)
+    given = (k, g, mu, mu_s)
+    samples = np.linspace(0.0, np.pi / 2, DIRECTIONS)
+    best, place = np.full(k.shape, -np.inf), np.zeros(k.shape, dtype=np.int64)
+    for number, eta in enumerate(samples):
+        value = _cylinder_edge_point(np.full(k.shape, eta), *given)[0]
+        better = value > best
+        best, place = np.where(better, value, best), np.where(better, number, place)
+    exists &= place > 0
+    low, high = samples[np.maximum(place - 1, 0)], samples[np.minimum(place + 1, DIRECTIONS - 1)]
+    for _ in range(GOLDEN_SECTIONS):
+        left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+        falls = _cylinder_edge_point(left, *given)[0] > _cylinder_edge_point(right, *given)[0]
+        low, high = np.where(falls, low, left), np.where(falls, right, high)
+    value, Dx, Dy, n = _cylinder_edge_point((low + high) / 2, *given)
+    exists &= value > 0
+    alpha = np.where(exists, np.arctan2(Dy, np.where(exists, Dx + k, 1.0)), 0.0)
+    beta = np.arcsin(np.where(exists, g - n, 0.0))
+    return alpha, beta, zero + 1, np.asarray(exists)
 
 
 def _block_acceleration(D: tuple[Array, Array], floor: Array, mu: Array) -> tuple[Array, Array]:

@@ -44,12 +44,15 @@ TIGHT = 1e-10  # a margin below this counts as none
 TINY = 1e-290  # a drive below this share of gravity is none
 NEAR_PARALLEL = 1e-20  # squared sine below which two planes have no corner
 
-SAMPLES = 16  # equal steps of beta
-SPECIAL = 3  # angles added to them: friction angles, and where a turned drive starts first
+STEPS = 6  # equal steps of beta, where alpha = 0 and 90 deg are allowed
+STEPS_WITHIN = 64  # with other bounds, which can leave narrow windows
+SPECIAL = 4  # angles added: of friction, where a turned drive starts first, and where it is best
+RETREATS = 16  # equal steps of D_x on the way to a smaller a_y
 MOST_INNER = 40  # Newton steps in D_x
-MOST_OUTER = 80  # steps that close in on a sign change
-HALVINGS = 54
+MOST_OUTER = 160  # steps that close in on a sign change
+HALVINGS = 20  # of an interval that hides a maximum
 LAST_DIGIT = 2e-16
+FLAT_SLOPE = 5e-16  # a slope over beta is a sum of terms of order 1, each rounded
 
 
 @compiled
@@ -240,23 +243,32 @@ def _best_across(
         start, end = X, high
         if k <= 0:
             end, start = -1.0, X
-            for i in range(1, SAMPLES + 1):
-                trial = X + (low - X) * i / SAMPLES
+            for i in range(1, RETREATS + 1):
+                trial = X + (low - X) * i / RETREATS
                 if q * q - k * k - 2 * k * trial < ms * ms:
                     break
                 if _across(trial, k, q, m) <= e:
-                    start, end = X + (low - X) * (i - 1) / SAMPLES, trial
+                    start, end = X + (low - X) * (i - 1) / RETREATS, trial
                     break
             if end < 0:
                 return False
         elif _across(high, k, q, m) > e:
             return False
-        for _ in range(HALVINGS):
-            trial = (start + end) / 2
-            if _across(trial, k, q, m) > e:
-                start = trial
+        over, under = _across(start, k, q, m) - e, _across(end, k, q, m) - e
+        for step in range(MOST_OUTER):
+            trial = (start * under - end * over) / (under - over)
+            if step % 3 == 2 or not min(start, end) < trial < max(start, end):
+                trial = (start + end) / 2
+            if trial in (start, end):
+                break
+            excess = _across(trial, k, q, m) - e
+            if excess > 0:
+                start, over, under = trial, excess, under / 2
             else:
-                end = trial
+                done = end - trial if end > trial else trial - end
+                end, under, over = trial, excess, over / 2
+                if done <= LAST_DIGIT or excess == 0:
+                    break
         # An end at alpha = a0 stays there: the limit holds only up to rounding.
         X, kind = (X, 1) if end == X else (end, 4)
         if k > 0 and end == high:
@@ -286,7 +298,33 @@ def _best_across(
 
 
 @compiled
-def _best_along(p: Numbers, betas: Numbers, values: Numbers, out: Numbers, best: Numbers) -> int:
+def _turned_top(k: float, g: float, mu: float) -> float:
+    """Return beta of the best turned drive without limits; 0 if there is none (theory 12.2).
+
+    Newton's method for the direction of friction, x = cos(psi), from 0: the slope is convex.
+    """
+    A = math.hypot(1.0, mu)
+    p2 = (1.0 - k) * (1.0 + k)
+    if not (k > 0 and p2 > 0 and A * math.sqrt(p2) > mu * g):
+        return 0.0
+    x = 0.0
+    for _ in range(MOST_INNER):
+        root = math.sqrt(p2 + (k * x) ** 2)
+        t = k * x / root
+        slope = A * (p2 / root + 2 * k * x * t) - 2 * k * x - mu * g
+        bend = k * (A * t * (3 - t * t) - 2)
+        if slope <= 0 or bend >= 0:
+            break
+        x -= slope / bend
+        if x >= 1:
+            return 0.0
+    return math.asin(math.sqrt(p2 + (k * x) ** 2) * mu / A)
+
+
+@compiled
+def _best_along(
+    p: Numbers, betas: Numbers, values: Numbers, rises: Numbers, out: Numbers, best: Numbers
+) -> int:
     """Return the status of the block with the friction disc; `best` becomes alpha, beta."""
     k, g = p[ALONG] / p[P_], p[NORMAL] / p[P_]
     mu, mu_s, e = p[MU_K], p[MU_S], p[LIMIT] / p[P_]
@@ -301,12 +339,14 @@ def _best_along(p: Numbers, betas: Numbers, values: Numbers, out: Numbers, best:
         a0, a1 = 0.0, max(p[ALPHA_HI], -p[ALPHA_LO])
     if first > last:
         return INFEASIBLE
-    count = SAMPLES + 1
+    steps = STEPS if a0 == 0 and a1 > 1.57 else STEPS_WITHIN
+    count = steps + 1
     for i in range(count):
-        betas[i] = first + (last - first) * i / SAMPLES
-    betas[SAMPLES] = last
+        betas[i] = first + (last - first) * i / steps
+    betas[steps] = last
     turned = min(g * mu_s * mu_s / (1 + mu_s * mu_s), 1.0)
-    for special in (math.atan(mu), math.atan(mu_s), math.asin(turned)):
+    tops = (math.atan(mu), math.atan(mu_s), math.asin(turned), _turned_top(k, g, mu))
+    for special in tops:
         if first < special < last:
             i = count
             while betas[i - 1] > special:
@@ -316,7 +356,7 @@ def _best_along(p: Numbers, betas: Numbers, values: Numbers, out: Numbers, best:
             count += 1
     for i in range(count):
         kept = _best_across(betas[i], k, g, mu, mu_s, e, a0, a1, out)
-        values[i] = out[0] if kept else -math.inf
+        values[i], rises[i] = (out[0], out[1]) if kept else (-math.inf, 0.0)
     top = -math.inf
     status = NO_MOTION
     for i in range(count):
@@ -325,24 +365,26 @@ def _best_along(p: Numbers, betas: Numbers, values: Numbers, out: Numbers, best:
             continue
         if (i > 0 and values[i - 1] > value) or (i + 1 < count and values[i + 1] > value):
             continue
-        _best_across(betas[i], k, g, mu, mu_s, e, a0, a1, out)
-        inner, slope = betas[i], out[1]
+        inner, slope = betas[i], rises[i]
         found = inner
         j = i + 1 if slope > 0 else i - 1
         if slope != 0 and 0 <= j < count:
-            outer = betas[j]
-            if values[j] == -math.inf:
-                # Up to the last beta at which the block still slides within its limits.
-                good, bad = inner, outer
+            outer, away = betas[j], rises[j] if values[j] > -math.inf else -slope
+            if values[j] > -math.inf and (away > 0) == (slope > 0):
+                # A maximum and a minimum lie between: halve until the minimum is outside.
+                start, height = inner, value
                 for _ in range(HALVINGS):
-                    trial = (good + bad) / 2
-                    if _best_across(trial, k, g, mu, mu_s, e, a0, a1, out):
-                        good = trial
+                    trial = (start + outer) / 2
+                    if not _best_across(trial, k, g, mu, mu_s, e, a0, a1, out):
+                        away, outer = -slope, trial
+                        break
+                    if (out[1] > 0) != (slope > 0):
+                        away, outer = out[1], trial
+                        break
+                    if out[0] > height:
+                        start, height = trial, out[0]
                     else:
-                        bad = trial
-                outer = good
-            _best_across(outer, k, g, mu, mu_s, e, a0, a1, out)
-            away = out[1]
+                        outer = trial
             if (away > 0) == (slope > 0):
                 found = outer
             else:
@@ -351,7 +393,7 @@ def _best_along(p: Numbers, betas: Numbers, values: Numbers, out: Numbers, best:
                 )
                 if not within:
                     status = LIMIT_REACHED
-        if not _best_across(found, k, g, mu, mu_s, e, a0, a1, out) or out[0] < value:
+        if not _best_across(found, k, g, mu, mu_s, e, a0, a1, out) or out[0] < value - KEPT:
             found = inner
             _best_across(found, k, g, mu, mu_s, e, a0, a1, out)
         if out[0] > top:
@@ -362,8 +404,10 @@ def _best_along(p: Numbers, betas: Numbers, values: Numbers, out: Numbers, best:
             elif kind == 2:
                 alpha = a1
             else:
-                Y = math.sqrt(max((q - X - k) * (q + X + k), 0.0))
-                alpha = math.atan2(Y, X + k)
+                # Next to 0 alpha is a root of roundings; there it is 0.
+                aside = q - X - k
+                Y = math.sqrt(aside * (q + X + k)) if aside > KEPT else 0.0
+                alpha = max(math.atan2(Y, X + k), a0)
             best[0], best[1] = side * alpha, found
             R = math.sqrt(max(q * q - k * k - 2 * k * X, 0.0))
             held = mu_s > mu and R - mu_s * (g - math.sin(found)) < TIGHT * (1 + g)
@@ -379,7 +423,8 @@ def _sign_change(
 ) -> tuple[float, bool]:  # fmt: skip
     """Return where the slope over beta changes sign, and whether the last digit was reached.
 
-    Secants with halved weights (Illinois); every third step halves, for slopes that jump.
+    Secants with halved weights (Illinois); every third step halves, for slopes that jump. Where the
+    block does not slide within its limits counts as past the change: it ends at the last that does.
     """
     t = a
     for step in range(MOST_OUTER):
@@ -387,11 +432,13 @@ def _sign_change(
         t = (a + b) / 2 if step % 3 == 2 else (a * fb - b * fa) / (fb - fa)
         if not min(a, b) < t < max(a, b):
             t = (a + b) / 2
+        if t in (a, b) or abs(b - a) <= LAST_DIGIT:
+            return a, True
         if not _best_across(t, k, g, mu, mu_s, e, a0, a1, out):
             b, fb = t, -fa
             continue
         ft = out[1]
-        if ft == 0 or abs(b - a) <= LAST_DIGIT or abs(t - before) <= LAST_DIGIT:
+        if abs(ft) <= FLAT_SLOPE or abs(t - before) <= LAST_DIGIT:
             return t, True
         if (ft > 0) == (fa > 0):
             a, fa = t, ft
@@ -399,7 +446,7 @@ def _sign_change(
         else:
             b, fb = t, ft
             fa /= 2
-    return t, abs(b - a) <= 1e-12
+    return a, abs(b - a) <= 1e-12
 
 
 @compiled
@@ -548,7 +595,8 @@ def solve(
 ) -> None:  # fmt: skip
     """Fill table, bits and statuses for groups (n, GROUPS)."""
     A, b, u, best = np.empty((ROWS, 3)), np.empty(ROWS), np.empty(3), np.empty(3)
-    betas, values = np.empty(SAMPLES + SPECIAL + 2), np.empty(SAMPLES + SPECIAL + 2)
+    samples = STEPS_WITHIN + SPECIAL + 1
+    betas, values, rises = np.empty(samples), np.empty(samples), np.empty(samples)
     out, F = np.empty(4), np.empty(4)
     slopes, margins, prices = np.empty((10, 2)), np.empty(10), np.empty(10)
     tight = np.empty(10, dtype=np.int64)
@@ -567,7 +615,7 @@ def solve(
             status[cell] = _idle(problem, floor, wall, p, table[cell])
             continue
         if problem == PLANE_PHYSICAL:
-            found = _best_along(p, betas, values, out, best)
+            found = _best_along(p, betas, values, rises, out, best)
             alpha, beta = best[0], best[1]
         else:
             found = _linear(problem, floor, wall, p, u, A, b, best)
