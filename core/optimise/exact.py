@@ -656,9 +656,10 @@ def _turned_cylinder(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
 def _cylinder_edge_point(
     eta: Array, k: Array, g: Array, mu: Array, mu_s: Array
 ) -> tuple[Array, Array, Array, Array]:
-    """Return a_x, D_x, D_y and n where D_x = mu_s n cos(eta), D_y = 3 mu_s n sin(eta); a_x may be -inf.
+    """Return a_x, D_x, D_y and n at D_x = mu_s n cos(eta), D_y = 3 mu_s n sin(eta).
 
-    The drive's unit length leaves a quadratic in n; a_x is a multiple of n, so the larger root.
+    a_x is -inf where no drive gets there. The drive's unit length leaves a quadratic in n; a_x is
+    a multiple of n, so the larger root.
     """
     along, across = mu_s * np.cos(eta), 3 * mu_s * np.sin(eta)
     a, b = 1 + along**2 + across**2, g - k * along
