@@ -62,10 +62,10 @@ class Design:
     """One design of the printed plane in scipy's terms, in units of the drive acceleration."""
 
     def __init__(self, given: dict[str, Array], i: int) -> None:
-        P = given["vibration_acceleration"][i]
-        self.along = given["gravity_along"][i] / P
-        self.normal = given["gravity_normal"][i] / P
-        self.limit = given["limit"][i] / P
+        drive = given["vibration_acceleration"][i]
+        self.along = given["gravity_along"][i] / drive
+        self.normal = given["gravity_normal"][i] / drive
+        self.limit = given["limit"][i] / drive
         self.mu = given["friction_kinetic"][i]
 
     def lost(self, angles: Array) -> Array:
@@ -136,8 +136,7 @@ def main() -> None:
         start = time.perf_counter()
         found = np.array([loop(Design(given, i)) for i in chosen])
         singly = (time.perf_counter() - start) / SAMPLE * 1e6
-        P = given["vibration_acceleration"][chosen]
-        gap = ours.objective[chosen] / P - found
+        gap = ours.objective[chosen] / given["vibration_acceleration"][chosen] - found
         print(
             f"plane_thesis    {name}: {singly / 1e3:7.1f} ms a design, {singly / at_once:9,.0f} "
             f"times; batch less loop, of P: {gap.min():+.1e} to {gap.max():+.1e}"

@@ -38,6 +38,7 @@ GROUPS = 11
 ) = range(11)  # fmt: skip
 COLUMNS = 11
 
+RIGHT = math.pi / 2
 ROWS = 9  # most planes of one problem
 KEPT = 1e-14  # a plane that a unit vector oversteps by less is kept: a few roundings
 TIGHT = 1e-10  # a margin below this counts as none
@@ -328,7 +329,8 @@ def _best_along(
     """Return the status of the block with the friction disc; `best` becomes alpha, beta."""
     k, g = p[ALONG] / p[P_], p[NORMAL] / p[P_]
     mu, mu_s, e = p[MU_K], p[MU_S], p[LIMIT] / p[P_]
-    first, last = p[BETA_LO], min(p[BETA_HI], math.asin(min(g, 1.0)) if g >= 0 else -10.0)
+    lift_off = math.asin(min(g, 1.0)) if g >= 0 else -10.0
+    first, last = p[BETA_LO], min(p[BETA_HI], lift_off)
     # a_x depends on |alpha| alone.
     if p[ALPHA_LO] > 0:
         a0, a1, side = p[ALPHA_LO], p[ALPHA_HI], 1.0
@@ -339,13 +341,26 @@ def _best_along(
         a0, a1 = 0.0, max(p[ALPHA_HI], -p[ALPHA_LO])
     if first > last:
         return INFEASIBLE
-    steps = STEPS if a0 == 0 and a1 > 1.57 else STEPS_WITHIN
+    steep = math.hypot(1.0, mu_s)
+    least = math.hypot(k, mu_s * g / steep) if k > 0 else (k + mu_s * g) / steep
+    if least >= 1.0:
+        return NO_MOTION  # whatever the bounds (theory 12.2)
+    sideways = _turned_top(k, g, mu)
+    whole = a1 >= RIGHT and first <= 0 and p[BETA_HI] >= min(math.atan(mu), last)
+    if a0 == 0 and (k <= 0 or (whole and sideways == 0)):
+        # Straight along x is best at every beta, or at the best beta.
+        straight = min(max(math.atan(mu), first), last)
+        floor = g - math.sin(straight) if straight < lift_off else 0.0
+        if math.cos(straight) - k > mu_s * floor:
+            best[0], best[1] = 0.0, straight
+            return OPTIMAL
+    steps = STEPS if a0 == 0 and a1 >= RIGHT else STEPS_WITHIN
     count = steps + 1
     for i in range(count):
         betas[i] = first + (last - first) * i / steps
     betas[steps] = last
     turned = min(g * mu_s * mu_s / (1 + mu_s * mu_s), 1.0)
-    tops = (math.atan(mu), math.atan(mu_s), math.asin(turned), _turned_top(k, g, mu))
+    tops = (math.atan(mu), math.atan(mu_s), math.asin(turned), sideways)
     for special in tops:
         if first < special < last:
             i = count
@@ -412,7 +427,7 @@ def _best_along(
             R = math.sqrt(max(q * q - k * k - 2 * k * X, 0.0))
             held = mu_s > mu and R - mu_s * (g - math.sin(found)) < TIGHT * (1 + g)
             if status != LIMIT_REACHED:
-                status = NOT_ATTAINED if held and found < math.asin(min(g, 1.0)) else OPTIMAL
+                status = NOT_ATTAINED if held and found < lift_off else OPTIMAL
     return status if top > 0 else NO_MOTION
 
 
@@ -550,15 +565,14 @@ def _is_valid(p: Numbers) -> bool:
     for i in range(GROUPS):
         if not math.isfinite(p[i]) and not (i == LIMIT and p[i] == math.inf):
             return False
-    right = math.pi / 2 + 1e-12
     return (
         p[P_] >= 0
         and p[MU_K] >= 0
         and p[MU_S] >= p[MU_K]
         and p[LIMIT] >= 0
-        and p[ALPHA_HI] - p[ALPHA_LO] <= 2 * right
-        and p[BETA_LO] >= -right
-        and p[BETA_HI] <= right
+        and p[ALPHA_HI] - p[ALPHA_LO] <= 2 * RIGHT + KEPT
+        and p[BETA_LO] >= -RIGHT
+        and p[BETA_HI] <= RIGHT
     )
 
 

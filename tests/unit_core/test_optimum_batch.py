@@ -74,6 +74,17 @@ def test_the_physical_plane_agrees_with_the_exact_forms(static):
     agree(ours, theirs, theirs.acceleration_x)
 
 
+def test_the_search_agrees_with_the_exact_forms_without_its_short_cut():
+    """Bounds just inside the default ones keep the kernel from the straight answer."""
+    theirs = exact.plane_physical_fastest(**PLANE, friction_static=MU_S)
+    inside = {"alpha_lower": 1e-12, "alpha_upper": 1.5707}
+    ours = fastest("plane_physical", **PLANE, friction_static=MU_S, **inside)
+    np.testing.assert_array_equal(ours.status, theirs.status)
+    np.testing.assert_allclose(ours.alpha, theirs.alpha, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(ours.beta, theirs.beta, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(ours.objective, theirs.acceleration_x, rtol=0, atol=1e-10)
+
+
 def test_turned_drives_agree_with_the_exact_forms():
     """Close to the limit of motion on steep tracks there can be two maxima."""
     steep = RANDOM.uniform(0.0, 1.4, DESIGNS)
