@@ -87,17 +87,22 @@ def test_the_search_agrees_with_the_exact_forms_without_its_short_cut():
 
 def test_turned_drives_agree_with_the_exact_forms():
     """Close to the limit of motion on steep tracks there can be two maxima."""
-    steep = RANDOM.uniform(0.0, 1.4, DESIGNS)
-    needed = np.hypot(np.sin(steep), MU_S * np.cos(steep) / np.hypot(1.0, MU_S))
+    count = 20_000  # the rarer kinds of optimum are one in a thousand
+    random = np.random.default_rng(8)
+    steep, mu = random.uniform(0.0, 1.4, count), random.uniform(0.02, 1.2, count)
+    mu_s = mu * np.where(random.random(count) < 0.3, 1.0, random.uniform(1.0, 1.6, count))
+    needed = np.hypot(np.sin(steep), mu_s * np.cos(steep) / np.hypot(1.0, mu_s))
     given = {
-        "vibration_acceleration": GRAVITY * needed * RANDOM.uniform(0.98, 1.5, DESIGNS),
+        "vibration_acceleration": GRAVITY * needed * random.uniform(0.98, 1.5, count),
         "gravity_along": GRAVITY * np.sin(steep),
         "gravity_normal": GRAVITY * np.cos(steep),
-        "friction_kinetic": MU,
+        "friction_kinetic": mu,
+        "friction_static": mu_s,
     }
-    theirs = exact.plane_physical_fastest(**given, friction_static=MU_S)
-    ours = fastest("plane_physical", **given, friction_static=MU_S)
-    assert np.sum(theirs.alpha > 0) > 100
+    theirs = exact.plane_physical_fastest(**given)
+    ours = fastest("plane_physical", **given)
+    assert np.sum(theirs.alpha > 0) > 5000
+    assert np.sum((theirs.alpha > 0) & (theirs.status == STATUS["not_attained"])) > 20
     np.testing.assert_array_equal(ours.status, theirs.status)
     np.testing.assert_allclose(ours.objective, theirs.acceleration_x, rtol=0, atol=1e-12 * GRAVITY)
     # Where the maximum over alpha parts from alpha = 0 it is flat: 1e-9 off such a point, less at.
@@ -266,7 +271,7 @@ def test_whatever_the_numbers_it_ends_with_a_status(problem):
 
 def test_a_fixed_angle_is_kept():
     """Equal bounds leave one angle; a half-plane of directions must not become a whole plane."""
-    fixed = RANDOM.uniform(0.0, 1.2, DESIGNS)
+    fixed = RANDOM.uniform(0.0, 1.7, DESIGNS)
     for problem in ("plane_thesis", "plane_physical", "track_derived"):
         ours = fastest(problem, **TRACK, wall_contact=False, alpha_lower=fixed, alpha_upper=fixed)
         found = np.isfinite(ours.alpha)
