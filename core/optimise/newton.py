@@ -1,0 +1,171 @@
+"""The best angles of the drive for whole batches of designs and any bounds, compiled (theory 12).
+
+Maximises a_x (on the track K) over alpha and beta subject to |a_y| <= limit, floor and wall forces
+that push, and bounds of both angles. `core.optimise.exact` holds closed forms for the default
+bounds; both agree to rounding.
+"""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from core.mechanics.arrays import Array
+from core.optimise.exact import Flags, Statuses
+
+Problem = Literal[
+    "plane_thesis", "plane_physical", "track_thesis", "track_derived", "track_physical"
+]
+
+PROBLEMS: dict[Problem, int] = {
+    "plane_thesis": 0,
+    "plane_physical": 1,
+    "track_thesis": 2,
+    "track_derived": 3,
+    "track_physical": 4,
+}
+
+PIECE = 1024  # designs of one call of the kernel
+
+
+class BatchOptimum(NamedTuple):
+    """The best angles of every design; all arrays have the broadcast shape, NaN without an answer.
+
+    Attributes
+    ----------
+    alpha, beta : ndarray
+        Azimuth and elevation of the drive [rad].
+    objective : ndarray
+        a_x on the plane, K on the track [m s-2].
+    acceleration_y : ndarray
+        a_y there; 0 on the track [m s-2].
+    across_margin, floor_margin, wall_margin : ndarray
+        limit - |a_y|, n0 and the room at the wall, whether asked for or not [m s-2].
+    across_price, floor_price, wall_price : ndarray
+        Multipliers: gain of the objective per gain of the limit, of the floor's and of the wall's
+        load [1].
+    residual : ndarray
+        What the first-order conditions of an optimum leave, in units of the drive acceleration per
+        radian [1]; rounding at a true optimum.
+    active : ndarray of int16
+        Sum of the `ACTIVE` bits of the constraints that hold with equality.
+    status : ndarray of int8
+        Value of an `OPTIMUM_STATUSES` entry.
+    """
+
+    alpha: Array
+    beta: Array
+    objective: Array
+    acceleration_y: Array
+    across_margin: Array
+    floor_margin: Array
+    wall_margin: Array
+    across_price: Array
+    floor_price: Array
+    wall_price: Array
+    residual: Array
+    active: Flags
+    status: Statuses
+
+
+def fastest(
+    problem: Problem,
+    *,
+    vibration_acceleration: ArrayLike,
+    gravity_along: ArrayLike,
+    gravity_normal: ArrayLike,
+    friction_kinetic: ArrayLike,
+    friction_static: ArrayLike | None = None,
+    gravity_across: ArrayLike = 0.0,
+    limit: ArrayLike = np.inf,
+    alpha_lower: ArrayLike = 0.0,
+    alpha_upper: ArrayLike = np.pi / 2,
+    beta_lower: ArrayLike = 0.0,
+    beta_upper: ArrayLike = np.pi / 2,
+    floor_contact: bool = True,
+    wall_contact: bool = True,
+    threads: int | None = None,
+) -> BatchOptimum:
+    """Return the best angles of every design (theory 12).
+
+    The printed formulas and the track are linear in the drive direction, with plane limits and
+    bounds: their active set is looked for among closed forms, and the answer is global. The block
+    with the friction disc is maximised by Newton's method in D_x at fixed beta, where it is
+    concave, and over beta by the sign of the slope between samples. With the default bounds of the
+    angles the samples include every maximum; with others, and a limit on a_y, a window of beta
+    narrower than a 64th of its range may be missed: look at `residual` (above 1e-7 in one of 20,000
+    random designs, a drive that friction all but holds).
+
+    Parameters
+    ----------
+    problem : str
+        Scene and variant; a key of `PROBLEMS`. The physical ones keep floor (and wall) contact.
+    vibration_acceleration : array_like
+        P [m s-2].
+    gravity_along, gravity_across, gravity_normal : array_like
+        Gravity along -x, towards the wall, and onto the floor [m s-2].
+    friction_kinetic, friction_static : array_like
+        Coefficients; the static one, at least the kinetic one and equal to it by default, matters
+        to the physical problems.
+    limit : array_like
+        Largest |a_y| on the plane; infinite for none. On the track a_y is 0 [m s-2].
+    alpha_lower, alpha_upper, beta_lower, beta_upper : array_like
+        Bounds [rad]; alpha's at most 180 deg apart, beta's within -90 and 90 deg.
+    floor_contact, wall_contact : bool
+        Whether n0 >= 0 and, on the track, the wall force >= 0 are kept.
+    threads : int, optional
+        At most as many; the number of cores by default. Results do not depend on it.
+    """
+    from core.optimise import newton_kernel
+
+    parts = np.broadcast_arrays(
+        vibration_acceleration,
+        gravity_along,
+        gravity_across,
+        gravity_normal,
+        friction_kinetic,
+        friction_kinetic if friction_static is None else friction_static,
+        limit,
+        alpha_lower,
+        alpha_upper,
+        beta_lower,
+        beta_upper,
+    )
+    shape = parts[0].shape
+    groups = np.column_stack([np.ravel(part).astype(np.float64) for part in parts])
+    designs = groups.shape[0]
+    table = np.empty((designs, newton_kernel.COLUMNS))
+    active = np.zeros(designs, dtype=np.int16)
+    status = np.zeros(designs, dtype=np.int8)
+    number = PROBLEMS[problem]
+
+    def run(start: int) -> None:
+        piece = slice(start, start + PIECE)
+        newton_kernel.solve(
+            number,
+            floor_contact,
+            wall_contact,
+            groups[piece],
+            table[piece],
+            active[piece],
+            status[piece],
+        )
+
+    starts = range(0, designs, PIECE)
+    workers = min(threads or os.cpu_count() or 1, len(starts))
+    if workers <= 1:
+        for start in starts:
+            run(start)
+    else:
+        with ThreadPoolExecutor(workers, thread_name_prefix="optimum") as pool:
+            for _ in pool.map(run, starts):
+                pass
+    fields: dict[str, Any] = {
+        name: table[:, number].reshape(shape)
+        for number, name in enumerate(BatchOptimum._fields[: newton_kernel.COLUMNS])
+    }
+    return BatchOptimum(**fields, active=active.reshape(shape), status=status.reshape(shape))
