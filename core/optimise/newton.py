@@ -120,7 +120,7 @@ def fastest(
     threads : int, optional
         At most as many; the number of cores by default. Results do not depend on it.
     """
-    from core.optimise import newton_kernel
+    from core.optimise.kernels import newton as kernel
 
     parts = np.broadcast_arrays(
         vibration_acceleration,
@@ -138,14 +138,14 @@ def fastest(
     shape = parts[0].shape
     groups = np.column_stack([np.ravel(part).astype(np.float64) for part in parts])
     designs = groups.shape[0]
-    table = np.empty((designs, newton_kernel.COLUMNS))
+    table = np.empty((designs, kernel.COLUMNS))
     active = np.zeros(designs, dtype=np.int16)
     status = np.zeros(designs, dtype=np.int8)
     number = PROBLEMS[problem]
 
     def run(start: int) -> None:
         piece = slice(start, start + PIECE)
-        newton_kernel.solve(
+        kernel.solve(
             number,
             floor_contact,
             wall_contact,
@@ -166,6 +166,6 @@ def fastest(
                 pass
     fields: dict[str, Any] = {
         name: table[:, number].reshape(shape)
-        for number, name in enumerate(BatchOptimum._fields[: newton_kernel.COLUMNS])
+        for number, name in enumerate(BatchOptimum._fields[: kernel.COLUMNS])
     }
     return BatchOptimum(**fields, active=active.reshape(shape), status=status.reshape(shape))

@@ -8,8 +8,9 @@ import sys
 import numpy as np
 import pytest
 
-from core.optimise import exact, newton, newton_kernel
+from core.optimise import exact, newton
 from core.optimise.exact import ACTIVE, OPTIMUM_STATUSES, STATUS
+from core.optimise.kernels import newton as kernel
 from core.optimise.newton import PROBLEMS, fastest
 
 RANDOM = np.random.default_rng(51)
@@ -288,13 +289,13 @@ def test_a_fixed_angle_is_kept():
 
 
 def test_the_kernel_numbers_its_columns_as_the_tables_do():
-    assert len(newton.BatchOptimum._fields) - 2 == newton_kernel.COLUMNS
+    assert len(newton.BatchOptimum._fields) - 2 == kernel.COLUMNS
     for name, value in STATUS.items():
-        assert getattr(newton_kernel, name.upper()) == value
+        assert getattr(kernel, name.upper()) == value
     for name, bit in ACTIVE.items():
-        assert getattr(newton_kernel, name.upper()) == bit
+        assert getattr(kernel, name.upper()) == bit
     for name, number in PROBLEMS.items():
-        assert getattr(newton_kernel, name.upper()) == number
+        assert getattr(kernel, name.upper()) == number
 
 
 def test_importing_the_solver_does_not_load_the_compiler():
