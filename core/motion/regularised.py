@@ -36,11 +36,14 @@ MOST_EVALUATIONS = 1_000_000
 LARGEST_MULTIPLE = 8
 """Periods of the drive over which the motion may repeat."""
 
-COARSER, SOFTER = 3.0, 8.0
+COARSER, SOFTER = 4.0, 16.0
 """Factors of the slip speed and of the stiffness for the estimate of the error.
 
-3^(2/3) and 8^(1/3) are 2: at the slowest orders the difference is the error itself.
+4^(2/3) and 16^(1/3) are 2.5: at the slowest orders the difference is 1.5 times the error.
 """
+
+LOOSER = 10.0
+"""Factor of the tolerance for the estimate of the integrator's error."""
 
 STEPS = 50
 """Fewest steps a period: none may leap over a whole hop or slip."""
@@ -231,13 +234,13 @@ class _Run:
         self.left -= 1
         return self.cell.rate(phase, state)
 
-    def period(self, state: Array, events: list[Callable[..., float]] | None = None) -> Any:
+    def period(self, state: Array) -> Any:
         """Return scipy's solution over one period from the state, the position set back to 0."""
         from scipy.integrate import solve_ivp
 
         start = state.copy()
         start[: self.cell.coordinates - 1] = 0.0
-        found = solve_ivp(self.rate, (0.0, PERIOD), start, events=events, **self.options)
+        found = solve_ivp(self.rate, (0.0, PERIOD), start, **self.options)
         if not found.success:
             raise _SpentError
         return found
@@ -287,22 +290,45 @@ def _orbit(run: _Run, state: Array, most_periods: int, closeness: float) -> _Orb
     return _Orbit(states[-2:], velocity, 0, "limit_reached")
 
 
+def _crossings(
+    function: Callable[[Array], float], state_at: Callable[[float], Array], phases: Array
+) -> list[float]:
+    """Return where the function of the state changes its sign between the phases.
+
+    scipy's own search for events fails where an interpolant misses the end of a step by rounding.
+    """
+    from scipy.optimize import brentq
+
+    def value(phase: float) -> float:
+        return function(state_at(phase))
+
+    values = [value(phase) for phase in phases]
+    return [
+        brentq(value, start, end, xtol=1e-12) if before else start
+        for (start, end), (before, after) in zip(pairwise(phases), pairwise(values), strict=True)
+        if (before < 0) != (after < 0)
+    ]
+
+
 def _measures(run: _Run, orbit: _Orbit) -> dict[str, float]:
     """Return the shares of the period and the impacts, over the periods until it repeats."""
     n = run.cell.coordinates
-    limit = PEAK * run.cell.laws.slip_speed
+    law = run.cell.laws
+    limit = PEAK * law.slip_speed
 
-    def height(phase: float, state: Array) -> float:
-        return state[n - 1]
+    def release(state: Array) -> float:
+        """Return what is negative where the floor presses; steps at the floor, as the force."""
+        height, climb = state[n - 1], state[-1]
+        return float(height if height >= 0 else law.stiffness * height + law.damping * climb)
 
-    def climb(phase: float, state: Array) -> float:
-        return state[-1]
-
-    def slip(phase: float, state: Array) -> float:
+    def slip(state: Array) -> float:
         return math.hypot(*state[n:-1]) - limit
 
-    def along(phase: float, state: Array) -> float:
-        return state[n]
+    def along(state: Array) -> float:
+        return float(state[n])
+
+    def climb(state: Array) -> float:
+        return float(state[-1])
 
     run.options["dense_output"] = True
     share = dict.fromkeys(("stick", "forward", "backward", "flight"), 0.0)
@@ -310,21 +336,29 @@ def _measures(run: _Run, orbit: _Orbit) -> dict[str, float]:
     periods = max(1, orbit.multiple)
     state = orbit.states[0]
     for _ in range(periods):
-        found = run.period(state, [height, climb, slip, along])
-        cuts = np.unique(np.concatenate([[0.0, PERIOD], *found.t_events]))
-        for start, end in pairwise(cuts):
-            middle = found.sol((start + end) / 2)
-            if middle[n - 1] > 0:
+        found = run.period(state)
+        at = found.sol
+        phases = np.sort(np.concatenate([found.t, (found.t[1:] + found.t[:-1]) / 2]))
+        cuts = {
+            function: _crossings(function, at, phases) for function in (release, slip, along, climb)
+        }
+        ends = np.unique(np.concatenate([[0.0, PERIOD], *cuts.values()]))
+        kinds = []
+        for start, end in pairwise(ends):
+            middle = at((start + end) / 2)
+            if release(middle) >= 0:
                 kind = "flight"
-            elif slip(0.0, middle) < 0:
+            elif slip(middle) < 0:
                 kind = "stick"
             else:
                 kind = "forward" if middle[n] > 0 else "backward"
+            kinds.append(kind)
             share[kind] += (end - start) / (PERIOD * periods)
-        falls = [-crossing[-1] for crossing in found.y_events[0] if crossing[-1] < 0]
-        impacts += len(falls)
-        landing = max([landing, *falls])
-        hop = max([hop, *(top[n - 1] for top in found.y_events[1])])
+        for (before, after), phase in zip(pairwise(kinds), ends[1:-1], strict=True):
+            if before == "flight" and after != "flight":
+                impacts += 1
+                landing = max(landing, -climb(at(phase)))
+        hop = max([hop, *(at(phase)[n - 1] for phase in cuts[climb])])
         state = found.y[:, -1]
     return {**share, "impacts": impacts / periods, "landing_speed": landing, "hop_height": hop}
 
@@ -341,8 +375,8 @@ def _cell_motion(
         return {**nothing, "status": "runaway"}
 
     # Closer than this the regularisation itself is not known: it moves velocities by shares of
-    # the slip speed. The integrator's own noise is the other bound.
-    closeness = max(0.1 * cell.laws.slip_speed, 10 * tolerance)
+    # the slip speed. The other bound is the integrator's own noise over hundreds of steps.
+    closeness = max(0.1 * cell.laws.slip_speed, 100 * tolerance)
     run = _Run(cell, solver, tolerance, MOST_EVALUATIONS)
     orbit = _orbit(run, cell.rest(), most_periods, closeness)
     unfinished = {**nothing, "velocity": orbit.velocity, "status": orbit.status}
@@ -353,13 +387,21 @@ def _cell_motion(
     except _SpentError:
         return {**unfinished, "status": "limit_reached"}
     # From where the fine motion is, so that both are on one attractor where there are several.
-    again = _Run(coarse, solver, 10 * tolerance, MOST_EVALUATIONS)
-    other = _orbit(again, orbit.states[-1], most_periods, COARSER * closeness)
+    # Two runs, since the errors of the laws and of the integrator can cancel in one.
+    others = [
+        _orbit(
+            _Run(changed, solver, looser * tolerance, MOST_EVALUATIONS),
+            orbit.states[-1],
+            most_periods,
+            max(COARSER * closeness, 100 * looser * tolerance),
+        )
+        for changed, looser in ((coarse, 1.0), (cell, LOOSER))
+    ]
     return {
         **measures,
         "velocity": orbit.velocity,
         "spread": 0.0,
-        "error": abs(other.velocity - orbit.velocity),
+        "error": sum(abs(other.velocity - orbit.velocity) for other in others),
         "multiple": orbit.multiple,
         "status": "neutral" if frictionless else "periodic",
     }
@@ -415,15 +457,16 @@ def regularised_motion(
     Returns
     -------
     Motion
-        Arrays of the arguments' common shape. `error` is the difference to a run with a slip speed
-        3 times as large, an eighth of the stiffness and 10 times the tolerance: the laws are
+        Arrays of the arguments' common shape. `error` is the difference to a run with 4 times the
+        slip speed and a sixteenth of the stiffness, plus that to one with 10 times the tolerance.
+        The laws are
         approached at least as slip_speed^(2/3) (the delay at the peak of friction; the power is 1
-        without a peak) and stiffness^(-1/3) (the recovery of the damped floor), and both differ by
-        a factor of 2 there, so that the difference is the error to come.
+        without a peak) and stiffness^(-1/3) (the recovery of the damped floor): of either error
+        the other run has 2.5 times as much, and the difference is 1.5 times the error.
 
         A part at rest creeps: it is `periodic` with the mean velocity of the creep, of the order
         of the slip speed, and a stick of 1; the status `at_rest` is never given. Sticking means
-        slower than 3 slip speeds, flight any height above 0. Hops are counted as far as the
+        slower than 3 slip speeds, flight no force of the floor. Hops are counted as far as the
         integrator resolves them. The status is `limit_reached` where the motion has not repeated
         within 8 periods of the drive when the periods or a million evaluations are used up: the
         velocity is then the mean of the later half, and the rest is NaN. It is `no_solution` where
