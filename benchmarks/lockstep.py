@@ -34,7 +34,7 @@ def _step(along, normal, height, sine, push, lift, slope, weight, friction, rest
     return along, normal, middle + half * normal
 
 
-@njit(error_model="numpy", fastmath={"contract", "nsz", "nnan"}, parallel=True)
+@njit(error_model="numpy", fastmath={"contract", "nsz", "nnan", "reassoc"}, parallel=True)
 def _run(groups, velocities, sines, periods, averaged):
     """Fill the mean velocities of cells whose groups are rows of (blocks, 6, BLOCK)."""
     steps = sines.size
