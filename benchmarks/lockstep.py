@@ -16,6 +16,7 @@ Array = NDArray[np.float64]
 BLOCK = 64  # cells in step: enough for the processor's lanes, few enough for its first cache
 AVERAGED = 10  # last periods, over which the mean is taken
 CELLS = 20_000
+REPEATS = 10  # the best counts: others may use the machine
 UNROLLED = 4  # steps between two visits of memory
 
 
@@ -127,7 +128,7 @@ def main() -> None:
     for used in range(1, threads + 1):
         numba.set_num_threads(used)
         best = np.inf
-        for _ in range(3):
+        for _ in range(REPEATS):
             start = time.perf_counter()
             velocities = lockstep_velocities(*given)
             best = min(best, time.perf_counter() - start)
