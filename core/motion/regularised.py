@@ -97,11 +97,26 @@ class Laws:
             slope -= bump / root**3 + 2 * bump / (width * root)
         return value, slope
 
-    def normal(self, height: float, velocity: float) -> float:
-        """Return the force of the floor over the weight; it never pulls (Kelvin-Voigt)."""
-        if height >= 0:
-            return 0.0
-        return max(0.0, -self.stiffness * height - self.damping * velocity)
+    def unclamped(self, height: float, velocity: float) -> float:
+        """Return the force of spring and damper over the weight, which may pull (Kelvin-Voigt).
+
+        The damper sets in over the depth to which the weight presses the spring. If it set in at
+        once, the force would jump at a landing, and integrators end there: the step that their
+        tolerance asks for is below the spacing of floating numbers.
+        """
+        spring = -self.stiffness * height
+        return spring - self.damping * min(1.0, spring) * velocity
+
+    def normal(self, height: float, velocity: float) -> tuple[float, float, float]:
+        """Return the force of the floor over the weight, and its derivatives; it never pulls."""
+        force = self.unclamped(height, velocity) if height < 0 else 0.0
+        if force <= 0:
+            return 0.0, 0.0, 0.0
+        spring = -self.stiffness * height
+        by_height = -self.stiffness
+        if spring < 1:
+            by_height += self.damping * self.stiffness * velocity
+        return force, by_height, -self.damping * min(1.0, spring)
 
 
 def damping_ratio(restitution: float, stiffness: float) -> float:
@@ -178,7 +193,7 @@ class Cell:
         """Return the derivative of the state (theory 13.1)."""
         n = self.coordinates
         position, *velocity = state[n - 1 :].tolist()
-        force = self.laws.normal(position, velocity[-1])
+        force, _, _ = self.laws.normal(position, velocity[-1])
         sine = math.sin(phase)
         free = [d * sine - g for d, g in zip(self.drive, self.gravity, strict=True)]
         free[-1] += force
@@ -195,13 +210,13 @@ class Cell:
         position, *velocity = state[n - 1 :].tolist()
         matrix = np.zeros((2 * n, 2 * n))
         matrix[range(n), range(n, 2 * n)] = 1.0
-        force = self.laws.normal(position, velocity[-1])
+        force, by_height, by_climb = self.laws.normal(position, velocity[-1])
         if force > 0:
             sliding = np.array(velocity[:-1])
             value, slope = self.laws.friction(math.hypot(*velocity[:-1]))
-            by_height = np.append(-value * sliding, 1.0)  # direction of the contact force
-            matrix[n:, n - 1] = -self.laws.stiffness * by_height
-            matrix[n:, 2 * n - 1] = -self.laws.damping * by_height
+            direction = np.append(-value * sliding, 1.0)  # of the contact force
+            matrix[n:, n - 1] = by_height * direction
+            matrix[n:, 2 * n - 1] = by_climb * direction
             matrix[n:-1, n:-1] -= force * (
                 value * np.eye(n - 1) + slope * np.outer(sliding, sliding)
             )
@@ -317,9 +332,9 @@ def _measures(run: _Run, orbit: _Orbit) -> dict[str, float]:
     limit = PEAK * law.slip_speed
 
     def release(state: Array) -> float:
-        """Return what is negative where the floor presses; steps at the floor, as the force."""
-        height, climb = state[n - 1], state[-1]
-        return float(height if height >= 0 else law.stiffness * height + law.damping * climb)
+        """Return what is negative where the floor presses."""
+        height = float(state[n - 1])
+        return height if height >= 0 else -law.unclamped(height, float(state[-1]))
 
     def slip(state: Array) -> float:
         return math.hypot(*state[n:-1]) - limit

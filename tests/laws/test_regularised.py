@@ -16,7 +16,6 @@ from core.motion.regularised import (
     SOFTER,
     SOLVERS,
     Cell,
-    damping_ratio,
     laws,
     regularised_motion,
 )
@@ -94,11 +93,13 @@ def test_worked_means_are_approached_at_the_order_of_the_laws(name, changes, ord
 
 def test_the_estimate_covers_the_error_without_exaggeration():
     for name, (given, _, _) in CASES.items():
-        found = motion(given)
+        # At 1e-8 the laws' error is far above the integrator's, which scatters: at 1e-6 sliding
+        # is found by luck of the steps between 2 and 100 times as well as estimated.
+        found = motion(given, tolerance=1e-8)
         error = abs(found.velocity - expected(name))
-        # Factors 4 and 16 make it 1.5 times the error at the slowest orders and 3 times at order
-        # 1; the tolerance of the integrator, 10 times as large in the other run, adds some.
-        assert error <= found.error <= 6 * error, name
+        # Factors 4 and 16: the difference is 1.5 times the error at the slowest orders, somewhat
+        # less before the limit, and 3 times at order 1.
+        assert 1.2 * error <= found.error <= 3.3 * error, name
 
 
 def test_three_integrators_agree():
@@ -130,20 +131,22 @@ def test_flight_and_landing_of_a_hop():
 
 @pytest.mark.parametrize("restitution", [1.0, 0.9, 0.5, 0.2, math.exp(-2), 0.05])
 def test_an_impact_gives_the_restitution_at_any_speed(restitution):
-    stiffness = 1e6
-    damping = 2 * damping_ratio(restitution, stiffness) * stiffness**0.5
-    for speed in (1e-3, 1.0, 50.0):
+    stiffness = 1e8
+    law = laws(0.0, 0.0, restitution, 1e-4, stiffness)
+    for speed in (0.1, 1.0, 50.0):
 
-        def force(time, state):
-            return stiffness * state[0] + damping * state[1]
+        def force(time, state, law=law):
+            return law.unclamped(-state[0], -state[1])
 
         force.terminal, force.direction = True, -1
         path = solve_ivp(
-            lambda time, state: [state[1], -force(time, state)], (0, 1), [0, speed],
-            events=force, rtol=1e-10, atol=1e-13 * speed,
+            lambda time, state: [state[1], -force(time, state)], (0, 1), [1e-16, speed],
+            events=force, rtol=1e-10, atol=1e-14 * speed,
         )  # fmt: skip
-        # 1e-10 a step, some hundred steps, magnified by 1/restitution at most.
-        assert -path.y[1, -1] / speed == pytest.approx(restitution, rel=1e-6)
+        # The damper is missing over the depth of the weight, 1/stiffness, of a way of
+        # speed/stiffness^(1/2) and more over 2 damping ratios: up to 7 are needed here.
+        missing = 10 / (speed * stiffness**0.5)
+        assert -path.y[1, -1] / speed == pytest.approx(restitution, rel=missing)
 
 
 def test_friction_stays_in_its_cone_and_reaches_both_coefficients():
@@ -169,8 +172,10 @@ def test_jacobian_is_the_derivative(coordinates):
     for _ in range(200):
         cell, state = random_cell(coordinates)
         step = 1e-6  # a central difference errs by step^2 and by rounding over step
-        if abs(cell.laws.normal(state[coordinates - 1], state[-1])) < 1e-3:
-            continue  # the force of the floor has its kink here
+        spring = -cell.laws.stiffness * state[coordinates - 1]
+        force = cell.laws.unclamped(state[coordinates - 1], state[-1])
+        if min(abs(spring), abs(force), abs(spring - 1)) < 1e-2:
+            continue  # the force of the floor has a kink here
         numeric = [
             np.subtract(cell.rate(1.0, state + move), cell.rate(1.0, state - move)) / (2 * step)
             for move in step * np.eye(2 * coordinates)
