@@ -461,11 +461,13 @@ def regularised_motion(
     contact_stiffness : array_like
         Stiffness of the floor, over mass times w^2.
     tolerance : array_like
-        Relative error of a step of the integrator.
+        Relative error of a step of the integrator; up to a thousandth of the slip speed, lest the
+        integrator's scatter hide what the laws' errors are.
     most_periods : array_like of int
         Periods of the drive after which a cell is given up.
     solver : str
-        One of `SOLVERS`.
+        One of `SOLVERS`. LSODA takes the least time, but may stay with its explicit formula after
+        a landing until the evaluations are used up; Radau did not fail.
     planar : bool
         True for motion along and normal to the track only; the groups across must then be 0.
 
@@ -483,8 +485,9 @@ def regularised_motion(
         of the slip speed, and a stick of 1; the status `at_rest` is never given. Sticking means
         slower than 3 slip speeds, flight no force of the floor. Hops are counted as far as the
         integrator resolves them. The status is `limit_reached` where the motion has not repeated
-        within 8 periods of the drive when the periods or a million evaluations are used up: the
-        velocity is then the mean of the later half, and the rest is NaN. It is `no_solution` where
+        within 8 periods of the drive when the periods or a million evaluations are used up, or
+        where the integrator gives up: the velocity is then the mean of the later half, and the
+        rest is NaN. It is `no_solution` where
         an argument is not a number or out of its range.
     """
     if solver not in SOLVERS:
