@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from core.plots.contour import draw_contour
 from core.plots.line import draw_line
 from core.plots.problem import PlotError
+from core.plots.regime_map import draw_map
 from core.plots.regimes import Look, looks_of
 from core.plots.selection import Selection, select
 from core.plots.surface import draw_surface
@@ -21,7 +22,12 @@ from core.plots.text import long_name
 
 SIZE = (8.0, 6.4)  # inches
 Painter = Callable[[Figure, Selection, Sequence[Look]], tuple[Axes, list[Artist]]]
-PAINTERS: dict[str, Painter] = {"contour": draw_contour, "surface": draw_surface, "line": draw_line}
+PAINTERS: dict[str, Painter] = {
+    "contour": draw_contour,
+    "surface": draw_surface,
+    "line": draw_line,
+    "map": draw_map,
+}
 LINE_LENGTH = 108  # characters of the subtitle
 SHORT_LINE = 90  # beside a legend, or above a surface
 LEGEND_LENGTH = 112
@@ -81,9 +87,8 @@ def draw(
     figure = Figure(figsize=SIZE, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     axes_, entries = PAINTERS[selection.kind](figure, selection, looks)
-    heading = figure.suptitle(
-        long_name(selection.variable), x=0.02, ha="left", fontsize=13, fontweight="bold"
-    )
+    name = "Regimes" if selection.kind == "map" else long_name(selection.variable)
+    heading = figure.suptitle(name, x=0.02, ha="left", fontsize=13, fontweight="bold")
     subtitle = axes_.set_title(
         _subtitle(selection, dataset), loc="left", fontsize=8.5, color=QUIET, linespacing=1.4
     )
@@ -95,13 +100,11 @@ def draw(
 
 def _subtitle(selection: Selection, dataset: xarray.Dataset) -> str:
     """Return what is held fixed, and where the values come from."""
-    wide = selection.kind == "contour" or len(selection.axes) == 1
+    wide = selection.kind in ("contour", "map") or len(selection.axes) == 1
     length = LINE_LENGTH if wide else SHORT_LINE
     fixed = [line.strip(DOT) for line in textwrap.wrap(DOT.join(selection.fixed), length)]
-    variant = dataset.attrs.get("variant", "")
-    origin = ",\N{NO-BREAK SPACE}".join(
-        str(part) for part in (dataset.attrs["scene"], variant) if part
-    )
+    parts = (dataset.attrs.get(name) for name in ("scene", "variant", "method"))
+    origin = ",\N{NO-BREAK SPACE}".join(str(part) for part in parts if part)
     title = dataset.attrs.get("title")
     source = f"{title} ({origin})" if title else origin
     return "\n".join(fixed + textwrap.wrap(source, length, break_on_hyphens=False))

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from core.plots.parts import set_log
+from core.plots.parts import cell_edges, set_log
 from core.plots.regimes import EDGE, HATCH_WIDTH, PLAIN, Look, mix, swatch
 from core.plots.scale import value_range
 from core.plots.selection import Axis, Selection, thin
@@ -129,10 +129,7 @@ def _mark_edges(
 
 def _spans(axes: Axes, across: Axis, states: NDArray[np.int64], looks: Sequence[Look]) -> None:
     """Colour the background by regime; borders lie halfway between two points."""
-    x = np.log(across.values) if across.is_log else across.values
-    between = (x[:-1] + x[1:]) / 2
-    middle = np.exp(between) if across.is_log else between
-    edges = np.concatenate([across.values[:1], middle, across.values[-1:]])
+    edges = cell_edges(across)
     changes = np.flatnonzero(np.diff(states)) + 1
     by_value = {look.value: look for look in looks}
     starts, stops = [0, *changes], [*changes, states.size]
