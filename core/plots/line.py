@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from core.plots.parts import cell_edges, set_log
+from core.plots.parts import add_room, cell_edges, set_log
 from core.plots.regimes import EDGE, HATCH_WIDTH, PLAIN, Look, mix, swatch
 from core.plots.scale import value_range
 from core.plots.selection import Axis, Selection, thin
@@ -38,6 +38,9 @@ def draw_line(
     regimes = selection.regimes.reshape(across.values.size, -1)[:, chosen]
     if across.is_log:
         set_log(axes.xaxis, across.values)
+    spread = None
+    if selection.spread is not None and selection.spread.any():
+        spread = selection.spread.reshape(across.values.size, -1)[:, chosen]
     alike = bool((regimes == regimes[:, :1]).all())
     entries: list[Artist] = []
     if alike:
@@ -171,7 +174,6 @@ def _limit(axes: Axes, across: Axis, values: NDArray[np.float64]) -> None:
     ends = value_range(values)
     if ends is None:
         return
-    room = 0.06 * (ends[1] - ends[0])
-    axes.set_ylim(ends[0] - room, ends[1] + room)
+    axes.set_ylim(*add_room(*ends))
     if ends[0] < 0 < ends[1]:
         axes.axhline(0.0, color="#333333", linewidth=0.7, zorder=1)

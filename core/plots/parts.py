@@ -61,3 +61,9 @@ def add_colour_bar(
     bar.ax.yaxis.set_major_formatter(FuncFormatter(plain))
     bar.ax.tick_params(labelsize=9)
     bar.set_label(short_label(selection.variable, selection.unit), fontsize=10)
+
+
+def add_room(low: float, high: float) -> tuple[float, float]:
+    """Return limits of an axis that leave some room about two values."""
+    room = 0.06 * (high - low) or 0.05 * abs(low) or 1.0
+    return low - room, high + room

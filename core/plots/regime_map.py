@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
+from matplotlib.colors import ListedColormap, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from matplotlib.textpath import TextPath
@@ -131,19 +131,18 @@ def _add_names(axes: Axes, raster: NDArray[np.int64], looks: Sequence[Look]) -> 
 
 def _place(inside: NDArray[np.bool_], width: float, height: float) -> tuple[float, float] | None:
     """Return the place for a text of a size in points, in shares of the frame; None if none is."""
-    columns, rows = np.array(RASTER) * np.array((width, height)) / np.array(BOX) * ROOM
+    columns = math.ceil(width * RASTER[0] / BOX[0] * ROOM)
+    rows = math.ceil(height * RASTER[1] / BOX[1] * ROOM)
     framed = np.pad(inside, 1)  # the frame is a border too
-    size = (math.ceil(rows), math.ceil(columns))
-    filled = uniform_filter(framed.astype(float), size=size, mode="constant")[1:-1, 1:-1]
-    free = filled > 1 - OTHERS
+    filled = uniform_filter(framed.astype(float), size=(rows, columns), mode="constant")
+    free = filled[1:-1, 1:-1] > 1 - OTHERS
     if not free.any():
         return None
     depth = distance_transform_edt(framed)[1:-1, 1:-1]
     row, column = np.indices(inside.shape)
     aside = np.hypot(row - row[inside].mean(), column - column[inside].mean())
-    best = np.where(free, depth - ASIDE * aside, -np.inf).argmax()
-    row_, column_ = np.unravel_index(int(best), inside.shape)
-    return (float(column_) + 0.5) / RASTER[0], (float(row_) + 0.5) / RASTER[1]
+    best = int(np.where(free, depth - ASIDE * aside, -np.inf).argmax())
+    return (best % RASTER[0] + 0.5) / RASTER[0], (best // RASTER[0] + 0.5) / RASTER[1]
 
 
 def _shares(
@@ -163,7 +162,8 @@ def _shares(
 
 
 def _entry(look: Look, share: float) -> Artist:
-    entry = swatch(look, look.fill, BORDER if look.valid else _ink(look), hatched=not look.valid)
+    ink = to_rgb(BORDER) if look.valid else _ink(look)
+    entry = swatch(look, look.fill, ink, hatched=not look.valid)
     entry.set_label(f"{look.label}, {percent(share)}")
     return entry
 

@@ -15,7 +15,7 @@ from core.plots.problem import PlotError
 from core.plots.text import axis_label, number, read_unit, scaled, with_unit, words
 from core.quantities import QUANTITIES
 
-KINDS = ("contour", "surface", "line", "map")
+KINDS = ("contour", "surface", "line", "map", "trajectory")
 LOG_TOLERANCE = 1e-6
 
 
