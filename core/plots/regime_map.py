@@ -139,7 +139,7 @@ def _place(inside: NDArray[np.bool_], width: float, height: float) -> tuple[floa
     if not free.any():
         return None
     depth = distance_transform_edt(framed)[1:-1, 1:-1]
-    row, column = np.indices(inside.shape)
+    row, column = np.meshgrid(*(np.arange(n) for n in inside.shape), indexing="ij")
     aside = np.hypot(row - row[inside].mean(), column - column[inside].mean())
     best = int(np.where(free, depth - ASIDE * aside, -np.inf).argmax())
     return (best % RASTER[0] + 0.5) / RASTER[0], (best // RASTER[0] + 0.5) / RASTER[1]

@@ -127,7 +127,7 @@ class Look:
     def tint(self) -> RGB:
         """A pale form of its colour, for backgrounds."""
         if self.name in MOTION:
-            return mix(FILLS[self.name], VEIL, 0.5)
+            return mix(FILLS[self.name], VEIL, 0.6)
         return mix(self.colour, VEIL, 0.88)
 
 
