@@ -74,10 +74,9 @@ PLAIN = ("", "#8a8a8a", 1.8)
 # do not hold, a map is pale and hatched.
 FILLS = {
     "stick": "#88ccee",
-    "no_motion": "#88ccee",
+    "no_motion": "#9a86b8",
     "no_impact": "#88ccee",
     "slip": "#bbcc33",
-    "contact": "#bbcc33",
     "sliding": "#bbcc33",
     "impact_slip": "#bbcc33",
     "roll": "#33a888",
@@ -90,6 +89,7 @@ FILLS = {
     "period_doubled": "#ffb3c4",
     "stopped": "#ffb3c4",
     "aperiodic": "#9a86b8",
+    "contact": "#f4f4f4",
     "apart": "#dddddd",
     "not_assessed": "#dddddd",
     "unbounded": "#dddddd",

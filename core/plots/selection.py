@@ -87,11 +87,17 @@ def select(
     """
     if kind is not None and kind not in KINDS:
         raise PlotError("kind", f"'{kind[:40]}' is unknown", suggestion(kind, KINDS))
-    whole = dataset["regime" if kind == "map" else _variable(dataset, variable)]
+    if kind == "map":
+        if variable not in (None, "regime"):
+            _variable(dataset, variable)  # it plays no part, but a slip in its name is one
+        whole = dataset["regime"]
+    else:
+        whole = dataset[_variable(dataset, variable)]
     names = _axes(whole, axes, 1 if kind == "line" else 2)
     kind = kind or ("contour" if len(names) == 2 else "line")
     if kind != "line" and len(names) == 1:
-        fix = "Name two axes" if len(_ranged(whole)) > 1 else "Draw it as a line"
+        line = "Draw an output as a line" if kind == "map" else "Draw it as a line"
+        fix = "Name two axes" if len(_ranged(whole)) > 1 else line
         raise PlotError("kind", f"a {kind} needs two axes, there is one, {names[0]}", fix)
 
     regime = dataset["regime"]

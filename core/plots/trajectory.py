@@ -30,6 +30,7 @@ PANELS = (3.0, 2.4, 1.8)  # heights
 PART = "#1f3b73"
 TRACK = "#8a6a3a"
 PALE = 0.65
+AT_REST = 1e-9  # of the heights: a position below is rounding
 MOST_PERIODS = 12  # that are told apart by lines
 
 # Hatch and colour of the background while the part is in a mode.
@@ -118,7 +119,12 @@ def read_trajectory(
     track, height = _values(dataset["track_normal"]), _values(dataset["height"])
     swing, part = _swing(seconds, period, _values(dataset["track_along"])), track + height
     scale, height_unit = read_unit(xarray.DataArray(part, attrs={"units": "m"}))
+    if not np.isfinite(part).any():
+        raise PlotError("dataset", "no cycle was found: its motion has no values", "Draw another")
+    position = _values(dataset["position_along"])
     factor, position_unit = read_unit(dataset["position_along"])
+    if np.nanmax(np.abs(position)) <= AT_REST * np.nanmax(np.abs(part)):
+        position, factor, position_unit = np.zeros_like(position), scale, height_unit
     return Trajectory(
         time=MILLI * seconds,
         period=MILLI * period,
@@ -127,7 +133,7 @@ def read_trajectory(
         height_unit=height_unit,
         track_velocity=swing,
         part_velocity=swing + _values(dataset["velocity_along"]),
-        position=factor * _values(dataset["position_along"]),
+        position=factor * position,
         position_unit=position_unit,
         modes=_modes(dataset["mode"]),
         facts=_facts(dataset),
@@ -160,7 +166,7 @@ def draw_trajectory(figure: Figure, shown: Trajectory) -> tuple[Axes, list[Artis
     velocities.set_ylabel("Velocity along\nthe track (m/s)")
 
     positions.plot(shown.time, shown.position, color=PART, linewidth=2.0, zorder=4)
-    positions.set_ylim(*_limits(shown.position))
+    positions.set_ylim(*(_limits(shown.position) if shown.position.any() else ends))
     positions.set_ylabel(f"Position on\nthe track ({shown.position_unit})")
     positions.set_xlabel("Time since the start of the cycle (ms)")
     positions.set_xlim(shown.time[0], shown.time[-1])
