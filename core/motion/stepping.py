@@ -60,16 +60,21 @@ def stepped_motion(
 ) -> Motion:
     """Return the motion of a part on the floor, and at the wall if there is one, in space.
 
-    The part starts at rest on the floor, touching the wall, at phase 0. Each cell runs twice, with
-    `steps_per_period` and with twice as many steps. `velocity` and all else are those of the finer
-    run, not extrapolated: landings and stops fall within steps at places that differ from step to
-    step, so that the error, though of first order, is not a smooth function of the step, and an
-    extrapolation would amplify its irregular part. `error` is the largest of the difference of
-    both velocities, the differences within the window of periods that is averaged, and `spread`.
+    The part starts at rest on the floor, touching the wall, at phase 0. Each cell runs with n =
+    `steps_per_period` steps and with 2n + 1. `velocity` and all else are those of the finer run,
+    not extrapolated over the step: landings fall within steps at places that differ from run to
+    run, so that the error, though of first order, is no smooth function of the step, and an
+    extrapolation would amplify its irregular part. For the same reason a part that hops runs a
+    third time, with n steps from half a step earlier. `error` is the larger of the difference of
+    the velocities (twice that if it hops), the doubt about the transient's end, and `spread`.
 
-    A motion is `periodic` if it comes back, to within what one step changes, over 16 periods or
-    more. If not, means are over the last three quarters of the periods run, and `spread` is the
+    The motion is `periodic` if it comes back exactly, or over 16 periods to within what one step
+    changes. A transient without hops that dies out slowly is extrapolated to its end. If it does
+    not come back, means are over the last three quarters of the periods run, and `spread` is the
     standard deviation of the means of eight batches of them.
+
+    Without hops the planar method is of second order: slips start and stop within a step. With
+    hops, in space and in a curve, it is of first order.
 
     Parameters
     ----------
@@ -245,14 +250,15 @@ def _motion(
     arrays = np.broadcast_arrays(*(np.asarray(group, dtype=np.float64) for group in groups))
     shape = arrays[0].shape
     cells = np.stack([array.ravel() for array in arrays], axis=-1)
-    coarse, fine = _waves(steps_per_period), _waves(2 * steps_per_period)
+    coarse, shifted = _waves(steps_per_period), _waves(steps_per_period, shift=-0.5)
+    fine = _waves(2 * steps_per_period + 1)  # odd, so that no middle of a step is one of both
 
     def kernel(
         piece: NDArray[np.float64], table: NDArray[np.float64], status: NDArray[np.int8]
     ) -> None:
         step_cells(
-            scene, float(rolling), absolute_speed, coarse, fine, most_periods, tolerance, piece,
-            table, status,
+            scene, float(rolling), absolute_speed, coarse, shifted, fine, most_periods, tolerance,
+            piece, table, status,
         )  # fmt: skip
 
     # A cell takes milliseconds: small pieces let a run be stopped soon and share out evenly.
@@ -261,9 +267,9 @@ def _motion(
     return Motion(*columns, status.reshape(shape))
 
 
-def _waves(steps: int) -> Array:
+def _waves(steps: int, shift: float = 0.0) -> Array:
     """Return sine and cosine of the drive at the middles of the steps of a period, (2, steps)."""
-    phases = (np.arange(steps) + 0.5) * (2.0 * math.pi / steps)
+    phases = (np.arange(steps) + 0.5 + shift) * (2.0 * math.pi / steps)
     return np.stack([np.sin(phases), np.cos(phases)])
 
 
@@ -271,7 +277,7 @@ def _check(steps_per_period: int, most_periods: int, tolerance: float, rolling: 
     """Raise if a count or a plain number is out of its range."""
     if steps_per_period < 8 or most_periods < 8:
         raise ValueError("steps_per_period and most_periods must be at least 8")
-    if 2 * steps_per_period * most_periods > MOST_STEPS:
+    if 4 * steps_per_period * most_periods > MOST_STEPS:
         raise ValueError(f"a cell may take {MOST_STEPS:,} steps at most")
     if not (tolerance >= 0.0 and rolling >= 0.0 and math.isfinite(rolling)):
         raise ValueError("tolerance and rolling must not be negative")
