@@ -7,6 +7,7 @@ plain Python: some hundredths of a second for a period.
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -78,7 +79,7 @@ class Tally:
         self.impacts, self.landing_speed, self.hop_height = 0, 0.0, 0.0
 
 
-class Failed(Exception):
+class FailedError(Exception):
     """The contact laws gave no way on, or too many events."""
 
 
@@ -113,10 +114,8 @@ def reference_path(
     part = _Part(Point(**groups), np.array([*position, *velocity, spin], dtype=np.float64))
     part.phase = float(asked[0])
     rows = np.full((asked.size, 7), np.nan)
-    try:
+    with contextlib.suppress(FailedError):  # what was not reached stays NaN
         part.advance(float(asked[-1]), asked, rows)
-    except Failed:
-        pass  # what was not reached stays NaN
     return Path(asked, rows[:, X : Z + 1], rows[:, UX : UZ + 1])
 
 
@@ -141,7 +140,7 @@ def reference_motion(*, most_periods: int = 100, **groups: Any) -> Motion:
         part.tally = Tally()
         try:
             part.advance(2.0 * math.pi * (period + 1))
-        except Failed:
+        except FailedError:
             return _result(math.nan, math.nan, math.nan, [], 0, "no_solution")
         tallies.append(part.tally)
         states.append(part.state.copy())
@@ -195,10 +194,8 @@ def _result(
         total("impacts") / max(1, len(tallies)), most("landing_speed"), most("hop_height"),
         float(multiple),
     )  # fmt: skip
-    return Motion(
-        *(np.asarray(value, dtype=np.float64) for value in values),
-        np.asarray(STATUS[status], dtype=np.int8),
-    )
+    arrays = (np.asarray(value, dtype=np.float64) for value in values)
+    return Motion._make((*arrays, np.asarray(STATUS[status], dtype=np.int8)))
 
 
 class _Part:
@@ -321,7 +318,7 @@ class _Part:
                 opened = "wall"
             else:
                 return mode
-        raise Failed
+        raise FailedError
 
     def stop(self, mode: Mode) -> None:
         """Take away a slip that is zero but for rounding."""
@@ -397,12 +394,12 @@ class _Part:
             event.terminal, event.direction, event.contact = True, sense, name  # type: ignore[attr-defined]
             found.append(event)
 
-        def carried(index: int) -> Callable[[float, Array], float]:
+        def carried(contact: str) -> Callable[[float, Array], float]:
             def value(phase: float, unknowns: Array) -> float:
                 state = self.unpack(mode, unknowns)
                 angle = unknowns[4]
                 e = (math.cos(angle), math.sin(angle)) if mode.slips else (0.0, 0.0)
-                return float(self.forces(phase, mode, float(state[UX]), e)[index])
+                return float(getattr(self.forces(phase, mode, float(state[UX]), e), contact))
 
             return value
 
@@ -415,11 +412,11 @@ class _Part:
             return value
 
         if mode.floor:
-            add("lift", -1, carried(0))
+            add("lift", -1, carried("normal"))
         else:
             add("land", -1, approach(Z, UZ))
         if mode.wall:
-            add("leave", -1, carried(1))
+            add("leave", -1, carried("side"))
         elif self.on_wall:  # still touching: held by the floor
             add("press", 1, lambda phase, _: -self.free(phase, 0.0)[1] - TOLERANCE)
         elif self.point.wall:
@@ -461,7 +458,7 @@ class _Part:
                 dense_output=True,
             )  # fmt: skip
             if not solution.success:
-                raise Failed
+                raise FailedError
             reached = float(solution.t[-1])
             self.phase, self.state = reached, self.unpack(mode, solution.y[:, -1]).copy()
             self.note(mode, solution, start)
@@ -474,8 +471,8 @@ class _Part:
                     opened = self.happen(event.contact, mode)
             still = still + 1 if reached == start else 0
             if still > 20:  # round in a circle at one phase
-                raise Failed
-        raise Failed
+                raise FailedError
+        raise FailedError
 
     def happen(self, event: str, mode: Mode) -> str:
         """Change the state as an event says; return which contact it opened, or "slip"."""
@@ -573,7 +570,7 @@ class _Part:
             if max(abs(a - b) for a, b in zip(after, before, strict=True)) < 1e-15:
                 break
         else:
-            raise Failed
+            raise FailedError
         if floor and abs(s[UZ]) < STOPPED:  # a run of hops ends (theory 13.5)
             s[UZ], self.on_floor = 0.0, True
         elif floor:

@@ -264,7 +264,7 @@ def _motion(
     # A cell takes milliseconds: small pieces let a run be stopped soon and share out evenly.
     table, status = run_cells(kernel, cells, piece=32)
     columns = [table[:, k].reshape(shape) for k in range(COLUMNS)]
-    return Motion(*columns, status.reshape(shape))
+    return Motion._make((*columns, status.reshape(shape)))
 
 
 def _waves(steps: int, shift: float = 0.0) -> Array:

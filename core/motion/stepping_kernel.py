@@ -24,7 +24,9 @@ X, Z, UX, UZ, SPARE, PRESSED, UY, SPIN, Y, LEANING = range(10)
 WIDTHS = (6, 8, 10)
 
 # Columns of the tally of one period.
-TRAVEL, FORWARD, BACKWARD, STICK, FLIGHT, IMPACTS, LANDING, HEIGHT, PEAK, AT_WALL, FAILED = range(11)
+TRAVEL, FORWARD, BACKWARD, STICK, FLIGHT, IMPACTS, LANDING, HEIGHT, PEAK, AT_WALL, FAILED = range(
+    11
+)
 TALLIES = 11
 
 # Columns of the groups of one cell.
@@ -74,7 +76,7 @@ def friction_impulse(
         slope = e_1 * e_1 / (z + slide) + e_2 * e_2 / (z + response * slide)
         step = square * (math.sqrt(square) - 1.0) / slope
         z += step
-        if not abs(step) > 1e-15 * left:
+        if not step > 1e-14 * left:
             break
     size = math.hypot(e_1, e_2)
     return -slide * e_1 / size, -slide * e_2 / size, False
@@ -207,6 +209,34 @@ def _held(
 
 
 @compiled
+def _rubbing(
+    vx: float, floor_load: float, wall_load: float, spin: float, static: float, kinetic: float,
+    wall_friction: float, rolling: float,
+) -> tuple[float, float, float, float, bool]:  # fmt: skip
+    """Return velocity along, spin, both normals and whether it sticks, of a spinning cylinder.
+
+    It keeps to floor and wall and rubs on both, each with the slip (u_x, spin), the wall's spin
+    being negative; friction at each presses on the other or lifts it.
+    """
+    normal, side = floor_load, wall_load
+    fx, turn, held = 0.0, 0.0, False
+    for _ in range(MOST_SWEEPS):
+        slide = kinetic * normal + wall_friction * side
+        hold = static * normal + wall_friction * side
+        fx, turn, held = friction_impulse(vx, spin, hold, slide, rolling)
+        most = hold if held else slide
+        share = turn / most if most > 0.0 else 0.0
+        floor_part = (static if held else kinetic) * normal * share
+        new_normal = max(0.0, floor_load + wall_friction * side * share)
+        new_side = max(0.0, wall_load - floor_part)
+        change = abs(new_normal - normal) + abs(new_side - side)
+        normal, side = new_normal, new_side
+        if change <= 1e-14 * (floor_load + wall_load):
+            return vx + fx, 0.0 if held else spin + rolling * turn, normal, side, held
+    return vx, spin, -1.0, -1.0, False
+
+
+@compiled
 def corner_step(
     y: float, z: float, ux: float, uy: float, uz: float, spin: float,
     spare: float, pressed: bool, leaning: bool,
@@ -229,7 +259,7 @@ def corner_step(
         )  # fmt: skip
         return vx, vy, vz, spin, normal, 0.0, spare, False
     vx, vy, vz = ux + h * ax, uy + h * ay, uz + h * az
-    response = 1.0 + rolling
+    response, spin_before = 1.0 + rolling, spin
     steady = pressed and (leaning or uy == 0.0)
     if steady and floor and spin == 0.0 and vz < 0.0 and vy <= 0.0:
         limit = wall_friction * -vy
@@ -237,8 +267,28 @@ def corner_step(
             ux, h * ax, friction_static * -vz + limit, friction_kinetic * -vz + limit, spare
         )
         return vx, 0.0, 0.0, 0.0, -vz, -vy, spare, False
+    if steady and floor and rolling > 0.0 and vz < 0.0 and vy <= 0.0:
+        vx, spin, normal, side, held = _rubbing(
+            vx, -vz, -vy, spin, friction_static if spare >= 0.0 else friction_kinetic,
+            friction_kinetic, wall_friction, rolling,
+        )  # fmt: skip
+        if normal >= 0.0 and side >= 0.0:
+            return vx, 0.0, 0.0, spin, normal, side, math.inf if held else -1.0, False
+        vx, spin = ux + h * ax, spin_before
     back_z, back_y = restitution * min(uz, 0.0), wall_restitution * min(uy, 0.0)
-    small = 1e-14 * (abs(vx) + abs(vy) + abs(vz) + abs(spin) + abs(uy) + abs(uz))
+    # One contact may do, with nothing to iterate: the other parts by itself.
+    wx, wy, wz, ws, normal, alone = floor_step(
+        z, ux, uy, uz, spin, spare, pressed, ax, ay, az, h,
+        restitution, friction_static, friction_kinetic, rolling,
+    )  # fmt: skip
+    if wy + back_y >= 0.0:
+        return wx, wy, wz, ws, normal, 0.0, alone, False
+    if not floor:
+        side = -(vy + back_y)
+        limit = wall_friction * side
+        gx, gz, _ = friction_impulse(vx, vz - spin, limit, limit, response)
+        return vx + gx, vy + side, vz + gz, spin - rolling * gz, 0.0, side, -1.0, False
+    small = 1e-11 * h * (abs(ax) + abs(ay) + abs(az)) + 1e-15 * (abs(vx) + abs(vy) + abs(vz))
     normal, side = 0.0, 0.0
     fx, fy, wx, wz = 0.0, 0.0, 0.0, 0.0
     held, stopped, failed = False, False, True
@@ -529,8 +579,9 @@ def means(tallies: Floats, first: int, last: int, period: float, result: Floats)
 
 @compiled
 def unsettled(
-    scene: int, cell: Floats, tallies: Floats, done: int, period: float, result: Floats
-) -> int:
+    scene: int, cell: Floats, states: Floats, tallies: Floats, done: int, period: float,
+    result: Floats,
+) -> int:  # fmt: skip
     """Return the status of a motion that did not repeat; put the spread of its batches."""
     quarter = done // 4
     first = mean_velocity(tallies, quarter, 2 * quarter, period)
@@ -543,6 +594,11 @@ def unsettled(
     pull = abs(cell[GRAVITY_ALONG])
     if scene == FLOOR:
         pull = math.hypot(pull, cell[GRAVITY_ACROSS])
+        # Without a wall a part on a lean may slide or roll away across.
+        late = states[done, UY] - states[done - quarter, UY]
+        early = states[done - quarter, UY] - states[done - 2 * quarter, UY]
+        if late * early > 0.0 and abs(late) > 0.5 * abs(early) and abs(late) > quarter * 1e-3:
+            return RUNAWAY
     if scene == WALL:
         friction += cell[WALL_FRICTION] * max(0.0, cell[GRAVITY_ACROSS])
     if trend and pull >= friction and abs(gain) > 0.5 * abs(before):
@@ -584,9 +640,7 @@ def run(
         if scene == PLANAR:
             planar_period(state, tally, cell, sines, h)
         else:
-            spatial_period(
-                scene == WALL, rolling, absolute, state, tally, cell, sines, cosines, h
-            )
+            spatial_period(scene == WALL, rolling, absolute, state, tally, cell, sines, cosines, h)
         done = period + 1
         seen[done] = state
         if not math.isfinite(tally[PEAK]) or tally[FAILED] > 0.0:
@@ -603,7 +657,7 @@ def run(
             result[MULTIPLE] = multiple
             return PERIODIC
     means(tallies, done // 4, done, steps * h, result)
-    return unsettled(scene, cell, tallies, done, steps * h, result)
+    return unsettled(scene, cell, seen, tallies, done, steps * h, result)
 
 
 @compiled
