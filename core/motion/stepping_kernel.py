@@ -291,7 +291,7 @@ def corner_step(
     small = 1e-11 * h * (abs(ax) + abs(ay) + abs(az)) + 1e-15 * (abs(vx) + abs(vy) + abs(vz))
     normal, side = 0.0, 0.0
     fx, fy, wx, wz = 0.0, 0.0, 0.0, 0.0
-    held, stopped, failed = False, False, True
+    held, stopped, change = False, False, 0.0
     for sweep in range(MOST_SWEEPS):
         change = 0.0
         if floor:
@@ -326,8 +326,9 @@ def corner_step(
         # The wall may stop what the floor could not.
         stopped = abs(vx) + abs(vy + spin) <= small
         if change <= small:
-            failed = False
             break
+    # Where sweeps creep, what they still change is less than the error of the step.
+    failed = change > 1e-2 * h * (abs(ax) + abs(ay) + abs(az))
     if normal > 0.0 and (held or stopped):
         return 0.0, vy, vz, spin, normal, side, math.inf, failed
     return vx, vy, vz, spin, normal, side, -1.0, failed
@@ -697,14 +698,18 @@ def step_cells(
             scene, cell, rolling, absolute, waves[0], waves[1], step,
             most, tolerance, states, tallies, coarse,
         )  # fmt: skip
-        error = max(abs(fine[VELOCITY] - coarse[VELOCITY]), fine[NOISE], fine[SPREAD])
+        apart = abs(fine[VELOCITY] - coarse[VELOCITY])
+        if not math.isfinite(apart):  # the coarser run found no solution in a step
+            apart = abs(fine[VELOCITY])
+        error = max(apart, fine[NOISE], fine[SPREAD])
         if fine[R_FLIGHT] > 0.0 and not error <= 1e-12:
             # Where in a step the landings fall is chance, and may hide the error of the step.
             run(
                 scene, cell, rolling, absolute, shifted_waves[0], shifted_waves[1], step,
                 most, tolerance, states, tallies, shifted,
             )  # fmt: skip
-            error = 2.0 * max(error, abs(fine[VELOCITY] - shifted[VELOCITY]))
+            apart = abs(fine[VELOCITY] - shifted[VELOCITY])
+            error = 2.0 * max(error, apart if math.isfinite(apart) else 0.0)
         table[i, 0] = fine[VELOCITY]
         table[i, 1] = fine[SPREAD]
         table[i, 2] = error
