@@ -56,7 +56,7 @@ def stepped_motion(
     absolute_speed: bool = True,
     steps_per_period: int = 1000,
     most_periods: int = 200,
-    tolerance: float = 1.0,
+    tolerance: float = 0.03,
 ) -> Motion:
     """Return the motion of a part on the floor, and at the wall if there is one, in space.
 
@@ -64,17 +64,18 @@ def stepped_motion(
     `steps_per_period` steps and with 2n + 1. `velocity` and all else are those of the finer run,
     not extrapolated over the step: landings fall within steps at places that differ from run to
     run, so that the error, though of first order, is no smooth function of the step, and an
-    extrapolation would amplify its irregular part. For the same reason a part that hops runs a
-    third time, with n steps from half a step earlier. `error` is the larger of the difference of
-    the velocities (twice that if it hops), the doubt about the transient's end, and `spread`.
+    extrapolation would amplify its irregular part. For the same reason there is a third run, with
+    n steps from half a step earlier. `error` is twice the largest of the differences of the
+    velocity to both coarser runs, the doubt about the transient's end, and `spread`.
 
-    The motion is `periodic` if it comes back exactly, or over 16 periods to within what one step
-    changes. A transient without hops that dies out slowly is extrapolated to its end. If it does
-    not come back, means are over the last three quarters of the periods run, and `spread` is the
-    standard deviation of the means of eight batches of them.
+    The motion is `periodic` if it comes back exactly, or over 16 periods to within a part of what
+    one step changes. A transient without hops that dies out slowly is extrapolated to its end. If
+    it does not come back, means are over the last three quarters of the periods run, and `spread`
+    is the standard deviation of the means of eight batches of them.
 
     Without hops the planar method is of second order: slips start and stop within a step. With
-    hops, in space and in a curve, it is of first order.
+    hops, in space and in a curve, it is of first order. Where static friction exceeds kinetic, a
+    slip in space that nearly stops, nearer than a step can tell, is taken to stop.
 
     Parameters
     ----------
@@ -104,7 +105,7 @@ def stepped_motion(
     most_periods : int
         Periods after which a motion counts as aperiodic, at least 8.
     tolerance : float
-        What counts as coming back, in terms of the largest change of velocity in one step.
+        What counts as coming back, as a part of the largest change of velocity in one step.
 
     Returns
     -------
@@ -142,7 +143,7 @@ def planar_stepped_motion(
     restitution: ArrayLike = 0.0,
     steps_per_period: int = 1000,
     most_periods: int = 200,
-    tolerance: float = 1.0,
+    tolerance: float = 0.03,
 ) -> Motion:
     """Return the motion of a part in the plane of track and normal; nothing across is carried.
 

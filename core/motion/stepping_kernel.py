@@ -702,8 +702,8 @@ def step_cells(
         if not math.isfinite(apart):  # the coarser run found no solution in a step
             apart = abs(fine[VELOCITY])
         error = max(apart, fine[NOISE], fine[SPREAD])
-        if fine[R_FLIGHT] > 0.0 and not error <= 1e-12:
-            # Where in a step the landings fall is chance, and may hide the error of the step.
+        if error > 1e-12:
+            # Where in a step landings and stops fall is chance, and may hide the error of the step.
             run(
                 scene, cell, rolling, absolute, shifted_waves[0], shifted_waves[1], step,
                 most, tolerance, states, tallies, shifted,
