@@ -56,7 +56,7 @@ def stepped_motion(
     absolute_speed: bool = True,
     steps_per_period: int = 1000,
     most_periods: int = 200,
-    tolerance: float = 0.03,
+    tolerance: float = 1.0,
 ) -> Motion:
     """Return the motion of a part on the floor, and at the wall if there is one, in space.
 
@@ -68,10 +68,11 @@ def stepped_motion(
     n steps from half a step earlier. `error` is twice the largest of the differences of the
     velocity to both coarser runs, the doubt about the transient's end, and `spread`.
 
-    The motion is `periodic` if it comes back exactly, or over 16 periods to within a part of what
-    one step changes. A transient without hops that dies out slowly is extrapolated to its end. If
-    it does not come back, means are over the last three quarters of the periods run, and `spread`
-    is the standard deviation of the means of eight batches of them.
+    The motion is `periodic` if it comes back exactly, or over 16 periods to within a small part of
+    what one step changes, or, after four times as many, to within what one step changes. A
+    transient without hops that dies out slowly is extrapolated to its end. If it does not come
+    back, means are over the last three quarters of the periods run, and `spread` is the standard
+    deviation of the means of eight batches of them.
 
     Without hops the planar method is of second order: slips start and stop within a step. With
     hops, in space and in a curve, it is of first order. Where static friction exceeds kinetic, a
@@ -105,7 +106,7 @@ def stepped_motion(
     most_periods : int
         Periods after which a motion counts as aperiodic, at least 8.
     tolerance : float
-        What counts as coming back, as a part of the largest change of velocity in one step.
+        What counts as coming back, in terms of the largest change of velocity in one step.
 
     Returns
     -------
@@ -143,7 +144,7 @@ def planar_stepped_motion(
     restitution: ArrayLike = 0.0,
     steps_per_period: int = 1000,
     most_periods: int = 200,
-    tolerance: float = 0.03,
+    tolerance: float = 1.0,
 ) -> Motion:
     """Return the motion of a part in the plane of track and normal; nothing across is carried.
 

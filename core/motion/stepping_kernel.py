@@ -43,6 +43,7 @@ R_HEIGHT, MULTIPLE, RESULTS = 9, 10, 11
 MOST_SWEEPS = 200
 MOST_MULTIPLE = 12
 WINDOW = 16
+SHARP = 0.03
 BATCHES = 8
 
 PERIODIC, AT_REST, APERIODIC = STATUS["periodic"], STATUS["at_rest"], STATUS["aperiodic"]
@@ -487,14 +488,14 @@ def limit(tallies: Floats, done: int, part: int, period: float) -> tuple[float, 
 
 @compiled
 def settled(
-    tallies: Floats, done: int, multiple: int, window: int, allowed: float, period: float,
-    result: Floats,
+    tallies: Floats, done: int, multiple: int, window: int, averaged: int, allowed: float,
+    period: float, result: Floats,
 ) -> bool:  # fmt: skip
     """Return whether the mean velocity has settled; if so, put it and its doubt into the result.
 
     Motion that keeps to the floor converges smoothly, and slowly where friction is small: its
-    limit is extrapolated, and must itself stand still. A part that hops lands on steps that vary;
-    its mean is that of the window.
+    limit is extrapolated, and must itself stand still. A part that hops may land on steps that vary
+    from period to period; its mean is then that of many.
     """
     part = max(1, window // multiple // 3) * multiple
     if done < 4 * part:
@@ -506,7 +507,8 @@ def settled(
     if hops:
         if rest > 0.1 * allowed:
             return False
-        result[VELOCITY], result[NOISE] = mean_velocity(tallies, done - window, done, period), rest
+        means(tallies, done - averaged, done, period, result)
+        result[NOISE] = rest
         return True
     before, _ = limit(tallies, done - part, part, period)
     if abs(end - before) > 1e-3 * allowed:
@@ -540,19 +542,21 @@ def repeats(
             return multiple
     for multiple in range(1, MOST_MULTIPLE + 1):
         window = multiple * ((WINDOW + multiple - 1) // multiple)
-        if done < window + multiple:
-            continue
-        if difference(states, tallies, done, done - window) > allowed:
+        # A transient of hops is given time before it may pass for chance.
+        late = done >= 4 * window
+        bound = allowed if late else SHARP * allowed
+        if done < window + multiple or difference(states, tallies, done, done - window) > bound:
             continue
         good = True
         for back in range(window):
             end = done - back
-            if difference(states, tallies, end, end - multiple) > allowed:
+            if difference(states, tallies, end, end - multiple) > bound:
                 good = False
                 break
         if good:
             means(tallies, done - window, done, period, result)
-            if settled(tallies, done, multiple, window, allowed, period, result):
+            averaged = 3 * window if late else window
+            if settled(tallies, done, multiple, window, averaged, bound, period, result):
                 return multiple
     return 0
 

@@ -158,7 +158,8 @@ def test_hops_are_of_first_order_and_the_error_says_so(name: str) -> None:
     groups, mean = worked(name)
     for n in (250, 1000, 4000):
         found = planar_stepped_motion(**groups, steps_per_period=n)
-        assert abs(found.velocity - mean) < 2.0 * float(found.error)
+        # Three runs tell the size of an error that is partly chance, not its digits.
+        assert abs(found.velocity - mean) < 4.0 * float(found.error)
         assert float(found.error) < 20.0 / n
 
 
