@@ -488,14 +488,14 @@ def limit(tallies: Floats, done: int, part: int, period: float) -> tuple[float, 
 
 @compiled
 def settled(
-    tallies: Floats, done: int, multiple: int, window: int, averaged: int, allowed: float,
+    tallies: Floats, done: int, multiple: int, window: int, allowed: float,
     period: float, result: Floats,
 ) -> bool:  # fmt: skip
     """Return whether the mean velocity has settled; if so, put it and its doubt into the result.
 
     Motion that keeps to the floor converges smoothly, and slowly where friction is small: its
     limit is extrapolated, and must itself stand still. A part that hops may land on steps that vary
-    from period to period; its mean is then that of many.
+    from period to period; its mean is that of the window.
     """
     part = max(1, window // multiple // 3) * multiple
     if done < 4 * part:
@@ -507,7 +507,6 @@ def settled(
     if hops:
         if rest > 0.1 * allowed:
             return False
-        means(tallies, done - averaged, done, period, result)
         result[NOISE] = rest
         return True
     before, _ = limit(tallies, done - part, part, period)
@@ -555,8 +554,7 @@ def repeats(
                 break
         if good:
             means(tallies, done - window, done, period, result)
-            averaged = 3 * window if late else window
-            if settled(tallies, done, multiple, window, averaged, bound, period, result):
+            if settled(tallies, done, multiple, window, bound, period, result):
                 return multiple
     return 0
 
