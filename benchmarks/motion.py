@@ -12,6 +12,7 @@ import os
 import statistics
 import time
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 
 import numpy as np
 
@@ -135,7 +136,7 @@ def time_points(count: int) -> None:
     threads = os.cpu_count() or 1
     borders = np.linspace(0, count, 50 * threads + 1).astype(int)
     with ThreadPoolExecutor(threads) as pool:
-        for done in [pool.submit(run, a, b) for a, b in zip(borders, borders[1:], strict=False)]:
+        for done in [pool.submit(run, a, b) for a, b in pairwise(borders)]:
             done.result()
     print(f"{count:,} random points, one at a time, processor time of each:")
     for share in (0.5, 0.9, 0.99, 0.999, 0.9999):

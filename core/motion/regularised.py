@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from core.mechanics.arrays import Array
 from core.motion.motion import STATUS, Motion
+from core.watch import Watch
 
 SOLVERS = ("Radau", "BDF", "LSODA")
 """The implicit integrators of scipy."""
@@ -439,6 +440,7 @@ def regularised_motion(
     most_periods: ArrayLike,
     solver: str,
     planar: bool,
+    watch: Watch | None = None,
 ) -> Motion:
     """Return the motion with regularised friction on a stiff floor, by a stiff integrator.
 
@@ -470,6 +472,8 @@ def regularised_motion(
         a landing until the evaluations are used up; Radau did not fail.
     planar : bool
         True for motion along and normal to the track only; the groups across must then be 0.
+    watch : Watch, optional
+        May stop it between cells; what is not started is `not_computed`.
 
     Returns
     -------
@@ -508,9 +512,13 @@ def regularised_motion(
     shape = arguments[0].shape
     fields = {name: np.full(shape, np.nan) for name in Motion._fields[:-1]}
     fields["multiple"][...] = 0
-    status = np.full(shape, STATUS["no_solution"], dtype=np.int8)
+    status = np.full(shape, STATUS["not_computed"], dtype=np.int8)
+    watch = watch or Watch()
     kept = [0, 2] if planar else [0, 1, 2]
     for place in np.ndindex(shape):
+        if watch.stopped():
+            break
+        status[place] = STATUS["no_solution"]
         numbers = [float(argument[place]) for argument in arguments]
         drive = tuple(numbers[i] for i in kept)
         gravity = tuple(numbers[3 + i] for i in kept)

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.arrays import Array
 from core.motion.motion import COLUMNS, Motion, run_cells
+from core.watch import Watch
 
 MOST_STEPS = 100_000_000
 """Steps of one path, and steps of one period times periods of one cell; more is refused."""
@@ -57,6 +58,7 @@ def stepped_motion(
     steps_per_period: int = 1000,
     most_periods: int = 200,
     tolerance: float = 1.0,
+    watch: Watch | None = None,
 ) -> Motion:
     """Return the motion of a part on the floor, and at the wall if there is one, in space.
 
@@ -107,6 +109,8 @@ def stepped_motion(
         Periods after which a motion counts as aperiodic, at least 8.
     tolerance : float
         What counts as coming back, in terms of the largest change of velocity in one step.
+    watch : Watch, optional
+        May stop it between cells.
 
     Returns
     -------
@@ -119,7 +123,7 @@ def stepped_motion(
     ValueError
         If a count is out of its range.
     """
-    from core.motion.stepping_kernel import FLOOR, WALL
+    from core.motion.kernels.stepping import FLOOR, WALL
 
     groups = (
         drive_number_along, drive_number_across, drive_number_normal,
@@ -129,7 +133,7 @@ def stepped_motion(
     )  # fmt: skip
     return _motion(
         WALL if wall else FLOOR, groups, rolling, absolute_speed, steps_per_period, most_periods,
-        tolerance,
+        tolerance, watch,
     )  # fmt: skip
 
 
@@ -145,20 +149,21 @@ def planar_stepped_motion(
     steps_per_period: int = 1000,
     most_periods: int = 200,
     tolerance: float = 1.0,
+    watch: Watch | None = None,
 ) -> Motion:
     """Return the motion of a part in the plane of track and normal; nothing across is carried.
 
     For a drive along the track (alpha = 0), no wall and no lean. Parameters and result are those
     of `stepped_motion`, which with these values finds the same numbers.
     """
-    from core.motion.stepping_kernel import PLANAR
+    from core.motion.kernels.stepping import PLANAR
 
     groups = (
         drive_number_along, 0.0, drive_number_normal,
         gravity_number_along, 0.0, gravity_number_normal,
         0.0, friction_static, friction_kinetic, 0.0, restitution, 0.0,
     )  # fmt: skip
-    return _motion(PLANAR, groups, 0.0, False, steps_per_period, most_periods, tolerance)
+    return _motion(PLANAR, groups, 0.0, False, steps_per_period, most_periods, tolerance, watch)
 
 
 def stepped_path(
@@ -207,7 +212,7 @@ def stepped_path(
     ValueError
         If phases are not finite and ascending, or need more than `MOST_STEPS` steps.
     """
-    from core.motion.stepping_kernel import path
+    from core.motion.kernels.stepping import path
 
     asked = np.atleast_1d(np.asarray(phases, dtype=np.float64))
     if asked.ndim != 1 or asked.size == 0 or not np.all(np.isfinite(asked)):
@@ -244,9 +249,10 @@ def _motion(
     steps_per_period: int,
     most_periods: int,
     tolerance: float,
+    watch: Watch | None,
 ) -> Motion:
     """Return the motion of every cell of the groups broadcast."""
-    from core.motion.stepping_kernel import step_cells
+    from core.motion.kernels.stepping import step_cells
 
     _check(steps_per_period, most_periods, tolerance, rolling)
     arrays = np.broadcast_arrays(*(np.asarray(group, dtype=np.float64) for group in groups))
@@ -264,7 +270,7 @@ def _motion(
         )  # fmt: skip
 
     # A cell takes milliseconds: small pieces let a run be stopped soon and share out evenly.
-    table, status = run_cells(kernel, cells, piece=32)
+    table, status = run_cells(kernel, cells, piece=32, watch=watch)
     columns = [table[:, k].reshape(shape) for k in range(COLUMNS)]
     return Motion._make((*columns, status.reshape(shape)))
 

@@ -66,6 +66,8 @@ LOOKS = {
     "aperiodic": ("x", "#5a4580", 1.8),
     "runaway": ("xxx", "#8b1a1a", 1.3),
     "unresolved": ("---", "#4a4a4a", 1.3),
+    "rests": ("", "#2166ac", 1.8),
+    "tumbles": ("/", "#b3560f", 1.8),
 }
 PLAIN = ("", "#8a8a8a", 1.8)
 
@@ -89,6 +91,8 @@ FILLS = {
     "period_doubled": "#ffb3c4",
     "stopped": "#ffb3c4",
     "aperiodic": "#9a86b8",
+    "rests": "#88ccee",
+    "tumbles": "#ee8866",
     "contact": "#f4f4f4",
     "apart": "#dddddd",
     "not_assessed": "#dddddd",

@@ -23,7 +23,8 @@ from core.plots.text import number, read_unit, with_unit, words
 
 TIME = "cycle_time"
 NEEDED = (
-    "position_along", "height", "velocity_along", "track_along", "track_normal", "mode",
+    "position_along", "height_above_floor", "relative_velocity_along", "track_along",
+    "track_normal", "motion_mode",
 )  # fmt: skip
 MILLI = 1000.0
 PANELS = (3.0, 2.4, 1.8)  # heights
@@ -116,7 +117,7 @@ def read_trajectory(
 
     seconds = _values(dataset[TIME])
     period = 1.0 / float(dataset["frequency"])
-    track, height = _values(dataset["track_normal"]), _values(dataset["height"])
+    track, height = _values(dataset["track_normal"]), _values(dataset["height_above_floor"])
     swing, part = _swing(seconds, period, _values(dataset["track_along"])), track + height
     scale, height_unit = read_unit(xarray.DataArray(part, attrs={"units": "m"}))
     if not np.isfinite(part).any():
@@ -132,10 +133,10 @@ def read_trajectory(
         part=scale * part,
         height_unit=height_unit,
         track_velocity=swing,
-        part_velocity=swing + _values(dataset["velocity_along"]),
+        part_velocity=swing + _values(dataset["relative_velocity_along"]),
         position=factor * position,
         position_unit=position_unit,
-        modes=_modes(dataset["mode"]),
+        modes=_modes(dataset["motion_mode"]),
         facts=_facts(dataset),
     )
 

@@ -137,7 +137,7 @@ class _Walk:
         self, scene: Scene, variant: str, given: Collection[str], outputs: tuple[str, ...]
     ):
         self.scene, self.variant, self.given, self.outputs = scene, variant, given, outputs
-        self.scene_defaults = scene.defaults
+        self.scene_defaults = scene.defaults_of(variant)
         self.producers = scene.producers(variant)
         self.aliases = {alias.gives: alias for alias in ALIASES}
         self.equations: list[Equation] = []

@@ -89,14 +89,14 @@ def hop(times: object = 400, **changes: object) -> xarray.Dataset:
                 {"flag_values": np.int8([REGIMES["hopping"].value]), "flag_meanings": "hopping"},
             ),
             "position_along": over_time(0.0625 * time, "m"),
-            "height": over_time(height, "m"),
-            "velocity_along": over_time(np.full(time.size, 0.0625), "m s-1"),
-            "velocity_normal": over_time(np.gradient(height, time), "m s-1")
+            "height_above_floor": over_time(height, "m"),
+            "relative_velocity_along": over_time(np.full(time.size, 0.0625), "m s-1"),
+            "relative_velocity_normal": over_time(np.gradient(height, time), "m s-1")
             if time.size > 1
             else over_time(height, "m s-1"),
             "track_along": over_time(3e-4 * np.sin(phase), "m"),
             "track_normal": over_time(2e-4 * np.sin(phase), "m"),
-            "mode": (
+            "motion_mode": (
                 "cycle_time",
                 mode.astype(np.int8),
                 {
@@ -413,14 +413,14 @@ def test_trajectory_shows_the_part_over_the_track():
     track, part = (line.get_xydata() for line in heights.get_lines() if len(line.get_xydata()) > 2)
     assert track[:, 0] == pytest.approx(1000 * dataset["cycle_time"].values)
     assert track[:, 1] == pytest.approx(1000 * dataset["track_normal"].values)
-    assert part[:, 1] - track[:, 1] == pytest.approx(1000 * dataset["height"].values)
+    assert part[:, 1] - track[:, 1] == pytest.approx(1000 * dataset["height_above_floor"].values)
     swing, velocity = (
         line.get_xydata()[:, 1] for line in velocities.get_lines() if len(line.get_xydata()) > 2
     )
     rate = 2 * np.pi * FREQUENCY
     # The derivative of the track's place, 0.3 mm sin(wt).
     assert swing == pytest.approx(3e-4 * rate * np.cos(rate * dataset["cycle_time"].values))
-    assert velocity - swing == pytest.approx(dataset["velocity_along"].values)
+    assert velocity - swing == pytest.approx(dataset["relative_velocity_along"].values)
     assert heights.get_ylabel() == "Height (mm)"
     assert velocities.get_ylabel() == "Velocity along\nthe track (m/s)"
     assert positions.get_ylabel() == "Position on\nthe track (mm)"
@@ -437,7 +437,8 @@ def test_trajectory_says_velocity_regime_and_modes():
     assert legend(figure) == [
         "part", "track", "sticking", "sliding forward", "sliding backward", "in flight",
     ]  # fmt: skip
-    assert legend(draw(hop(mode=hop()["mode"].copy(data=np.zeros(400, np.int8))))) == [
+    still = hop()["motion_mode"].copy(data=np.zeros(400, np.int8))
+    assert legend(draw(hop(motion_mode=still))) == [
         "part", "track", "sticking",
     ]  # fmt: skip
     spans = [patch.get_x() for patch in figure.axes[1].patches]
@@ -465,7 +466,7 @@ def test_periods_of_a_long_cycle_are_marked():
 def test_part_at_rest_has_an_axis_of_the_same_unit():
     still = np.zeros(400)
     dataset = hop()
-    for name in ("position_along", "height", "velocity_along"):
+    for name in ("position_along", "height_above_floor", "relative_velocity_along"):
         dataset[name][:] = still
     heights, _, positions = draw(dataset).axes
     assert positions.get_ylabel() == "Position on\nthe track (mm)"
@@ -473,7 +474,7 @@ def test_part_at_rest_has_an_axis_of_the_same_unit():
 
 
 def test_output_over_the_cycle_is_drawn_as_a_line():
-    figure = draw(hop(), variable="height")
+    figure = draw(hop(), variable="height_above_floor")
     assert len(figure.axes) == 1
     assert legend(figure) == ["hopping"]
 
@@ -488,14 +489,29 @@ def test_trajectory_of_a_file(tmp_path: Path):
 @pytest.mark.parametrize(
     ("dataset", "asked", "place", "words"),
     [
-        (hop(), {"kind": "trajectory", "variable": "height"}, "variable", "ask for kind line"),
+        (
+            hop(),
+            {"kind": "trajectory", "variable": "height_above_floor"},
+            "variable",
+            "ask for kind line",
+        ),
         (hop(), {"kind": "trajectory", "axes": ("beta",)}, "axes", "Leave axes out"),
         (hop(), {"at": {"friction": 0.4}}, "at.friction", "Its only value is 0.3."),
-        (hop().drop_vars("height"), {}, "dataset", "its motion has no height"),
+        (
+            hop().drop_vars("height_above_floor"),
+            {},
+            "dataset",
+            "its motion has no height_above_floor",
+        ),
         (hop().drop_vars("frequency"), {}, "dataset", "its motion has no frequency"),
         (hop([0.0]), {}, "dataset", "one time only"),
-        (hop(height=hop()["height"] * np.nan), {}, "dataset", "no cycle was found"),
-        (hop(mode=hop()["mode"] + 7), {}, "dataset", "has no name"),
+        (
+            hop(height_above_floor=hop()["height_above_floor"] * np.nan),
+            {},
+            "dataset",
+            "no cycle was found",
+        ),
+        (hop(motion_mode=hop()["motion_mode"] + 7), {}, "dataset", "has no name"),
         (hop(), {"kind": "map"}, "variable", "nothing to draw"),
     ],
 )

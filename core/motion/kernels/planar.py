@@ -46,7 +46,7 @@ LONGEST_MULTIPLE = 16  # cycles after which a motion under two coefficients may 
 SAME_STATE = 1e-7  # distance of two states of a cycle that are one
 MOST_GROWTH = 1e6  # of a rounding error along a cycle that is taken to repeat
 NEAR = 1e-2  # recurrence that a search for a cycle starts from
-SHOWN_SEGMENTS = 8  # of an aperiodic motion, in its path
+SHOWN_PERIODS = 4  # of an aperiodic motion, in its path
 PHASES = 8  # runs of an aperiodic motion, started at as many phases
 SHARE_SETTLING = 0.2  # of an aperiodic run, before its mean is taken
 HOPS_PER_PERIOD = 16  # of an aperiodic run, on average; more end it
@@ -244,8 +244,8 @@ def _height(w, s, gn, tau, span, known):
 
 # --- the motion normal to the floor: a cycle of segments
 #
-# A segment is a row: phase at its start, its span, the take-off velocity (-1 for contact), and speed
-# and normal impulse of the landing.
+# A segment is a row: phase at its start, its span, the take-off velocity (-1 for contact), speed of
+# the landing and its normal impulse.
 
 
 COLUMNS_OF_ROW = 5
@@ -972,7 +972,10 @@ def follow(group):
         _, _, used = _pass(rows, count, u, drive, sums, log)
     elif status in (APERIODIC, LIMIT_REACHED) and s > gn:
         count, _ = normal_cycle(s, gn, e, int(group[8]), rows)
-        shown = min(count, SHOWN_SEGMENTS)
+        shown, span = 0, 0.0
+        while shown < count and span < SHOWN_PERIODS * TURN:
+            shown += 1
+            span += rows[count - shown, 1]
         start = _start(drive, phase, rows, count)
         u, _, _ = _pass(rows, count - shown, start, drive, sums, log[:0])
         _, _, used = _pass(rows[count - shown :], shown, u, drive, sums, log)
