@@ -141,6 +141,12 @@ PLANAR = Constraint(
     "Leave alpha out, or set method = 'time-stepping'",
     variant="events",
 )
+DRIVEN = Constraint(
+    ("frequency",),
+    lambda least, _: least > 0,
+    "a frequency of 0 is no drive: there is no period to take a mean over",
+    "Give a frequency above 0",
+)
 VALIDITY = (
     "The part is a point with contact conditions: it does not tip. It starts at rest on the floor. "
     "Mean values are those of the motion that it falls into."
@@ -172,7 +178,7 @@ def _plane(name: str, title: str, rolling: float) -> Scene:
         default_variant="time-stepping",
         conditions=dict.fromkeys(variants, CONDITIONS),
         defaults=PLANE_DEFAULTS,
-        constraints=(STATIC_ABOVE_KINETIC, PLANAR),
+        constraints=(STATIC_ABOVE_KINETIC, DRIVEN, PLANAR),
         choice="method",
         variant_defaults={
             "time-stepping": STEPPING_DEFAULTS,
@@ -203,7 +209,7 @@ TRACK = Scene(
     default_variant="time-stepping",
     conditions={"time-stepping": CONDITIONS, "reference": CONDITIONS},
     defaults={**PLANE_DEFAULTS, "delta": 0.0, "curvature_number": 0.0},
-    constraints=(STATIC_ABOVE_KINETIC,),
+    constraints=(STATIC_ABOVE_KINETIC, DRIVEN),
     choice="method",
     variant_defaults={"time-stepping": STEPPING_DEFAULTS, "reference": {"most_periods": 100.0}},
 )

@@ -235,11 +235,13 @@ class TestProblems:
     def test_everything_at_once(self):
         found = problems(
             scene="rectangle-on-plane", method="event", outputs=["conveying_velocty"],
-            tolerance=2, parameters={"friction": None, "mass": "3 g", "betta": 3},
+            tolerance=2, steps=9, parameters={"friction": None, "mass": "3 g", "betta": 3},
         )  # fmt: skip
+        assert "Did you mean 'steps_per_period'" in found["steps"]
         assert "less than or equal to 1" in found["tolerance"]
         assert "Did you mean 'beta'" in found["parameters.betta"]
         assert "Did you mean 'events'" in found["method"]
+        assert "Did you mean 'conveying_velocity'" in found["outputs"]
 
     def test_outputs_and_parameters(self):
         found = problems(outputs=["conveying_velocty"], parameters={"mass": "3 g"})
@@ -263,6 +265,11 @@ class TestProblems:
         found = problems(scene="rectangle-pair-impact", parameters=dict.fromkeys(HOP))
         assert "cannot be simulated" in found["scene"]
         assert "rectangle-on-plane" in found["scene"]
+
+    def test_no_drive(self):
+        assert "no period" in problems(parameters={"frequency": 0})["parameters.frequency"]
+        still = run(parameters={"amplitude": 0}, outputs=["conveying_velocity", "efficiency"])
+        assert (float(still.conveying_velocity), float(still.efficiency)) == (0, 0)
 
     def test_static_friction_below_kinetic(self):
         found = problems(parameters={
