@@ -35,6 +35,7 @@ CONTACT, FLIGHT = 0, 1
 MOST_SEGMENTS = 8_000  # of a cycle; a run of shrinking hops at restitution 0.995 fills it
 MOST_ITERATIONS = 200  # of a bracketed search
 MOST_PIECES = 20_000  # of one flow
+LAST_STEP = 1e-10  # of Newton's iteration, relative: the next would be of the order of its square
 MOST_MODES = 1_000  # stops and starts in one segment
 SEARCH_HOPS = 512  # before a motion without contact phase is taken to be aperiodic
 SEARCH_PERIODS = 400
@@ -128,14 +129,16 @@ def _arc_sine(value):
 @compiled
 def _landing_root(w, s, gn, sine, cosine, start):
     """Return the landing time by Newton's iteration from `start`, on its own side of the root."""
-    d = start
+    d, first = start, 0.0
     for _ in range(MOST_ITERATIONS):
         slope, height = _flow(w, s, gn, sine, cosine, d)
         if slope >= 0:
             break
         step = height / slope
         d -= step
-        if abs(step) <= 2e-16 * d:
+        first = step if first == 0 else first
+        # Each step squares the error; one back across the root is made of rounding alone.
+        if abs(step) <= LAST_STEP * d or step * first <= 0:
             break
     return d
 
@@ -151,11 +154,13 @@ def _rest_of_fall(w, s, gn, tau, low, high):
         else:
             low = d
         slope = s * math.sin(tau + d) - gn
-        new = d - value / slope if slope > 0 else (low + high) / 2
+        new = d - value / slope if slope > 0 else low
+        if low < new < high and abs(new - d) <= LAST_STEP * d:
+            return new
         if not low < new < high:
             new = (low + high) / 2
-        if abs(new - d) <= 2e-16 * abs(d):
-            return new
+            if new in (low, high):
+                return new
         d = new
     return d
 
@@ -484,11 +489,13 @@ def _stop(v, C, k, at, span):
         else:
             high = d
         slope = C * math.sin(at + d) - k
-        new = d - value / slope if slope < 0 else (low + high) / 2
-        if not low <= new <= high:
-            new = (low + high) / 2
-        if abs(new - d) <= 2e-16 * (abs(at) + d):
+        new = d - value / slope if slope < 0 else low - 1
+        if low <= new <= high and abs(new - d) <= LAST_STEP * d:
             return new
+        if not low < new < high:
+            new = (low + high) / 2
+            if new in (low, high):
+                return new
         d = new
     return d
 
