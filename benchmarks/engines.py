@@ -336,7 +336,7 @@ def main() -> None:
         known = row.case.velocity
         print(
             f"{row.engine:12} {row.version:>8}  {row.case.name:10} {row.step:>9} "
-            f"{row.seconds:7.3f} s {1e3 * row.velocity:7.3f} mm/s {1e3 * known:10.6f}  "
+            f"{1e3 * row.seconds:7.2f} ms {1e3 * row.velocity:7.3f} mm/s {1e3 * known:10.6f}  "
             f"{100 * (row.velocity / known - 1):+9.4f} %"
         )
 
