@@ -47,7 +47,7 @@ MESSAGES: dict[SearchStatus, str] = {
 
 MOST_VARIABLES = 4
 FEWEST_EVALUATIONS = 400
-SHARE_GRID, SHARE_CELLS = 0.5, 0.3  # of the budget; the rest is for the clouds
+SHARE_GRID, SHARE_FACES, SHARE_CELLS = 0.35, 0.2, 0.3  # of the budget; the rest is for clouds
 SCALES = 8  # halvings of the second step
 SAMPLES = 12  # points of a cell at each
 CLOUDS = 8  # at most, at first
@@ -243,7 +243,7 @@ def _run(search: _Search, tolerance: float) -> Array:
         return np.zeros(designs)
     random = np.random.default_rng(0)
     cells = max(1, int(SHARE_CELLS * search.budget / (SCALES * SAMPLES)))
-    points, values, first, step = _grid(search, int((SHARE_GRID * search.budget) ** (1 / d)))
+    points, values, first, step = _grids(search)
     for scale in range(SCALES):
         best = _best_cells(points, first if scale == 0 else values, step, cells)
         centres = np.take_along_axis(points, best[..., None], axis=1)
@@ -270,14 +270,36 @@ def _of_all(search: _Search, points: Array) -> Array:
     return search.values(number, points.reshape(-1, d)).reshape(designs, count)
 
 
-def _grid(search: _Search, size: int) -> tuple[Array, Array, Array, float]:
-    """Return points (m, n, d) of a grid, values, what ranks them, and the distance of points."""
-    designs, d = search.point.shape
-    axis = np.linspace(0.0, 1.0, size)
-    points = np.stack(np.meshgrid(*[axis] * d, indexing="ij"), axis=-1).reshape(-1, d)
-    points = np.broadcast_to(points, (designs, *points.shape))
+def _grids(search: _Search) -> tuple[Array, Array, Array, float]:
+    """Return points (m, n, d) of the box and of its faces, values, what ranks them, and the step.
+
+    The step is the distance of the points of the box; those of the faces lie closer.
+    """
+    d = search.point.shape[1]
+    size = int((SHARE_GRID * search.budget) ** (1 / d))
+    parts = [_grid(search, np.linspace(0.0, 1.0, size), d, None)]
+    if d > 1:
+        face = int((SHARE_FACES * search.budget / (2 * d)) ** (1 / (d - 1)))
+        axis = np.linspace(0.0, 1.0, face)
+        ends = itertools.product(range(d), (0.0, 1.0))
+        parts += [_grid(search, axis, d, end) for end in ends if face > size]
+    points, values, estimates = (np.concatenate(part, axis=1) for part in zip(*parts, strict=True))
+    return points, values, estimates, 1 / (size - 1)
+
+
+def _grid(
+    search: _Search, axis: Array, d: int, held: tuple[int, float] | None
+) -> tuple[Array, Array, Array]:
+    """Return points (m, n, d) of a grid, one variable held or none, values, and what ranks them."""
+    axes = [axis] * d
+    if held is not None:
+        axes[held[0]] = np.array([held[1]])
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    shape = points.shape[:-1]
+    designs = len(search.value)
+    points = np.broadcast_to(points.reshape(-1, d), (designs, points.size // d, d))
     values = _of_all(search, points)
-    box = values.reshape(designs, *[size] * d)
+    box = values.reshape(designs, *shape)
     highest, lowest = box, np.where(np.isfinite(box), box, np.inf)
     for number in range(1, d + 1):
         highest = _widest(highest, number, np.maximum, -np.inf)
@@ -286,7 +308,7 @@ def _grid(search: _Search, size: int) -> tuple[Array, Array, Array, float]:
     # above the lowest of them: hills come first, by that estimate.
     tops = np.isfinite(box) & (box >= highest)
     depth = np.where(tops, box, 0.0) - np.where(tops, lowest, 0.0)
-    return points, values, (box + depth).reshape(designs, -1), 1 / (size - 1)
+    return points, values, (box + depth).reshape(designs, -1)
 
 
 def _widest(box: Array, axis: int, choose: Callable[..., Array], beyond: float) -> Array:
