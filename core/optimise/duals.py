@@ -45,10 +45,12 @@ class Dual(NDArrayOperatorsMixin):
 
     @property
     def shape(self) -> tuple[int, ...]:
+        """Shape of the value."""
         return self.value.shape
 
     @property
     def ndim(self) -> int:
+        """Number of dimensions of the value."""
         return self.value.ndim
 
     def __getitem__(self, key: Any) -> Dual:
@@ -110,15 +112,21 @@ class Dual(NDArrayOperatorsMixin):
             return Dual(
                 np.where(condition, *values[1:]), np.where(condition, *slopes[1:]), self.ties
             )
+        if name == "broadcast_arrays":
+            whole = np.broadcast_shapes(*(np.shape(x) for x in values))
+            return tuple(
+                Dual(np.broadcast_to(v, whole), np.broadcast_to(d, whole), self.ties)
+                if isinstance(x, Dual)
+                else np.broadcast_to(v, whole)
+                for x, v, d in zip(args, values, slopes, strict=True)
+            )
         if name in LINEAR:
             value, slope = function(*values, **kwargs), function(*_slopes(args), **kwargs)
-            if isinstance(value, tuple):
-                return tuple(Dual(v, s, self.ties) for v, s in zip(value, slope, strict=True))
             return Dual(value, slope, self.ties)
         if name == "cross":
-            slope = function(slopes[0], values[1], **kwargs) + function(
-                values[0], slopes[1], **kwargs
-            )
+            slopes = _slopes(args)
+            slope = function(slopes[0], values[1], **kwargs)
+            slope = slope + function(values[0], slopes[1], **kwargs)
             return Dual(function(*values, **kwargs), slope, self.ties)
         if name in ("max", "amax"):
             place = np.argmax(values[0], axis=kwargs["axis"], keepdims=True)
@@ -186,7 +194,7 @@ COMPARISONS = {"less", "less_equal", "greater", "greater_equal", "equal", "not_e
 SWITCHES = {"absolute", "sign", "maximum", "minimum"}
 VALUE_ONLY = {"isfinite", "isnan", "isinf", "signbit"}
 SHAPES_ONLY = {"shape", "ndim", "size", "zeros_like", "ones_like", "full_like", "empty_like"}
-LINEAR = {"stack", "broadcast_arrays", "broadcast_to", "concatenate", "sum", "squeeze", "reshape"}
+LINEAR = {"stack", "broadcast_to", "concatenate", "sum", "squeeze", "reshape"}
 
 RULES: dict[str, Callable[..., Any]] = {
     "positive": _chain(lambda f, x: 1.0),
@@ -216,8 +224,9 @@ RULES: dict[str, Callable[..., Any]] = {
     "divide": lambda f, a, b, da, db: _times(1 / b, da) - _times(f / b, db),
     "power": _power,
     "hypot": lambda f, a, b, da, db: _times(a / f, da) + _times(b / f, db),
-    "arctan2": lambda f, y, x, dy, dx: _times(x / (x * x + y * y), dy)
-    - _times(y / (x * x + y * y), dx),
+    "arctan2": lambda f, y, x, dy, dx: (
+        _times(x / (x * x + y * y), dy) - _times(y / (x * x + y * y), dx)
+    ),
     "maximum": lambda f, a, b, da, db: np.where(a >= b, da, db),
     "minimum": lambda f, a, b, da, db: np.where(a <= b, da, db),
     "ldexp": lambda f, a, n, da, dn: np.ldexp(da, n),

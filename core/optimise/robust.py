@@ -24,6 +24,8 @@ from core.sweep.evaluate import regimes
 from core.sweep.plan import Plan, make_plan, plan_scene
 
 SIDE = 1e-6  # step to either side of a switch, relative
+WIDER = 16  # times that step, for comparison
+ROUNDING = 1e-12  # of a value, relative
 AGREE = 1e-5  # relative difference of the derivatives of both sides that are still one
 HALVINGS = 12  # of the step of a difference
 LARGEST_STEP = 0.02  # relative
@@ -94,7 +96,9 @@ def sensitivities(
         middle = _derivatives(plan, values, parameter)
         for output in plan.outputs:
             value, slope, sure = middle[output]
-            if sure and math.isfinite(slope):
+            if not math.isfinite(value):
+                found[output, parameter] = _none("the output has no finite value here")
+            elif sure and math.isfinite(slope):
                 found[output, parameter] = _sensitivity(value, slope, values[parameter])
             else:
                 found[output, parameter] = _from_both_sides(plan, values, parameter, output, value)
@@ -116,6 +120,10 @@ def _sensitivity(
 ) -> Sensitivity:
     logarithmic = slope / value * at if value != 0 and math.isfinite(value) else math.nan
     return Sensitivity(slope, logarithmic, error, note)
+
+
+def _none(note: str) -> Sensitivity:
+    return Sensitivity(math.nan, math.nan, math.nan, note)
 
 
 def _derivatives(
@@ -161,30 +169,27 @@ def _run(equation: Equation, known: Mapping[str, Any], parameter: str) -> Any:
 def _from_both_sides(
     plan: Plan, values: Mapping[str, float], parameter: str, output: str, value: float
 ) -> Sensitivity:
+    """Return the derivative next to a switch, if it tends to one number from both sides."""
     at = values[parameter]
     step = SIDE * (abs(at) or 1.0)
-    low, high = (
-        _derivatives(plan, {**values, parameter: at + way * step}, parameter)[output]
-        for way in (-1, 1)
+    wide, near = (
+        [
+            _derivatives(plan, {**values, parameter: at + way * distance}, parameter)[output][:2]
+            for way in (-1, 1)
+        ]
+        for distance in (WIDER * step, step)
     )
-    if not math.isfinite(value):
-        return Sensitivity(math.nan, math.nan, math.nan, "the output has no finite value here")
-    slopes = low[1], high[1]
-    # Values of both sides that are apart by more than their slopes explain: a jump.
-    jumps = abs(high[0] - low[0]) > 4 * step * max(map(abs, slopes)) + 1e-9 * abs(value)
-    if all(map(math.isfinite, slopes)) and not jumps:
-        mean, apart = (slopes[0] + slopes[1]) / 2, abs(slopes[1] - slopes[0])
-        if apart <= AGREE * max(map(abs, slopes)) or mean == apart == 0:
-            return _sensitivity(value, mean, at, apart, "from both sides of a switch")
-        if abs(mean) <= AGREE * apart and apart <= 4 * step * _bend(value, at):
-            return _sensitivity(value, 0.0, at, apart, "from both sides of a switch")
-    note = f"at a switch: {low[1]:g} below and {high[1]:g} above"
-    return Sensitivity(math.nan, math.nan, math.nan, note + (", with a jump" if jumps else ""))
-
-
-def _bend(value: float, at: float) -> float:
-    """Return how fast the slope of a smooth function of this size may change, roughly."""
-    return 1e3 * abs(value) / (at * at if at else 1.0)
+    below, above = near[0][1], near[1][1]
+    largest, apart = max(abs(below), abs(above)), abs(above - below)
+    # A jump: values of both sides further apart than the slopes explain.
+    jumps = abs(near[1][0] - near[0][0]) > 4 * step * largest + ROUNDING * abs(value)
+    # At a kink the slopes stay apart however near; those of a bend come together.
+    bends = apart <= max(AGREE * largest, abs(wide[1][1] - wide[0][1]) * 2 / WIDER)
+    if math.isfinite(apart) and bends and not jumps:
+        note = "from both sides of a switch"
+        return _sensitivity(value, (below + above) / 2, at, apart, note)
+    note = f"at a switch: {below:g} below and {above:g} above{', with a jump' if jumps else ''}"
+    return _none(note)
 
 
 def _reduced(wrench: Wrench) -> Reduction:
@@ -240,11 +245,10 @@ def motion_sensitivities(
         step = steps * (abs(at) or 1.0)
         known = _simulated(plan, values, parameter, at + np.concatenate([[0.0], -step, step]))
         same = _same_regime(plan, known)
-        if plan.regimes[0] and same is None:
-            note = "aperiodic, or no motion that repeats"
-            found |= {(o, parameter): Sensitivity(*[math.nan] * 3, note) for o in outputs}
+        if same is None:
+            none = _none("aperiodic, or no motion that repeats")
+            found |= {(output, parameter): none for output in outputs}
             continue
-        assert same is not None
         inside = same[1 : 1 + HALVINGS] & same[1 + HALVINGS :]
         for output in outputs:
             results = np.broadcast_to(known[output], same.shape)
@@ -264,7 +268,7 @@ def _simulated(
     return known
 
 
-def _same_regime(plan: Plan, known: Mapping[str, Any]) -> Any:
+def _same_regime(plan: Plan, known: dict[str, Any]) -> Any:
     """Return where the motion is of the kind of the first; None if that does not repeat."""
     kinds = np.stack(
         np.broadcast_arrays(
@@ -280,7 +284,7 @@ def _same_regime(plan: Plan, known: Mapping[str, Any]) -> Any:
 def _extrapolated(value: float, differences: Array, at: float) -> Sensitivity:
     """Return Ridders' limit of central differences over halving steps, the largest first."""
     if not math.isfinite(value):
-        return Sensitivity(math.nan, math.nan, math.nan, "the motion has no value here")
+        return _none("the motion has no value here")
     best, error = math.nan, math.inf
     above: list[float] = []
     for difference in map(float, differences):
@@ -291,11 +295,10 @@ def _extrapolated(value: float, differences: Array, at: float) -> Sensitivity:
             if apart < error:
                 best, error = row[-1], apart
         above = row
-    if not error <= TRUSTED * abs(best) and not error == 0:
-        note = "the regime changes too near" if not math.isfinite(best) else (
-            f"differences do not settle: {best:g} with an error of {error:g}"
-        )
-        return Sensitivity(math.nan, math.nan, math.nan, note)
+    if not math.isfinite(best):
+        return _none("the regime changes too near")
+    if error > TRUSTED * abs(best):
+        return _none(f"differences do not settle: {best:g} with an error of {error:g}")
     return _sensitivity(value, best, at, error, "from differences")
 
 

@@ -4,15 +4,16 @@ For mean velocities of a motion in time and the like: piecewise smooth with jump
 and points without a value (theory 12.4). Three steps, each of which evaluates many points at a
 time:
 
-1. A grid with the corners of the box finds the hills.
+1. A grid over the box finds the hills, and closer ones over its faces, as the best velocities often
+   lie there: at the largest drive, on hills too narrow for the grid inside.
 2. The best cells, at first those that top their neighbours, are sampled on half the scale, and
    again: at every scale the best cells of all go on, wherever they lie.
 3. Around the best few points a cloud of points adapts its centre, size and shape (the covariance
    of Hansen's CMA-ES, batched over the hills). It compares values only, so that neither a jump nor
    a slanted edge of what is feasible stops it; the worse half of the clouds is dropped in turns.
 
-The points do not depend on values in any random way, and many designs share the same ones: a
-search repeats to the last digit, alone or among others. Points that leave the box are moved onto
+Random numbers come from a fixed seed, and all designs share them: a search repeats to the last
+digit, and a design gets the same answer alone or among others. Points that leave the box are moved onto
 its edge, so that maxima on edges and in corners are met exactly.
 """
 
@@ -26,7 +27,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.mechanics.arrays import Array
+from core.mechanics.arrays import Array, Mask
 from core.watch import Watch
 
 Evaluate = Callable[[Array], Array]
@@ -39,7 +40,7 @@ SearchStatus = Literal["converged", "budget_spent", "flat", "no_value", "stopped
 
 MESSAGES: dict[SearchStatus, str] = {
     "converged": "the best hill was followed to the tolerance",
-    "budget_spent": "the evaluations were spent before the tolerance was met",
+    "budget_spent": "the evaluations or generations were spent before the tolerance was met",
     "flat": "all values are equal",
     "no_value": "no point has a value",
     "stopped": "the search was stopped early",
@@ -53,6 +54,7 @@ SAMPLES = 12  # points of a cell at each
 CLOUDS = 8  # at most, at first
 TURN = 15  # generations before half of the clouds are dropped
 MOST_GENERATIONS = 400
+LEAST_SQUARE = 1e-20  # of an axis of a cloud, against its size
 NEARBY = 1e-3  # of the width of the box: where `drop` looks
 
 
@@ -67,7 +69,7 @@ class Found(NamedTuple):
         Its value.
     drop : float
         What is lost at worst within 1e-3 of the box around it: large on the brink of a jump, and
-        inf where a neighbour has no value.
+        inf where a neighbour has no value. NaN if the search was stopped.
     evaluations : int
         Points evaluated.
     levels : int
@@ -146,7 +148,7 @@ def search_many(
     search = _Search(evaluate, lower, upper, budget, watch or Watch())
     try:
         sizes = _run(search, tolerance)
-    except _Stopped:
+    except _StoppedError:
         return [search.found(design, "stopped") for design in range(len(lower))]
     return [
         search.found(design, "converged" if size < tolerance else "budget_spent")
@@ -167,7 +169,7 @@ def _check(lower: Array, upper: Array, budget: int, tolerance: float) -> None:
         raise ValueError("the tolerance has to be above 0")
 
 
-class _Stopped(Exception):
+class _StoppedError(Exception):
     """The watch asked to stop."""
 
 
@@ -191,7 +193,7 @@ class _Search:
     def values(self, design: NDArray[np.intp], unit: Array) -> Array:
         """Return the values at points (n, free) of designs (n,); -inf where there is none."""
         if self.watch.stopped():
-            raise _Stopped
+            raise _StoppedError
         values = np.asarray(self.evaluate(design, self.place(design, unit)), dtype=np.float64)
         if values.shape != design.shape:
             raise ValueError(f"{design.size} points gave values of shape {values.shape}")
@@ -254,7 +256,7 @@ def _run(search: _Search, tolerance: float) -> Array:
             [np.take_along_axis(values, best, axis=1), _of_all(search, nearby)], axis=1
         )
         step /= 2
-    sizes = _clouds(search, points, values, 4 * step, tolerance, random)
+    sizes = _follow_clouds(search, points, values, 4 * step, tolerance, random)
     around = np.array([o for o in itertools.product((-1, 0, 1), repeat=d) if any(o)]) * NEARBY
     nearby = np.clip(np.nan_to_num(search.point)[:, None] + around, 0.0, 1.0)
     some = np.isfinite(search.value)
@@ -316,7 +318,9 @@ def _widest(box: Array, axis: int, choose: Callable[..., Array], beyond: float) 
     edge = np.full_like(box.take([0], axis), beyond)
     padded = np.concatenate([edge, box, edge], axis)
     size = box.shape[axis]
-    return choose(box, choose(padded.take(range(size), axis), padded.take(range(2, size + 2), axis)))
+    return choose(
+        box, choose(padded.take(range(size), axis), padded.take(range(2, size + 2), axis))
+    )
 
 
 def _best_cells(points: Array, values: Array, step: float, count: int) -> NDArray[np.intp]:
@@ -326,7 +330,9 @@ def _best_cells(points: Array, values: Array, step: float, count: int) -> NDArra
     """
     count = min(count, values.shape[1])
     considered = np.argsort(-values, axis=1, kind="stable")[:, : 16 * count]
-    cell = np.rint(np.take_along_axis(points, considered[..., None], axis=1) / step).astype(np.int64)
+    cell = np.rint(np.take_along_axis(points, considered[..., None], axis=1) / step).astype(
+        np.int64
+    )
     mark = cell[..., 0]
     for axis in range(1, cell.shape[-1]):
         mark = mark * 1_000_003 + cell[..., axis]
@@ -340,7 +346,66 @@ def _best_cells(points: Array, values: Array, step: float, count: int) -> NDArra
     return np.take_along_axis(considered, chosen, axis=1)
 
 
-def _clouds(
+class _Rates(NamedTuple):
+    """Size, weights and rates of a cloud in d dimensions.
+
+    Hansen, "The CMA evolution strategy: a tutorial" (2016), table 1, without negative weights and
+    with a few points more than there.
+    """
+
+    points: int
+    weights: Array
+    mass: float
+    path: float
+    damping: float
+    drift: float
+    one: float
+    many: float
+    expected: float  # length of a normal vector
+
+    @classmethod
+    def of(cls, d: int) -> _Rates:
+        points = 10 + int(3 * math.log(d))
+        kept = points // 2
+        weights = math.log(kept + 0.5) - np.log(np.arange(1, kept + 1))
+        weights /= weights.sum()
+        mass = 1 / float(np.sum(weights**2))
+        path = (mass + 2) / (d + mass + 5)
+        one = 2 / ((d + 1.3) ** 2 + mass)
+        return cls(
+            points,
+            weights,
+            mass,
+            path,
+            1 + 2 * max(0.0, math.sqrt((mass - 1) / (d + 1)) - 1) + path,
+            (4 + mass / d) / (d + 4 + 2 * mass / d),
+            one,
+            min(1 - one, 2 * (mass - 2 + 1 / mass) / ((d + 2) ** 2 + mass)),
+            math.sqrt(d) * (1 - 1 / (4 * d) + 1 / (21 * d * d)),
+        )
+
+
+class _Clouds(NamedTuple):
+    """Clouds, one a row: their designs, centres, best values, sizes, shapes and paths."""
+
+    design: NDArray[np.intp]
+    centre: Array
+    top: Array
+    sigma: Array
+    shape: Array
+    path: Array
+    drift: Array
+
+    def only(self, rows: Mask) -> _Clouds:
+        """Return some of the clouds."""
+        return _Clouds._make(part[rows] for part in self)
+
+    def size(self) -> Array:
+        """Return the largest variance of a coordinate of each cloud, as a length."""
+        return self.sigma * np.sqrt(np.einsum("hii->hi", self.shape).max(axis=1))
+
+
+def _follow_clouds(
     search: _Search,
     points: Array,
     values: Array,
@@ -348,78 +413,90 @@ def _clouds(
     tolerance: float,
     random: np.random.Generator,
 ) -> Array:
-    """Follow the best few points uphill, each by a cloud; return each design's last cloud's size.
-
-    A row is a cloud. Weights and rates are Hansen's ("The CMA evolution strategy: a tutorial",
-    2016, table 1), without negative weights.
-    """
+    """Follow the best few points uphill, each by a cloud; return the size of each design's best."""
     designs, _, d = points.shape
-    offspring = 10 + int(3 * math.log(d))
-    kept = offspring // 2
-    weights = math.log(kept + 0.5) - np.log(np.arange(1, kept + 1))
-    weights /= weights.sum()
-    mass = 1 / np.sum(weights**2)
-    path_rate = (mass + 2) / (d + mass + 5)
-    damping = 1 + 2 * max(0.0, math.sqrt((mass - 1) / (d + 1)) - 1) + path_rate
-    drift_rate = (4 + mass / d) / (d + 4 + 2 * mass / d)
-    one_rate = 2 / ((d + 1.3) ** 2 + mass)
-    many_rate = min(1 - one_rate, 2 * (mass - 2 + 1 / mass) / ((d + 2) ** 2 + mass))
-    expected = math.sqrt(d) * (1 - 1 / (4 * d) + 1 / (21 * d * d))
-
+    rates = _Rates.of(d)
     left = search.budget - int(search.used.max()) - 3**d
-    count = max(1, min(CLOUDS, left // (4 * TURN * offspring)))
+    count = max(1, min(CLOUDS, left // (4 * TURN * rates.points)))
     best = _best_cells(points, values, 2 * size, count)
-    design = np.repeat(np.arange(designs), count)
-    centre = np.take_along_axis(points, best[..., None], axis=1).reshape(-1, d)
-    top = np.take_along_axis(values, best, axis=1).ravel()
-    sigma = np.full(len(design), size)
-    shape = np.repeat(np.eye(d)[None], len(design), axis=0)
-    path, drift = np.zeros_like(centre), np.zeros_like(centre)
-    last = np.full(designs, np.inf)
-    alive = np.isfinite(top)
+    rows = best.size
+    clouds = _Clouds(
+        np.repeat(np.arange(designs), best.shape[1]),
+        np.take_along_axis(points, best[..., None], axis=1).reshape(-1, d),
+        np.take_along_axis(values, best, axis=1).ravel(),
+        np.full(rows, size),
+        np.repeat(np.eye(d)[None], rows, axis=0),
+        np.zeros((rows, d)),
+        np.zeros((rows, d)),
+    )
+    sizes = np.full(designs, np.inf)
+    alive = np.isfinite(clouds.top)
     for generation in range(1, MOST_GENERATIONS + 1):
-        if not alive.any():
+        clouds = clouds.only(alive)
+        if not clouds.design.size:
             break
-        design, centre, top, sigma, shape, path, drift = (
-            part[alive] for part in (design, centre, top, sigma, shape, path, drift)
-        )
-        left -= offspring * int(np.bincount(design).max())
+        left -= rates.points * int(np.bincount(clouds.design).max())
         if left < 0:
             break
-        squares, axes = np.linalg.eigh(shape)
-        lengths = np.sqrt(np.maximum(squares, 1e-20))
-        normal = random.standard_normal((offspring, d))
-        steps = np.einsum("hij,hj,lj->hli", axes, lengths, normal)
-        cloud = np.clip(centre[:, None] + sigma[:, None, None] * steps, 0.0, 1.0)
-        reached = search.values(np.repeat(design, offspring), cloud.reshape(-1, d))
-        reached = reached.reshape(-1, offspring)
-        order = np.argsort(-reached, axis=1, kind="stable")[:, :kept]
-        chosen = np.take_along_axis(cloud, order[..., None], axis=1)
-        steps = (chosen - centre[:, None]) / sigma[:, None, None]
-        step = np.einsum("l,hli->hi", weights, steps)
-        highest = reached.max(axis=1)
-        top = np.maximum(top, highest)
-        centre = centre + sigma[:, None] * step
-        whitened = np.einsum("hij,hj,hkj,hk->hi", axes, 1 / lengths, axes, step)
-        path = (1 - path_rate) * path + math.sqrt(path_rate * (2 - path_rate) * mass) * whitened
-        length = np.linalg.norm(path, axis=1)
-        settled = math.sqrt(1 - (1 - path_rate) ** (2 * generation))
-        goes_on = (length / settled < (1.4 + 2 / (d + 1)) * expected).astype(np.float64)[:, None]
-        drift = (1 - drift_rate) * drift
-        drift += goes_on * math.sqrt(drift_rate * (2 - drift_rate) * mass) * step
-        lost = ((1 - goes_on) * drift_rate * (2 - drift_rate))[..., None] * shape
-        shape = (1 - one_rate - many_rate) * shape
-        shape += one_rate * (drift[:, :, None] * drift[:, None, :] + lost)
-        shape += many_rate * np.einsum("l,hli,hlj->hij", weights, steps, steps)
-        sigma = sigma * np.exp(np.minimum(1.0, path_rate / damping * (length / expected - 1)))
-        size_now = sigma * np.sqrt(np.einsum("hii->hi", shape).max(axis=1))
-        place = _place_in_design(design, top)
-        leads = place == 0
-        last[design[leads]] = size_now[leads]
-        alive = (size_now >= tolerance) & np.isfinite(highest)
+        clouds, found = _next_generation(search, clouds, rates, generation, random)
+        size_now = clouds.size()
+        leads = clouds.top == search.value[clouds.design]
+        sizes[clouds.design[leads]] = size_now[leads]
+        alive = (size_now >= tolerance) & found
         if generation % TURN == 0:
-            alive &= place < np.maximum(1, np.bincount(design)[design] // 2)
-    return last
+            number = np.bincount(clouds.design)[clouds.design]
+            alive &= _place_in_design(clouds.design, clouds.top) < np.maximum(1, number // 2)
+    return sizes
+
+
+def _next_generation(
+    search: _Search,
+    clouds: _Clouds,
+    rates: _Rates,
+    generation: int,
+    random: np.random.Generator,
+) -> tuple[_Clouds, Mask]:
+    """Return the clouds after one more sample of each, and where a point had a value."""
+    design, centre, top, sigma, shape, path, drift = clouds
+    d = centre.shape[1]
+    squares, axes = np.linalg.eigh(shape)
+    lengths = np.sqrt(np.maximum(squares, LEAST_SQUARE))
+    normal = random.standard_normal((rates.points, d))  # the same for all: see `search_many`
+    steps = np.einsum("hij,hj,lj->hli", axes, lengths, normal)
+    cloud = np.clip(centre[:, None] + sigma[:, None, None] * steps, 0.0, 1.0)
+    reached = search.values(np.repeat(design, rates.points), cloud.reshape(-1, d))
+    reached = reached.reshape(-1, rates.points)
+    order = np.argsort(-reached, axis=1, kind="stable")[:, : rates.weights.size]
+    chosen = np.take_along_axis(cloud, order[..., None], axis=1)
+    steps = (chosen - centre[:, None]) / sigma[:, None, None]
+    step = np.einsum("l,hli->hi", rates.weights, steps)
+    whitened = np.einsum("hij,hj,hkj,hk->hi", axes, 1 / lengths, axes, step)
+    path = (1 - rates.path) * path
+    path += math.sqrt(rates.path * (2 - rates.path) * rates.mass) * whitened
+    length = np.linalg.norm(path, axis=1)
+    settled = math.sqrt(1 - (1 - rates.path) ** (2 * generation))
+    short = length / settled < (1.4 + 2 / (d + 1)) * rates.expected
+    goes_on = short.astype(np.float64)[:, None]
+    drift_gain = rates.drift * (2 - rates.drift)
+    drift = (1 - rates.drift) * drift + goes_on * math.sqrt(drift_gain * rates.mass) * step
+    lost = ((1 - goes_on) * drift_gain)[..., None] * shape
+    shape = (
+        (1 - rates.one - rates.many) * shape
+        + rates.one * (drift[:, :, None] * drift[:, None, :] + lost)
+        + rates.many * np.einsum("l,hli,hlj->hij", rates.weights, steps, steps)
+    )
+    growth = rates.path / rates.damping * (length / rates.expected - 1)
+    highest = reached.max(axis=1)
+    after = _Clouds(
+        design,
+        centre + sigma[:, None] * step,
+        np.maximum(top, highest),
+        sigma * np.exp(np.minimum(1.0, growth)),
+        shape,
+        path,
+        drift,
+    )
+    return after, np.isfinite(highest)
 
 
 def _place_in_design(design: NDArray[np.intp], top: Array) -> NDArray[np.intp]:
