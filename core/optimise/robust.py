@@ -93,15 +93,18 @@ def sensitivities(
     values = _values(plan, point, parameters)
     found: Sensitivities = {}
     for parameter in parameters:
+        at = values[parameter]
         middle = _derivatives(plan, values, parameter)
-        for output in plan.outputs:
-            value, slope, sure = middle[output]
-            if not math.isfinite(value):
+        doubtful = [name for name, one in middle.items() if not (one.sure and one.finite)]
+        sides = _beside(plan, values, parameter) if doubtful else []
+        for output, one in middle.items():
+            if not math.isfinite(one.value):
                 found[output, parameter] = _none("the output has no finite value here")
-            elif sure and math.isfinite(slope):
-                found[output, parameter] = _sensitivity(value, slope, values[parameter])
+            elif output in doubtful:
+                around = [side[output] for side in sides]
+                found[output, parameter] = _from_both_sides(one.value, at, *around)
             else:
-                found[output, parameter] = _from_both_sides(plan, values, parameter, output, value)
+                found[output, parameter] = _sensitivity(one.value, one.slope, at)
     return found
 
 
@@ -126,10 +129,20 @@ def _none(note: str) -> Sensitivity:
     return Sensitivity(math.nan, math.nan, math.nan, note)
 
 
-def _derivatives(
-    plan: Plan, values: Mapping[str, float], parameter: str
-) -> dict[str, tuple[float, float, bool]]:
-    """Return value and derivative of each output, and whether no switch took part."""
+class _One(NamedTuple):
+    """Value and slope of an output, and whether no switch took part."""
+
+    value: float
+    slope: float
+    sure: bool
+
+    @property
+    def finite(self) -> bool:
+        return math.isfinite(self.slope)
+
+
+def _derivatives(plan: Plan, values: Mapping[str, float], parameter: str) -> dict[str, _One]:
+    """Return value and derivative of each output."""
     ties: list[str] = []
     known: dict[str, Any] = {name: np.asarray(value) for name, value in values.items()}
     known[parameter] = Dual(values[parameter], 1.0, ties)
@@ -140,11 +153,7 @@ def _derivatives(
         if ties or unsure.intersection(equation.inputs):
             unsure.add(equation.gives)
     return {
-        name: (
-            float(value_of(known[name])),
-            float(slope_of(known[name])),
-            name not in unsure,
-        )
+        name: _One(float(value_of(known[name])), float(slope_of(known[name])), name not in unsure)
         for name in plan.outputs
     }
 
@@ -166,30 +175,32 @@ def _run(equation: Equation, known: Mapping[str, Any], parameter: str) -> Any:
         ) from error
 
 
-def _from_both_sides(
-    plan: Plan, values: Mapping[str, float], parameter: str, output: str, value: float
-) -> Sensitivity:
-    """Return the derivative next to a switch, if it tends to one number from both sides."""
+def _beside(plan: Plan, values: Mapping[str, float], parameter: str) -> list[dict[str, _One]]:
+    """Return the derivatives at two points below and two above a point, from below."""
     at = values[parameter]
     step = SIDE * (abs(at) or 1.0)
-    wide, near = (
-        [
-            _derivatives(plan, {**values, parameter: at + way * distance}, parameter)[output][:2]
-            for way in (-1, 1)
-        ]
-        for distance in (WIDER * step, step)
-    )
-    below, above = near[0][1], near[1][1]
-    largest, apart = max(abs(below), abs(above)), abs(above - below)
+    return [
+        _derivatives(plan, {**values, parameter: at + away * step}, parameter)
+        for away in (-WIDER, -1, 1, WIDER)
+    ]
+
+
+def _from_both_sides(
+    value: float, at: float, far_below: _One, below: _One, above: _One, far_above: _One
+) -> Sensitivity:
+    """Return the derivative next to a switch, if it tends to one number from both sides."""
+    step = SIDE * (abs(at) or 1.0)
+    largest, apart = max(abs(below.slope), abs(above.slope)), abs(above.slope - below.slope)
     # A jump: values of both sides further apart than the slopes explain.
-    jumps = abs(near[1][0] - near[0][0]) > 4 * step * largest + ROUNDING * abs(value)
+    jumps = abs(above.value - below.value) > 4 * step * largest + ROUNDING * abs(value)
     # At a kink the slopes stay apart however near; those of a bend come together.
-    bends = apart <= max(AGREE * largest, abs(wide[1][1] - wide[0][1]) * 2 / WIDER)
+    far_apart = abs(far_above.slope - far_below.slope)
+    bends = apart <= max(AGREE * largest, far_apart * 2 / WIDER)
     if math.isfinite(apart) and bends and not jumps:
-        note = "from both sides of a switch"
-        return _sensitivity(value, (below + above) / 2, at, apart, note)
-    note = f"at a switch: {below:g} below and {above:g} above{', with a jump' if jumps else ''}"
-    return _none(note)
+        mean = (below.slope + above.slope) / 2
+        return _sensitivity(value, mean, at, apart, "from both sides of a switch")
+    sides = f"{below.slope:g} below and {above.slope:g} above"
+    return _none(f"at a switch: {sides}{', with a jump' if jumps else ''}")
 
 
 def _reduced(wrench: Wrench) -> Reduction:

@@ -13,8 +13,8 @@ time:
    a slanted edge of what is feasible stops it; the worse half of the clouds is dropped in turns.
 
 Random numbers come from a fixed seed, and all designs share them: a search repeats to the last
-digit, and a design gets the same answer alone or among others. Points that leave the box are moved onto
-its edge, so that maxima on edges and in corners are met exactly.
+digit, and a design gets the same answer alone or among others. Points that leave the box are moved
+onto its edge, so that maxima on edges and in corners are met exactly.
 """
 
 from __future__ import annotations

@@ -35,7 +35,6 @@ def sibling(name):
 
 
 FORMULAS = sibling("test_accuracy_mpmath")
-ISOLATED = sibling("test_accuracy_isolated")
 POINTS, PAIRS = 4, 24  # random points of a variant, and derivatives taken at each
 
 # --- dual numbers
@@ -117,8 +116,8 @@ def check(output, parameter, found, derivative, given):
     """Compare with the exact derivative: 1e-12 of it, times its condition number."""
     exact = derivative(given)
     if not exact:
-        # What is 0 by cancellation has no relative error: a share of what was cancelled.
-        assert abs(found.derivative) <= 1e-9 * (1 + abs(found.derivative)), (output, parameter)
+        # What is 0 by cancellation has no relative error; the terms are below 1e5.
+        assert abs(found.derivative) <= 1e-9, (output, parameter)
         return
     error = abs(mpf(found.derivative) - exact) / abs(exact)
     allowed = mpf(1e-12) * condition(derivative, given) + mpf(found.error) / abs(exact)
@@ -135,7 +134,6 @@ def test_planes_and_track_at_sixty_digits(scene, variant):
     compared = 0
     for _ in range(POINTS):
         point = FORMULAS.random_point(scene, rng)
-        # Away from level and upright, where switches lie; those have tests of their own.
         point = {name: float(point[name]) for name in names}
         given = {name: mpf(value) for name, value in point.items()}
         found = sensitivities(scene, variant, outputs, point, names)
@@ -179,11 +177,22 @@ ORDINARY = {
 }  # fmt: skip
 
 
+CYLINDERS = {
+    "position_x_1": 0.0, "position_y_1": 0.0, "position_z_1": 0.0, "azimuth_1": 0.2,
+    "elevation_1": 0.1, "diameter_1": 0.02, "length_1": 0.03, "position_x_2": 0.002,
+    "position_y_2": 0.001, "position_z_2": -0.0168, "azimuth_2": 1.3, "elevation_2": -0.05,
+    "diameter_2": 0.015, "length_2": 0.04, "velocity_x_1": 0.1, "velocity_y_1": 0.05,
+    "velocity_z_1": -0.3, "spin_x_1": 1.0, "spin_y_1": -2.0, "spin_z_1": 0.5,
+    "velocity_x_2": -0.1, "velocity_y_2": 0.02, "velocity_z_2": 0.1, "spin_x_2": 0.3,
+    "spin_y_2": 0.7, "spin_z_2": -1.0,
+}  # fmt: skip
+
+
 def taken(scene, variant, outputs):
     """Return the ordinary values that the outputs need."""
-    known = {
-        n: ORDINARY[n] for n in plans.scene_parameters(SCENES[scene], variant) if n in ORDINARY
-    }
+    ordinary = ORDINARY | (CYLINDERS if scene == "cylinder-pair-impact" else {})
+    parameters = plans.scene_parameters(SCENES[scene], variant)
+    known = {name: ordinary[name] for name in parameters if name in ordinary}
     try:
         plans.make_plan(scene, variant, outputs, known)
     except StudyError as error:
@@ -207,7 +216,8 @@ def values(scene, variant, outputs, point):
         for s in ("rectangle-isolated", "cylinder-isolated", "rectangle-pair-impact",
                   "cylinder-rolling")
         for v in SCENES[s].variants
-    ],
+    ]
+    + [("cylinder-pair-impact", "moreau")],
 )  # fmt: skip
 def test_the_other_scenes_against_differences(scene, variant):
     # Fourth order, step 1e-3: truncation of order 1e-12 and rounding of order 1e-13/1e-3, both
@@ -215,7 +225,7 @@ def test_the_other_scenes_against_differences(scene, variant):
     outputs = [name for name in SCENES[scene].outputs(variant) if name != "regime"]
     point = taken(scene, variant, outputs)
     rng = np.random.default_rng(3)
-    chosen = list(rng.choice(sorted(point), 6, replace=False))
+    chosen = list(rng.choice(sorted(n for n in point if point[n] != 0), 4, replace=False))
     found = sensitivities(scene, variant, outputs, point, chosen)
     at = values(scene, variant, outputs, point)
     compared = 0
