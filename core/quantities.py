@@ -1031,7 +1031,7 @@ MOTION_STATUSES: dict[str, Flag] = {
     "aperiodic": Flag(3, "the motion does not repeat; mean and spread over many periods"),
     "runaway": Flag(4, "the part gains speed for ever; it has no mean velocity", valid=False),
     "neutral": Flag(5, "no friction: the speed is that of the start, at rest on the track"),
-    "limit_reached": Flag(6, "the limit on periods came first; mean of those run", valid=False),
+    "limit_reached": Flag(6, "a limit, or rounding, came before an answer", valid=False),
     "no_solution": Flag(7, "the contact laws had no solution, or several", valid=False),
     "settled": Flag(8, "the part has come to rest on a side"),
     "moving": Flag(9, "the part still moves at the end of the duration"),
@@ -1042,4 +1042,5 @@ MOTION_MODES: dict[str, Flag] = {
     "forward": Flag(1, "the part slides forward"),
     "backward": Flag(2, "the part slides backward"),
     "flight": Flag(3, "the part is off the floor"),
+    "unknown": Flag(4, "no motion was found for this time", valid=False),
 }

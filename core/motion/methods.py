@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from core.mechanics.arrays import Array
-from core.motion.motion import STATUS, Motion
+from core.motion.motion import STATUS, Motion, checked
 from core.motion.stepping import planar_stepped_motion, stepped_motion
 from core.watch import Watch
 
@@ -198,14 +198,18 @@ def _one_by_one(groups: dict[str, Array], fixed: dict[str, Any], watch: Watch | 
     for cell, values in enumerate(zip(*(array.ravel() for array in arrays), strict=True)):
         if watch.stopped():
             break
+        watch.advance(1 / cells)
         numbers: dict[str, Any] = dict(zip(groups, map(float, values), strict=True))
+        held = numbers["friction_static"] * numbers["gravity_number_normal"]
+        if abs(numbers["gravity_number_along"]) > held and not fixed.get("wall"):
+            status[cell] = STATUS["runaway"]  # no friction could balance gravity (theory 13.8)
+            continue
         motion = reference_motion(**numbers, **fixed)
         for name in Motion._fields[:-1]:
             found[name][cell] = getattr(motion, name)
         status[cell] = motion.status
-        watch.advance(1 / cells)
     columns = [found[name].reshape(shape) for name in Motion._fields[:-1]]
-    return Motion._make([*columns, status.reshape(shape)])
+    return checked(Motion._make([*columns, status.reshape(shape)]))
 
 
 def regularised_on_plane(

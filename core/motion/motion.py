@@ -59,6 +59,9 @@ class Motion(NamedTuple):
 
 STATUS: Mapping[str, int] = {name: flag.value for name, flag in MOTION_STATUSES.items()}
 
+ANSWERED = ("periodic", "at_rest", "aperiodic", "neutral")
+"""Statuses of cells that have a mean velocity."""
+
 COLUMNS = len(Motion._fields) - 1
 """Columns of a kernel's table, one a field of `Motion` in its order, without the status."""
 
@@ -125,7 +128,21 @@ def motion_of(
 ) -> Motion:
     """Return a kernel's table as a `Motion` of arrays of a shape."""
     columns = [np.ascontiguousarray(column).reshape(shape) for column in table.T]
-    return Motion._make([*columns, status.reshape(shape)])
+    return checked(Motion._make([*columns, status.reshape(shape)]))
+
+
+def checked(motion: Motion) -> Motion:
+    """Return the motion with no value passed off as an answer that is none.
+
+    A cell that overflowed, or that was in the air all along without landing, has `limit_reached`.
+    """
+    answered = np.isin(motion.status, [STATUS[name] for name in ANSWERED])
+    finite = np.logical_and.reduce([np.isfinite(field) for field in motion[:-1]])
+    never_landed = (motion.flight > 0) & (motion.impacts == 0)
+    lost = answered & (~finite | never_landed)
+    fields = [np.where(lost, np.nan, field) for field in motion[:-1]]
+    status = np.where(lost, np.int8(STATUS["limit_reached"]), motion.status)
+    return Motion._make([*fields, status])
 
 
 def _different(

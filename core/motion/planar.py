@@ -92,7 +92,8 @@ def planar_path(
     ----------
     phases : ndarray, shape (n,)
         Phases from the start of a period of the drive, at least 0; beyond the cycle's end it goes
-        on with the next one. An aperiodic motion is shown over the last stretch that was followed.
+        on with the next one. An aperiodic motion is shown over the last stretch that was followed,
+        some periods long; beyond it all is NaN, and the mode is unknown.
     """
     from core.motion.kernels.planar import follow, sample
 
@@ -109,8 +110,8 @@ def planar_path(
             most_periods,
         ]
     )
-    pieces, shift, way = follow(group)
-    samples = sample(pieces, group, shift, phases)
+    pieces, shift, way, repeats = follow(group)
+    samples = sample(pieces, group, shift, phases, repeats)
     return Path(
         phases,
         way * samples[:, 0],

@@ -7,11 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 from core.errors import Problem, StudyError
-from core.motion.systems import SYSTEMS
+from core.motion.systems import SYSTEMS, has_course
 from core.quantities import QUANTITIES
 from core.scenes import Scene
 from core.study.load import parse_study
 from core.study.models import SimulateStudy
+from core.study.values import Fixed
 from core.sweep.plan import choose_scene
 from core.sweep.prepare import Chosen, Prepared, further_problems, plan_study
 
@@ -44,18 +45,17 @@ def prepare(study: SimulateStudy) -> Simulation:
     asked = tuple(dict.fromkeys((*study.outputs, "motion_status")))
     if study.trajectory is not None:  # its way back to metres and seconds has to be planned
         asked += tuple(n for n in SCALES if n not in asked and n in scene.outputs(method))
-    problems: list[Problem] = []
+    needed = {name for equation in scene.variants[method] for name in equation.inputs}
+    problems = [
+        Problem(name, f"the method {method} does not use it", "Remove it")
+        for name in settings
+        if name not in needed
+    ]
+    problems += _wrong_course(study, scene, method)
     try:
         plan, grid = plan_study(study, asked, chosen)
     except StudyError as error:
-        problems += error.problems
-    else:
-        problems += [
-            Problem(name, f"the method {method} does not use it", "Remove it")
-            for name in settings
-            if name not in plan.defaults
-        ]
-        problems += _many_points(study, list(grid.axes))
+        raise StudyError([*error.problems, *problems]) from None
     if problems:
         raise StudyError(problems)
     return Simulation(study, replace(plan, defaults={**plan.defaults, **settings}), grid)
@@ -113,9 +113,19 @@ def _chosen(content: Mapping[str, Any]) -> Chosen:
     )
 
 
-def _many_points(study: SimulateStudy, axes: list[str]) -> list[Problem]:
-    if study.trajectory is None or not axes:
+def _wrong_course(study: SimulateStudy, scene: Scene, method: str) -> list[Problem]:
+    """Return why a study cannot show the course of a part in time, if it asks for that."""
+    if study.trajectory is None:
         return []
-    ranged = ", ".join(QUANTITIES[name].label.lower() for name in axes)
-    fix = f"Give one value of {', '.join(axes)}, or leave trajectory out"
-    return [Problem("trajectory", f"it shows one point, and {ranged} is ranged", fix)]
+    axes = [name for name, values in study.values().items() if not isinstance(values, Fixed)]
+    problems = []
+    if axes:
+        ranged = ", ".join(QUANTITIES[name].label.lower() for name in axes)
+        fix = f"Give one value of {', '.join(axes)}, or leave trajectory out"
+        problems.append(Problem("trajectory", f"it shows one point, and {ranged} is ranged", fix))
+    followed = [m for m in scene.variants if has_course(scene, m)]
+    if method not in followed:
+        fix = f"Set method to {' or '.join(followed)}" if followed else "Leave trajectory out"
+        message = f"the method {method} of {scene.name} gives means only"
+        problems.append(Problem("trajectory", message, fix))
+    return problems

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.arrays import Array
-from core.motion.motion import COLUMNS, Motion, run_cells
+from core.motion.motion import Motion, motion_of, run_cells
 from core.watch import Watch
 
 MOST_STEPS = 100_000_000
@@ -271,8 +271,7 @@ def _motion(
 
     # A cell takes milliseconds: small pieces let a run be stopped soon and share out evenly.
     table, status = run_cells(kernel, cells, piece=32, watch=watch)
-    columns = [table[:, k].reshape(shape) for k in range(COLUMNS)]
-    return Motion._make((*columns, status.reshape(shape)))
+    return motion_of(table, status, shape)
 
 
 def _waves(steps: int, shift: float = 0.0) -> Array:

@@ -143,9 +143,19 @@ PLANAR = Constraint(
 )
 DRIVEN = Constraint(
     ("frequency",),
-    lambda least, _: least > 0,
-    "a frequency of 0 is no drive: there is no period to take a mean over",
-    "Give a frequency above 0",
+    lambda least, largest: least >= 1e-9 and largest <= 1e12,
+    "there is no period to take a mean over, or one that floating numbers do not hold",
+    "Give a frequency from 1e-9 Hz to 1e12 Hz",
+)
+MOST_FRICTION = tuple(
+    Constraint(
+        (name,),
+        lambda _, largest: largest <= 1000,
+        "the reference method integrates friction, and loses its digits above 1000",
+        "Give at most 1000, or set method = 'events'",
+        variant="reference",
+    )
+    for name in ("friction", "friction_kinetic")
 )
 VALIDITY = (
     "The part is a point with contact conditions: it does not tip. It starts at rest on the floor. "
@@ -178,7 +188,7 @@ def _plane(name: str, title: str, rolling: float) -> Scene:
         default_variant="time-stepping",
         conditions=dict.fromkeys(variants, CONDITIONS),
         defaults=PLANE_DEFAULTS,
-        constraints=(STATIC_ABOVE_KINETIC, DRIVEN, PLANAR),
+        constraints=(STATIC_ABOVE_KINETIC, DRIVEN, PLANAR, *MOST_FRICTION),
         choice="method",
         variant_defaults={
             "time-stepping": STEPPING_DEFAULTS,
@@ -209,10 +219,17 @@ TRACK = Scene(
     default_variant="time-stepping",
     conditions={"time-stepping": CONDITIONS, "reference": CONDITIONS},
     defaults={**PLANE_DEFAULTS, "delta": 0.0, "curvature_number": 0.0},
-    constraints=(STATIC_ABOVE_KINETIC, DRIVEN),
+    constraints=(STATIC_ABOVE_KINETIC, DRIVEN, *MOST_FRICTION),
     choice="method",
     variant_defaults={"time-stepping": STEPPING_DEFAULTS, "reference": {"most_periods": 100.0}},
 )
+
+
+def has_course(scene: Scene, method: str) -> bool:
+    """Return whether a method follows one part in time, and not only to its mean."""
+    gives = {equation.gives for equation in scene.variants[method]}
+    return "tumble" in gives or method == "events"
+
 
 SYSTEMS: dict[str, Scene] = {
     system.name: system

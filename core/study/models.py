@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -136,6 +135,7 @@ class GridStudy(_Frozen):
 
 
 MOST_SAMPLES = 100_000
+LATEST = 1e9  # s, of a course in time
 _TRAJECTORY_SCHEMA = {
     "anyOf": [
         {"type": "integer", "minimum": 2, "maximum": MOST_SAMPLES},
@@ -158,7 +158,7 @@ def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
     if isinstance(raw, list | tuple) and 0 < len(raw) <= MOST_SAMPLES:
         numbers = [x for x in raw if isinstance(x, int | float) and not isinstance(x, bool)]
         rises = all(before < after for before, after in pairwise(numbers))
-        if len(numbers) == len(raw) and rises and numbers[0] >= 0 and math.isfinite(numbers[-1]):
+        if len(numbers) == len(raw) and rises and numbers[0] >= 0 and numbers[-1] <= LATEST:
             return tuple(float(number) for number in numbers)
     raise PydanticCustomError(
         "value",
@@ -210,11 +210,16 @@ class SimulateStudy(GridStudy):
     most_periods: int | None = Field(
         None,
         description="Most periods of the drive that one point is followed for.",
+        strict=True,
         ge=1,
         le=1_000_000,
     )
     steps_per_period: int | None = Field(
-        None, description="Time steps in a period, of time-stepping.", ge=8, le=1_000_000
+        None,
+        description="Time steps in a period, of time-stepping.",
+        strict=True,
+        ge=8,
+        le=1_000_000,
     )
     slip_speed: float | None = Field(
         None,

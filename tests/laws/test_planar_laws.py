@@ -243,3 +243,62 @@ def test_frictionless_parts_keep_the_speed_of_the_start():
         motion.velocity[neutral], groups["drive_number_along"][neutral], rtol=1e-12
     )
     assert neutral.any()
+
+
+def one(**case) -> Motion:
+    groups = cells(1, 0, **{name: np.array([value]) for name, value in case.items()})
+    return planar_motion(**groups)
+
+
+def test_small_friction_says_how_sure_it_is():
+    """As friction goes to 0 the mean goes to a limit, and rounding takes the digits away."""
+    case = {"throw": 1.26, "beta": math.radians(30), "gamma": 0.0, "restitution": 0.1}
+    limit = float(one(friction=1e-5, **case).velocity[0])
+    for friction in 10.0 ** np.arange(-6, -17, -1):
+        motion = one(friction=friction, **case)
+        if motion.status[0] == STATUS["periodic"]:
+            # The limit itself is approached linearly in friction: by less than 1e-4 from 1e-5 on.
+            assert abs(motion.velocity[0] - limit) <= 2 * motion.error[0] + 1e-3 * abs(limit)
+        else:
+            assert motion.status[0] == STATUS["limit_reached"]
+            assert np.isnan(motion.velocity[0])
+    assert motion.status[0] == STATUS["limit_reached"]
+
+
+def test_static_friction_alone_holds_a_part_for_a_while():
+    # With no kinetic friction every turn has slope 1: that is no sign of running away.
+    groups = cells(1, 0, throw=np.array([0.7]), beta=np.radians([9.0]), gamma=np.radians([0.2]),
+                   friction=np.array([0.0]), restitution=np.array([0.0]))  # fmt: skip
+    groups["friction_static"] = np.array([0.44])
+    nearly = groups | {"friction_kinetic": np.array([1e-9])}
+    without, little = planar_motion(**groups), planar_motion(**nearly)
+    assert without.status[0] == little.status[0]
+    if without.status[0] == STATUS["periodic"]:
+        assert without.velocity[0] == pytest.approx(little.velocity[0], rel=1e-6)
+
+
+def test_friction_that_just_balances_gravity_has_no_mean():
+    motion = one(friction=1.0, gamma=math.radians(45), beta=math.radians(40), throw=3.5,
+                 restitution=0.0)  # fmt: skip
+    assert motion.status[0] == STATUS["limit_reached"]
+    assert np.isnan(motion.velocity[0])
+
+
+def test_the_path_of_an_aperiodic_motion_ends_where_it_is_known():
+    groups = cells(1, 0, throw=np.array([5.03]), beta=np.radians([30.0]), gamma=np.zeros(1),
+                   friction=np.array([0.5]), restitution=np.array([0.7]))  # fmt: skip
+    case = {name: float(values[0]) for name, values in groups.items()}
+    step = 5e-3
+    phases = np.arange(0, 60 * np.pi, step)
+    path = planar_path(**case, phases=phases)
+    known = ~np.isnan(path.along)
+    assert known[: int(2 * np.pi / step)].all()
+    assert not known[-1]
+    assert (path.mode[~known] == 4).all()
+    flying = (path.mode[1:] == 3) & (path.mode[:-1] == 3)
+    gained = np.diff(path.velocity_normal) / step
+    asked = case["drive_number_normal"] * np.sin(phases[:-1] + step / 2) - 1
+    free = flying & (np.abs(gained - asked) < 0.5)  # impacts apart
+    # The middle of a step stands for its mean: off by s step^2/24.
+    assert np.abs(gained - asked)[free].max() <= case["drive_number_normal"] * step**2
+    assert free.sum() > 0.9 * flying.sum()

@@ -287,12 +287,49 @@ class TestProblems:
         found = problems(trajectory=50, parameters={"friction": [0.1, 0.2]})
         assert "it shows one point" in found["trajectory"]
 
+    @pytest.mark.parametrize("method", ["time-stepping", "reference", "regularised"])
+    def test_some_methods_give_means_only(self, method):
+        assert "Set method to events" in problems(method=method, trajectory=50)["trajectory"]
+
+    def test_settings_and_courses_are_told_beside_all_else(self):
+        found = problems(
+            method="events", slip_speed=1e-4, trajectory=10,
+            parameters={"friction": [0.1, 0.2], "alpha": 3, "frequency": 0, "mass": 3},
+        )  # fmt: skip
+        assert set(found) == {
+            "slip_speed", "trajectory", "parameters.alpha", "parameters.frequency",
+            "parameters.mass",
+        }  # fmt: skip
+
+    def test_reference_keeps_to_friction_that_it_can_integrate(self):
+        found = problems(method="reference", parameters={"friction": 1e4})
+        assert "at most 1000" in found["parameters.friction"]
+
     def test_unknown_keys_are_those_of_the_kind(self):
         assert "is not a key of kind 'simulate'" in problems(variant="thesis")["variant"]
 
     def test_kinds_are_not_mixed_up(self):
         with pytest.raises(StudyError, match="not a kind"):
             prepare_content(study() | {"kind": "simulat"})
+
+
+class TestNoAnswer:
+    def test_reference_knows_what_runs_away(self):
+        found = run(method="reference", parameters={"gamma": "60 deg"})
+        assert int(found.motion_status) == MOTION_STATUSES["runaway"].value
+
+    def test_a_part_that_never_lands_has_no_mean(self):
+        found = run(parameters={"amplitude": "1 m", "alpha": "10 deg"}, steps_per_period=50)
+        assert int(found.motion_status) == MOTION_STATUSES["limit_reached"].value
+        assert np.isnan(found.conveying_velocity)
+
+    @pytest.mark.parametrize("amplitude", [0, 5e-324, 1e-300, 1e300])
+    def test_amplitudes_at_the_ends_of_floating_numbers(self, amplitude):
+        for method in ("events", "time-stepping"):
+            found = run(method=method, parameters={"amplitude": amplitude})
+            answered = np.isfinite(found.conveying_velocity)
+            flag = int(found.motion_status)
+            assert answered == (flag in (1, 2, 3, 5)), method
 
 
 class TestRates:

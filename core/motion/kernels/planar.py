@@ -44,9 +44,12 @@ MOST_TRIES = 3  # at cycles of different lengths, in one search
 MOST_NEWTON = 40  # near a period doubling it closes in by two thirds a step at first
 LONGEST_CYCLE = 32  # impacts of a cycle without contact phase
 LONGEST_MULTIPLE = 16  # cycles after which a motion under two coefficients may repeat
+EPSILON = 2e-15  # rounding of the change over a cycle, per unit of the drive
+MOST_UNSURE = 1e-3  # of the drive: a state that rounding leaves less sure is no answer
 SAME_STATE = 1e-7  # distance of two states of a cycle that are one
 MOST_GROWTH = 1e6  # of a rounding error along a cycle that is taken to repeat
 NEAR = 1e-2  # recurrence that a search for a cycle starts from
+LEAST_GRAVITY = 1e-12  # onto the floor, of all: less is the rounding of an upright track
 SHOWN_PERIODS = 4  # of an aperiodic motion, in its path
 PHASES = 8  # runs of an aperiodic motion, started at as many phases
 SHARE_SETTLING = 0.2  # of an aperiodic run, before its mean is taken
@@ -144,7 +147,7 @@ def _landing_root(w, s, gn, sine, cosine, start):
 
 
 @compiled
-def _rest_of_fall(w, s, gn, tau, low, high):
+def _lowest(w, s, gn, tau, low, high):
     """Return where the normal velocity, rising from negative to positive, is zero."""
     d = (low + high) / 2
     for _ in range(MOST_ITERATIONS):
@@ -204,7 +207,7 @@ def landing(w, s, gn, tau):
         if bends_up:
             if velocity < 0:
                 if last > 0:
-                    lowest = _rest_of_fall(w, s, gn, tau, d, end)
+                    lowest = _lowest(w, s, gn, tau, d, end)
                     height = _flow(w, s, gn, sine, cosine, lowest)[1]
                 if height <= 0:
                     return _landing_root(w, s, gn, sine, cosine, d)
@@ -534,8 +537,8 @@ def _log(log, used, at, span, mode, u, w, x):
     return used
 
 
-STICK, FORWARD, BACKWARD, FLYING = (
-    MOTION_MODES[name].value for name in ("stick", "forward", "backward", "flight")
+STICK, FORWARD, BACKWARD, FLYING, UNKNOWN = (
+    MOTION_MODES[name].value for name in ("stick", "forward", "backward", "flight", "unknown")
 )
 
 
@@ -654,8 +657,12 @@ def _settle_bracketed(rows, count, u, drive, tolerance, sums, log):
             return u, math.inf, 0, LIMIT_REACHED
         change = after - u
         error = abs(change) / max(1e-300, 1 - slope) if slope < 1 else math.inf
-        if change == 0 or error <= tolerance * scale:
-            return u, error if change != 0 else 0.0, 1, PERIODIC
+        # The change is known but for rounding; the state the less, the nearer the slope is to 1.
+        unsure = EPSILON * scale / max(1e-300, 1 - slope) if slope < 1 else math.inf
+        if (change == 0 or error <= tolerance * scale) and unsure <= MOST_UNSURE * scale:
+            return u, error + unsure, 1, PERIODIC
+        if abs(change) <= EPSILON * scale and unsure > MOST_UNSURE * scale:
+            return u, unsure, 0, LIMIT_REACHED
         if change > 0:
             low = u
         else:
@@ -668,7 +675,8 @@ def _settle_bracketed(rows, count, u, drive, tolerance, sums, log):
         if not low < new < high:
             new = (low + high) / 2 if high - low < math.inf else after
         if new == u:
-            return u, abs(change), 1, PERIODIC
+            sure = unsure <= MOST_UNSURE * scale
+            return u, abs(change) + unsure, 1 if sure else 0, PERIODIC if sure else LIMIT_REACHED
         u = new
     return u, abs(change), 0, LIMIT_REACHED
 
@@ -688,7 +696,9 @@ def _settle_followed(rows, count, u, drive, tolerance, most_periods, sums, log):
         after, slope, used = _pass(rows, count, u, drive, sums, log)
         if used < 0:
             return u, math.inf, 0, LIMIT_REACHED
-        if downhill and slope == 1 and (after - u) * gs < 0 and u * gs < 0 and after * gs < 0:
+        uphill = sums[1 + (FORWARD if gs > 0 else BACKWARD)]
+        slid_down = slope == 1 and uphill == 0 and sums[1 + STICK] == 0
+        if downhill and slid_down and (after - u) * gs < 0 and u * gs < 0 and after * gs < 0:
             # It slid downhill all cycle long and gained speed: so it will in every cycle to come.
             return u, math.inf, 0, RUNAWAY
         known = min(cycle, LONGEST_MULTIPLE)
@@ -699,14 +709,24 @@ def _settle_followed(rows, count, u, drive, tolerance, most_periods, sums, log):
         for multiple in range(1, known + 2):
             earlier, factor = states[multiple - 1], abs(slopes[multiple - 1])
             error = abs(after - earlier) / max(1e-300, 1 - factor) if factor < 1 else math.inf
-            if after == earlier or error <= tolerance * scale:
-                return after, error if after != earlier else 0.0, multiple, PERIODIC
+            unsure = EPSILON * scale / max(1e-300, 1 - factor) if factor < 1 else math.inf
+            if after == earlier and unsure <= MOST_UNSURE * scale:
+                return after, unsure, multiple, PERIODIC
+            if error <= tolerance * scale and unsure <= MOST_UNSURE * scale:
+                return after, error + unsure, multiple, PERIODIC
         change = after - u
         guess = u + change / (1 - slope) if 0 < slope < 1 else after
-        if slope > 0.5 and abs(guess - after) < 0.1 * scale and guess * after > 0:
-            # Slow convergence: try the fixed point of the tangent, keep it if it is nearer.
+        if slope > 0.5 and guess * after > 0:
+            # Slow convergence: try the fixed point of the tangent. It is kept if it is nearer, and
+            # if the motion would drift there: no stick and no turning back on the way.
             beyond, _, used = _pass(rows, count, guess, drive, sums, log)
-            if used >= 0 and abs(beyond - guess) < 0.1 * abs(change):
+            nearer = used >= 0 and abs(beyond - guess) < 0.1 * abs(change)
+            for part in range(1, 4):
+                if nearer:
+                    between = after + (guess - after) * part / 4
+                    moved, factor, used = _pass(rows, count, between, drive, sums, log)
+                    nearer = used >= 0 and factor > 0 and (moved - between) * change > 0
+            if nearer:
                 after = guess
         u = after
     return u, math.inf, 0, LIMIT_REACHED
@@ -854,7 +874,7 @@ def _solve(group, rows, sums, log, result):
     tolerance, most_periods = group[7], int(group[8])
     drive = Drive(c, s, gs, gn, mu_s, mu_k)
     result[:] = math.nan
-    if not (math.isfinite(c + s + gs + gn + mu_s + mu_k + e) and gn > 0):
+    if not (math.isfinite(c + s + gs + gn + mu_s + mu_k + e) and gn > LEAST_GRAVITY):
         return LIMIT_REACHED, 0, 0.0, 0
     if abs(gs) > mu_s * gn:
         # Friction gives no more than mu_s times the mean normal force, which is gravity's.
@@ -864,6 +884,9 @@ def _solve(group, rows, sums, log, result):
         result[:] = 0.0
         result[3], result[10] = 1.0, 1.0
         return AT_REST, 0, 0.0, 1
+    if gs != 0 and abs(abs(gs) - mu_k * gn) <= 4e-16 * abs(gs):
+        # Kinetic friction just balances gravity: the mean is that of the start, for ever.
+        return LIMIT_REACHED, 0, 0.0, 0
     velocity, forward = _two_sided(drive)
     if forward > 0 and log.shape[0] == 0:
         result[:] = 0.0
@@ -873,10 +896,11 @@ def _solve(group, rows, sums, log, result):
         return PERIODIC, 0, 0.0, 1
     count, periods = normal_cycle(s, gn, e, most_periods, rows)
     if periods < 1:
-        runs = PHASES if periods == 0 else 1
-        done = _from_phases(phase, drive, e, most_periods, runs, result)
-        _turn_round(result, way)
-        return (APERIODIC if done and periods == 0 else LIMIT_REACHED), 0, 0.0, 0
+        if periods == 0 and _from_phases(phase, drive, e, most_periods, PHASES, result):
+            _turn_round(result, way)
+            return APERIODIC, 0, 0.0, 0
+        result[:] = math.nan
+        return LIMIT_REACHED, 0, 0.0, 0
     u = _start(drive, phase, rows, count)
     error, cycles, status = 0.0, 1, NEUTRAL
     if mu_s == 0:
@@ -893,16 +917,16 @@ def _solve(group, rows, sums, log, result):
         u, error, cycles, status = _settle(
             rows, count, u, drive, tolerance, most_periods, sums, log
         )
-        if status == RUNAWAY:
-            return RUNAWAY, 0, 0.0, 0
+        if cycles == 0:
+            return status, 0, 0.0, 0
     if mu_s != mu_k:
         total = np.zeros(5)
         velocity = u
-        for _ in range(max(1, cycles)):
+        for _ in range(cycles):
             velocity, _, _ = _pass(rows, count, velocity, drive, sums, log)
             total += sums
         sums[:] = total
-    time = periods * max(1, cycles) * TURN
+    time = periods * cycles * TURN
     result[0], result[1] = sums[0] / time, 0.0
     result[2] = error + ROUNDING * (abs(c) + abs(gs))
     for mode in range(4):
@@ -961,7 +985,8 @@ def solve_cells(groups, table, status):
 def follow(group):
     """Return the pieces of the cycle of one cell, the phase shift and the way of `_upright`.
 
-    A piece is a row of the log: phase, span, mode, velocity along and normal, position.
+    The last value tells whether the motion repeats after them. A piece is a row of the log: phase,
+    span, mode, velocity along and normal, position.
     """
     rows = np.empty((MOST_SEGMENTS, COLUMNS_OF_ROW))
     sums = np.empty(5)
@@ -974,7 +999,7 @@ def follow(group):
     drive = Drive(c, s, gs, gn, mu_s, mu_k)
     if status == AT_REST:
         log[0] = 0.0, TURN, STICK, 0.0, 0.0, 0.0
-        used = 1
+        used, status, count = 1, PERIODIC, 1
     elif count > 0:
         _, _, used = _pass(rows, count, u, drive, sums, log)
     elif status in (APERIODIC, LIMIT_REACHED) and s > gn:
@@ -988,16 +1013,17 @@ def follow(group):
         _, _, used = _pass(rows[count - shown :], shown, u, drive, sums, log)
     else:
         used = 0
-    return log[: max(0, used)].copy(), phase, way
+    return log[: max(0, used)].copy(), phase, way, count > 0 and status == PERIODIC
 
 
-def sample(pieces, group, shift, phases):
+def sample(pieces, group, shift, phases, repeats):
     """Return position, height, velocities and mode at phases since the start of the cycle.
 
-    The columns of the result, shape (n, 5). NaN and mode 0 where there is no cycle.
+    The columns of the result, shape (n, 5). NaN and mode `unknown` where there is no cycle, and
+    beyond the end of pieces after which the motion does not repeat.
     """
     samples = np.full((phases.size, 5), math.nan)
-    samples[:, 4] = STICK
+    samples[:, 4] = UNKNOWN
     if not pieces.size:
         return samples
     c, s, gs, _, _ = _upright(group[0], group[1], group[2])
@@ -1009,6 +1035,8 @@ def sample(pieces, group, shift, phases):
     offset = (shift - pieces[0, 0]) % TURN
     before = None
     for number, phase in enumerate(phases):
+        if not repeats and phase + offset > length:
+            break
         turns, within = divmod(phase + offset, length)
         piece = min(int(np.searchsorted(ends, within, side="right")), len(pieces) - 1)
         since = within - (ends[piece] - pieces[piece, 1])
