@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-import core
 from core.dataset.table import (
-    CONVENTIONS,
-    REFERENCES,
     Table,
     Variable,
     flag_attributes,
@@ -22,7 +19,7 @@ from core.motion.course import COURSES
 from core.motion.prepare import Simulation, prepare
 from core.quantities import MOTION_STATUSES
 from core.sweep.evaluate import regimes
-from core.sweep.run import coordinates_of, outputs_of
+from core.sweep.run import coordinates_of, global_attributes, outputs_of
 from core.watch import Watch
 
 if TYPE_CHECKING:
@@ -69,7 +66,11 @@ def tabulate(prepared: Simulation, *, watch: Watch | None = None) -> Table:
         time, courses = _course(prepared, known)
         coordinates["cycle_time"] = time
         variables |= courses
-    return Table(coordinates, variables, _global_attributes(prepared))
+    return Table(
+        coordinates,
+        variables,
+        global_attributes(prepared, f"motion in time, method {prepared.plan.variant}"),
+    )
 
 
 def _evaluate(prepared: Simulation, watch: Watch) -> dict[str, Any]:
@@ -115,21 +116,3 @@ def _squeezed(prepared: Simulation, name: str, values: NDArray[Any]) -> NDArray[
     dims = prepared.dims[name]
     positions = enumerate(prepared.grid.axes)
     return values.squeeze(axis=tuple(p for p, axis in positions if axis not in dims))
-
-
-def _global_attributes(prepared: Simulation) -> dict[str, str]:
-    study, plan = prepared.study, prepared.plan
-    attributes = {
-        "Conventions": CONVENTIONS,
-        "title": study.title or plan.scene.title,
-        "source": f"vibrafeed {core.__version__}, motion in time, method {plan.variant}",
-        "references": REFERENCES,
-        "comment": plan.scene.validity,
-        "scene": plan.scene.name,
-        "method": plan.variant,
-        "study": study.canonical(),
-        "study_sha256": study.key(),
-    }
-    if study.notes:
-        attributes["notes"] = study.notes
-    return attributes

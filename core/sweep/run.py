@@ -50,7 +50,9 @@ def tabulate(prepared: Sweep, *, progress: Progress | None = None) -> Table:
     variables["regime"] = Variable(
         prepared.dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
     )
-    return Table(coordinates_of(plan, grid), variables, _global_attributes(prepared))
+    return Table(
+        coordinates_of(plan, grid), variables, global_attributes(prepared, "closed-form equations")
+    )
 
 
 def coordinates_of(plan: Plan, grid: Grid) -> dict[str, Variable]:
@@ -89,16 +91,17 @@ def _edge(name: str, value: float) -> float:
     return float(np.rad2deg(value)) if QUANTITIES[name].is_angle else value
 
 
-def _global_attributes(prepared: Sweep) -> dict[str, str]:
+def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
+    """Return the attributes of a whole result; `how` says how it was made."""
     study, plan = prepared.study, prepared.plan
     attributes = {
         "Conventions": CONVENTIONS,
         "title": study.title or plan.scene.title,
-        "source": f"vibrafeed {core.__version__}, closed-form equations",
+        "source": f"vibrafeed {core.__version__}, {how}",
         "references": REFERENCES,
         "comment": plan.scene.validity,
         "scene": plan.scene.name,
-        "variant": plan.variant,
+        plan.scene.choice: plan.variant,
         "study": study.canonical(),
         "study_sha256": study.key(),
     }
