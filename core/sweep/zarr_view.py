@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+import operator
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
@@ -149,15 +150,14 @@ class ZarrView:
         if key == "zarr.json":
             return "", None
         name, _, rest = key.partition("/")
-        if name in self._arrays:
-            if rest == "zarr.json":
-                return name, None
-            found = _CHUNK.fullmatch(rest)
-            index = tuple(map(int, found[1].split("/")[1:])) if found else None
-            chunks = self._arrays[name].chunks
-            if index is not None and len(index) == len(chunks):
-                if all(i < n for i, n in zip(index, chunks, strict=True)):
-                    return name, index
+        array = self._arrays.get(name)
+        if array is not None and rest == "zarr.json":
+            return name, None
+        found = _CHUNK.fullmatch(rest)
+        if array is not None and found is not None:
+            index = tuple(map(int, found[1].split("/")[1:]))
+            if len(index) == len(array.chunks) and all(map(operator.lt, index, array.chunks)):
+                return name, index
         raise KeyError(key)
 
     def _chunk(self, name: str, index: tuple[int, ...]) -> bytes:
