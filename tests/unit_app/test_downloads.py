@@ -209,15 +209,20 @@ def unpack(content: bytes) -> tuple[dict, dict[str, np.ndarray]]:
     return header, arrays | {name: array(header[name]["data"]) for name in ("values", "regime")}
 
 
-class TestSlice:
-    PARAMS = {"output": "transport_velocity", "axes": "alpha,frequency", "beta": "15 deg"}
-    PARAMS |= {"amplitude": "0.5 mm"}
+CUT = {
+    "output": "transport_velocity",
+    "axes": "alpha,frequency",
+    "beta": "15 deg",
+    "amplitude": "0.5 mm",
+}
 
+
+class TestSlice:
     def test_binary_and_json_are_the_same_slice(self, client, address):
-        told = client.get(f"{address}/slice", params=self.PARAMS)
-        raw = client.get(f"{address}/slice", params={**self.PARAMS, "format": "binary"})
+        told = client.get(f"{address}/slice", params=CUT)
+        raw = client.get(f"{address}/slice", params={**CUT, "format": "binary"})
         by_accept = client.get(
-            f"{address}/slice", params=self.PARAMS, headers={"Accept": "application/octet-stream"}
+            f"{address}/slice", params=CUT, headers={"Accept": "application/octet-stream"}
         )
         assert told.headers["content-type"] == "application/json"
         assert raw.headers["content-type"] == "application/octet-stream"
@@ -242,7 +247,7 @@ class TestSlice:
             "parameters": {**STUDY["parameters"], "distance": [1e-4, 1e3], "friction": [0, 5]},
         }
         key = client.post("/sweeps", json=study).json()["id"]
-        params = {**self.PARAMS, "axes": "distance,friction", "alpha": 0, "frequency": 20}
+        params = {**CUT, "axes": "distance,friction", "alpha": 0, "frequency": 20}
         told = client.get(f"/sweeps/{key}/slice", params=params).json()["values"]["data"]
         raw = client.get(f"/sweeps/{key}/slice", params={**params, "format": "binary"})
         _, arrays = unpack(raw.content)
@@ -251,7 +256,7 @@ class TestSlice:
     def test_etags(self, client, address):
         seen = set()
         for change in ({}, {"format": "binary"}, {"beta": 30}, {"axes": "frequency,alpha"}):
-            params = {**self.PARAMS, **change}
+            params = {**CUT, **change}
             response = client.get(f"{address}/slice", params=params)
             etag = response.headers["etag"]
             assert response.headers["vary"] == "Accept"
@@ -281,11 +286,11 @@ class TestSlice:
         assert prefers_binary(accept) is expected
 
     def test_wrong_forms(self, client, address):
-        params = {**self.PARAMS, "format": "xml"}
+        params = {**CUT, "format": "xml"}
         assert problem(client.get(f"{address}/slice", params=params), 422)["errors"]
-        params = {**self.PARAMS, "format": "binary", "output": "nothing"}
+        params = {**CUT, "format": "binary", "output": "nothing"}
         assert problem(client.get(f"{address}/slice", params=params), 422)["errors"]
-        problem(client.get(f"/sweeps/{'0' * 64}/slice", params=self.PARAMS), 404)
+        problem(client.get(f"/sweeps/{'0' * 64}/slice", params=CUT), 404)
 
 
 class TestZarr:
