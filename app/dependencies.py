@@ -9,6 +9,7 @@ from fastapi import Depends, Request
 from app.errors import TooLargeError
 from app.settings import Settings
 from app.store import SweepStore
+from app.zarr_views import ZarrViews
 
 
 def settings_of(request: Request) -> Settings:
@@ -19,6 +20,11 @@ def settings_of(request: Request) -> Settings:
 def store_of(request: Request) -> SweepStore:
     """Return the app's store."""
     return cast(SweepStore, request.app.state.store)
+
+
+def views_of(request: Request) -> ZarrViews:
+    """Return the app's views of sweeps as Zarr groups."""
+    return cast(ZarrViews, request.app.state.views)
 
 
 async def body_of(request: Request) -> bytes:
@@ -35,4 +41,5 @@ async def body_of(request: Request) -> bytes:
 
 SettingsOf = Annotated[Settings, Depends(settings_of)]
 StoreOf = Annotated[SweepStore, Depends(store_of)]
+ViewsOf = Annotated[ZarrViews, Depends(views_of)]
 Body = Annotated[bytes, Depends(body_of)]

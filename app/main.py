@@ -10,9 +10,10 @@ from fastapi_offline import FastAPIOffline
 
 import core
 from app import errors
-from app.routes import health, processes, scenes, sweeps
+from app.routes import health, processes, scenes, sweeps, zarr
 from app.settings import Settings
 from app.store import SweepStore
+from app.zarr_views import ZarrViews
 
 
 def create_app(settings: Settings) -> FastAPI:
@@ -34,7 +35,8 @@ def create_app(settings: Settings) -> FastAPI:
     )
     app.state.settings = settings
     app.state.store = store
+    app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
     errors.install(app)
-    for router in (health.router, scenes.router, sweeps.router, processes.router):
+    for router in (health.router, scenes.router, sweeps.router, zarr.router, processes.router):
         app.include_router(router)
     return app

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
+import numpy as np
+import orjson
 from fastapi import APIRouter, Path, Query, Request
-from fastapi.responses import FileResponse, Response
+from fastapi.responses import Response
 
 from app.dependencies import Body, SettingsOf, StoreOf
+from app.downloads import FOR_EVER, content_reply, etag_of, file_reply, not_modified
 from app.routes import json_reply, problems
+from app.settings import Settings
+from core.errors import LimitError
 from core.quantities import QUANTITIES
 from core.study import SweepStudy
 from core.study.load import read_json
@@ -20,6 +25,9 @@ router = APIRouter(prefix="/sweeps", tags=["sweeps"])
 
 Key = Annotated[str, Path(description="Identifier of a sweep.", max_length=100)]
 
+BINARY = {"type": "string", "format": "binary"}
+BINARY_TYPE = "application/octet-stream"
+NUMPY = orjson.OPT_SERIALIZE_NUMPY
 STUDY_BODY = {
     "requestBody": {
         "required": True,
@@ -52,9 +60,12 @@ AXIS_VALUES = {
     openapi_extra=STUDY_BODY,
 )
 def post_sweep(request: Request, body: Body, settings: SettingsOf, store: StoreOf) -> Response:
-    """Check a study and keep it; equal studies share one identifier. Nothing is computed yet."""
+    """Check a study and keep it; equal studies share one identifier. Nothing is computed yet.
+
+    A sweep may be far larger than what is computed as a whole: slices and Zarr read pieces of it.
+    """
     sweep = prepare_content(read_json(body))
-    sweep.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
+    _check_size(sweep, settings)
     key, is_new = store.add(sweep.study)
     location = str(request.url_for("get_sweep", key=key))
     return json_reply(
@@ -77,7 +88,15 @@ def get_sweep(key: Key, store: StoreOf) -> Response:
     "/{key}/slice",
     summary="Read values over one or two axes",
     response_model=dict[str, Any],
-    responses=problems(s404="No such sweep", s422="The slice cannot be taken"),
+    responses={
+        200: {
+            "content": {"application/octet-stream": {"schema": BINARY}},
+            "description": "The slice, as JSON or binary",
+            "headers": {"ETag": {"schema": {"type": "string"}}},
+        },
+        304: {"description": "The client has it: its ETag stands in If-None-Match"},
+        **problems(s404="No such sweep", s422="The slice cannot be taken"),
+    },
     openapi_extra=AXIS_VALUES,
 )
 def get_slice(
@@ -89,30 +108,114 @@ def get_slice(
     axes: Annotated[
         str, Query(description="One or two free axes, as in `beta,alpha`.", max_length=200)
     ],
+    form: Annotated[
+        Literal["json", "binary"] | None,
+        Query(alias="format", description="What `Accept` asks for if left out; else JSON."),
+    ] = None,
 ) -> Response:
     """Return an output over free axes, all other axes fixed by `name=value`, with its regime."""
-    fixed = {k: v for k, v in request.query_params.multi_items() if k not in ("output", "axes")}
-    piece = cut(
-        store.get(key), output=output, axes=axes.split(","), at=fixed, most=settings.max_slice_cells
-    )
-    return json_reply(piece)
+    fixed = {
+        name: value
+        for name, value in request.query_params.multi_items()
+        if name not in ("output", "axes", "format")
+    }
+    is_binary = form == "binary" if form else prefers_binary(request.headers.get("accept", ""))
+    words = [f"{name}={value}" for name, value in sorted(fixed.items())]
+    etag = etag_of(key, np.__version__, "binary" if is_binary else "json", output, axes, *words)
+    sweep = store.get(key)
+    reply = not_modified(request, etag, FOR_EVER)
+    if reply is None:
+        piece = cut(
+            sweep, output=output, axes=axes.split(","), at=fixed, most=settings.max_slice_cells
+        )
+        content = binary(piece) if is_binary else orjson.dumps(piece, option=NUMPY)
+        media_type = BINARY_TYPE if is_binary else "application/json"
+        reply = content_reply(content, etag=etag, media_type=media_type)
+    reply.headers["Vary"] = "Accept"
+    return reply
 
 
 @router.get(
     "/{key}/netcdf",
     summary="Download a sweep as NetCDF",
-    response_class=FileResponse,
+    response_class=Response,
     responses={
-        200: {"content": {"application/x-netcdf": {}}, "description": "A CF-1.11 NetCDF-4 file"},
-        **problems(s404="No such sweep", s422="The identifier is malformed"),
+        200: {
+            "content": {"application/x-netcdf": {"schema": BINARY}},
+            "description": "A CF-1.11 NetCDF-4 file",
+            "headers": {"ETag": {"schema": {"type": "string"}}},
+        },
+        206: {
+            "content": {"application/x-netcdf": {"schema": BINARY}},
+            "description": "The range of it that was asked for",
+            "headers": {"Content-Range": {"schema": {"type": "string"}}},
+        },
+        304: {"description": "The client has it: its ETag stands in If-None-Match"},
+        **problems(
+            s404="No such sweep",
+            s412="It is not the file that If-Match names",
+            s416="The range holds no byte of the file",
+            s422="The identifier is malformed, or the sweep is too large for a file",
+        ),
     },
 )
-def get_netcdf(key: Key, store: StoreOf) -> FileResponse:
-    """Return the whole sweep as a CF NetCDF-4 file; the first request computes it."""
+@router.head("/{key}/netcdf", include_in_schema=False)
+def get_netcdf(request: Request, key: Key, store: StoreOf, settings: SettingsOf) -> Response:
+    """Return the whole sweep as a CF-1.11 NetCDF-4 file; the first request computes it.
+
+    One range of bytes can be asked for, so that a broken download resumes. The ETag is the SHA-256
+    of the file.
+    """
+    store.get(key).check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
     path = store.netcdf(key)
-    return FileResponse(
-        path, media_type="application/x-netcdf", filename=f"vibrafeed-{key[:12]}.nc"
+    return file_reply(
+        request, path, media_type="application/x-netcdf", filename=f"vibrafeed-{key[:12]}.nc"
     )
+
+
+def prefers_binary(accept: str) -> bool:
+    """Return whether an Accept header names binary replies, and no JSON before them."""
+    weights = {"application/octet-stream": 0.0, "application/json": 0.0}
+    for item in accept.split(","):
+        name, *parameters = (part.strip().lower() for part in item.split(";"))
+        if name in weights:
+            given = [p.removeprefix("q=") for p in parameters if p.startswith("q=")]
+            try:
+                weights[name] = float(given[0]) if given else 1.0
+            except ValueError:
+                weights[name] = 0.0
+    return weights["application/octet-stream"] > weights["application/json"]
+
+
+def binary(piece: dict[str, Any]) -> bytes:
+    """Return a slice as a header in JSON and raw values after it; `docs/api.md` tells the form."""
+    values: list[bytes] = []
+    offset = 0
+
+    def placed(array: np.ndarray[Any, Any]) -> dict[str, Any]:
+        nonlocal offset
+        place = {"dtype": array.dtype.newbyteorder("<").str, "offset": offset}
+        raw = array.astype(array.dtype.newbyteorder("<"), copy=False).tobytes()
+        values.append(raw)
+        offset += len(raw)
+        return {**place, "shape": list(array.shape)}
+
+    header = {**piece}
+    header["axes"] = [{**axis, "values": placed(axis["values"])} for axis in piece["axes"]]
+    for name in ("values", "regime"):  # the single bytes last, so that floats are aligned
+        header[name] = {"dims": piece[name]["dims"], "data": placed(piece[name]["data"])}
+    text = orjson.dumps(header)
+    text += b" " * (-len(text) % 8)
+    return b"".join((len(text).to_bytes(8, "little"), text, *values))
+
+
+def _check_size(sweep: Sweep, settings: Settings) -> None:
+    """Raise `LimitError` if a sweep is too large to be kept."""
+    sweep.check_limits(cells=settings.max_sweep_cells, bytes_=sweep.bytes)
+    for name, size in sweep.grid.shape.items():
+        if size > settings.max_axis_values:
+            fix = f"Give {name} {settings.max_axis_values:,} values or fewer"
+            raise LimitError("values on one axis", size, settings.max_axis_values, fix)
 
 
 def _description(key: str, sweep: Sweep) -> dict[str, Any]:
@@ -143,6 +246,11 @@ def _description(key: str, sweep: Sweep) -> dict[str, Any]:
         "regimes": list(sweep.plan.regimes),
         "links": {
             name: f"/sweeps/{key}{end}"
-            for name, end in (("self", ""), ("slice", "/slice"), ("netcdf", "/netcdf"))
+            for name, end in (
+                ("self", ""),
+                ("slice", "/slice"),
+                ("netcdf", "/netcdf"),
+                ("zarr", "/zarr"),
+            )
         },
     }

@@ -1,0 +1,83 @@
+"""The documents of a Zarr v3 group: what its ``zarr.json`` say of arrays and attributes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from core.dataset.table import Table, Variable
+
+FILL: dict[str, tuple[float, str | int]] = {"float64": (np.nan, "NaN"), "int8": (0, 0)}
+"""What pads the chunks at the end of an axis, by type: the value, and its word in JSON.
+
+Readers of version 3 take it for no mask: only an attribute `_FillValue` would be one, and there is
+none, so that flags stay integers.
+"""
+
+
+def group_document(table: Table, arrays: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
+    """Return the document of a group, which holds those of its arrays as well.
+
+    Readers then need no list of what there is, and one request to open it.
+    """
+    return {
+        "zarr_format": 3,
+        "node_type": "group",
+        "attributes": _plain(table.attributes),
+        "consolidated_metadata": {
+            "kind": "inline",
+            "must_understand": False,
+            "metadata": dict(arrays),
+        },
+    }
+
+
+def array_document(
+    table: Table, name: str, shape: tuple[int, ...], chunk_shape: tuple[int, ...]
+) -> dict[str, Any]:
+    """Return the document of an array: raw little-endian values, one file a chunk.
+
+    Parameters
+    ----------
+    table : Table
+        Holds the dimensions and attributes of the array; its values and their number do not count.
+    name : str
+        A coordinate or variable of the table.
+    shape, chunk_shape : tuple of int
+        The size of the whole and of a chunk along each dimension.
+    """
+    is_output = name in table.variables
+    variable = table.variables[name] if is_output else table.coordinates[name]
+    data_type = variable.values.dtype.name
+    links = _links(table, name, variable) if is_output else {}
+    return {
+        "zarr_format": 3,
+        "node_type": "array",
+        "shape": list(shape),
+        "data_type": data_type,
+        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": list(chunk_shape)}},
+        "chunk_key_encoding": {"name": "default", "configuration": {"separator": "/"}},
+        "fill_value": FILL[data_type][1],
+        "codecs": [{"name": "bytes", "configuration": {"endian": "little"}}],
+        "dimension_names": list(variable.dims),
+        "attributes": {**_plain(variable.attributes), **links},
+    }
+
+
+def _links(table: Table, name: str, variable: Variable) -> dict[str, str]:
+    """Return the CF attributes by which an output names coordinates and its regime."""
+    scalars = " ".join(n for n, coordinate in table.coordinates.items() if not coordinate.dims)
+    links = {"coordinates": scalars} if scalars else {}
+    if name != "regime" and set(table.variables["regime"].dims) <= set(variable.dims):
+        links["ancillary_variables"] = "regime"
+    return links
+
+
+def _plain(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return attributes as JSON knows them."""
+    return {
+        name: value.tolist() if isinstance(value, np.ndarray) else str(value)
+        for name, value in attributes.items()
+    }

@@ -1,0 +1,101 @@
+"""The view of a sweep as a store that the zarr library reads; importing it loads that library."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Iterable
+from typing import NoReturn
+
+from zarr.abc.store import (
+    ByteRequest,
+    OffsetByteRequest,
+    RangeByteRequest,
+    Store,
+    SuffixByteRequest,
+)
+from zarr.core.buffer import Buffer, BufferPrototype, default_buffer_prototype
+
+from core.sweep.zarr_view import ZarrView
+
+
+class ViewStore(Store):
+    """A read-only store whose chunks are computed by threads, as many as zarr asks for."""
+
+    supports_writes = False
+    supports_deletes = False
+    supports_listing = False  # there may be more keys than anyone can list
+
+    def __init__(self, view: ZarrView):
+        super().__init__(read_only=True)
+        self._view = view
+
+    def with_read_only(self, read_only: bool = True) -> ViewStore:
+        """Return a store of the same view; there is no other kind than read-only."""
+        return ViewStore(self._view) if read_only else _refuse()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ViewStore) and other._view is self._view
+
+    async def get(
+        self,
+        key: str,
+        prototype: BufferPrototype | None = None,
+        byte_range: ByteRequest | None = None,
+    ) -> Buffer | None:
+        """Return the bytes of a key, or a part of them; None if there is no such key."""
+        try:
+            content = await asyncio.to_thread(self._view.read, key)
+        except KeyError:
+            return None
+        part = content[_part(byte_range)]
+        return (prototype or default_buffer_prototype()).buffer.from_bytes(part)
+
+    async def get_partial_values(
+        self,
+        prototype: BufferPrototype,
+        key_ranges: Iterable[tuple[str, ByteRequest | None]],
+    ) -> list[Buffer | None]:
+        """Return parts of keys, in the order asked for."""
+        return [await self.get(key, prototype, part) for key, part in key_ranges]
+
+    async def exists(self, key: str) -> bool:
+        """Return whether the group has a key."""
+        try:
+            self._view.length(key)
+        except KeyError:
+            return False
+        return True
+
+    async def set(self, key: str, value: Buffer) -> None:
+        """Refuse: the values follow from the study."""
+        _refuse()
+
+    async def delete(self, key: str) -> None:
+        """Refuse: the values follow from the study."""
+        _refuse()
+
+    def list(self) -> AsyncIterator[str]:
+        """Refuse: see `supports_listing`."""
+        raise NotImplementedError
+
+    def list_prefix(self, prefix: str) -> AsyncIterator[str]:
+        """Refuse: see `supports_listing`."""
+        raise NotImplementedError
+
+    def list_dir(self, prefix: str) -> AsyncIterator[str]:
+        """Refuse: see `supports_listing`."""
+        raise NotImplementedError
+
+
+def _part(wanted: ByteRequest | None) -> slice:
+    if isinstance(wanted, RangeByteRequest):
+        return slice(wanted.start, wanted.end)
+    if isinstance(wanted, OffsetByteRequest):
+        return slice(wanted.offset, None)
+    if isinstance(wanted, SuffixByteRequest) and wanted.suffix:
+        return slice(-wanted.suffix, None)
+    return slice(0) if wanted else slice(None)
+
+
+def _refuse() -> NoReturn:
+    raise ValueError("the view of a sweep is read-only")

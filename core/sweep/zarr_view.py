@@ -1,0 +1,256 @@
+"""A sweep as a Zarr v3 group that is evaluated on read: no chunk exists before it is asked for.
+
+Every size that is allocated here is that of a chunk, whatever the size of the sweep.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import operator
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.dataset.zarr_metadata import FILL, array_document, group_document
+from core.errors import VibrafeedError
+from core.scenes import Condition
+from core.study.values import Points, Span
+from core.sweep.evaluate import evaluate
+from core.sweep.grid import Grid, from_si
+from core.sweep.plan import Plan
+from core.sweep.prepare import Sweep
+from core.sweep.run import tabulate
+
+if TYPE_CHECKING:
+    import xarray
+
+CHUNK_CELLS = 65_536  # 512 KiB of floats, 64 KiB of flags: a request pays, and none is long
+
+_CHUNK = re.compile(r"c((?:/(?:0|[1-9][0-9]{0,17}))*)")
+
+
+def open_lazily(sweep: Sweep) -> xarray.Dataset:
+    """Return the dataset of a sweep of any size; what is read of it is computed when it is read.
+
+    Raises
+    ------
+    VibrafeedError
+        If zarr, which reads the chunks, is not installed.
+    """
+    try:
+        from core.sweep.zarr_store import ViewStore  # loads zarr, which few need
+    except ModuleNotFoundError as error:
+        raise VibrafeedError(
+            f"Reading a sweep that is not stored needs {error.name}: "
+            "pip install 'vibrafeed[cluster]'"
+        ) from error
+    import xarray
+
+    store = ViewStore(ZarrView(sweep))
+    return xarray.open_zarr(store, consolidated=True, zarr_format=3, chunks=None)
+
+
+@dataclass(frozen=True)
+class _Array:
+    """The shape of an array and of its chunks; `plan` is what an output pulls."""
+
+    dims: tuple[str, ...]
+    shape: tuple[int, ...]
+    chunk_shape: tuple[int, ...]
+    dtype: np.dtype[Any]
+    plan: Plan | None
+
+    @property
+    def chunks(self) -> tuple[int, ...]:
+        """Number of chunks along each dimension."""
+        return tuple(-(-n // c) for n, c in zip(self.shape, self.chunk_shape, strict=True))
+
+    @property
+    def chunk_bytes(self) -> int:
+        return math.prod(self.chunk_shape) * self.dtype.itemsize
+
+
+class ZarrView:
+    """A read-only Zarr v3 group of a sweep: keys in, bytes out.
+
+    The keys are ``zarr.json``, ``{array}/zarr.json`` and ``{array}/c/i/j/...``; the arrays are the
+    coordinates, the outputs and ``regime``. Values are to the bit those that `tabulate` gives.
+    Threads may read at the same time.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep, of any size.
+    chunk_cells : int
+        Largest number of values of a chunk.
+    """
+
+    def __init__(self, sweep: Sweep, *, chunk_cells: int = CHUNK_CELLS):
+        self._grid = sweep.grid
+        # Dimensions and attributes do not depend on how many values an axis has.
+        self._labels = tabulate(replace(sweep, grid=_first_cell(sweep.grid)))
+        self._arrays = self._lay_out(sweep, chunk_cells)
+
+    def read(self, key: str) -> bytes:
+        """Return the bytes of a key; raise `KeyError` if the group has no such key."""
+        name, index = self._find(key)
+        if index is None:
+            return self._documents[name]
+        return self._chunk(name, index)
+
+    def length(self, key: str) -> int:
+        """Return the number of bytes of a key without computing them; raises as `read` does."""
+        name, index = self._find(key)
+        return len(self._documents[name]) if index is None else self._arrays[name].chunk_bytes
+
+    def chunks(self) -> dict[str, tuple[int, ...]]:
+        """Return the number of chunks of each array along each of its dimensions."""
+        return {name: array.chunks for name, array in self._arrays.items()}
+
+    def _lay_out(self, sweep: Sweep, chunk_cells: int) -> dict[str, _Array]:
+        arrays = {}
+        labels = self._labels
+        for name, variable in (*labels.coordinates.items(), *labels.variables.items()):
+            shape = tuple(self._grid.shape[dim] for dim in variable.dims)
+            plan = None
+            if name == "regime":
+                plan = _pulled(sweep.plan, (), sweep.plan.conditions)
+            elif name in labels.variables:
+                plan = _pulled(sweep.plan, (name,), ())
+            arrays[name] = _Array(
+                variable.dims,
+                shape,
+                chunk_shape(shape, chunk_cells),
+                variable.values.dtype,
+                plan,
+            )
+        return arrays
+
+    @cached_property
+    def _documents(self) -> dict[str, bytes]:
+        """The ``zarr.json`` of each array, and that of the group under an empty name."""
+        documents = {
+            name: array_document(self._labels, name, array.shape, array.chunk_shape)
+            for name, array in self._arrays.items()
+        }
+        documents[""] = group_document(self._labels, dict(documents))
+        return {
+            name: json.dumps(document, allow_nan=False).encode()
+            for name, document in documents.items()
+        }
+
+    def _find(self, key: str) -> tuple[str, tuple[int, ...] | None]:
+        """Return the array that a key names and the position of the chunk, if it names one."""
+        if key == "zarr.json":
+            return "", None
+        name, _, rest = key.partition("/")
+        array = self._arrays.get(name)
+        if array is not None and rest == "zarr.json":
+            return name, None
+        found = _CHUNK.fullmatch(rest)
+        if array is not None and found is not None:
+            index = tuple(map(int, found[1].split("/")[1:]))
+            if len(index) == len(array.chunks) and all(map(operator.lt, index, array.chunks)):
+                return name, index
+        raise KeyError(key)
+
+    def _chunk(self, name: str, index: tuple[int, ...]) -> bytes:
+        array = self._arrays[name]
+        box = {
+            dim: (i * c, min((i + 1) * c, n))
+            for dim, i, c, n in zip(array.dims, index, array.chunk_shape, array.shape, strict=True)
+        }
+        # Chunks at the end of an axis are as large as the others: the format asks for it.
+        filled = np.full(
+            array.chunk_shape, FILL[array.dtype.name][0], array.dtype.newbyteorder("<")
+        )
+        filled[tuple(slice(stop - start) for start, stop in box.values())] = self._values(name, box)
+        return filled.tobytes()
+
+    def _values(self, name: str, box: Mapping[str, tuple[int, int]]) -> NDArray[Any]:
+        """Return the values of an array in a box, in the units of files."""
+        axes, plan = self._grid.axes, self._arrays[name].plan
+        if plan is None:
+            if name in axes:
+                return axis_values(axes[name], *box[name])
+            return self._labels.coordinates[name].values
+        piece = Grid(
+            {dim: Points(tuple(axis_values(axes[dim], *ends))) for dim, ends in box.items()},
+            {n: value for n, value in self._grid.fixed.items() if n in plan.parameters},
+        )
+        values = evaluate(plan, piece)[name]
+        return values if name == "regime" else from_si(name, values)
+
+
+def chunk_shape(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
+    """Return the shape of the chunks of an array, of `most` values or somewhat fewer.
+
+    All axes are cut alike as far as they are long enough: a reader who frees any two of them then
+    reads as little beside what was asked for as can be. The chunks of an axis are of nearly equal
+    length, so that little of the last one is padding.
+    """
+    lengths = [1] * len(shape)
+    room = most
+    # Short axes first: what they leave over goes to the long ones.
+    for done, position in enumerate(sorted(range(len(shape)), key=lambda p: shape[p])):
+        fair = max(1, int(room ** (1 / (len(shape) - done)) + 1e-9))
+        pieces = -(-shape[position] // fair)
+        lengths[position] = -(-shape[position] // pieces)
+        room //= lengths[position]
+    return tuple(lengths)
+
+
+def axis_values(axis: Points | Span, start: int, stop: int) -> NDArray[np.float64]:
+    """Return the values `start` to `stop` of an axis, to the bit those that it has as a whole.
+
+    A span repeats what numpy's linspace and geomspace do: an axis may have a hundred million
+    values, of which a chunk needs a few.
+    """
+    if isinstance(axis, Points):
+        return np.array(axis.values[start:stop])
+    is_log = axis.spacing == "log"
+    first, last = (np.log10(axis.start), np.log10(axis.stop)) if is_log else (axis.start, axis.stop)
+    values = np.arange(start, stop, dtype=np.float64)
+    steps = axis.size - 1
+    step = (last - first) / steps
+    values = values * step if step else values / steps * (last - first)
+    values += first
+    if is_log:
+        values = np.power(10.0, values)
+    if start == 0:
+        values[0] = axis.start
+    if stop == axis.size:
+        values[-1] = axis.stop
+    return values
+
+
+def _first_cell(grid: Grid) -> Grid:
+    """Return a grid with the same axes, of one value each."""
+    return Grid(
+        {name: Points(tuple(axis_values(axis, 0, 1))) for name, axis in grid.axes.items()},
+        grid.fixed,
+    )
+
+
+def _pulled(plan: Plan, outputs: tuple[str, ...], conditions: Collection[Condition]) -> Plan:
+    """Return the part of a plan that some of its outputs and conditions pull."""
+    needed = {*outputs, *(name for condition in conditions for name in condition.inputs)}
+    equations = []
+    for equation in reversed(plan.equations):
+        if equation.gives in needed:
+            equations.append(equation)
+            needed.update(equation.inputs)
+    return replace(
+        plan,
+        outputs=outputs,
+        equations=tuple(reversed(equations)),
+        conditions=tuple(conditions),
+        parameters=tuple(name for name in plan.parameters if name in needed),
+        defaults={name: value for name, value in plan.defaults.items() if name in needed},
+    )
