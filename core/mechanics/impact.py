@@ -207,6 +207,7 @@ def _in_cone(
     with np.errstate(over="ignore"):
         high = np.minimum(speed * (1 + friction * np.hypot(b_1, b_2)) / reach, 1e300)
     z = np.where(slides, np.minimum(speed / reach, high), 1.0) + low
+    done = np.zeros(np.shape(z), dtype=bool)
     for _ in range(MOST_STEPS):
         L_1, L_2 = -c_1 / (s_1 + z), -c_2 / (s_2 + z)
         length = np.where(slides, np.hypot(L_1, L_2), 1.0)
@@ -220,7 +221,9 @@ def _in_cone(
         inside = (slope > 0) & (newton > low) & (newton < high)
         ahead = np.where(inside, newton, (low + high) / 2)
         ahead = np.where(slides & (value != 0), ahead, z)
-        done = np.abs(ahead - z) <= 4e-16 * z
+        # What is done stays: a cell must not depend on those that are computed beside it.
+        ahead = np.where(done, z, ahead)
+        done |= np.abs(ahead - z) <= 4e-16 * z
         z = ahead
         if np.all(done):
             break

@@ -92,14 +92,7 @@ def check_every_chunk(sweep: Sweep, chunk_cells: int) -> None:
             )
 
 
-# The direction of slip of two cylinders is iterated until the last cell of a block has settled, the
-# others with it: their last bit depends on the block.
-BLOCKWISE = pytest.mark.xfail(strict=True, reason="cells of a block are iterated together")
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=BLOCKWISE if n == "impact-cylinders" else ()) for n in SWEEPS]
-)
+@pytest.mark.parametrize("name", SWEEPS)
 def test_every_chunk_of_every_example_is_a_piece_of_the_whole(name):
     check_every_chunk(prepare_content(SWEEPS[name]), chunk_cells=1500)
 
