@@ -34,6 +34,8 @@ OPTIMUM_STATUSES: dict[str, Flag] = {
     "infeasible": Flag(4, "no angles keep the bounds, limits and contacts", valid=False),
     "invalid": Flag(5, "an argument is no number, or is out of its range", valid=False),
     "limit_reached": Flag(6, "the limit on steps came before the last digit", valid=False),
+    "no_value": Flag(7, "the outputs have no value within the bounds", valid=False),
+    "not_computed": Flag(8, "the study was stopped before this design", valid=False),
 }
 
 STATUS: Mapping[str, int] = {name: flag.value for name, flag in OPTIMUM_STATUSES.items()}
