@@ -59,7 +59,7 @@ def residual(
         tight = np.abs(margin) <= touching * scales[kept.output]
         # The margin's own slope, on the side of the absolute value where the point lies.
         value = np.broadcast_to(problem.output(kept.output, here), (cells,))
-        turn = np.sign(value) if kept.absolute else np.ones(cells)
+        turn = np.where((value < 0) & kept.absolute, -1.0, 1.0)
         along = slope(problem.output(kept.output, known)) * turn[:, None]
         along = along / scales[kept.output][:, None]
         pulls.append(along if kept.upper else -along)
@@ -91,7 +91,9 @@ def _least(target: Array, pulls: Array, binds: NDArray[np.bool_], most: list[flo
     """
     cells, count = target.shape
     starts = [target]
-    starts += [target - top * pulls[i] * binds[i][:, None] for i, top in enumerate(most) if top < 9e9]
+    starts += [
+        target - top * pulls[i] * binds[i][:, None] for i, top in enumerate(most) if top < 9e9
+    ]
     least = np.minimum.reduce([np.linalg.norm(start, axis=1) for start in starts])
     used = [i for i in range(len(pulls)) if binds[i].any()]
     subsets = [s for n in range(1, count + 1) for s in combinations(used, n)][:MOST_SUBSETS]

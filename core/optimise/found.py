@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
+from core.optimise.exact import STATUS
+from core.optimise.problem import Problem
+from core.watch import Watch
 
 
 @dataclass(frozen=True)
@@ -37,3 +41,14 @@ class Found:
     residual: Array | None = None
     evaluations: NDArray[np.int64] | int = 0
     says: str = ""
+
+
+Solver = Callable[[Problem, Mapping[str, Array], Mapping[str, Array], Watch], Found]
+"""Takes problem, designs (arrays of shape (cells,)), scales of the outputs, and a watch."""
+
+
+def status_of(value: float, beyond: float, tolerance: float) -> int:
+    """Return the status of a best point with this objective and violation."""
+    if beyond <= tolerance and np.isfinite(value):
+        return STATUS["optimal"]
+    return STATUS["infeasible"] if np.isfinite(beyond) else STATUS["no_value"]

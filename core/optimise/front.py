@@ -18,7 +18,8 @@ from core.study.models import Pareto, Weighted
 from core.watch import Watch
 
 WIDE = 1e3  # of the other output's scale: a limit that never binds
-HEAVY = 1e6  # weight that puts the other output first
+HEAVY = 1e3  # weight that puts the other output first; a steeper ridge is harder to climb along
+FLAT = 1e-9
 SLACK = 1e-9  # of its scale, of a limit that only single points would keep
 
 
@@ -56,7 +57,9 @@ def find_front(
     status = found.status.reshape(-1, points).copy()
     for place, end in ((0, top), (-1, least)):
         x[:, :, place], status[:, place] = end.x, end.status
-    return replace(found, x=x.reshape(found.x.shape), status=status.ravel(), value=None, residual=None)
+    return replace(
+        found, x=x.reshape(found.x.shape), status=status.ravel(), value=None, residual=None
+    )
 
 
 def _least(
@@ -105,9 +108,12 @@ def knee(output: Array, other: Array) -> NDArray[np.int8]:
     The knee is the point farthest from the chord between the ends, both outputs over their range;
     the first point of a front without range or without values.
     """
+
     def over_range(values: Array) -> Array:
         low, high = values.min(axis=1, keepdims=True), values.max(axis=1, keepdims=True)
-        return ratio(values - low, high - low, 0.0)
+        # A range of rounding is none.
+        span = np.where(high - low > FLAT * np.maximum(np.abs(high), np.abs(low)), high - low, 0.0)
+        return ratio(values - low, span, 0.0)
 
     lost = ~(np.isfinite(output) & np.isfinite(other)).all(axis=1, keepdims=True)
     x = over_range(np.where(lost, 0.0, output))

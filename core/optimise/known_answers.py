@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from core.mechanics.arrays import Array
 from core.optimise import exact, newton
-from core.optimise.exact import STATUS
 from core.optimise.found import Found
 from core.optimise.problem import LIMIT, Problem
 from core.study.models import Limited, Maximise, Pareto, Weighted
@@ -139,8 +138,7 @@ def by_closed_form(problem: Problem, design: Mapping[str, Array]) -> Found:
     assert which is not None
     given = groups(problem, design)
     plane = {
-        name: given[name]
-        for name in ("vibration_acceleration", "gravity_along", "gravity_normal")
+        name: given[name] for name in ("vibration_acceleration", "gravity_along", "gravity_normal")
     } | {"friction_kinetic": given["friction_kinetic"]}
     static = given.get("friction_static", given["friction_kinetic"])
     criterion = problem.criterion
@@ -199,7 +197,7 @@ def by_newton(problem: Problem, design: Mapping[str, Array]) -> Found:
     family = which.family
     assert family != "cylinder_physical"
     given = groups(problem, design)
-    bounds = {}
+    bounds: dict[str, Any] = {}
     for name in ANGLES:
         if name in problem.names:
             place = problem.names.index(name)
@@ -207,9 +205,9 @@ def by_newton(problem: Problem, design: Mapping[str, Array]) -> Found:
         else:
             ends = (given[name], given[name])
         bounds[f"{name}_lower"], bounds[f"{name}_upper"] = ends
+    bounds |= {name: values for name, values in given.items() if name not in ANGLES}
     best = newton.fastest(
         family,
-        **{name: values for name, values in given.items() if name not in ANGLES},
         **bounds,
         limit=design.get(LIMIT, np.inf),
         floor_contact=which.floor,
@@ -225,8 +223,3 @@ def _ordered(problem: Problem, alpha: Array, beta: Array) -> Array:
     """Return the angles that are variables, shape (variables, cells)."""
     angles = {"alpha": alpha, "beta": beta}
     return np.stack([np.broadcast_to(angles[name], alpha.shape) for name in problem.names])
-
-
-HAS_ANGLES = np.array(
-    [STATUS[name] for name in ("optimal", "flat", "no_motion", "not_attained")], dtype=np.int8
-)

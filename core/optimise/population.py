@@ -108,7 +108,7 @@ def _judge(
 
 def _trial(unit: Array, beyond: Array, value: Array, random: np.random.Generator) -> Array:
     """Return a candidate for each member: from it towards the best, plus a difference of two."""
-    count, cells, members = unit.shape
+    count, _, members = unit.shape
     top = np.lexsort((-value, beyond), axis=-1)[:, 0]
     best = np.take_along_axis(unit, top[None, :, None], axis=2)
     one, two = _others(members, random), _others(members, random)

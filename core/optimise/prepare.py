@@ -215,9 +215,7 @@ def _ends(one: OutputLimit) -> Iterable[tuple[str, float]]:
         yield f"{name}_upper", one.upper
 
 
-def _misplaced(
-    study: OptimiseStudy, values: Mapping[str, Values], scene: Scene
-) -> Iterable[Wrong]:
+def _misplaced(study: OptimiseStudy, values: Mapping[str, Values], scene: Scene) -> Iterable[Wrong]:
     """Yield what is wrong between the parts of a study."""
     criterion = study.criterion
     if isinstance(criterion, Limited) and (criterion.limit is None or criterion.limit < 0):

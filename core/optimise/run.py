@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,7 +25,8 @@ from core.optimise.conditions import residual
 from core.optimise.exact import OPTIMUM_STATUSES, STATUS
 from core.optimise.found import Found
 from core.optimise.front import find_front, knee
-from core.optimise.methods import METHODS, dense_grid
+from core.optimise.grid import dense_grid
+from core.optimise.methods import METHODS
 from core.optimise.prepare import Optimisation, prepare
 from core.optimise.problem import LIMIT, Problem, chosen_cells
 from core.optimise.single import spread
@@ -46,6 +46,7 @@ FORWARD = ("acceleration_x", "starting_acceleration", "conveying_velocity")
 
 GAP_POINTS = 40_000  # of the grid that a design is compared with
 GAP_POINTS_MOTION = 1_600
+ROUNDING = 1e-15  # of an output's scale
 AT_BOUND = 1e-9  # of a variable's range: it lies on its bound
 
 BINDS = {
@@ -125,7 +126,7 @@ def _checked(
     """Return every variable of the result, in the units of studies; arrays of shape (cells,)."""
     problem, tolerance = prepared.problem, METHODS[prepared.method].tolerance
     cells = found.status.shape
-    lost = np.isnan(found.x).any(axis=0)
+    lost: NDArray[np.bool_] = np.asarray(np.isnan(found.x).any(axis=0))
     # Without an optimum the outputs are those of the lower bounds, and left out below.
     x = np.where(lost, problem.lower[:, None], found.x)
     known = problem.known(x, design)
@@ -157,13 +158,14 @@ def _checked(
         for end, bound in (("lower", problem.lower[i]), ("upper", problem.upper[i])):
             at = (np.abs(x[i] - bound) <= max(tolerance, AT_BOUND) * span[i]) & ~lost
             arrays[f"binds_{name}_{end}"] = at.astype(np.int8)
+    here, near = _of_each_point(problem, known, design)
     left = found.residual
     if left is None:
-        left = residual(problem, x, design, scales, max(tolerance, AT_BOUND))
+        left = residual(here, x, near, scales, max(tolerance, AT_BOUND))
     else:
         left = left / size
     arrays["optimality_residual"] = np.where(lost, np.nan, left)
-    arrays["optimum_gap"] = _gap(prepared, x, value, lost, design, scales) / size
+    arrays["optimum_gap"] = _gap(prepared.method, here, value, lost, near, scales) / size
     used = np.broadcast_to(np.asarray(found.evaluations, dtype=np.float64), cells)
     arrays["evaluations"] = np.where(used == 0, 1.0, used)
     if isinstance(problem.criterion, Pareto):
@@ -201,29 +203,33 @@ def _status(
     return np.asarray(status, dtype=np.int8)
 
 
+def _of_each_point(
+    problem: Problem, known: Mapping[str, Any], design: Mapping[str, Array]
+) -> tuple[Problem, Mapping[str, Array]]:
+    """Return the problem that each answer solves: on a front, with the limit at its own value."""
+    if not isinstance(problem.criterion, Pareto):
+        return problem, design
+    other = np.abs(problem.output(problem.criterion.against, dict(known)))
+    return problem.limited(), {**design, LIMIT: np.broadcast_to(other, design[LIMIT].shape)}
+
+
 def _gap(
-    prepared: Optimisation,
-    x: Array,
+    method: str,
+    problem: Problem,
     value: Array,
     lost: NDArray[np.bool_],
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> Array:
-    """Return the objective of another answer less the one found; NaN without either.
-
-    Of a front: with the limit at each point's own value of the other output.
-    """
-    problem = prepared.problem
-    if isinstance(problem.criterion, Pareto):
-        against = problem.criterion.against
-        other = np.abs(problem.output(against, problem.known(x, design)))
-        problem = problem.limited()
-        design = {**design, LIMIT: np.broadcast_to(other, lost.shape) + 1e-12 * scales[against]}
+    """Return the objective of another answer less the one found; NaN without either."""
+    if LIMIT in (kept.name for kept in problem.kept) and problem.against:
+        # A limit of nothing, which rounding may just break, would leave no answer.
+        design = {**design, LIMIT: design[LIMIT] + ROUNDING * scales[problem.against]}
     reference = np.full(lost.shape, np.nan)
-    if prepared.method != "exact" and known_answers.is_closed(problem):
+    if method != "exact" and known_answers.is_closed(problem):
         answer = known_answers.by_closed_form(problem, design)
         reference = np.asarray(answer.value)
-    elif prepared.method != "newton" and known_answers.is_compiled(problem):
+    elif method != "newton" and known_answers.is_compiled(problem):
         answer = known_answers.by_newton(problem, design)
         reference = np.asarray(answer.value)
     rest = np.flatnonzero(np.isnan(reference) & ~lost)
@@ -251,9 +257,7 @@ def criterion_in_words(problem: Problem) -> str:
     return f"{'least' if problem.sign < 0 else 'largest'} {output}"
 
 
-def _attributes(
-    prepared: Optimisation, regimes: NDArray[np.int8]
-) -> dict[str, dict[str, Any]]:
+def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, dict[str, Any]]:
     """Return the CF attributes of every variable."""
     problem = prepared.problem
     words = criterion_in_words(problem)

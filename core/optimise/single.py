@@ -50,9 +50,7 @@ class Single:
         """Return objective over its scale and violation of points, each (n,)."""
         x = self.place(unit)
         self.evaluations += x.shape[1]
-        value, beyond = self.problem.judged(
-            x[:, None, :], self.design, self.scales, self.watch
-        )
+        value, beyond = self.problem.judged(x[:, None, :], self.design, self.scales, self.watch)
         return value[0] / self.size, beyond[0]
 
     def lost(self, unit: Array) -> Array:
@@ -87,9 +85,7 @@ class Single:
             for kept in problem.kept
             for _ in range(2 if kept.absolute and kept.upper else 1)
         ]
-        parts += [
-            margin / self.scales[name] for name, margin in zip(outputs, margins, strict=True)
-        ]
+        parts += [margin / self.scales[name] for name, margin in zip(outputs, margins, strict=True)]
         rows = np.stack([np.broadcast_to(part, shape)[0] for part in parts])
         self._rows = np.where(np.isfinite(rows), rows, -NO_VALUE)
         self._at = key
@@ -101,8 +97,8 @@ class Single:
         Differences stay within the bounds: beyond them an output may have no value.
         """
         steps = STEP * np.eye(self.variables)
-        before = np.clip(unit[:, None] - steps, 0.0, 1.0)
-        after = np.clip(unit[:, None] + steps, 0.0, 1.0)
+        inside = np.clip(unit, 0.0, 1.0)[:, None]
+        before, after = np.maximum(inside - steps, 0.0), np.minimum(inside + steps, 1.0)
         rows = self.rows(np.concatenate([before, after], axis=1))
         count = self.variables
         return (rows[:, count:] - rows[:, :count]) / np.diag(after - before)
