@@ -65,7 +65,8 @@ def run(
     """Carry out studies and write one NetCDF file each.
 
     All files are checked before the first is run. Exit code 2 means that a file is wrong, 1 that
-    a result could not be written, or that a study was stopped, by Ctrl-C or the time limit: what was finished by then is written.
+    a result could not be written, or that a study was stopped, by Ctrl-C or the time limit: what
+    was finished by then is written.
     """
     from app import report
 

@@ -89,7 +89,7 @@ def _least(target: Array, pulls: Array, binds: NDArray[np.bool_], most: list[flo
     Of some directions at most as many as there are variables are needed (Caratheodory): their
     subsets are tried.
     """
-    cells, count = target.shape
+    count = target.shape[1]
     starts = [target]
     starts += [
         target - top * pulls[i] * binds[i][:, None] for i, top in enumerate(most) if top < 9e9
