@@ -29,7 +29,7 @@ OPTIMUM_STATUSES: dict[str, Flag] = {
     "no_motion": Flag(2, "no choice within the bounds moves the part forwards"),
     "not_attained": Flag(
         3,
-        "static friction still holds the part there; next to it the acceleration jumps to the value",
+        "static friction still holds the part there; next to it the output jumps to the value",
     ),
     "infeasible": Flag(4, "no choice keeps the bounds, limits and contacts", valid=False),
     "invalid": Flag(5, "an argument is no number, or is out of its range", valid=False),

@@ -43,8 +43,9 @@ def find_front(
         return known_answers.by_closed_front(problem, design, points)
     solve = METHODS[method].solve
     inner, scale = problem.limited(), scales[criterion.against]
-    top = solve(inner, {**design, LIMIT: WIDE * scale}, scales, Watch())
-    least = _least(problem, inner, design, scales, method)
+    ends = Watch(stop=watch.stopped)  # the many points between them are the progress
+    top = solve(inner, {**design, LIMIT: WIDE * scale}, scales, ends)
+    least = _least(problem, inner, design, scales, method, ends)
     first, last = (_other(problem, end, design) for end in (top, least))
     share = np.linspace(0.0, 1.0, points)
     levels = first[:, None] + (last - first)[:, None] * share
@@ -68,6 +69,7 @@ def _least(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
     method: str,
+    watch: Watch,
 ) -> Found:
     """Return the end with the least other output."""
     criterion = problem.criterion
@@ -75,9 +77,9 @@ def _least(
     heavy = Weighted(output=criterion.output, against=criterion.against, weight=HEAVY)
     last = replace(problem, criterion=heavy)
     if method != "newton":
-        return METHODS[method].solve(last, design, scales, Watch())
+        return METHODS[method].solve(last, design, scales, watch)
     none = METHODS["newton"].solve(
-        inner, {**design, LIMIT: np.zeros(cells_of(design))}, scales, Watch()
+        inner, {**design, LIMIT: np.zeros(cells_of(design))}, scales, watch
     )
     open_cells = np.flatnonzero(none.status == STATUS["infeasible"])
     if not open_cells.size:
@@ -86,7 +88,7 @@ def _least(
         last,
         {name: values[open_cells] for name, values in design.items()},
         {name: values[open_cells] for name, values in scales.items()},
-        Watch(),
+        watch,
     )
     x, status = none.x.copy(), none.status.copy()
     x[:, open_cells], status[open_cells] = part.x, part.status

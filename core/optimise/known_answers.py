@@ -83,6 +83,7 @@ def answered(problem: Problem) -> Answered | None:
         family is None
         or problem.sign < 0
         or not set(problem.names) <= set(ANGLES)
+        or not _within_reach(problem)
         or not names <= {LIMIT, "floor_contact", "wall_contact"}
         or problem.against not in (None, "acceleration_y")
         or (problem.against is not None and family.startswith("track"))
@@ -92,6 +93,19 @@ def answered(problem: Problem) -> Answered | None:
     ):
         return None
     return Answered(family, floor, wall)
+
+
+def _within_reach(problem: Problem) -> bool:
+    """Return whether the bounds are within half a turn of alpha, and beta within a right angle."""
+    for variable in problem.variables:
+        if variable.name == "alpha" and variable.upper - variable.lower > np.pi:
+            return False
+        if (
+            variable.name == "beta"
+            and not -np.pi / 2 <= variable.lower < variable.upper <= np.pi / 2
+        ):
+            return False
+    return True
 
 
 def is_closed(problem: Problem) -> bool:

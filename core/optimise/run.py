@@ -199,7 +199,7 @@ def _status(
         values = problem.objective(problem.known(x, column))
         values = np.broadcast_to(values, (status.size, 16))
         flat = values.max(axis=1) - values.min(axis=1) <= 1e-14 * problem.scale(scales)
-        status = np.where(optimal & flat, STATUS["flat"], status)
+        status = np.where(optimal & flat & (status == STATUS["optimal"]), STATUS["flat"], status)
     return np.asarray(status, dtype=np.int8)
 
 
