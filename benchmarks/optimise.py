@@ -1,7 +1,7 @@
 """Prints how near and how fast the optimisers come: `python -m benchmarks.optimise`.
 
 Four tables: every method on the same random designs, error against time, which is also drawn
-(`docs/figures/optimise-methods.png`); the batch of 10,000 designs against the best of scipy in a
+(`docs/optimise-methods.png`); the batch of 10,000 designs against the best of scipy in a
 loop; a whole front against one limit; and the thesis's own answer beside the physical one and the
 fastest true motion, on the data of figure 5.1.
 """
@@ -27,12 +27,13 @@ from core.optimise.run import designs_of
 from core.study import parse_study
 from core.watch import Watch
 
-PICTURE = Path(__file__).parents[1] / "docs" / "figures" / "optimise-methods.png"
+PICTURE = Path(__file__).parents[1] / "docs" / "optimise-methods.png"
 SCIPY = ("slsqp", "trust-constr", "differential_evolution", "shgo", "direct")
 DESIGNS = 10_000
 SAMPLE = 20  # designs of each method
 REPEATS = 5  # the best is printed
 GRAVITY = 9.81
+MARKERS = dict(zip(METHODS, "os^Dv*XPph<", strict=True))
 ROUNDING = 1e-16  # stands for no error at all on a logarithmic axis
 
 
@@ -127,6 +128,7 @@ def draw_methods(everything: Mapping[str, Mapping[str, tuple[Array, float, Array
     """Draw error against run time."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
     figure = Figure(figsize=(10.0, 7.6), layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
@@ -138,16 +140,19 @@ def draw_methods(everything: Mapping[str, Mapping[str, tuple[Array, float, Array
             worst = max(float(np.minimum(error.max(), 1.0)), ROUNDING)
             colour = "#b04a2f" if name in SCIPY else "#1f5a8a"
             panel.plot([seconds * 1e3] * 2, [middle, worst], color=colour, lw=1.2)
-            panel.plot(seconds * 1e3, middle, "o", color=colour, ms=5)
-            panel.annotate(
-                name, (seconds * 1e3, middle), (5, 4), textcoords="offset points", fontsize=8
-            )
+            panel.plot(seconds * 1e3, middle, MARKERS[name], color=colour, ms=6)
         panel.set(xscale="log", yscale="log")
         panel.grid(visible=True, color="#dddddd", lw=0.5)
+    entries = [
+        Line2D([], [], marker=MARKERS[name], ls="", ms=6, label=name,
+               color="#b04a2f" if name in SCIPY else "#1f5a8a")
+        for name in MARKERS if any(name in results for results in everything.values())
+    ]  # fmt: skip
+    figure.legend(handles=entries, loc="outside lower center", ncols=6, frameon=False, fontsize=9)
     figure.supxlabel("Time of a design [ms]", fontsize=10)
     figure.supylabel("Error of the objective over its scale", fontsize=10)
     figure.suptitle(
-        "Optimisers of the drive: median (dot) to largest error against run time;"
+        "Optimisers of the drive: median (mark) to largest error (line) against run time;"
         " scipy in red, a loop over designs",
         x=0.02,
         ha="left",

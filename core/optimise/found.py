@@ -39,7 +39,7 @@ class Found:
     status: NDArray[np.int8]
     value: Array | None = None
     residual: Array | None = None
-    evaluations: NDArray[np.int64] | int = 0
+    evaluations: NDArray[np.int64] | int = 1
     says: str = ""
 
 

@@ -166,8 +166,7 @@ def _checked(
         left = left / size
     arrays["optimality_residual"] = np.where(lost, np.nan, left)
     arrays["optimum_gap"] = _gap(prepared.method, here, value, lost, near, scales) / size
-    used = np.broadcast_to(np.asarray(found.evaluations, dtype=np.float64), cells)
-    arrays["evaluations"] = np.where(used == 0, 1.0, used)
+    arrays["evaluations"] = np.broadcast_to(np.asarray(found.evaluations, np.float64), cells)
     if isinstance(problem.criterion, Pareto):
         points = problem.criterion.points
         pair = (arrays[problem.criterion.output], arrays[problem.criterion.against])

@@ -23,6 +23,8 @@ from core.optimise import METHODS, optimise
 from core.optimise.exact import OPTIMUM_STATUSES, STATUS
 from core.optimise.front import knee
 from core.optimise.run import BINDS
+from core.plots import PlotError
+from core.plots.optimum import draw_front, draw_landscape
 from core.quantities import REGIMES
 from core.study import load_study, parse_json, parse_study
 from core.watch import Watch
@@ -138,7 +140,7 @@ def test_all_mistakes_are_told_at_once():
             "constraints.0",
             "above",
         ),
-        ({"constraints": [{"output": "throw", "upper": 1}]}, "constraints.0.output", "Did you"),
+        ({"constraints": [{"output": "throw_numbr", "upper": 1}]}, "constraints.0.output", "Did you"),
         (
             {"constraints": [{"output": "throw_number", "upper": n} for n in (1, 2)]},
             "constraints.1",
@@ -337,6 +339,41 @@ def test_knees():
     other = np.array([[4.0, 1.0, 0.5, 0.0]])
     np.testing.assert_array_equal(knee(corner, -other), [[0, 1, 0, 0]])
     np.testing.assert_array_equal(knee(np.full((1, 3), np.nan), np.zeros((1, 3))), [[1, 0, 0]])
+
+
+# --- pictures
+
+
+def test_a_front_and_its_knee_are_drawn():
+    parameters = {**DATA, "friction": [0.3, 0.5]}
+    dataset = solved(parameters=parameters, criterion={"kind": "pareto", "points": 20})
+    (axes,) = draw_front(dataset).axes
+    curves = [line for line in axes.lines if len(line.get_xdata()) == 20]
+    assert len(curves) == 2
+    np.testing.assert_array_equal(curves[0].get_ydata(), dataset.acceleration_x[0])
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert names == ["friction = 0.3", "friction = 0.5", "knee"]
+
+
+def test_a_landscape_shows_optimum_and_limits():
+    dataset = solved(parameters={**DATA, "friction": [0.3, 0.5]})
+    axes = draw_landscape(dataset, {"friction": 0.5}).axes[0]
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert names == ["edge of limit", "edge of floor contact", "optimum"]
+    (star,) = [line for line in axes.lines if line.get_marker() == "*"]
+    assert star.get_xdata()[0] == dataset.best_beta.values[1]
+    assert star.get_ydata()[0] == dataset.best_alpha.values[1]
+
+
+def test_what_cannot_be_drawn_is_refused():
+    with pytest.raises(PlotError, match="no front"):
+        draw_front(solved())
+    with pytest.raises(PlotError, match="1 variables"):
+        draw_landscape(solved(parameters={**DATA, "alpha": 0}))
+    with pytest.raises(PlotError, match="not ranged"):
+        draw_landscape(solved(), {"gamma": 1})
+    with pytest.raises(PlotError, match="no optimisation"):
+        draw_front(solved().drop_vars("optimum_status"))
 
 
 # --- no optimum

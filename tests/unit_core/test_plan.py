@@ -311,7 +311,8 @@ class TestScenes:
         configs = Path(__file__).parents[2] / "configs"
         for study in ("trajectory.toml", "tumbling-course.toml"):
             used |= set(simulate(load_study(configs / study)).variables)
-        used |= set(optimise(load_study(configs / "optimise-pareto.toml")).variables)
+        front = optimise(load_study(configs / "optimise-pareto.toml"))
+        used |= {*front.variables}
         assert set(QUANTITIES) - used == set()
 
     def test_regime_values_are_distinct_and_without_gaps(self):
