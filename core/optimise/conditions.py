@@ -31,16 +31,32 @@ def residual(
     count, cells = x.shape
     span = problem.upper - problem.lower
     unit = (x - problem.lower[:, None]) / span[:, None]
-    steps = STEP * np.eye(count)[:, None, :]
-    ends = [np.clip(unit[:, :, None] + sign * steps, 0.0, 1.0) for sign in (-1.0, 1.0)]
-    both = np.concatenate(ends, axis=2)
+    # At each variable: two steps back, one back, one ahead, two ahead, and the point itself.
+    steps = STEP * np.array([-2.0, -1.0, 1.0, 2.0])
+    moves = np.concatenate([np.kron(np.eye(count), steps), np.zeros((count, 1))], axis=1)
+    at = unit[:, :, None] + moves[:, None, :]
     column = {name: values[:, None] for name, values in design.items()}
-    known = problem.known(problem.lower[:, None, None] + span[:, None, None] * both, column)
-    width = np.stack([ends[1][i, :, i] - ends[0][i, :, i] for i in range(count)], axis=1)
+    sizes = {name: values[:, None] for name, values in scales.items()}
+    places = problem.lower[:, None, None] + span[:, None, None] * np.clip(at, 0.0, 1.0)
+    known = problem.known(places, column)
+    _, beyond = problem.judged(places, column, sizes)
+    beyond = beyond + np.maximum(np.abs(at - 0.5) - 0.5, 0.0).sum(axis=0)
+    # Across a contact the outputs have a kink: differences stay on the side that is allowed.
+    allowed = beyond <= np.maximum(beyond[:, -1:], touching) + 1e-3 * STEP
+    allowed = allowed[:, :-1].reshape(cells, count, 4)
+    ahead = allowed[..., 2] & allowed[..., 3] & ~allowed[..., 1]
+    back = allowed[..., 0] & allowed[..., 1] & ~allowed[..., 2]
 
     def slope(values: Array) -> Array:
-        values = np.broadcast_to(values, (cells, 2 * count))
-        return (values[:, count:] - values[:, :count]) / width
+        values = np.broadcast_to(values, (cells, 4 * count + 1))
+        here = values[:, -1:]
+        two_back, one_back, one_on, two_on = np.moveaxis(
+            values[:, :-1].reshape(cells, count, 4), 2, 0
+        )
+        middle = (one_on - one_back) / 2
+        forward = -1.5 * here + 2 * one_on - two_on / 2
+        backward = 1.5 * here - 2 * one_back + two_back / 2
+        return np.where(ahead, forward, np.where(back, backward, middle)) / STEP
 
     size = problem.scale(scales)[:, None]
     target = problem.sign * slope(problem.output(problem.criterion.output, known)) / size

@@ -36,6 +36,7 @@ OPTIMUM_STATUSES: dict[str, Flag] = {
     "limit_reached": Flag(6, "the limit on steps came before the last digit", valid=False),
     "no_value": Flag(7, "the outputs have no value within the bounds", valid=False),
     "not_computed": Flag(8, "the study was stopped before this design", valid=False),
+    "suboptimal": Flag(9, "a dense grid has a better point, which the search missed", valid=False),
 }
 
 STATUS: Mapping[str, int] = {name: flag.value for name, flag in OPTIMUM_STATUSES.items()}

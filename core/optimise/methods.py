@@ -29,13 +29,17 @@ SEARCH_BUDGET = 4000  # points of a design
 def _exact(
     problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
 ) -> Found:
-    return known_answers.by_closed_form(problem, design)
+    found = known_answers.by_closed_form(problem, design)
+    watch.advance(1.0)
+    return found
 
 
 def _newton(
     problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
 ) -> Found:
-    return known_answers.by_newton(problem, design)
+    found = known_answers.by_newton(problem, design)
+    watch.advance(1.0)
+    return found
 
 
 def _search(

@@ -18,10 +18,11 @@ from core.optimise.single import spread
 from core.watch import Watch
 
 MEMBERS = 24  # and 8 more a variable
+SAMPLES = 1024  # of which the first members are taken
 MOST_GENERATIONS = 400
 CROSSED = 0.9  # share of the variables that change
 SMALL = 1e-12  # a population that is narrower in all variables has converged
-CELLS = 4096  # designs at a time: some 160,000 points
+CELLS = 256  # designs at a time: some 10,000 points a generation stay in the cache
 SEED = 1
 
 
@@ -54,14 +55,12 @@ def _evolve(
     cells, count = cells_of(design), len(problem.names)
     members = MEMBERS + 8 * count
     random = np.random.default_rng(SEED)
-    first = np.concatenate([_corners(count), spread(members, count)], axis=1)[:, :members]
-    unit = np.broadcast_to(first[:, None, :], (count, cells, members)).copy()
     best = np.full((count, cells), np.nan)
     ranks = np.full((2, cells), np.nan)
     used = np.zeros(cells, dtype=np.int64)
     alive = np.arange(cells)
     here, sizes = columns(design), columns(scales)
-    beyond, value = _judge(problem, unit, here, sizes)
+    unit, beyond, value = _first(problem, here, sizes, members)
     done = np.zeros(cells, dtype=np.bool_)
     for generation in range(MOST_GENERATIONS):
         if watch.stopped():
@@ -80,7 +79,7 @@ def _evolve(
             rows = np.arange(top.size)
             best[:, cell] = unit[:, ended][:, rows, top]
             ranks[:, cell] = beyond[ended][rows, top], value[ended][rows, top]
-            used[cell] = members * (generation + 2)
+            used[cell] = SAMPLES + members * (generation + 1)
             done[cell] = True
             watch.advance(float(cell.size / all_cells))
             stay = ~ended
@@ -95,6 +94,27 @@ def _evolve(
     x = problem.lower[:, None] + (problem.upper - problem.lower)[:, None] * best
     x = np.where(best == 1, problem.upper[:, None], x)
     return Found(np.where(status == STATUS["optimal"], x, np.nan), status, evaluations=used)
+
+
+def _first(
+    problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], members: int
+) -> tuple[Array, Array, Array]:
+    """Return the first members with their ranks: half are the best of many, half fill the box.
+
+    Where little is feasible, a few dozen points would know one corner of it only.
+    """
+    count, cells = len(problem.names), next(iter(design.values())).shape[0]
+    points = np.concatenate([_corners(count), spread(SAMPLES, count)], axis=1)[:, :SAMPLES]
+    unit = np.broadcast_to(points[:, None, :], (count, cells, SAMPLES))
+    beyond, value = _judge(problem, unit, design, scales)
+    order = np.lexsort((-value, beyond), axis=-1)[:, : members // 2]
+    rest = np.broadcast_to(np.arange(members - members // 2), (cells, members - members // 2))
+    place = np.concatenate([order, rest], axis=1)
+    return (
+        np.take_along_axis(unit, place[None], axis=2),
+        np.take_along_axis(beyond, place, axis=1),
+        np.take_along_axis(value, place, axis=1),
+    )
 
 
 def _judge(

@@ -28,7 +28,7 @@ from core.optimise.front import find_front, knee
 from core.optimise.grid import dense_grid
 from core.optimise.methods import METHODS
 from core.optimise.prepare import Optimisation, prepare
-from core.optimise.problem import LIMIT, Problem, chosen_cells
+from core.optimise.problem import LIMIT, Problem, cells_of, chosen_cells
 from core.optimise.single import spread
 from core.quantities import QUANTITIES, REGIMES, Flag
 from core.study.models import Limited, Pareto, Weighted
@@ -44,9 +44,11 @@ if TYPE_CHECKING:
 FORWARD = ("acceleration_x", "starting_acceleration", "conveying_velocity")
 """Outputs that are forward motion where they are positive."""
 
+BLOCK_CELLS = 65_536  # answers at a time: bounds the memory
 GAP_POINTS = 40_000  # of the grid that a design is compared with
 GAP_POINTS_MOTION = 1_600
 ROUNDING = 1e-15  # of an output's scale
+MISSED = 1e-6  # a gap above this is more than a method leaves
 AT_BOUND = 1e-9  # of a variable's range: it lies on its bound
 
 BINDS = {
@@ -75,19 +77,17 @@ def tabulate(prepared: Optimisation, *, watch: Watch | None = None) -> Table:
     Designs that are not finished then are NaN, with the status `not_computed`.
     """
     watch = watch or Watch()
-    problem, method = prepared.problem, prepared.method
     started = time.perf_counter()
-    design = designs_of(problem, prepared.designs)
-    scales = problem.scales(design)
-    if isinstance(problem.criterion, Pareto):
-        found = find_front(problem, design, scales, method, watch)
-        points = problem.criterion.points
-        design = {name: np.repeat(values, points) for name, values in design.items()}
-        scales = {name: np.repeat(values, points) for name, values in scales.items()}
-    else:
-        found = METHODS[method].solve(problem, design, scales, watch)
+    everything = designs_of(prepared.problem, prepared.designs)
+    cells = prepared.designs.cells
+    step = max(1, BLOCK_CELLS * cells // prepared.cells)
+    blocks, says = [], ""
+    for start in range(0, cells, step):
+        design = chosen_cells(everything, slice(start, start + step))
+        block, says = _solved(prepared, design, _share(watch, cells_of(design) / cells))
+        blocks.append(block)
+    arrays = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
     took = time.perf_counter() - started
-    arrays = _checked(prepared, found, design, scales)
     shape = tuple(prepared.grid.shape.values())
     dims = tuple(prepared.grid.axes)
     attributes = _attributes(prepared, arrays["regime"])
@@ -101,9 +101,30 @@ def tabulate(prepared: Optimisation, *, watch: Watch | None = None) -> Table:
         "message": _message(prepared, arrays),
         "run_time": f"{took:.3g} s",
     }
-    if found.says:
-        words["method_message"] = found.says
+    if says:
+        words["method_message"] = says
     return Table(coordinates, variables, words)
+
+
+def _solved(
+    prepared: Optimisation, design: Mapping[str, Array], watch: Watch
+) -> tuple[dict[str, NDArray[Any]], str]:
+    """Return every variable of the result for some designs, and what the method says."""
+    problem, method = prepared.problem, prepared.method
+    scales = problem.scales(design)
+    if isinstance(problem.criterion, Pareto):
+        found = find_front(problem, design, scales, method, watch)
+        points = problem.criterion.points
+        design = {name: np.repeat(values, points) for name, values in design.items()}
+        scales = {name: np.repeat(values, points) for name, values in scales.items()}
+    else:
+        found = METHODS[method].solve(problem, design, scales, watch)
+    return _checked(prepared, found, design, scales), found.says
+
+
+def _share(watch: Watch, share: float) -> Watch:
+    """Return a watch over some of the designs."""
+    return Watch(lambda done: watch.advance(done * share), watch.stopped)
 
 
 def designs_of(problem: Problem, grid: Grid) -> dict[str, Array]:
@@ -165,7 +186,10 @@ def _checked(
     else:
         left = left / size
     arrays["optimality_residual"] = np.where(lost, np.nan, left)
-    arrays["optimum_gap"] = _gap(prepared.method, here, value, lost, near, scales) / size
+    gap = _gap(prepared.method, here, value, lost, near, scales) / size
+    arrays["optimum_gap"] = gap
+    missed = (status == STATUS["optimal"]) & (gap > max(tolerance, MISSED))
+    status = np.where(missed, np.int8(STATUS["suboptimal"]), status)
     arrays["evaluations"] = np.broadcast_to(np.asarray(found.evaluations, np.float64), cells)
     if isinstance(problem.criterion, Pareto):
         points = problem.criterion.points
