@@ -34,6 +34,7 @@ ANGLES = {"alpha": Between(0.0, 90.0), "beta": Between(0.0, 90.0)}
 
 MOST_VARIABLES = 4
 FRONT = "front"
+NAMES_OF_STATES = ("regime", "motion_status")
 FLAGS = ("optimum_status", "regime", "knee")
 
 
@@ -196,7 +197,6 @@ def _is_planar(study: OptimiseStudy, values: Mapping[str, Values]) -> bool:
 def _kept(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[Kept]:
     """Yield every constraint: contacts, the limit of the criterion, those of the study."""
     if isinstance(study.criterion, Limited):
-        assert study.criterion.limit is not None
         yield Kept(LIMIT, study.criterion.against, study.criterion.limit, True, True)
     switches = {"floor_contact": study.floor_contact, "wall_contact": study.wall_contact}
     for name, output in CONTACTS.items():
@@ -218,10 +218,15 @@ def _ends(one: OutputLimit) -> Iterable[tuple[str, float]]:
 def _misplaced(study: OptimiseStudy, values: Mapping[str, Values], scene: Scene) -> Iterable[Wrong]:
     """Yield what is wrong between the parts of a study."""
     criterion = study.criterion
-    if isinstance(criterion, Limited) and (criterion.limit is None or criterion.limit < 0):
-        shown = "missing" if criterion.limit is None else f"{criterion.limit:g}"
+    if isinstance(criterion, Limited) and criterion.limit < 0:
         fix = "Give the largest absolute value, 0 or more"
-        yield Wrong("criterion.limit", f"it is {shown}", fix)
+        yield Wrong("criterion.limit", f"it is {criterion.limit:g}", fix)
+    places = {f"constraints.{i}.output": one.output for i, one in enumerate(study.constraints)}
+    places |= {"criterion.output": criterion.output}
+    places |= {"criterion.against": getattr(criterion, "against", "")}
+    for place, name in places.items():
+        if name in NAMES_OF_STATES:
+            yield Wrong(place, f"{name} is a name and not a number", "Take another output")
     if len(set(_criterion_outputs(study))) < len(_criterion_outputs(study)):
         yield Wrong("criterion.against", "it is the output itself", "Name another output")
     for name in study.bounds():

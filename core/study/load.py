@@ -81,8 +81,10 @@ def parse_study(content: object) -> Study:
             "it is missing" if missing else f"{str(kind)[:60]!r} is not a kind of study",
             "Write kind = " + " or ".join(f'"{name}"' for name in STUDIES),
         )
-        # The rest is checked all the same, as the only kind that it could be.
-        raise StudyError([problem, *_problems_of({**content, "kind": next(iter(STUDIES))})])
+        # The rest is checked all the same, as the kind that has most of its keys.
+        keys = {name: set(STUDIES[name].model_fields) & set(content) for name in STUDIES}
+        likely = max(STUDIES, key=lambda name: len(keys[name]))
+        raise StudyError([problem, *_problems_of({**content, "kind": likely})])
     try:
         return STUDIES[kind].model_validate(content)
     except ValidationError as error:

@@ -277,7 +277,7 @@ def _read_level(raw: object, info: ValidationInfo) -> object:
     if raw is None or quantity is None:  # an unknown output is told of elsewhere
         return raw if raw is None or isinstance(raw, int | float) else 0.0
     # What is compared with a parameter may lie outside the parameter's own bounds.
-    shown = quantity.examples or (f"1 {quantity.unit}",)
+    shown = quantity.examples or ("1" if quantity.unit == "1" else f"1 {quantity.unit}",)
     free = Quantity(
         quantity.unit, quantity.symbol, quantity.label, quantity.description, examples=shown
     )
@@ -287,11 +287,9 @@ def _read_level(raw: object, info: ValidationInfo) -> object:
         raise _refusal(error.message, error.fix) from error
 
 
-_Level = Annotated[
-    float | None,
-    BeforeValidator(_read_level),
-    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}),
-]
+_LEVEL_SCHEMA = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
+_Level = Annotated[float, BeforeValidator(_read_level), WithJsonSchema(_LEVEL_SCHEMA)]
+_OpenLevel = Annotated[float | None, BeforeValidator(_read_level), WithJsonSchema(_LEVEL_SCHEMA)]
 _Output = Annotated[str, Field(max_length=100)]
 
 
@@ -347,8 +345,8 @@ class OutputLimit(_Frozen):
     """Bounds that an output has to keep."""
 
     output: _Output = Field(description="The output.")
-    lower: _Level = Field(None, description="Its least value.")
-    upper: _Level = Field(None, description="Its largest value.")
+    lower: _OpenLevel = Field(None, description="Its least value.")
+    upper: _OpenLevel = Field(None, description="Its largest value.")
     absolute: bool = Field(False, description="Whether the bounds are those of its absolute value.")
 
 

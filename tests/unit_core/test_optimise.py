@@ -112,6 +112,10 @@ def test_all_mistakes_are_told_at_once():
     [
         ({"criterion": {"kind": "limit"}}, "criterion.limit", "missing"),
         ({"criterion": {"kind": "limit", "limit": -1}}, "criterion.limit", "0 or more"),
+        ({"criterion": {"kind": "limit", "limit": None}}, "criterion.limit", "number"),
+        ({"criterion": {"kind": "maximise", "output": "regime"}}, "criterion.output", "a name"),
+        ({"constraints": [{"output": "regime", "upper": 1}]}, "constraints.0.output", "a name"),
+        ({"kind": "optimize", "constraints": 5}, "constraints", "tuple"),
         ({"criterion": {"kind": "limits", "limit": 1}}, "criterion.kind", "Did you mean 'limit'"),
         ({"criterion": {"limit": 1}}, "criterion.kind", "missing"),
         ({"criterion": {"kind": "weighted", "weight": -1}}, "criterion.weight", "greater"),
@@ -140,7 +144,7 @@ def test_all_mistakes_are_told_at_once():
             "constraints.0",
             "above",
         ),
-        ({"constraints": [{"output": "throw_numbr", "upper": 1}]}, "constraints.0.output", "Did you"),
+        ({"constraints": [{"output": "throw_numbr", "upper": 1}]}, "constraints.0.output", "Did"),
         (
             {"constraints": [{"output": "throw_number", "upper": n} for n in (1, 2)]},
             "constraints.1",
@@ -266,8 +270,18 @@ def test_every_method_finds_the_best_elevation(method):
 def test_the_rougher_methods_come_near(method, gap):
     # Prices, barriers and grids keep away from edges; the default methods are in the laws.
     dataset = solved(method=method)
-    assert status(dataset) == "optimal"
     assert abs(float(dataset.optimum_gap)) < gap
+    # What is more than a method's own tolerance is admitted.
+    missed = float(dataset.optimum_gap) > max(METHODS[method].tolerance, 1e-6)
+    assert status(dataset) == ("suboptimal" if missed else "optimal")
+
+
+def test_the_residual_does_not_look_across_lift_off():
+    # The best is at lift-off, where the friction disc has a kink in n0.
+    change = {"variant": "physical", "criterion": {"kind": "maximise"}, "method": "population"}
+    kept = solved(parameters={**DATA, "amplitude": "0.5 mm"}, **change)
+    assert int(kept.binds_floor_contact) == 1
+    assert float(kept.optimality_residual) < 1e-8
 
 
 def test_frequency_and_amplitude_can_be_variables():
