@@ -79,7 +79,7 @@ def _evolve(
             rows = np.arange(top.size)
             best[:, cell] = unit[:, ended][:, rows, top]
             ranks[:, cell] = beyond[ended][rows, top], value[ended][rows, top]
-            used[cell] = SAMPLES + members * (generation + 1)
+            used[cell] = 2 * SAMPLES + members * (generation + 1)
             done[cell] = True
             watch.advance(float(cell.size / all_cells))
             stay = ~ended
@@ -101,12 +101,23 @@ def _first(
 ) -> tuple[Array, Array, Array]:
     """Return the first members with their ranks: half are the best of many, half fill the box.
 
-    Where little is feasible, a few dozen points would know one corner of it only.
+    Where little is feasible, a few dozen points would know one corner of it only: the box around
+    what the first points find feasible is sampled once more.
     """
     count, cells = len(problem.names), next(iter(design.values())).shape[0]
-    points = np.concatenate([_corners(count), spread(SAMPLES, count)], axis=1)[:, :SAMPLES]
-    unit = np.broadcast_to(points[:, None, :], (count, cells, SAMPLES))
-    beyond, value = _judge(problem, unit, design, scales)
+    points = np.concatenate([_corners(count), spread(SAMPLES, count)], axis=1)[:, None, :SAMPLES]
+    wide = np.broadcast_to(points, (count, cells, SAMPLES))
+    wide_beyond, wide_value = _judge(problem, wide, design, scales)
+    near = wide_beyond <= wide_beyond.min(axis=1, keepdims=True)
+    apart = SAMPLES ** (-1 / count)
+    low = np.where(near, wide, np.inf).min(axis=2, keepdims=True) - apart
+    high = np.where(near, wide, -np.inf).max(axis=2, keepdims=True) + apart
+    low, high = np.maximum(low, 0.0), np.minimum(high, 1.0)
+    close = low + (high - low) * points
+    close_beyond, close_value = _judge(problem, close, design, scales)
+    unit = np.concatenate([close, wide], axis=2)
+    beyond = np.concatenate([close_beyond, wide_beyond], axis=1)
+    value = np.concatenate([close_value, wide_value], axis=1)
     order = np.lexsort((-value, beyond), axis=-1)[:, : members // 2]
     rest = np.broadcast_to(np.arange(members - members // 2), (cells, members - members // 2))
     place = np.concatenate([order, rest], axis=1)

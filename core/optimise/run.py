@@ -48,6 +48,7 @@ BLOCK_CELLS = 65_536  # answers at a time: bounds the memory
 GAP_POINTS = 40_000  # of the grid that a design is compared with
 GAP_POINTS_MOTION = 1_600
 ROUNDING = 1e-15  # of an output's scale
+FLAT = 1e-14  # of the scale: what all choices differ by is rounding
 MISSED = 1e-6  # a gap above this is more than a method leaves
 AT_BOUND = 1e-9  # of a variable's range: it lies on its bound
 
@@ -221,7 +222,9 @@ def _status(
         column = {name: values[:, None] for name, values in design.items()}
         values = problem.objective(problem.known(x, column))
         values = np.broadcast_to(values, (status.size, 16))
-        flat = values.max(axis=1) - values.min(axis=1) <= 1e-14 * problem.scale(scales)
+        best = np.broadcast_to(problem.objective(dict(known)), status.shape)
+        apart = np.maximum(values.max(axis=1), best) - np.minimum(values.min(axis=1), best)
+        flat = apart <= FLAT * problem.scale(scales)
         status = np.where(optimal & flat & (status == STATUS["optimal"]), STATUS["flat"], status)
     return np.asarray(status, dtype=np.int8)
 

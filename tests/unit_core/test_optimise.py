@@ -348,6 +348,34 @@ def test_the_fastest_true_motion():
     assert dataset.attrs["motion_method"] == "events"
 
 
+def test_a_small_feasible_corner_is_searched_as_a_whole():
+    # Both contacts leave a tenth of the angles, with a low point in each of its corners.
+    dataset = solved(
+        scene="rectangle-on-track",
+        variant="physical",
+        criterion={"kind": "minimise"},
+        parameters={
+            "frequency": 25.775, "amplitude": 0.0013445, "gravity": 9.81, "gamma": -9.096,
+            "friction": 0.0941, "delta": 39.83,
+        },
+    )  # fmt: skip
+    assert status(dataset) == "optimal"
+    assert float(dataset.optimum_gap) < 1e-9
+
+
+def test_a_drive_just_strong_enough_moves_the_part():
+    # Friction holds the part at all but a few angles: the choice matters.
+    least = 0.5 * 9.8 / np.sqrt(1.25)
+    amplitude = 1.0005 * least / (2 * np.pi * 60) ** 2
+    dataset = solved(
+        variant="physical",
+        criterion={"kind": "maximise"},
+        parameters={**DATA, "amplitude": amplitude},
+    )
+    assert status(dataset) == "optimal"
+    assert float(dataset.best_beta) == pytest.approx(np.degrees(np.arctan(0.5)), abs=1e-7)
+
+
 def test_knees():
     corner = np.array([[4.0, 3.9, 3.0, 0.0]])
     other = np.array([[4.0, 1.0, 0.5, 0.0]])
