@@ -11,11 +11,12 @@ FROM python:3.11-slim-bookworm
 # The folder is not /app: a package of that name would be found there by chance.
 WORKDIR /srv/vibrafeed
 RUN useradd --system --uid 10001 --home-dir /srv/vibrafeed vibrafeed \
-    && install -d -o vibrafeed /var/lib/vibrafeed
+    && install -d -o vibrafeed /var/lib/vibrafeed /var/cache/vibrafeed
 COPY --from=build /opt/vibrafeed /opt/vibrafeed
 COPY configs configs
 ENV PATH=/opt/vibrafeed/bin:$PATH \
     PYTHONUNBUFFERED=1 \
+    NUMBA_CACHE_DIR=/var/cache/vibrafeed \
     VIBRAFEED_DATA_DIRECTORY=/var/lib/vibrafeed
 USER 10001
 VOLUME /var/lib/vibrafeed

@@ -126,10 +126,10 @@ def plot(
         typer.Option("--at", help="Value of another dimension, as in `frequency=60 Hz`."),
     ] = None,
     kind: Annotated[
-        str | None, typer.Option("--kind", "-k", help="contour, surface or line.")
+        str | None, typer.Option("--kind", "-k", help="contour, surface, line, map or trajectory.")
     ] = None,
 ) -> None:
-    """Draw an output over one or two dimensions, with the regime shaded."""
+    """Draw an output with its regimes, a map of the regimes, or the course of one part."""
     from app import report
 
     try:

@@ -132,16 +132,13 @@ def regime_shares(table: Table) -> dict[str, float]:
 
 def show_scenes(lines: list[dict[str, Any]]) -> None:
     """Print one line for each scene."""
-    grid = _grid("scene", "source", "variants", "methods in time", "title")
+    grid = _grid("scene", "variants", "methods in time", "title")
     for line in lines:
         names = (f"{v}*" if v == line["default_variant"] else v for v in line["variants"])
-        grid.add_row(
-            line["name"],
-            line["source"],
-            ", ".join(names),
-            ", ".join(line["methods"]) or "-",
-            line["title"],
-        )
+        methods = "\n".join(line["methods"]) or "-"
+        grid.add_row(line["name"], "\n".join(names), methods, line["title"])
+    for column in grid.columns[:3]:
+        column.no_wrap, column.min_width = True, None
     console.print(grid)
     _say("  * default; `vibrafeed scenes NAME` tells more, with --method about its motion in time")
 
@@ -197,7 +194,7 @@ def _grid(*columns: str) -> Grid:
     """Return an empty table; names, in its first column, are never broken."""
     grid = Grid(box=box.SIMPLE)
     for number, column in enumerate(columns):
-        grid.add_column(column, no_wrap=number == 0, min_width=None if number else 12)
+        grid.add_column(column, no_wrap=number == 0, min_width=12 if number else None)
     return grid
 
 

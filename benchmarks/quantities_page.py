@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from core.quantities import QUANTITIES, REGIMES, Quantity
+from core.quantities import MOTION_STATUSES, QUANTITIES, REGIMES, Quantity
 
 PAGE = Path(__file__).parents[1] / "docs" / "quantities.md"
 
@@ -41,12 +41,13 @@ def page() -> str:
         for name, q in QUANTITIES.items()
         if not q.parameter and not q.bundle
     ]
-    lines += ["", "## Regimes", "", "| value | name | closed forms valid | meaning |"]
-    lines += ["| --- | --- | --- | --- |"]
-    lines += [
-        f"| {r.value} | `{name}` | {'yes' if r.valid else 'no'} | {r.description} |"
-        for name, r in REGIMES.items()
-    ]
+    for title, flags in (("Regimes", REGIMES), ("Statuses of motion", MOTION_STATUSES)):
+        lines += ["", f"## {title}", "", "| value | name | values describe a real part | meaning |"]
+        lines += ["| --- | --- | --- | --- |"]
+        lines += [
+            f"| {flag.value} | `{name}` | {'yes' if flag.valid else 'no'} | {flag.description} |"
+            for name, flag in flags.items()
+        ]
     return "\n".join(lines) + "\n"
 
 

@@ -48,7 +48,8 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
         scene.choice: chosen,
         "validity": scene.validity,
         "parameters": [
-            _describe_parameter(scene, parameter) for parameter in scene_parameters(scene, chosen)
+            _describe_parameter(scene, chosen, parameter)
+            for parameter in scene_parameters(scene, chosen)
         ],
         "outputs": [
             _describe_output(scene, chosen, equation)
@@ -122,9 +123,9 @@ def kind_schema(kind: str) -> dict[str, Any]:
     return schema
 
 
-def _describe_parameter(scene: Scene, name: str) -> dict[str, Any]:
+def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]:
     quantity = QUANTITIES[name]
-    default = scene.defaults.get(name)
+    default = scene.defaults_of(variant).get(name)
     replaces = [alias.gives for alias in ALIASES if name in alias.inputs]
     return {
         "name": name,

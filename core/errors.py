@@ -74,10 +74,14 @@ class SceneError(VibrafeedError):
     """A scene is not sound: two producers of a quantity, an undeclared name, a cycle."""
 
 
+MEANT = 4  # letters of a name that tell which is meant
+
+
 def suggestion(name: str, known: Iterable[str], otherwise: str = "") -> str:
     """Return ``Did you mean ...?`` for the nearest known name, or the whole choice."""
     choice = sorted(known)
-    near = difflib.get_close_matches(name, choice, n=1, cutoff=0.6)
+    longer = [known for known in choice if len(name) >= MEANT and known.startswith(name)]
+    near = longer or difflib.get_close_matches(name, choice, n=1, cutoff=0.6)
     if near:
         return f"Did you mean '{near[0]}'?"
     return otherwise or "Known: " + ", ".join(choice)

@@ -147,6 +147,15 @@ def _motion() -> dict[str, Quantity]:
         "most_periods": number(
             "N", "Most periods", "Most periods of the drive that one point is followed for."
         ),
+        "steps_per_period": number(
+            "n", "Steps per period", "Time steps in a period of the drive, of the coarser run."
+        ),
+        "slip_speed": number(
+            "u_s", "Slip speed", "Speed below which regularised friction gives way, in g/w."
+        ),
+        "contact_stiffness": number(
+            "k", "Contact stiffness", "Stiffness of the regularised floor, over m w^2."
+        ),
     }
     results = {
         "conveying_velocity": _velocity(

@@ -12,8 +12,8 @@ from core.quantities import QUANTITIES
 from core.scenes import Scene
 from core.study.load import parse_study
 from core.study.models import SimulateStudy
-from core.sweep.plan import find_scene
-from core.sweep.prepare import Prepared, further_problems, plan_study
+from core.sweep.plan import choose_scene
+from core.sweep.prepare import Chosen, Prepared, further_problems, plan_study
 
 DEFAULT_OUTPUTS = ("conveying_velocity",)
 PLANAR_METHOD = "events"
@@ -37,10 +37,8 @@ def prepare(study: SimulateStudy) -> Simulation:
     across = study.values().get("alpha")
     planar = across is None or across.canonical() == 0
 
-    def chosen() -> tuple[Scene, str]:
-        return find_system(study.scene, study.method, planar)
-
-    scene, method = chosen()
+    chosen = _choose(study.scene, study.method, planar)
+    scene, method, _ = chosen
     settings = study.settings()
     # `motion_status` tells how each value was found: it is never left out.
     asked = tuple(dict.fromkeys((*study.outputs, "motion_status")))
@@ -93,15 +91,22 @@ def find_system(name: str, method: str | None, planar: bool = True) -> tuple[Sce
     StudyError
         If there is no such system or method.
     """
-    scene, chosen = find_scene(name, method, SYSTEMS)
-    if method is None and planar and PLANAR_METHOD in scene.variants:
+    scene, method, problems = _choose(name, method, planar)
+    if problems:
+        raise StudyError(problems)
+    return scene, method
+
+
+def _choose(name: str, method: str | None, planar: bool) -> Chosen:
+    scene, chosen, problems = choose_scene(name, method, SYSTEMS)
+    if chosen != method and planar and PLANAR_METHOD in scene.variants:
         chosen = PLANAR_METHOD
-    return scene, chosen
+    return scene, chosen, problems
 
 
-def _chosen(content: Mapping[str, Any]) -> tuple[Scene, str]:
+def _chosen(content: Mapping[str, Any]) -> Chosen:
     method, parameters = content.get("method"), content["parameters"]
-    return find_system(
+    return _choose(
         content["scene"],
         method if isinstance(method, str) else None,
         parameters.get("alpha", 0) == 0,

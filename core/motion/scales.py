@@ -89,8 +89,9 @@ def conveying_velocity_error(*, motion: Motion, velocity_scale: Array) -> Array:
 
 
 def efficiency(*, motion: Motion, drive_number_along: Array) -> Array:
-    """Return the conveying velocity over A0 w cos(beta) cos(alpha) [1]."""
-    return ratio(motion.velocity, drive_number_along, np.nan)
+    """Return the conveying velocity over A0 w cos(beta) cos(alpha); 0 at rest [1]."""
+    moves = motion.velocity != 0
+    return np.where(moves, ratio(motion.velocity, drive_number_along, np.nan), 0.0)
 
 
 def stick_fraction(*, motion: Motion) -> Array:

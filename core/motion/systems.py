@@ -7,12 +7,13 @@ calls a variant is a method here. Nothing that computes is loaded before it is c
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from core.mechanics import vibration
 from core.mechanics.arrays import Mask
-from core.motion import scales
+from core.motion import methods, scales
 from core.motion.motion import STATUS, Motion
 from core.motion.planar import planar_motion
 from core.motion.tumbling_scene import cylinder, rectangle, tumbling_scene
@@ -24,9 +25,6 @@ from core.scenes.scene import (
     Equation,
     Scene,
 )
-
-SETTINGS = {"tolerance": 1e-12, "most_periods": 1000.0}
-"""What a study may set beside its parameters, and what stands in for it."""
 
 
 def _has_status(*names: str) -> Callable[..., Mask]:
@@ -109,7 +107,32 @@ PLANAR_SCALES = (
     Equation("length_scale", scales.length_scale, "theory 13.8"),
 )
 
-EVENTS = (*PLANAR_SCALES, Equation("motion", planar_motion, "theory 13.2-13.8"), *RESULTS)
+SPATIAL_SCALES = (
+    *PLANAR_SCALES,
+    Equation("drive_number_across", scales.drive_number_across, "theory 13.1"),
+)
+TRACK_SCALES = (
+    *(e for e in SPATIAL_SCALES if e.gives != "gravity_number_normal"),
+    Equation("gravity_number_across", scales.gravity_number_across, "theory 13.1"),
+    Equation("gravity_number_normal", scales.leaning_gravity_number_normal, "theory 13.1"),
+    Equation("curvature_number", scales.curvature_number, "theory 13.10"),
+)
+
+PLANE_DEFAULTS = {
+    "alpha": 0.0,
+    "gamma": 0.0,
+    "gravity": STANDARD_GRAVITY,
+    "restitution": 0.0,
+    "tolerance": 1e-12,
+    "most_periods": 1000.0,
+}
+STEPPING_DEFAULTS = {"steps_per_period": 1000.0, "most_periods": 200.0}
+REGULARISED_DEFAULTS = {
+    "tolerance": 1e-7,
+    "most_periods": 100.0,
+    "slip_speed": 1e-4,
+    "contact_stiffness": 1e8,
+}
 
 PLANAR = Constraint(
     ("alpha",),
@@ -118,37 +141,89 @@ PLANAR = Constraint(
     "Leave alpha out, or set method = 'time-stepping'",
     variant="events",
 )
+DRIVEN = Constraint(
+    ("frequency",),
+    lambda least, _: least > 0,
+    "a frequency of 0 is no drive: there is no period to take a mean over",
+    "Give a frequency above 0",
+)
+VALIDITY = (
+    "The part is a point with contact conditions: it does not tip. It starts at rest on the floor. "
+    "Mean values are those of the motion that it falls into."
+)
 
-PLANE_DEFAULTS = {
-    "alpha": 0.0,
-    "gamma": 0.0,
-    "gravity": STANDARD_GRAVITY,
-    "restitution": 0.0,
-    **SETTINGS,
-}
 
+def _plane(name: str, title: str, rolling: float) -> Scene:
+    def motion(scale: tuple[Equation, ...], function: Callable[..., Motion], source: str) -> Any:
+        return (*scale, Equation("motion", function, source), *RESULTS)
 
-def _plane(name: str, title: str) -> Scene:
+    variants = {
+        "events": motion(PLANAR_SCALES, planar_motion, "theory 13.2-13.8"),
+        "time-stepping": motion(SPATIAL_SCALES, methods.stepped_on_plane(rolling), "theory 13.9"),
+        "reference": motion(SPATIAL_SCALES, methods.reference_on_plane(rolling), "theory 13.1"),
+    }
+    # Regularised friction acts on the part itself, so that only a block has it in space.
+    solvers = {"regularised": "Radau", "regularised-BDF": "BDF", "regularised-LSODA": "LSODA"}
+    if rolling == 0:
+        variants |= {
+            method: motion(SPATIAL_SCALES, methods.regularised_by(solver), "theory 13.1")
+            for method, solver in solvers.items()
+        }
     return Scene(
         name=name,
         title=title,
         source="theory 13",
-        validity="The part is a point with contact conditions: it does not tip or spin. It starts "
-        "at rest on the floor. Mean values are those of the motion that it falls into.",
-        variants={"events": EVENTS},
-        default_variant="events",
-        conditions={"events": CONDITIONS},
+        validity=VALIDITY,
+        variants=variants,
+        default_variant="time-stepping",
+        conditions=dict.fromkeys(variants, CONDITIONS),
         defaults=PLANE_DEFAULTS,
-        constraints=(STATIC_ABOVE_KINETIC, PLANAR),
+        constraints=(STATIC_ABOVE_KINETIC, DRIVEN, PLANAR),
         choice="method",
+        variant_defaults={
+            "time-stepping": STEPPING_DEFAULTS,
+            "reference": {"most_periods": 100.0},
+            **dict.fromkeys(solvers, REGULARISED_DEFAULTS),
+        },
     )
 
+
+TRACK = Scene(
+    name="rectangle-on-track",
+    title="Motion in time of a rectangular part on the track, with floor and wall",
+    source="theory 13",
+    validity=VALIDITY + " The wall has the friction and the restitution of the floor. The track is "
+    "straight unless the study gives its radius.",
+    variants={
+        "time-stepping": (
+            *TRACK_SCALES,
+            Equation("motion", methods.stepped_on_track, "theory 13.1, 13.9"),
+            *RESULTS,
+        ),
+        "reference": (
+            *TRACK_SCALES,
+            Equation("motion", methods.reference_on_track, "theory 13.1"),
+            *RESULTS,
+        ),
+    },
+    default_variant="time-stepping",
+    conditions={"time-stepping": CONDITIONS, "reference": CONDITIONS},
+    defaults={**PLANE_DEFAULTS, "delta": 0.0, "curvature_number": 0.0},
+    constraints=(STATIC_ABOVE_KINETIC, DRIVEN),
+    choice="method",
+    variant_defaults={"time-stepping": STEPPING_DEFAULTS, "reference": {"most_periods": 100.0}},
+)
 
 SYSTEMS: dict[str, Scene] = {
     system.name: system
     for system in (
-        _plane("rectangle-on-plane", "Motion in time of a rectangular part on a plane"),
-        _plane("cylinder-on-plane", "Motion in time of a cylinder, its axis along the track"),
+        _plane("rectangle-on-plane", "Motion in time of a rectangular part on a plane", 0.0),
+        _plane(
+            "cylinder-on-plane",
+            "Motion in time of a cylinder on a plane, its axis along the track",
+            methods.SOLID_CYLINDER,
+        ),
+        TRACK,
         tumbling_scene("rectangle-isolated", "Tumbling rectangular part on a plane", rectangle),
         tumbling_scene("cylinder-isolated", "Tumbling cylindrical part on a plane", cylinder),
     )

@@ -14,18 +14,26 @@ from matplotlib.figure import Figure
 from core.plots.contour import draw_contour
 from core.plots.line import draw_line
 from core.plots.problem import PlotError
+from core.plots.regime_map import draw_map
 from core.plots.regimes import Look, looks_of
 from core.plots.selection import Selection, select
 from core.plots.surface import draw_surface
 from core.plots.text import long_name
+from core.plots.trajectory import TIME, draw_trajectory, read_trajectory
 
 SIZE = (8.0, 6.4)  # inches
 Painter = Callable[[Figure, Selection, Sequence[Look]], tuple[Axes, list[Artist]]]
-PAINTERS: dict[str, Painter] = {"contour": draw_contour, "surface": draw_surface, "line": draw_line}
+PAINTERS: dict[str, Painter] = {
+    "contour": draw_contour,
+    "surface": draw_surface,
+    "line": draw_line,
+    "map": draw_map,
+}
 LINE_LENGTH = 108  # characters of the subtitle
 SHORT_LINE = 90  # beside a legend, or above a surface
 LEGEND_LENGTH = 112
 HANDLE_LENGTH = 10  # the like of a swatch in the legend
+TRAJECTORY = "Motion of the part on the moving track"
 DOT = " \N{MIDDLE DOT} "
 QUIET = "#444444"
 
@@ -38,12 +46,13 @@ def draw(
     at: Mapping[str, float] | None = None,
     kind: str | None = None,
 ) -> Figure:
-    """Return the picture of an output over one or two dimensions, with the regime shaded.
+    """Return the picture of an output with the regime shaded, of the regimes, or of one motion.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        A sweep, as `core.sweep.sweep` returns it or as its file is read.
+        A sweep or simulation, as `core.sweep.sweep` or `core.motion.simulate` returns it or as its
+        file is read.
     variable : str, optional
         The output; the first if left out.
     axes : tuple of str, optional
@@ -51,8 +60,10 @@ def draw(
     at : mapping of str to float, optional
         Values of other dimensions, in the unit of the dataset; the middle one if left out.
     kind : str, optional
-        contour, surface or line; contour over two axes and line over one if left out. A line with
-        two axes is a family of curves, at most seven.
+        contour, surface, line, map or trajectory. If left out: contour over two axes, line over
+        one, trajectory where the dataset holds a motion over a cycle. A line with two axes is a
+        family of curves, at most seven. A map shows the regimes alone; it and a trajectory have no
+        use for `variable`.
 
     Returns
     -------
@@ -76,16 +87,25 @@ def draw(
     if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
         fix = "Draw a file that `vibrafeed run` wrote"
         raise PlotError("dataset", "it is no result of vibrafeed: no regime or no scene", fix)
-    selection = select(dataset, variable, axes, at or {}, kind)
-    looks = looks_of(dataset["regime"], selection.regimes)
     figure = Figure(figsize=SIZE, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
-    axes_, entries = PAINTERS[selection.kind](figure, selection, looks)
-    heading = figure.suptitle(
-        long_name(selection.variable), x=0.02, ha="left", fontsize=13, fontweight="bold"
-    )
-    subtitle = axes_.set_title(
-        _subtitle(selection, dataset), loc="left", fontsize=8.5, color=QUIET, linespacing=1.4
+    if kind == "trajectory" or (
+        (kind, variable, axes) == (None, None, None) and TIME in dataset.dims
+    ):
+        trajectory = read_trajectory(dataset, variable, axes, at or {})
+        top, entries = draw_trajectory(figure, trajectory)
+        name, facts, length = TRAJECTORY, trajectory.facts, LINE_LENGTH
+    else:
+        selection = select(dataset, variable, axes, at or {}, kind)
+        looks = looks_of(dataset["regime"], selection.regimes)
+        top, entries = PAINTERS[selection.kind](figure, selection, looks)
+        name = "Regimes" if selection.kind == "map" else long_name(selection.variable)
+        facts = list(selection.fixed)
+        wide = selection.kind in ("contour", "map") or len(selection.axes) == 1
+        length = LINE_LENGTH if wide else SHORT_LINE
+    heading = figure.suptitle(name, x=0.02, ha="left", fontsize=13, fontweight="bold")
+    subtitle = top.set_title(
+        _subtitle(facts, length, dataset), loc="left", fontsize=8.5, color=QUIET, linespacing=1.4
     )
     _add_legend(figure, entries)
     figure.draw_without_rendering()
@@ -93,15 +113,11 @@ def draw(
     return figure
 
 
-def _subtitle(selection: Selection, dataset: xarray.Dataset) -> str:
-    """Return what is held fixed, and where the values come from."""
-    wide = selection.kind == "contour" or len(selection.axes) == 1
-    length = LINE_LENGTH if wide else SHORT_LINE
-    fixed = [line.strip(DOT) for line in textwrap.wrap(DOT.join(selection.fixed), length)]
-    variant = dataset.attrs.get("variant", "")
-    origin = ",\N{NO-BREAK SPACE}".join(
-        str(part) for part in (dataset.attrs["scene"], variant) if part
-    )
+def _subtitle(facts: Sequence[str], length: int, dataset: xarray.Dataset) -> str:
+    """Return what is held fixed, and where the values come from, in lines of a length."""
+    fixed = [line.strip(DOT) for line in textwrap.wrap(DOT.join(facts), length)]
+    parts = (dataset.attrs.get(name) for name in ("scene", "variant", "method"))
+    origin = ",\N{NO-BREAK SPACE}".join(str(part) for part in parts if part)
     title = dataset.attrs.get("title")
     source = f"{title} ({origin})" if title else origin
     return "\n".join(fixed + textwrap.wrap(source, length, break_on_hyphens=False))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Literal
 
 import matplotlib
@@ -11,15 +12,19 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from core.plots.parts import set_log
-from core.plots.regimes import EDGE, HATCH_WIDTH, PLAIN, Look, mix, swatch
+from core.plots.parts import add_room, cell_edges, set_log
+from core.plots.regimes import EDGE, HATCH_WIDTH, MOTION, PLAIN, VEIL, Look, mix, swatch
 from core.plots.scale import value_range
 from core.plots.selection import Axis, Selection, thin
 from core.plots.text import axis_label, number, short_label, with_unit
 
 MOST_CURVES = 7
+MOST_RUNS = 20  # of a regime; the borders of more would hide the curve
+STRIP = 0.055  # of the height of the curves
+BAND = 0.4  # strength of the colour of a spread
 CURVE = "#1f3b73"
 DASHES = ((4.0, 2.0), (1.0, 1.5), (7.0, 2.0, 1.0, 2.0), (3.0, 1.5, 1.0, 1.5, 1.0, 1.5))
 
@@ -31,33 +36,97 @@ def draw_line(
     figure: Figure, selection: Selection, looks: Sequence[Look]
 ) -> tuple[Axes, list[Artist]]:
     """Draw the lines; return the axes and the legend's entries for the regimes."""
-    axes = figure.add_subplot()
     across = selection.axes[0]
     chosen = thin(selection.axes[1].values.size, MOST_CURVES) if len(selection.axes) > 1 else [0]
     values = selection.values.reshape(across.values.size, -1)[:, chosen]
     regimes = selection.regimes.reshape(across.values.size, -1)[:, chosen]
+    alike = bool((regimes == regimes[:, :1]).all())
+    colours = _colours(len(chosen))
+    entries: list[Artist] = []
+    # Where the strokes of a curve cannot tell all regimes apart, a strip below the curves does.
+    striped = not alike and len({_style(look, looks, alike) for look in looks}) < len(looks)
+    if striped:
+        heights = (1.0, STRIP * len(chosen))
+        axes, strips = figure.subplots(2, 1, sharex=True, height_ratios=heights)
+        second = selection.axes[1]
+        labels = [with_unit(number(value, 4), second.unit) for value in second.values[chosen]]
+        _add_strips(strips, across, regimes, looks, labels)
+        lowest = strips
+        entries += [swatch(look, look.fill, hatched=not look.valid) for look in looks]
+    else:
+        lowest = axes = figure.add_subplot()
     if across.is_log:
         set_log(axes.xaxis, across.values)
-    alike = bool((regimes == regimes[:, :1]).all())
-    entries: list[Artist] = []
     if alike:
         _spans(axes, across, regimes[:, 0], looks)
-        entries += [swatch(look, look.tint) for look in looks]
-    else:
+        entries += [swatch(look, look.tint, hatched=look.name not in MOTION) for look in looks]
+    elif not striped:
         entries += [_handle(look, looks) for look in looks]
-    colours = _colours(len(chosen))
     for colour, curve, states in zip(colours, values.T, regimes.T, strict=True):
         for look in looks:
-            _part(axes, across.values, curve, states, look, _style(look, looks, alike), colour)
+            style = _style(look, looks, alike or striped)
+            _part(axes, across.values, curve, states, look, style, colour)
         _mark_edges(axes, across.values, curve, states, looks)
+    if selection.spread is not None and selection.spread.any():
+        spread = selection.spread.reshape(across.values.size, -1)[:, chosen]
+        entries.append(_add_bands(axes, across.values, values, spread, colours))
+        values = np.concatenate([values - spread, values + spread])
     if len(selection.axes) > 1:
         _name_curves(figure, selection, selection.axes[1].values[chosen], colours)
     _limit(axes, across, values)
-    axes.set_xlabel(across.label)
+    lowest.set_xlabel(across.label)
     axes.set_ylabel(short_label(selection.variable, selection.unit))
     axes.grid(visible=True, color="#000000", alpha=0.12, linewidth=0.6)
     axes.set_axisbelow(True)
     return axes, entries
+
+
+def _add_bands(
+    axes: Axes,
+    x: NDArray[np.float64],
+    values: NDArray[np.float64],
+    spread: NDArray[np.float64],
+    colours: list[Colour],
+) -> Artist:
+    """Add a light band about each curve; return the legend's entry."""
+    for curve, width, colour in zip(values.T, spread.T, colours, strict=True):
+        if width.any():
+            axes.fill_between(
+                x, curve - width, curve + width, color=colour, alpha=BAND, linewidth=0, zorder=1.5
+            )
+    shown = colours[0] if len(colours) == 1 else "#555555"
+    return Patch(facecolor=mix(shown, VEIL, 1 - BAND), label="\N{PLUS-MINUS SIGN} spread")
+
+
+def _add_strips(
+    axes: Axes,
+    across: Axis,
+    regimes: NDArray[np.int64],
+    looks: Sequence[Look],
+    labels: list[str],
+) -> None:
+    """Show the regimes of each curve in a strip."""
+    edges = cell_edges(across)
+    by_value = {look.value: look for look in looks}
+    for row, states in enumerate(regimes.T):
+        for value, start, stop in _runs(states):
+            look = by_value[value]
+            bar = axes.broken_barh(
+                [(edges[start], edges[stop] - edges[start])], (row - 0.4, 0.8), facecolor=look.fill
+            )
+            bar.set_linewidth(0)
+            if not look.valid:
+                bar.set(hatch=look.hatch, edgecolor=mix(look.colour, VEIL, 0.35))
+                bar.set_hatch_linewidth(HATCH_WIDTH)
+    axes.set_ylim(-0.6, len(labels) - 0.4)
+    axes.set_yticks(range(len(labels)), labels)
+    axes.tick_params(axis="y", length=0, labelsize=8)
+
+
+def _runs(states: NDArray[np.int64]) -> list[tuple[int, int, int]]:
+    """Return value, first position and end of each run of equal states."""
+    changes = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), states.size]
+    return [(int(states[start]), start, stop) for start, stop in pairwise(changes)]
 
 
 def _colours(count: int) -> list[Colour]:
@@ -129,25 +198,21 @@ def _mark_edges(
 
 def _spans(axes: Axes, across: Axis, states: NDArray[np.int64], looks: Sequence[Look]) -> None:
     """Colour the background by regime; borders lie halfway between two points."""
-    x = np.log(across.values) if across.is_log else across.values
-    between = (x[:-1] + x[1:]) / 2
-    middle = np.exp(between) if across.is_log else between
-    edges = np.concatenate([across.values[:1], middle, across.values[-1:]])
-    changes = np.flatnonzero(np.diff(states)) + 1
+    edges = cell_edges(across)
     by_value = {look.value: look for look in looks}
-    starts, stops = [0, *changes], [*changes, states.size]
-    for start, stop in zip(starts, stops, strict=True):
-        look = by_value[int(states[start])]
+    runs = _runs(states)
+    for value, start, stop in runs:
+        look = by_value[value]
         area = axes.axvspan(edges[start], edges[stop], facecolor=look.tint, linewidth=0, zorder=0)
-        if look.hatch:
-            area.set(hatch=look.hatch, edgecolor=mix(look.colour, "#ffffff", 0.72))
+        if look.hatch and look.name not in MOTION:
+            area.set(hatch=look.hatch, edgecolor=mix(look.colour, VEIL, 0.72))
             area.set_hatch_linewidth(HATCH_WIDTH)
-    for change in changes:
-        pair = (by_value[int(states[change - 1])], by_value[int(states[change])])
-        leaves = pair[0].valid != pair[1].valid
-        axes.axvline(
-            edges[change], color=EDGE if leaves else "#333333", linewidth=2.0 if leaves else 0.8
-        )
+    for (before, _, _), (after, start, _) in pairwise(runs):
+        leaves = by_value[before].valid != by_value[after].valid
+        if leaves or len(runs) <= MOST_RUNS:
+            axes.axvline(
+                edges[start], color=EDGE if leaves else "#333333", linewidth=2.0 if leaves else 0.8
+            )
 
 
 def _name_curves(
@@ -174,7 +239,6 @@ def _limit(axes: Axes, across: Axis, values: NDArray[np.float64]) -> None:
     ends = value_range(values)
     if ends is None:
         return
-    room = 0.06 * (ends[1] - ends[0])
-    axes.set_ylim(ends[0] - room, ends[1] + room)
+    axes.set_ylim(*add_room(*ends))
     if ends[0] < 0 < ends[1]:
         axes.axhline(0.0, color="#333333", linewidth=0.7, zorder=1)

@@ -13,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 from numpy.typing import NDArray
 
 from core.plots.scale import Scale
-from core.plots.selection import Selection
+from core.plots.selection import Axis, Selection
 from core.plots.text import number, short_label
 
 DECADE = 10.0
@@ -37,6 +37,17 @@ def set_log(spine: Spine, values: NDArray[np.float64]) -> None:
         spine.set_minor_formatter(FuncFormatter(plain))
 
 
+def cell_edges(axis: Axis) -> NDArray[np.float64]:
+    """Return the borders of the cells about the points of an axis, shape (n + 1,).
+
+    They lie halfway between two points, as the axis is drawn, and at both ends.
+    """
+    drawn = np.log(axis.values) if axis.is_log else axis.values
+    between = (drawn[:-1] + drawn[1:]) / 2
+    middle = np.exp(between) if axis.is_log else between
+    return np.concatenate([axis.values[:1], middle, axis.values[-1:]])
+
+
 def add_colour_bar(
     figure: Figure,
     axes: Axes,
@@ -50,3 +61,9 @@ def add_colour_bar(
     bar.ax.yaxis.set_major_formatter(FuncFormatter(plain))
     bar.ax.tick_params(labelsize=9)
     bar.set_label(short_label(selection.variable, selection.unit), fontsize=10)
+
+
+def add_room(low: float, high: float) -> tuple[float, float]:
+    """Return limits of an axis that leave some room about two values."""
+    room = 0.06 * (high - low) or 0.05 * abs(low) or 1.0
+    return low - room, high + room

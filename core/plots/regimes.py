@@ -13,6 +13,7 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
+from core.plots.islands import without_specks
 from core.plots.problem import PlotError
 from core.plots.text import words
 from core.quantities import REGIMES
@@ -24,9 +25,11 @@ VEIL_STRENGTH = 0.55
 EDGE = "#000000"  # the border of what the closed forms describe
 HATCH_WIDTH = 0.7
 HATCH_STRENGTH = 0.5
+LINE_STRENGTH = 0.3  # beside contours, which are lines too
 
-# Hatch, colour, and width of a line. Where the closed forms hold, regimes are told apart by sparse
-# dots or by nothing, elsewhere by hatched lines.
+# Hatch, colour of hatches and borders, width of a line. Where values hold, regimes of closed forms
+# are told apart by sparse dots or by nothing and those of motion by sparse lines, elsewhere by
+# dense hatches.
 LOOKS = {
     "not_assessed": ("", "#8a8a8a", 1.8),
     "contact": ("", "#4d9221", 1.8),
@@ -43,8 +46,63 @@ LOOKS = {
     "tipping": ("|||", "#8b1a1a", 1.3),
     "faster_than_track": ("|||", "#00696b", 1.3),
     "unbounded": ("..", "#777777", 1.8),
+    "separation": ("", "#8a7a1f", 1.8),
+    "sliding": ("", "#4d9221", 1.8),
+    "two_solutions": ("xxx", "#5e2d91", 1.3),
+    "no_solution": ("---", "#9b1b5a", 1.3),
+    "apart": ("", "#8a8a8a", 1.8),
+    "overlap": ("xxx", "#6b5d00", 1.3),
+    "no_impact": ("..", "#2166ac", 0.9),
+    "impact_stick": ("..", "#01665e", 0.9),
+    "impact_slip": ("", "#4d9221", 1.8),
+    "simultaneous": ("|||", "#8b1a1a", 1.3),
+    "impact": ("", "#b3560f", 1.8),
+    "singular": ("---", "#9b1b5a", 1.3),
+    # --- motion in time
+    "stick_slip": (".", "#01806a", 1.8),
+    "hopping": ("/", "#8a7a1f", 1.8),
+    "hop_after_hop": ("//", "#b3560f", 1.8),
+    "period_doubled": ("\\", "#a8325e", 1.8),
+    "aperiodic": ("x", "#5a4580", 1.8),
+    "runaway": ("xxx", "#8b1a1a", 1.3),
+    "unresolved": ("---", "#4a4a4a", 1.3),
+    "rests": ("", "#2166ac", 1.8),
+    "tumbles": ("/", "#b3560f", 1.8),
 }
 PLAIN = ("", "#8a8a8a", 1.8)
+
+# Fills of a map, near the light scheme of P. Tol: told apart in every kind of colour vision, and
+# black text is read on all of them. Regimes that share one do not occur in one scene. Where values
+# do not hold, a map is pale and hatched.
+FILLS = {
+    "stick": "#88ccee",
+    "no_motion": "#9a86b8",
+    "no_impact": "#88ccee",
+    "slip": "#bbcc33",
+    "sliding": "#bbcc33",
+    "impact_slip": "#bbcc33",
+    "roll": "#33a888",
+    "stick_slip": "#33a888",
+    "impact_stick": "#33a888",
+    "hopping": "#eedd88",
+    "separation": "#eedd88",
+    "hop_after_hop": "#ee8866",
+    "impact": "#ee8866",
+    "period_doubled": "#ffb3c4",
+    "stopped": "#ffb3c4",
+    "aperiodic": "#9a86b8",
+    "rests": "#88ccee",
+    "tumbles": "#ee8866",
+    "contact": "#f4f4f4",
+    "apart": "#dddddd",
+    "not_assessed": "#dddddd",
+    "unbounded": "#dddddd",
+}
+MOTION = ("stick_slip", "hopping", "hop_after_hop", "period_doubled", "aperiodic")
+
+# What is said of values that do not hold.
+NOTES = {"runaway": "no mean velocity", "unresolved": "no answer"}
+NOTE = "closed forms invalid"
 
 
 @dataclass(frozen=True)
@@ -60,12 +118,20 @@ class Look:
 
     @property
     def label(self) -> str:
-        """Its name in words, and whether the closed forms hold."""
-        return words(self.name) if self.valid else f"{words(self.name)} (closed forms invalid)"
+        """Its name in words, and why its values do not hold, if so."""
+        note = NOTES.get(self.name, NOTE)
+        return words(self.name) if self.valid else f"{words(self.name)} ({note})"
+
+    @property
+    def fill(self) -> RGB:
+        """Its colour on a map."""
+        return to_rgb(FILLS[self.name]) if self.name in FILLS else self.tint
 
     @property
     def tint(self) -> RGB:
         """A pale form of its colour, for backgrounds."""
+        if self.name in MOTION:
+            return mix(FILLS[self.name], VEIL, 0.6)
         return mix(self.colour, VEIL, 0.88)
 
 
@@ -110,6 +176,7 @@ def shade(
 
     `faces` are the colours that lie below.
     """
+    bordered = without_specks(regimes)
     for look, face in faces.items():
         inside = (regimes == look.value).astype(float)
         if look.hatch or not look.valid:
@@ -117,9 +184,11 @@ def shade(
             area = axes.contourf(
                 x, y, inside, levels=[0.5, 1.5], colors=[veil], hatches=[look.hatch], zorder=2
             )
-            area.set_edgecolor((*_ink(look, face), HATCH_STRENGTH))
+            strength = LINE_STRENGTH if look.name in MOTION else HATCH_STRENGTH
+            area.set_edgecolor((*_ink(look, face), strength))
             area.set_linewidth(0.0)
             area.set_hatch_linewidth(HATCH_WIDTH)
+        inside = (bordered == look.value).astype(float)
         if inside.min() < inside.max():
             axes.contour(x, y, inside, levels=[0.5], colors=[EDGE], linewidths=[0.9], zorder=4)
     valid = np.isin(regimes, [look.value for look in faces if look.valid]).astype(float)

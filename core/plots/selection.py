@@ -13,8 +13,9 @@ from core.errors import suggestion
 from core.plots.fixed import fixed_positions
 from core.plots.problem import PlotError
 from core.plots.text import axis_label, number, read_unit, scaled, with_unit, words
+from core.quantities import QUANTITIES
 
-KINDS = ("contour", "surface", "line")
+KINDS = ("contour", "surface", "line", "map", "trajectory")
 LOG_TOLERANCE = 1e-6
 
 
@@ -55,7 +56,9 @@ class Selection:
     fixed : tuple of str
         Name, value and unit of every other dimension and parameter.
     kind : str
-        contour, surface or line.
+        contour, surface, line or map.
+    spread : array, optional
+        Spread of the values about each, of the same shape and unit, where the dataset has it.
     """
 
     variable: xarray.DataArray
@@ -65,6 +68,7 @@ class Selection:
     regimes: NDArray[np.int64]
     fixed: tuple[str, ...]
     kind: str
+    spread: NDArray[np.float64] | None = None
 
 
 def select(
@@ -83,11 +87,17 @@ def select(
     """
     if kind is not None and kind not in KINDS:
         raise PlotError("kind", f"'{kind[:40]}' is unknown", suggestion(kind, KINDS))
-    whole = dataset[_variable(dataset, variable)]
+    if kind == "map":
+        if variable not in (None, "regime"):
+            _variable(dataset, variable)  # it plays no part, but a slip in its name is one
+        whole = dataset["regime"]
+    else:
+        whole = dataset[_variable(dataset, variable)]
     names = _axes(whole, axes, 1 if kind == "line" else 2)
     kind = kind or ("contour" if len(names) == 2 else "line")
     if kind != "line" and len(names) == 1:
-        fix = "Name two axes" if len(_ranged(whole)) > 1 else "Draw it as a line"
+        line = "Draw an output as a line" if kind == "map" else "Draw it as a line"
+        fix = "Name two axes" if len(_ranged(whole)) > 1 else line
         raise PlotError("kind", f"a {kind} needs two axes, there is one, {names[0]}", fix)
 
     regime = dataset["regime"]
@@ -95,9 +105,15 @@ def select(
     loose = [str(dim) for dim in order if dim not in names]
     positions = fixed_positions(dataset, at, loose, names)
     fixed = [_held(dataset[name], position) for name, position in positions.items()]
-    fixed += [_held(coordinate) for coordinate in dataset.coords.values() if not coordinate.dims]
+    fixed += held_fixed(dataset)
 
-    slice_ = whole.isel(positions, missing_dims="ignore").transpose(*names).sortby(list(names))
+    def part(array: xarray.DataArray) -> xarray.DataArray:
+        return array.isel(positions, missing_dims="ignore").transpose(*names).sortby(list(names))
+
+    slice_ = part(whole)
+    spread = dataset.get(f"{whole.name}_spread")
+    if spread is not None:
+        spread = part(spread)
     states = regime.isel(positions, missing_dims="ignore").sortby(
         [name for name in names if name in regime.dims]
     )
@@ -111,7 +127,17 @@ def select(
         regimes=states.broadcast_like(slice_).transpose(*names).values.astype(np.int64),
         fixed=tuple(fixed),
         kind=kind,
+        spread=None if spread is None else np.nan_to_num(scaled(spread, factor), posinf=0.0),
     )
+
+
+def held_fixed(dataset: xarray.Dataset) -> list[str]:
+    """Return name, value and unit of every parameter with one value; settings are left out."""
+    return [
+        _held(coordinate)
+        for name, coordinate in dataset.coords.items()
+        if not coordinate.dims and (name not in QUANTITIES or QUANTITIES[str(name)].parameter)
+    ]
 
 
 def thin(size: int, most: int) -> NDArray[np.int64]:
@@ -126,7 +152,7 @@ def _variable(dataset: xarray.Dataset, name: str | None) -> str:
     if name is None:
         return outputs[0]
     if name == "regime":
-        fix = "Choose an output: " + ", ".join(outputs)
+        fix = "Ask for kind map, or choose an output: " + ", ".join(outputs)
         raise PlotError("variable", "the regime is shaded in every picture", fix)
     if name not in outputs:
         raise PlotError("variable", f"'{name[:40]}' is unknown", suggestion(name, outputs))

@@ -161,6 +161,8 @@ class Scene:
         Relations between parameters, beyond the bounds of each.
     choice : str
         The key by which a study chooses among the variants.
+    variant_defaults : mapping
+        Defaults of single variants, over those of all.
     """
 
     name: str
@@ -173,6 +175,13 @@ class Scene:
     defaults: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     constraints: tuple[Constraint, ...] = (STATIC_ABOVE_KINETIC,)
     choice: str = "variant"
+    variant_defaults: Mapping[str, Mapping[str, float]] = field(
+        default_factory=lambda: MappingProxyType({})
+    )
+
+    def defaults_of(self, variant: str) -> dict[str, float]:
+        """Return the defaults that are in force with a variant."""
+        return {**self.defaults, **self.variant_defaults.get(variant, {})}
 
     def __post_init__(self) -> None:
         if self.default_variant not in self.variants or set(self.conditions) != set(self.variants):
@@ -222,7 +231,8 @@ class Scene:
         undeclared |= {condition.regime for condition in conditions} - set(REGIMES)
         if undeclared:
             raise SceneError(f"{where}: {sorted(undeclared)} are not declared")
-        stand_alone = {name for name in QUANTITIES if QUANTITIES[name].parameter} | {*self.defaults}
+        stand_alone = {name for name, quantity in QUANTITIES.items() if quantity.parameter}
+        stand_alone |= {*self.defaults_of(variant)}
         orphans = needed - set(gives) - stand_alone
         if orphans:
             raise SceneError(f"{where}: nothing gives {sorted(orphans)}")

@@ -232,14 +232,18 @@ class SweepStudy(GridStudy):
     outputs: _Outputs = Field(description="Names of the outputs.", min_length=1, max_length=100)
 
 
+SETTINGS = ("tolerance", "most_periods", "steps_per_period", "slip_speed", "contact_stiffness")
+
+
 class SimulateStudy(GridStudy):
     """Motion in time of one scene over a grid of parameters."""
 
     kind: Literal["simulate"] = Field(description="The kind of study.")
     method: str | None = Field(
         None,
-        description="events (from event to event, exact), time-stepping or regularised; events "
-        "where left out and the motion is planar, else time-stepping.",
+        description="events (from event to event, exact), time-stepping, reference (of high order, "
+        "slow) or regularised (stiff, for comparison); events where left out and the motion is "
+        "planar, else time-stepping.",
         max_length=100,
     )
     outputs: _Outputs = Field(
@@ -254,6 +258,18 @@ class SimulateStudy(GridStudy):
         ge=1,
         le=1_000_000,
     )
+    steps_per_period: int | None = Field(
+        None, description="Time steps in a period, of time-stepping.", ge=8, le=1_000_000
+    )
+    slip_speed: float | None = Field(
+        None,
+        description="Speed below which regularised friction gives way, in g/w.",
+        ge=1e-12,
+        le=1,
+    )
+    contact_stiffness: float | None = Field(
+        None, description="Stiffness of the regularised floor, over m w^2.", ge=100, le=1e16
+    )
     trajectory: Annotated[
         int | tuple[float, ...] | None,
         PlainValidator(_read_trajectory),
@@ -266,7 +282,7 @@ class SimulateStudy(GridStudy):
 
     def settings(self) -> dict[str, float]:
         """Return the settings that the study gives, by their names among the quantities."""
-        given = {name: getattr(self, name) for name in ("tolerance", "most_periods")}
+        given = {name: getattr(self, name) for name in SETTINGS}
         return {name: float(value) for name, value in given.items() if value is not None}
 
 

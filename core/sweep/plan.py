@@ -82,16 +82,30 @@ def find_scene(
     StudyError
         If there is no such scene or variant.
     """
+    scene, variant, problems = choose_scene(name, variant, scenes)
+    if problems:
+        raise StudyError(problems)
+    return scene, variant
+
+
+def choose_scene(
+    name: str, variant: str | None, scenes: Mapping[str, Scene] = SCENES
+) -> tuple[Scene, str, list[Problem]]:
+    """Return a scene and a variant as `find_scene` does, and what is wrong with the variant.
+
+    An unknown variant gives way to the default, so that the rest of a study can be looked at.
+    """
     scene = scenes.get(name)
     if scene is None:
         is_scene = name in SCENES
         message = f"'{name[:60]}' {'cannot be simulated' if is_scene else 'is not a scene'}"
         fix = f"Known: {', '.join(scenes)}" if is_scene else suggestion(name, scenes)
         raise StudyError([Problem("scene", message, fix)])
-    if variant is not None and variant not in scene.variants:
-        message = f"{scene.name} has no {scene.choice} '{variant[:60]}'"
-        raise StudyError([Problem(scene.choice, message, suggestion(variant, scene.variants))])
-    return scene, variant or scene.default_variant
+    if variant is None or variant in scene.variants:
+        return scene, variant or scene.default_variant, []
+    message = f"{scene.name} has no {scene.choice} '{variant[:60]}'"
+    problem = Problem(scene.choice, message, suggestion(variant, scene.variants))
+    return scene, scene.default_variant, [problem]
 
 
 def make_plan(
@@ -137,7 +151,7 @@ class _Walk:
         self, scene: Scene, variant: str, given: Collection[str], outputs: tuple[str, ...]
     ):
         self.scene, self.variant, self.given, self.outputs = scene, variant, given, outputs
-        self.scene_defaults = scene.defaults
+        self.scene_defaults = scene.defaults_of(variant)
         self.producers = scene.producers(variant)
         self.aliases = {alias.gives: alias for alias in ALIASES}
         self.equations: list[Equation] = []

@@ -14,7 +14,7 @@ from core.study.load import parse_study
 from core.study.models import PARAMETERS, GridStudy, Study, SweepStudy
 from core.study.values import Values
 from core.sweep.grid import Grid
-from core.sweep.plan import Plan, find_scene, plan_scene
+from core.sweep.plan import Plan, choose_scene, plan_scene
 
 BYTES = {"regime": 1, "motion_status": 1}  # of one value; 8 for all others
 
@@ -73,8 +73,8 @@ class Sweep(Prepared):
     study: SweepStudy
 
 
-Chosen = Callable[[], tuple[Scene, str]]
-"""Finds the scene of a study and the variant in force; raises `StudyError` if there is none."""
+Chosen = tuple[Scene, str, list[Problem]]
+"""The scene of a study, the variant in force, and what is wrong with the one that it names."""
 
 
 def prepare(study: SweepStudy) -> Sweep:
@@ -85,7 +85,7 @@ def prepare(study: SweepStudy) -> Sweep:
     StudyError
         With every problem of scene, outputs and parameters.
     """
-    plan, grid = plan_study(study, study.outputs, lambda: find_scene(study.scene, study.variant))
+    plan, grid = plan_study(study, study.outputs, choose_scene(study.scene, study.variant))
     return Sweep(study, plan, grid)
 
 
@@ -101,8 +101,8 @@ def plan_study(
     """
     values = {**study.values(), **(more or {})}
     grid = Grid.of(values)
-    scene, variant = chosen()
-    problems = list(_broken_constraints(scene, variant, grid))
+    scene, variant, problems = chosen
+    problems += _broken_constraints(scene, variant, grid)
     try:
         plan = plan_scene(scene, variant, tuple(outputs), values)
     except StudyError as error:
@@ -130,15 +130,15 @@ def prepare_content(content: object) -> Sweep:
     return prepare(study)
 
 
-def _chosen(content: Mapping[str, Any]) -> tuple[Scene, str]:
+def _chosen(content: Mapping[str, Any]) -> Chosen:
     variant = content.get("variant")
-    return find_scene(content["scene"], variant if isinstance(variant, str) else None)
+    return choose_scene(content["scene"], variant if isinstance(variant, str) else None)
 
 
 def further_problems(
     content: object,
     known: StudyError,
-    chosen: Callable[[Mapping[str, Any]], tuple[Scene, str]],
+    chosen: Callable[[Mapping[str, Any]], Chosen],
     outputs: tuple[str, ...] = (),
 ) -> list[Problem]:
     """Return what a plan of unsound content would object to, as far as it can be told.
@@ -165,13 +165,14 @@ def further_problems(
     ):
         return []
     given = [_meant(str(name)) for name in parameters]
+    found: list[Problem] = []
     try:
-        scene, variant = chosen(content)
+        scene, variant, found = chosen(content)
         plan_scene(scene, variant, asked, [name for name in given if name])
     except StudyError as error:
-        places = {problem.place for problem in known.problems}
-        return [problem for problem in error.problems if problem.place not in places]
-    return []
+        found = [*found, *error.problems]
+    places = {problem.place for problem in known.problems}
+    return [problem for problem in found if problem.place not in places]
 
 
 def _meant(name: str) -> str:

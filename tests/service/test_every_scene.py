@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray
 from fastapi.testclient import TestClient
@@ -13,23 +14,43 @@ from typer.testing import CliRunner
 from app.cli import app
 from app.main import create_app
 from app.settings import Settings
+from core.motion import SYSTEMS, simulate
 from core.scenes import SCENES
 from core.study import parse_study
+from core.study.models import STUDIES
 from core.sweep import sweep
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-EXAMPLES: dict[str, Path] = {}
+EXAMPLES: dict[str, dict[str, Path]] = {kind: {} for kind in STUDIES}
 for path in sorted(CONFIGS.rglob("*.toml"), reverse=True):
-    EXAMPLES.setdefault(tomllib.loads(path.read_text())["scene"], path)
+    found = tomllib.loads(path.read_text())
+    EXAMPLES[found["kind"]].setdefault(found["scene"], path)
 
 
 def test_every_scene_has_an_example():
-    assert set(EXAMPLES) == set(SCENES)
+    assert set(EXAMPLES["sweep"]) == set(SCENES)
+    assert set(EXAMPLES["simulate"]) >= set(SYSTEMS) - {"cylinder-on-plane"}
+
+
+@pytest.mark.parametrize("scene", EXAMPLES["simulate"])
+def test_motion_by_file_by_request_and_by_call(scene, tmp_path):
+    path = EXAMPLES["simulate"][scene]
+    content = tomllib.loads(path.read_text())
+    called = simulate(parse_study(content))
+    ran = CliRunner().invoke(app, ["run", str(path), "-o", str(tmp_path / "by_file.nc")])
+    assert ran.exit_code == 0, ran.output
+    read = xarray.load_dataset(tmp_path / "by_file.nc", engine="netcdf4", decode_times=False)
+    xarray.testing.assert_equal(read, called)
+    with TestClient(create_app(Settings(data_directory=tmp_path / "data"))) as client:
+        reply = client.post("/processes/simulate/execution", json=content)
+    assert reply.status_code == 200, reply.text
+    for name, variable in reply.json()["variables"].items():
+        np.testing.assert_array_equal(np.array(variable["data"], dtype=float), called[name].values)
 
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_a_scene_by_file_by_request_and_by_call(scene, tmp_path):
-    path = EXAMPLES[scene]
+    path = EXAMPLES["sweep"][scene]
     content = tomllib.loads(path.read_text())
     called = sweep(parse_study(content))
     ran = CliRunner().invoke(app, ["run", str(path), "-o", str(tmp_path / "by_file.nc")])

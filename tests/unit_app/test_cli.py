@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray
 from typer.testing import CliRunner
 
 from app.cli import app
@@ -168,3 +172,79 @@ def test_settings_come_from_the_environment(monkeypatch):
     result = run("serve", "--show-settings")
     assert result.exit_code == 2
     assert "VIBRAFEED_MAX_CELLS" in result.output
+
+
+MOTION = """
+kind = "simulate"
+scene = "rectangle-on-plane"
+
+[parameters]
+frequency = "50 Hz"
+amplitude = { start = "0.1 mm", stop = "0.4 mm", num = 4 }
+beta = "30 deg"
+friction = 0.4
+"""
+
+
+@pytest.fixture
+def motion(tmp_path: Path) -> Path:
+    path = tmp_path / "motion.toml"
+    path.write_text(MOTION)
+    return path
+
+
+def test_run_simulates(motion):
+    result = run("run", motion)
+    assert result.exit_code == 0, result.output
+    assert "conveying_velocity" in result.output
+    assert "hopping" in result.output
+    assert motion.with_suffix(".nc").exists()
+
+
+def test_a_dry_run_of_a_simulation_loads_no_compiler(motion):
+    assert loaded("run", str(motion), "--dry-run") == set()
+    assert loaded("scenes", "rectangle-on-track", "--method", "time-stepping") == set()
+
+
+def test_a_simulation_out_of_time_is_written_and_said(motion):
+    result = run("run", motion, "--time-limit", "0")
+    assert result.exit_code == 1
+    assert "100.0% of the cells are not computed" in result.output
+    assert motion.with_suffix(".nc").exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+def test_ctrl_c_keeps_what_is_finished(tmp_path):
+    slow = tmp_path / "slow.toml"
+    slow.write_text(
+        MOTION.replace("num = 4", "num = 40").replace(
+            'kind = "simulate"', 'kind = "simulate"\nmethod = "reference"'
+        )
+    )
+    code = "from app.cli import main; main()"
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, "run", str(slow)], stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    time.sleep(6)
+    process.send_signal(signal.SIGINT)
+    output, errors = process.communicate(timeout=60)
+    assert process.returncode == 1, output + errors
+    assert "not computed" in errors
+    with xarray.open_dataset(slow.with_suffix(".nc"), decode_times=False) as found:
+        done = found.motion_status.values != 0
+        assert 0 < done.sum() < done.size
+        assert np.isfinite(found.conveying_velocity.values[done]).all()
+
+
+def test_pictures_of_motion(motion, tmp_path):
+    assert run("run", motion).exit_code == 0
+    for kind in ("line", "map"):
+        result = run("plot", motion.with_suffix(".nc"), "-k", kind, "-o", tmp_path / f"{kind}.png")
+        assert (result.exit_code == 0) == (kind == "line"), result.output
+    motion.write_text(MOTION.replace("{ start = \"0.1 mm\", stop = \"0.4 mm\", num = 4 }", "3e-4")
+                      .replace("[parameters]", "trajectory = 200\n[parameters]"))  # fmt: skip
+    assert run("run", motion).exit_code == 0
+    result = run("plot", motion.with_suffix(".nc"), "-o", tmp_path / "course.png")
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "course.png").stat().st_size > 20_000

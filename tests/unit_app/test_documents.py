@@ -11,10 +11,12 @@ import pytest
 from app.main import create_app
 from app.settings import Settings
 from benchmarks.quantities_page import PAGE, page
-from core.quantities import REGIMES
+from core.kinds import prepare_content
+from core.motion import simulate
+from core.quantities import MOTION_STATUSES, REGIMES
 from core.scenes import SCENES
 from core.study import parse_study
-from core.sweep import prepare_content, sweep
+from core.sweep import sweep
 
 ROOT = Path(__file__).parents[2]
 
@@ -36,8 +38,20 @@ def test_every_route_is_documented(tmp_path):
 
 
 def test_the_readme_shows_a_study_that_runs():
-    (study,) = blocks("README.md", "toml")
+    study, motion = blocks("README.md", "toml")
     assert prepare_content(tomllib.loads(study)).cells == 101 * 3 * 21 * 41
+    assert prepare_content(tomllib.loads(motion)).cells == 71 * 56
+
+
+def test_the_page_on_motion_shows_a_study_and_rates_that_run():
+    (study,) = blocks("docs/motion.md", "toml")
+    found = simulate(parse_study(tomllib.loads(study)))
+    assert found.sizes == {"cycle_time": 401}
+    namespace: dict[str, object] = {}
+    exec(blocks("docs/motion.md", "python")[0], namespace)
+    text = (ROOT / "docs/motion.md").read_text()
+    for name, flag in MOTION_STATUSES.items():
+        assert f"`{name}`" in text or flag.valid, name
 
 
 def test_the_readme_shows_the_two_commands_first():

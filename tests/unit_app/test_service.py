@@ -13,6 +13,7 @@ from fastapi.testclient import TestClient
 
 from app.main import create_app
 from app.settings import Settings
+from core.motion import simulate
 from core.scenes import SCENES
 from core.study import parse_study
 from core.sweep import sweep
@@ -243,3 +244,89 @@ def test_importing_the_app_builds_nothing(tmp_path):
         [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == "[]"
+
+
+SIMULATION = {
+    "kind": "simulate",
+    "scene": "rectangle-on-plane",
+    "outputs": ["conveying_velocity", "flight_fraction"],
+    "parameters": {
+        "frequency": "50 Hz",
+        "amplitude": {"start": "0.1 mm", "stop": "0.4 mm", "num": 4},
+        "beta": "30 deg",
+        "friction": [0.3, 0.5],
+    },
+}
+
+
+class TestSimulation:
+    PATH = "/processes/simulate/execution"
+
+    @pytest.mark.parametrize(
+        "body",
+        [
+            SIMULATION,
+            {"inputs": {"study": SIMULATION}},
+            {"inputs": {"study": {k: v for k, v in SIMULATION.items() if k != "kind"}}},
+        ],
+    )
+    def test_it_is_the_dataset_of_the_core(self, client, body):
+        reply = client.post(self.PATH, json=body)
+        assert reply.status_code == 200, reply.text
+        document = reply.json()
+        assert document["complete"] is True
+        assert document["cells"] == 8
+        expected = simulate(parse_study(SIMULATION))
+        for name in expected.data_vars:
+            variable = document["variables"][name]
+            assert variable["dims"] == list(expected[name].dims)
+            np.testing.assert_array_equal(variable["data"], expected[name].values)
+        assert document["variables"]["regime"]["flags"]["hopping"] == 28
+        assert document["coordinates"]["amplitude"]["units"] == "m"
+        assert document["coordinates"]["beta"]["data"] == 30
+
+    def test_what_has_no_mean_is_null_with_a_status(self, client):
+        study = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "gamma": 40}}
+        document = client.post(self.PATH, json=study).json()
+        assert document["variables"]["conveying_velocity"]["data"][0] == [None, None]
+        status = document["variables"]["motion_status"]
+        assert status["data"][0][0] == status["flags"]["runaway"]
+
+    def test_wrong_studies(self, client):
+        wrong = {**SIMULATION, "outputs": ["conveying_velocty"]}
+        found = problem(client.post(self.PATH, json=wrong))["errors"]
+        assert found[0]["place"] == "outputs"
+        for body, place in (
+            ({"inputs": {}}, "inputs.study"),
+            ({"inputs": []}, "inputs.study"),
+            ({**SIMULATION, "kind": "sweep"}, "kind"),
+            ([1], "study"),
+        ):
+            assert problem(client.post(self.PATH, json=body))["errors"][0]["place"] == place
+
+    def test_limits(self, settings):
+        small = settings.model_copy(update={"max_simulation_cells": 5})
+        with TestClient(create_app(small)) as client:
+            reply = problem(client.post(self.PATH, json=SIMULATION))
+            assert reply["type"].endswith("limit")
+            assert "4" in reply["detail"]
+
+    def test_what_is_finished_in_time_is_replied(self, settings):
+        hurried = settings.model_copy(update={"max_execution_seconds": 1e-9})
+        with TestClient(create_app(hurried)) as client:
+            document = client.post(self.PATH, json=SIMULATION).json()
+        assert document["complete"] is False
+        assert document["variables"]["motion_status"]["data"][0][0] == 0
+
+    def test_many_at_a_time(self, client):
+        with ThreadPoolExecutor(8) as pool:
+            replies = list(pool.map(lambda _: client.post(self.PATH, json=SIMULATION), range(16)))
+        values = {str(reply.json()["variables"]) for reply in replies}
+        assert len(values) == 1
+
+    def test_the_catalogue_tells_of_methods(self, client):
+        line = next(s for s in client.get("/scenes").json() if s["name"] == "rectangle-on-plane")
+        assert line["methods"][0] == "events"
+        scene = client.get("/scenes/rectangle-on-plane", params={"method": "events"}).json()
+        assert "conveying_velocity" in [output["name"] for output in scene["outputs"]]
+        problem(client.get("/scenes/rectangle-on-plane", params={"method": "event"}))

@@ -35,6 +35,7 @@ CONTACT, FLIGHT = 0, 1
 MOST_SEGMENTS = 8_000  # of a cycle; a run of shrinking hops at restitution 0.995 fills it
 MOST_ITERATIONS = 200  # of a bracketed search
 MOST_PIECES = 20_000  # of one flow
+LAST_STEP = 1e-10  # of Newton's iteration, relative: the next would be of the order of its square
 MOST_MODES = 1_000  # stops and starts in one segment
 SEARCH_HOPS = 512  # before a motion without contact phase is taken to be aperiodic
 SEARCH_PERIODS = 400
@@ -46,14 +47,14 @@ LONGEST_MULTIPLE = 16  # cycles after which a motion under two coefficients may 
 SAME_STATE = 1e-7  # distance of two states of a cycle that are one
 MOST_GROWTH = 1e6  # of a rounding error along a cycle that is taken to repeat
 NEAR = 1e-2  # recurrence that a search for a cycle starts from
-SHOWN_SEGMENTS = 8  # of an aperiodic motion, in its path
+SHOWN_PERIODS = 4  # of an aperiodic motion, in its path
 PHASES = 8  # runs of an aperiodic motion, started at as many phases
 SHARE_SETTLING = 0.2  # of an aperiodic run, before its mean is taken
 HOPS_PER_PERIOD = 16  # of an aperiodic run, on average; more end it
 FEWEST_PERIODS = 8  # of a run that a limit ended, for its mean to be given as that of the motion
-SETTLED_VELOCITY = 1e-10  # rebound below which a run of shrinking hops may end (theory 13.5)
+SETTLED = 1e-13  # rebound times remaining time, below which a run of shrinking hops ends
 ROUNDING = 1e-14  # of a mean velocity, per unit of the drive
-SETTLED_ROUGHLY = 1e-4  # the same in an aperiodic run, whose mean has a spread of 1e-3 at best
+SETTLED_ROUGHLY = 1e-8  # the same in an aperiodic run, whose mean has a spread of 1e-3 at best
 SETTLED_TIME = 1e-3  # its remaining time, as a share of the time to lift-off
 
 
@@ -72,26 +73,41 @@ class Drive(NamedTuple):
 
 
 @compiled
-def _cubic(d):
-    """Return d - sin d."""
+def _arc(d):
+    """Return d - sin d and 1 - cos d."""
     if abs(d) > 0.7:
-        return d - math.sin(d)
+        half = math.sin(d / 2)
+        return d - math.sin(d), 2 * half * half
     q = d * d
-    series = 1 - q / 110 * (1 - q / 156 * (1 - q / 210 * (1 - q / 272)))
-    return d * q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72 * series)))
+    cubic = 1 - q / 110 * (1 - q / 156 * (1 - q / 210 * (1 - q / 272)))
+    square = 1 - q / 90 * (1 - q / 132 * (1 - q / 182 * (1 - q / 240)))
+    return (
+        d * q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72 * cubic))),
+        q / 2 * (1 - q / 12 * (1 - q / 30 * (1 - q / 56 * square))),
+    )
+
+
+@compiled
+def _flow(v, C, k, sine, cosine, d):
+    """Return velocity and distance a phase d after the velocity was v, under C sin(tau) - k.
+
+    `sine` and `cosine` are those of the phase at the start.
+    """
+    cubic, square = _arc(d)
+    velocity = v + C * (cosine * square + sine * (d - cubic)) - k * d
+    return velocity, v * d + C * (cosine * cubic + sine * square) - k * d * d / 2
 
 
 @compiled
 def _velocity(v, C, k, tau, d):
-    """Return the velocity a phase d after it was v at tau, under C sin(tau) - k."""
-    return v + 2 * C * math.sin(tau + d / 2) * math.sin(d / 2) - k * d
+    """Return the velocity a phase d after it was v at tau."""
+    return _flow(v, C, k, math.sin(tau), math.cos(tau), d)[0]
 
 
 @compiled
 def _distance(v, C, k, tau, d):
     """Return the distance covered in the same time."""
-    half = math.sin(d / 2)
-    return v * d + C * (math.cos(tau) * _cubic(d) + 2 * math.sin(tau) * half * half) - k * d * d / 2
+    return _flow(v, C, k, math.sin(tau), math.cos(tau), d)[1]
 
 
 @compiled
@@ -111,16 +127,18 @@ def _arc_sine(value):
 
 
 @compiled
-def _landing_root(w, s, gn, tau, start):
+def _landing_root(w, s, gn, sine, cosine, start):
     """Return the landing time by Newton's iteration from `start`, on its own side of the root."""
-    d = start
+    d, first = start, 0.0
     for _ in range(MOST_ITERATIONS):
-        slope = _velocity(w, s, gn, tau, d)
+        slope, height = _flow(w, s, gn, sine, cosine, d)
         if slope >= 0:
             break
-        step = _distance(w, s, gn, tau, d) / slope
+        step = height / slope
         d -= step
-        if abs(step) <= 2e-16 * d:
+        first = step if first == 0 else first
+        # Each step squares the error; one back across the root is made of rounding alone.
+        if abs(step) <= LAST_STEP * d or step * first <= 0:
             break
     return d
 
@@ -136,11 +154,13 @@ def _rest_of_fall(w, s, gn, tau, low, high):
         else:
             low = d
         slope = s * math.sin(tau + d) - gn
-        new = d - value / slope if slope > 0 else (low + high) / 2
+        new = d - value / slope if slope > 0 else low
+        if low < new < high and abs(new - d) <= LAST_STEP * d:
+            return new
         if not low < new < high:
             new = (low + high) / 2
-        if abs(new - d) <= 2e-16 * abs(d):
-            return new
+            if new in (low, high):
+                return new
         d = new
     return d
 
@@ -152,41 +172,44 @@ def landing(w, s, gn, tau):
     The height bends down where s sin(tau) < gn, and up elsewhere. Where it bends down and ends
     above the floor it was above all the way; where it bends up its least value is found first.
     """
+    sine, cosine = math.sin(tau), math.cos(tau)
     up_at = math.asin(gn / s)
     down_at = math.pi - up_at
     bends_up = up_at <= tau % TURN < down_at
-    d, velocity = 0.0, w
-    # Above a parabola the height is positive whatever the sine does: skip whole turns of that.
-    rise = w + s * math.cos(tau)
-    inner = rise * rise - 2 * gn * s * (1 - math.sin(tau))
-    skip_from = skip_to = math.inf
-    if inner > 0 and rise > 0:
-        skip_to = (rise + math.sqrt(inner)) / gn
-        skip_from = 2 * s * (1 - math.sin(tau)) / gn / skip_to
     if not bends_up and w > 0:
         # A small hop: twice the parabola's own time is past the landing, or soon will be.
-        guess = 2 * w / (gn - s * math.sin(tau))
+        guess = 2 * w / (gn - s * sine)
         end = _ahead(up_at, tau)
         for _ in range(64):
             if not guess < end:
                 break
-            if _distance(w, s, gn, tau, guess) <= 0:
-                return _landing_root(w, s, gn, tau, guess)
+            if _flow(w, s, gn, sine, cosine, guess)[1] <= 0:
+                return _landing_root(w, s, gn, sine, cosine, guess)
             guess *= 2
+    # Above a parabola the height is positive whatever the sine does: skip whole turns of that.
+    rise = w + s * cosine
+    inner = rise * rise - 2 * gn * s * (1 - sine)
+    skip_from = skip_to = math.inf
+    if inner > 0 and rise > 0:
+        skip_to = (rise + math.sqrt(inner)) / gn
+        skip_from = 2 * s * (1 - sine) / gn / skip_to
+    d, velocity = 0.0, w
     for _ in range(MOST_PIECES):
         if skip_from < d < skip_to - TURN:
             d += TURN * math.floor((skip_to - d) / TURN)
-            velocity = _velocity(w, s, gn, tau, d)
+            velocity = _flow(w, s, gn, sine, cosine, d)[0]
         ahead = _ahead(down_at if bends_up else up_at, tau + d)
         end = d + (ahead if ahead > 0 or d == 0 else TURN)
-        last = _velocity(w, s, gn, tau, end)
+        last, height = _flow(w, s, gn, sine, cosine, end)
         if bends_up:
             if velocity < 0:
-                lowest = end if last <= 0 else _rest_of_fall(w, s, gn, tau, d, end)
-                if _distance(w, s, gn, tau, lowest) <= 0:
-                    return _landing_root(w, s, gn, tau, d)
-        elif last < 0 and _distance(w, s, gn, tau, end) <= 0:
-            return _landing_root(w, s, gn, tau, end)
+                if last > 0:
+                    lowest = _rest_of_fall(w, s, gn, tau, d, end)
+                    height = _flow(w, s, gn, sine, cosine, lowest)[1]
+                if height <= 0:
+                    return _landing_root(w, s, gn, sine, cosine, d)
+        elif last < 0 and height <= 0:
+            return _landing_root(w, s, gn, sine, cosine, end)
         d, velocity, bends_up = end, last, not bends_up
     return -1.0
 
@@ -226,8 +249,19 @@ def _height(w, s, gn, tau, span, known):
 
 # --- the motion normal to the floor: a cycle of segments
 #
-# A segment is a row: phase at its start, its span, the take-off velocity (-1 for contact), and the
-# speed of landing.
+# A segment is a row: phase at its start, its span, the take-off velocity (-1 for contact), speed of
+# the landing and its normal impulse.
+
+
+COLUMNS_OF_ROW = 5
+
+
+@compiled
+def _write(rows, row, tau, span, w, speed, impulse):
+    """Write a segment."""
+    rows[row, 0], rows[row, 1], rows[row, 2], rows[row, 3], rows[row, 4] = (
+        tau, span, w, speed, impulse,
+    )  # fmt: skip
 
 
 @compiled
@@ -254,16 +288,21 @@ def _hop(tau, w, s, gn, e):
 def _rests(tau, w, s, gn, e, up_at, settled):
     """Return whether the part stays on the floor after a landing with rebound w (theory 13.5).
 
-    A rebound of `settled` or more is always followed.
+    It does where it does not rebound, and where the hops still to come shrink to nothing within
+    less than `settled` of w times their time, and long before lift-off. Their impulses then add up
+    to what the floor gives in that time, less w: the last impact is taken as one without rebound,
+    and the hops as a stay on the floor. The position is wrong by less than friction times
+    `settled`.
     """
     n = gn - s * math.sin(tau)
     if n <= 0:
         return False
     if w == 0:
         return True
-    if w >= settled or e >= 1:
+    if e >= 1:
         return False
-    return 2 * w / (n * (1 - e)) < SETTLED_TIME * _ahead(up_at, tau)
+    left = 2 * w / (n * (1 - e))
+    return w * left < settled and left < SETTLED_TIME * _ahead(up_at, tau)
 
 
 @compiled
@@ -275,9 +314,9 @@ def _run_cycle(tau, w, hops, s, gn, e, up_at, rows):
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     for hop in range(hops):
         span, speed, after, rebound, tt, tw, wt, ww = _hop(tau, w, s, gn, e)
-        if span <= 0 or _rests(after, rebound, s, gn, e, up_at, SETTLED_VELOCITY):
+        if span <= 0 or _rests(after, rebound, s, gn, e, up_at, SETTLED):
             return math.nan, 0.0, a, b, c, d
-        rows[hop, 0], rows[hop, 1], rows[hop, 2], rows[hop, 3] = tau % TURN, span, w, speed
+        _write(rows, hop, tau % TURN, span, w, speed, (1 + e) * speed)
         a, b, c, d = tt * a + tw * c, tt * b + tw * d, wt * a + ww * c, wt * b + ww * d
         tau, w = after, rebound
     return tau, w, a, b, c, d
@@ -350,7 +389,7 @@ def _find_cycle(s, gn, e, up_at, rows, count, tau, w):
                     shortest = part
                     break
         for hop in range(shortest):
-            for column in range(4):
+            for column in range(COLUMNS_OF_ROW):
                 rows[hop, column] = scratch[hop, column]
         return shortest, periods * shortest // hops
     return 0, 0
@@ -364,7 +403,7 @@ def normal_cycle(s, gn, e, most_periods, rows):
     does; -1 that a limit came first.
     """
     if s <= gn:
-        rows[0, 0], rows[0, 1], rows[0, 2], rows[0, 3] = 0.0, TURN, -1.0, 0.0
+        _write(rows, 0, 0.0, TURN, -1.0, 0.0, 0.0)
         return 1, 1
     up_at = math.asin(gn / s)
     tau, w, total, count, look_at = up_at, 0.0, 0.0, 0, FIRST_LOOK
@@ -374,7 +413,7 @@ def normal_cycle(s, gn, e, most_periods, rows):
         span, speed, after, rebound, tt, tw, wt, ww = _hop(tau, w, s, gn, e)
         if span < 0:
             return count, -1
-        rows[count, 0], rows[count, 1], rows[count, 2], rows[count, 3] = tau, span, w, speed
+        _write(rows, count, tau, span, w, speed, (1 + e) * speed)
         a, b, c, d = tt * a + tw * c, tt * b + tw * d, wt * a + ww * c, wt * b + ww * d
         size = abs(a) + abs(b) + abs(c) + abs(d)
         if not 1e-100 < size < 1e100:
@@ -384,11 +423,13 @@ def normal_cycle(s, gn, e, most_periods, rows):
         count += 1
         total += span
         tau, w = after % TURN, rebound
-        if _rests(tau, w, s, gn, e, up_at, SETTLED_VELOCITY):
+        if _rests(tau, w, s, gn, e, up_at, SETTLED):
             # On the floor until lift-off, where the motion began: the cycle is closed.
             span = _ahead(up_at, tau)
-            rows[count, 0], rows[count, 1], rows[count, 2], rows[count, 3] = tau, span, -1.0, 0.0
-            return count + 1, (round((total + span) / TURN) if growth < MOST_GROWTH else 0)
+            rows[count - 1, 4] = speed
+            _write(rows, count, tau, span, -1.0, 0.0, 0.0)
+            periods = round((total + span) / TURN)
+            return count + 1, (periods if periods == 1 or growth < MOST_GROWTH else 0)
         if count >= look_at and total > TURN:
             look_at = count + count // 2
             hops, periods = _find_cycle(s, gn, e, up_at, rows, count, tau, w)
@@ -418,9 +459,10 @@ def _stop(v, C, k, at, span):
         C, at = -C, at + math.pi
     if k <= -C:
         return -1.0
+    sine, cosine = math.sin(at), math.cos(at)
     if k >= C:
         low, high = 0.0, span
-        if v == 0 or _velocity(v, C, k, at, high) > 0:
+        if v == 0 or _flow(v, C, k, sine, cosine, high)[0] > 0:
             return -1.0
     else:
         rise_at = math.asin(k / C)
@@ -435,23 +477,25 @@ def _stop(v, C, k, at, span):
                 return -1.0
             ahead = _ahead(rise_at, at + low)
             high = min(span, low + (ahead if ahead > 0 else TURN))
-            if _velocity(v, C, k, at, high) <= 0:
+            if _flow(v, C, k, sine, cosine, high)[0] <= 0:
                 break
             low = high + fall_at - rise_at
-    first, last = _velocity(v, C, k, at, low), _velocity(v, C, k, at, high)
+    first, last = _flow(v, C, k, sine, cosine, low)[0], _flow(v, C, k, sine, cosine, high)[0]
     d = low + (high - low) * first / (first - last) if first > last else low
     for _ in range(MOST_ITERATIONS):
-        value = _velocity(v, C, k, at, d)
+        value = _flow(v, C, k, sine, cosine, d)[0]
         if value > 0:
             low = d
         else:
             high = d
         slope = C * math.sin(at + d) - k
-        new = d - value / slope if slope < 0 else (low + high) / 2
-        if not low <= new <= high:
-            new = (low + high) / 2
-        if abs(new - d) <= 2e-16 * (abs(at) + d):
+        new = d - value / slope if slope < 0 else low - 1
+        if low <= new <= high and abs(new - d) <= LAST_STEP * d:
             return new
+        if not low < new < high:
+            new = (low + high) / 2
+            if new in (low, high):
+                return new
         d = new
     return d
 
@@ -534,10 +578,11 @@ def _contact(tau, span, u, drive, sums, log, used):
         d = end - at if stop < 0 else stop
         mode = FORWARD if sign > 0 else BACKWARD
         used = _log(log, used, at, d, mode, u, 0.0, sums[0])
-        sums[0] += _distance(u, C, k, at, d)
+        after, distance = _flow(u, C, k, math.sin(at), math.cos(at), d)
+        sums[0] += distance
         sums[1 + mode] += d
         if stop < 0:
-            u = _velocity(u, C, k, at, d)
+            u = after
             return (u if u * sign > 0 else 0.0), slope, used
         at += d
         u = 0.0
@@ -551,7 +596,7 @@ def _contact(tau, span, u, drive, sums, log, used):
 
 
 @compiled
-def _pass(rows, count, u, drive, e, sums, log):
+def _pass(rows, count, u, drive, sums, log):
     """Return velocity and its derivative after one cycle, from velocity u at its start.
 
     Fills `sums`; the last value is the number of rows of the log in use, -1 if a limit came first.
@@ -560,7 +605,7 @@ def _pass(rows, count, u, drive, e, sums, log):
     sums[:] = 0.0
     slope, used = 1.0, 0
     for row in range(count):
-        tau, span, w, speed = rows[row, 0], rows[row, 1], rows[row, 2], rows[row, 3]
+        tau, span, w = rows[row, 0], rows[row, 1], rows[row, 2]
         if w < 0:
             u, factor, used = _contact(tau, span, u, drive, sums, log, used)
             if used < 0:
@@ -568,10 +613,10 @@ def _pass(rows, count, u, drive, e, sums, log):
             slope *= factor
             continue
         used = _log(log, used, tau, span, FLYING, u, w, sums[0])
-        sums[0] += _distance(u, c, gs, tau, span)
+        u, distance = _flow(u, c, gs, math.sin(tau), math.cos(tau), span)
+        sums[0] += distance
         sums[1 + FLYING] += span
-        u = _velocity(u, c, gs, tau, span)
-        friction = mu_k * (1 + e) * speed
+        friction = mu_k * rows[row, 4]
         if abs(u) <= friction:
             u = 0.0
             slope = 0.0 if friction > 0 else slope
@@ -581,7 +626,7 @@ def _pass(rows, count, u, drive, e, sums, log):
 
 
 @compiled
-def _settle(rows, count, u, drive, e, tolerance, most_periods, sums, log):
+def _settle(rows, count, u, drive, tolerance, most_periods, sums, log):
     """Return the velocity at the start of the cycle once the motion repeats.
 
     Returns
@@ -590,12 +635,12 @@ def _settle(rows, count, u, drive, e, tolerance, most_periods, sums, log):
         Velocity, estimate of its error, cycles after which it repeats (0: not found), status.
     """
     if drive.mu_s == drive.mu_k:
-        return _settle_bracketed(rows, count, u, drive, e, tolerance, sums, log)
-    return _settle_followed(rows, count, u, drive, e, tolerance, most_periods, sums, log)
+        return _settle_bracketed(rows, count, u, drive, tolerance, sums, log)
+    return _settle_followed(rows, count, u, drive, tolerance, most_periods, sums, log)
 
 
 @compiled
-def _settle_bracketed(rows, count, u, drive, e, tolerance, sums, log):
+def _settle_bracketed(rows, count, u, drive, tolerance, sums, log):
     """Return the fixed point of the map of one cycle where one coefficient of friction serves.
 
     Coulomb friction never drives two motions under the same normal force apart: the map is
@@ -604,7 +649,7 @@ def _settle_bracketed(rows, count, u, drive, e, tolerance, sums, log):
     scale = abs(drive.c) + abs(drive.gs)
     low, high, stride = -math.inf, math.inf, 1.0
     for _ in range(MOST_ITERATIONS):
-        after, slope, used = _pass(rows, count, u, drive, e, sums, log)
+        after, slope, used = _pass(rows, count, u, drive, sums, log)
         if used < 0:
             return u, math.inf, 0, LIMIT_REACHED
         change = after - u
@@ -629,7 +674,7 @@ def _settle_bracketed(rows, count, u, drive, e, tolerance, sums, log):
 
 
 @compiled
-def _settle_followed(rows, count, u, drive, e, tolerance, most_periods, sums, log):
+def _settle_followed(rows, count, u, drive, tolerance, most_periods, sums, log):
     """Return a periodic state by following the motion, where static friction is the larger.
 
     Sticking motions may then lie beside sliding ones, and which is reached depends on the start.
@@ -640,7 +685,7 @@ def _settle_followed(rows, count, u, drive, e, tolerance, most_periods, sums, lo
     slopes = np.empty(LONGEST_MULTIPLE + 1)
     downhill = mu_k * gn < abs(gs)
     for cycle in range(max(8, most_periods)):
-        after, slope, used = _pass(rows, count, u, drive, e, sums, log)
+        after, slope, used = _pass(rows, count, u, drive, sums, log)
         if used < 0:
             return u, math.inf, 0, LIMIT_REACHED
         if downhill and slope == 1 and (after - u) * gs < 0 and u * gs < 0 and after * gs < 0:
@@ -660,7 +705,7 @@ def _settle_followed(rows, count, u, drive, e, tolerance, most_periods, sums, lo
         guess = u + change / (1 - slope) if 0 < slope < 1 else after
         if slope > 0.5 and abs(guess - after) < 0.1 * scale and guess * after > 0:
             # Slow convergence: try the fixed point of the tangent, keep it if it is nearer.
-            beyond, _, used = _pass(rows, count, guess, drive, e, sums, log)
+            beyond, _, used = _pass(rows, count, guess, drive, sums, log)
             if used >= 0 and abs(beyond - guess) < 0.1 * abs(change):
                 after = guess
         u = after
@@ -724,15 +769,16 @@ def _long_run(tau, periods, hops, drive, e, sums):
         speed = max(0.0, -_velocity(w, s, gn, tau, span))
         if began < math.inf:
             highest = _height(w, s, gn, tau, span, highest)
-        sums[0] += _distance(u, c, gs, tau, span)
+        u, distance = _flow(u, c, gs, math.sin(tau), math.cos(tau), span)
+        sums[0] += distance
         sums[1 + FLYING] += span
-        u = _velocity(u, c, gs, tau, span)
-        friction = mu_k * (1 + e) * speed
-        u = 0.0 if abs(u) <= friction else u - (friction if u > 0 else -friction)
         impacts, fastest = impacts + 1, max(fastest, speed)
         total += span
         tau, w = (tau + span) % TURN, e * speed
-        if _rests(tau, w, s, gn, e, up_at, SETTLED_ROUGHLY):
+        stays = _rests(tau, w, s, gn, e, up_at, SETTLED_ROUGHLY)
+        friction = mu_k * (speed if stays else speed + w)
+        u = 0.0 if abs(u) <= friction else u - (friction if u > 0 else -friction)
+        if stays:
             span = _ahead(up_at, tau)
             u = _contact(tau, span, u, drive, sums, no_log, 0)[0]
             tau, w, total = up_at, 0.0, total + span
@@ -845,7 +891,7 @@ def _solve(group, rows, sums, log, result):
         sums[1 + FLYING] = flying
     else:
         u, error, cycles, status = _settle(
-            rows, count, u, drive, e, tolerance, most_periods, sums, log
+            rows, count, u, drive, tolerance, most_periods, sums, log
         )
         if status == RUNAWAY:
             return RUNAWAY, 0, 0.0, 0
@@ -853,7 +899,7 @@ def _solve(group, rows, sums, log, result):
         total = np.zeros(5)
         velocity = u
         for _ in range(max(1, cycles)):
-            velocity, _, _ = _pass(rows, count, velocity, drive, e, sums, log)
+            velocity, _, _ = _pass(rows, count, velocity, drive, sums, log)
             total += sums
         sums[:] = total
     time = periods * max(1, cycles) * TURN
@@ -902,7 +948,7 @@ def solve_cells(groups, table, status):
 
     `groups` holds (c, s, gs, gn, mu_s, mu_k, restitution, tolerance, most periods).
     """
-    rows = np.empty((MOST_SEGMENTS, 4))
+    rows = np.empty((MOST_SEGMENTS, COLUMNS_OF_ROW))
     sums = np.empty(5)
     log = np.empty((0, 6))
     for cell in range(groups.shape[0]):
@@ -917,7 +963,7 @@ def follow(group):
 
     A piece is a row of the log: phase, span, mode, velocity along and normal, position.
     """
-    rows = np.empty((MOST_SEGMENTS, 4))
+    rows = np.empty((MOST_SEGMENTS, COLUMNS_OF_ROW))
     sums = np.empty(5)
     log = np.empty((4 * MOST_SEGMENTS, 6))
     result = np.empty(len(Motion._fields) - 1)
@@ -930,13 +976,16 @@ def follow(group):
         log[0] = 0.0, TURN, STICK, 0.0, 0.0, 0.0
         used = 1
     elif count > 0:
-        _, _, used = _pass(rows, count, u, drive, e, sums, log)
+        _, _, used = _pass(rows, count, u, drive, sums, log)
     elif status in (APERIODIC, LIMIT_REACHED) and s > gn:
         count, _ = normal_cycle(s, gn, e, int(group[8]), rows)
-        shown = min(count, SHOWN_SEGMENTS)
+        shown, span = 0, 0.0
+        while shown < count and span < SHOWN_PERIODS * TURN:
+            shown += 1
+            span += rows[count - shown, 1]
         start = _start(drive, phase, rows, count)
-        u, _, _ = _pass(rows, count - shown, start, drive, e, sums, log[:0])
-        _, _, used = _pass(rows[count - shown :], shown, u, drive, e, sums, log)
+        u, _, _ = _pass(rows, count - shown, start, drive, sums, log[:0])
+        _, _, used = _pass(rows[count - shown :], shown, u, drive, sums, log)
     else:
         used = 0
     return log[: max(0, used)].copy(), phase, way

@@ -1,0 +1,252 @@
+"""Prints how near the global search comes to the best of a fine grid, on simulated conveying
+velocity, beside scipy's searches at the same budget: `python -m benchmarks.search --grid 2000`.
+
+Of 20 random designs of a feeder 17 are without restitution; 5 of them bound the throw number, so
+that the best lies on a curved edge beyond which there is no value. The grids take minutes each at
+2,000: `--cache` keeps their results in a file.
+"""  # noqa: D205
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy import optimize
+
+from core.mechanics.arrays import Array
+from core.motion.planar import planar_motion
+from core.optimise.search import search_maximum
+
+GRAVITY = 9.81
+BUDGET = 80_000
+NO_VALUE = 1e3
+PIECE = 200_000  # cells of a grid at a time
+
+
+@dataclass(frozen=True)
+class Design:
+    """One feeder; beta and one of amplitude and frequency vary."""
+
+    variable: str
+    other: float  # the value of the other of the two
+    friction: float
+    gamma: float
+    restitution: float
+    throw_limit: float
+
+    @property
+    def lower(self) -> Array:
+        """The least beta and variable, SI units."""
+        return np.array([math.radians(1), 2e-5 if self.variable == "amplitude" else 20.0])
+
+    @property
+    def upper(self) -> Array:
+        """The largest beta and variable."""
+        return np.array([math.radians(89), 2e-3 if self.variable == "amplitude" else 120.0])
+
+    def velocity(self, points: Array) -> Array:
+        """Return the conveying velocity at points (n, 2); NaN above the limit of throw."""
+        beta, varied = points.T
+        by_amplitude = self.variable == "amplitude"
+        frequency = np.full_like(beta, self.other) if by_amplitude else varied
+        amplitude = varied if by_amplitude else np.full_like(beta, self.other)
+        w = 2 * math.pi * frequency
+        drive = amplitude * w * w / GRAVITY
+        values = np.full(beta.shape, np.nan)
+        kept = drive * np.sin(beta) <= self.throw_limit * math.cos(self.gamma)
+        motion = planar_motion(
+            drive_number_along=(drive * np.cos(beta))[kept],
+            drive_number_normal=(drive * np.sin(beta))[kept],
+            gravity_number_along=np.asarray(math.sin(self.gamma)),
+            gravity_number_normal=np.asarray(math.cos(self.gamma)),
+            friction_static=np.asarray(self.friction),
+            friction_kinetic=np.asarray(self.friction),
+            restitution=np.asarray(self.restitution),
+            tolerance=np.asarray(1e-12),
+            most_periods=np.asarray(1000.0 if self.restitution == 0 else 64.0),
+        )
+        values[kept] = motion.velocity * GRAVITY / w[kept]
+        return values
+
+
+def designs() -> list[Design]:
+    """Return the random designs."""
+    random = np.random.default_rng(5)
+    made = []
+    for number in range(20):
+        variable = ("amplitude", "frequency")[number % 2]
+        frequency = random.uniform(20, 120)
+        amplitude = 10 ** random.uniform(math.log10(2e-5), math.log10(2e-3))
+        friction, gamma = random.uniform(0.1, 1), math.radians(random.uniform(-3, 6))
+        restitution, limit = random.uniform(0.05, 0.5), random.uniform(0.8, 5)
+        made.append(
+            Design(
+                variable,
+                float(frequency if variable == "amplitude" else amplitude),
+                float(friction),
+                gamma,
+                float(restitution) if number >= 17 else 0.0,
+                float(limit) if number < 17 and number % 3 == 2 else np.inf,
+            )
+        )
+    return made
+
+
+def grid_points(design: Design, size: int) -> Iterator[Array]:
+    """Yield the points of a grid with both ends, in pieces (n, 2)."""
+    first, second = np.linspace(design.lower, design.upper, size).T
+    rows = max(1, PIECE // size)
+    for start in range(0, size, rows):
+        some = first[start : start + rows]
+        yield np.stack(np.broadcast_arrays(some[:, None], second), axis=-1).reshape(-1, 2)
+
+
+def best_of_grid(design: Design, size: int) -> dict[str, float]:
+    """Return the best value of a grid, its point and the time."""
+    start = time.perf_counter()
+    best = {"value": -np.inf}
+    for points in grid_points(design, size):
+        values = design.velocity(points)
+        if np.isnan(values).all():
+            continue
+        place = int(np.nanargmax(values))
+        if values[place] > best["value"]:
+            best = {
+                "value": float(values[place]),
+                "beta": float(points[place, 0]),
+                "varied": float(points[place, 1]),
+            }
+    return {**best, "seconds": time.perf_counter() - start}
+
+
+def cached_grid(number: int, design: Design, size: int, cache: Path | None) -> dict[str, float]:
+    """Return the best of a grid, from the cache where it is there."""
+    known = json.loads(cache.read_text()) if cache is not None and cache.exists() else {}
+    key = f"{number} {size} {design}"
+    if key not in known:
+        known[key] = best_of_grid(design, size)
+        if cache is not None:
+            cache.write_text(json.dumps(known, indent=1))
+    return known[key]
+
+
+class Counted:
+    """The objective of scipy: -velocity, counted; a large number where there is no value."""
+
+    def __init__(self, design: Design):
+        self.design, self.evaluations, self.best = design, 0, -np.inf
+
+    def __call__(self, points: Array) -> Array:
+        """Return -velocity at points (2,) or, as scipy's vectorised searches have it, (2, n)."""
+        values = self.design.velocity(np.atleast_2d(points.T))
+        self.evaluations += values.size
+        values = np.where(np.isnan(values), -NO_VALUE, values)
+        self.best = max(self.best, float(values.max()))
+        return -values if points.ndim > 1 else -values[0]
+
+
+def by_evolution(lost: Counted) -> None:
+    """Run scipy's differential evolution, vectorised, on the whole budget."""
+    members = 200
+    optimize.differential_evolution(
+        lost,
+        list(zip(lost.design.lower, lost.design.upper, strict=True)),
+        popsize=members // 2,
+        maxiter=BUDGET // members - 1,
+        tol=0,
+        polish=False,
+        vectorized=True,
+        updating="deferred",
+        rng=1,
+    )
+
+
+def by_direct(lost: Counted) -> None:
+    """Run scipy's DIRECT, one point at a time, on the whole budget."""
+    ends = list(zip(lost.design.lower, lost.design.upper, strict=True))
+    optimize.direct(
+        lost, ends, maxfun=BUDGET - 1, maxiter=BUDGET, vol_tol=0, len_tol=0, locally_biased=False
+    )
+
+
+def longer(design: Design, beta: float, varied: float) -> tuple[float, float]:
+    """Return the velocity at one point over a hundred times as many periods, and its spread."""
+    w = 2 * math.pi * (varied if design.variable == "frequency" else design.other)
+    amplitude = design.other if design.variable == "frequency" else varied
+    drive = amplitude * w * w / GRAVITY
+    groups = {
+        "drive_number_along": drive * math.cos(beta),
+        "drive_number_normal": drive * math.sin(beta),
+        "gravity_number_along": math.sin(design.gamma),
+        "gravity_number_normal": math.cos(design.gamma),
+        "friction_static": design.friction,
+        "friction_kinetic": design.friction,
+        "restitution": design.restitution,
+        "tolerance": 1e-12,
+        "most_periods": 6400.0,
+    }
+    motion = planar_motion(**{name: np.asarray(value) for name, value in groups.items()})
+    return float(motion.velocity) * GRAVITY / w, float(motion.spread) * GRAVITY / w
+
+
+def compare(number: int, design: Design, size: int, cache: Path | None) -> float:
+    """Print one line of the table; return by how much the search falls short of the grid."""
+    grid = cached_grid(number, design, size, cache)
+    start = time.perf_counter()
+    found = search_maximum(design.velocity, design.lower, design.upper, budget=BUDGET)
+    seconds = time.perf_counter() - start
+    beside = ""
+    for search in (by_evolution, by_direct):
+        lost = Counted(design)
+        start = time.perf_counter()
+        search(lost)
+        short = 1 - lost.best / grid["value"]
+        beside += f" {short:+9.1e} {lost.evaluations:6d} {time.perf_counter() - start:5.1f}"
+    short = 1 - found.value / grid["value"]
+    limit = f"{design.throw_limit:.2f}" if np.isfinite(design.throw_limit) else "-"
+    print(
+        f"{number:2d} {design.variable:9} {design.restitution:4.2f} {limit:>5} {size:5d} "
+        f"{grid['value']:10.6f} {grid['seconds']:6.1f} {found.value:10.6f} {short:+9.1e} "
+        f"{found.evaluations:6d} {seconds:5.1f}{beside}",
+        flush=True,
+    )
+    if design.restitution > 0:
+        for name, beta, varied in (
+            ("grid", grid["beta"], grid["varied"]),
+            ("search", *map(float, found.point)),
+        ):
+            value, spread = longer(design, beta, varied)
+            print(f"   best of the {name}, 6,400 periods: {value:.6f}, spread {spread:.6f}")
+    return short
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--grid", type=int, default=200, help="points of an axis of the grid")
+    parser.add_argument("--rough-grid", type=int, help="the same with restitution above 0")
+    parser.add_argument("--cache", type=Path, help="file that keeps the results of the grids")
+    parser.add_argument("--designs", type=int, nargs="*", help="numbers of the designs, from 1")
+    given = parser.parse_args()
+    print(
+        " # varies    rest limit  grid  best[m/s]      s     search  short of   evals     s "
+        "evolution evals      s    DIRECT  evals     s"
+    )
+    shorts = []
+    for number, design in enumerate(designs(), 1):
+        if given.designs and number not in given.designs:
+            continue
+        rough = given.rough_grid or given.grid
+        size = given.grid if design.restitution == 0 else rough
+        shorts.append(compare(number, design, size, given.cache))
+    print(f"most short of the grid: {max(shorts):+.1e}")
+
+
+if __name__ == "__main__":
+    main()

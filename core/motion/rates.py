@@ -1,0 +1,40 @@
+"""Rates that people use: parts a minute, and the effective distance behind a speed."""
+
+from __future__ import annotations
+
+from core.mechanics.arrays import Array
+from core.mechanics.travel import distance_bound
+
+
+def parts_per_minute(*, velocity: Array, length: Array, gap: Array | float = 0.0) -> Array:
+    """Return how many parts a minute arrive at a mean velocity (theory 13.12) [min-1].
+
+    Parameters
+    ----------
+    velocity : ndarray
+        Mean conveying velocity [m s-1].
+    length, gap : ndarray
+        Length of a part along the track, and free length between two parts [m].
+    """
+    return 60.0 * velocity / (length + gap)
+
+
+def velocity_for(*, parts_per_minute: Array, length: Array, gap: Array | float = 0.0) -> Array:
+    """Return the mean velocity that a rate needs; inverse of `parts_per_minute` [m s-1]."""
+    return parts_per_minute * (length + gap) / 60.0
+
+
+def effective_distance(
+    *, velocity: Array, starting_acceleration: Array, friction_kinetic: Array, radius: Array
+) -> Array:
+    """Return the distance x at which (3.18) from rest gives a speed (theory 13.12) [m].
+
+    The speed may be simulated or measured. Infinite where (3.18) never reaches it: at or above the
+    terminal velocity, and where the part does not start.
+    """
+    return distance_bound(
+        starting_acceleration=starting_acceleration,
+        velocity_bound=velocity,
+        friction_kinetic=friction_kinetic,
+        radius=radius,
+    )

@@ -1,0 +1,269 @@
+"""The motion of one part over a cycle: height over the track, velocity along it, progress."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+import xarray
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from core.plots.fixed import fixed_positions
+from core.plots.parts import add_room
+from core.plots.problem import PlotError
+from core.plots.regimes import FILLS, HATCH_WIDTH, VEIL, mix
+from core.plots.selection import held_fixed
+from core.plots.text import number, read_unit, with_unit, words
+
+TIME = "cycle_time"
+NEEDED = (
+    "position_along", "height_above_floor", "relative_velocity_along", "track_along",
+    "track_normal", "motion_mode",
+)  # fmt: skip
+MILLI = 1000.0
+PANELS = (3.0, 2.4, 1.8)  # heights
+PART = "#1f3b73"
+TRACK = "#8a6a3a"
+PALE = 0.65
+AT_REST = 1e-9  # of the heights: a position below is rounding
+MOST_PERIODS = 12  # that are told apart by lines
+
+# Hatch and colour of the background while the part is in a mode.
+MODES = {
+    "stick": ("..", mix(FILLS["stick"], VEIL, PALE)),
+    "forward": ("", mix(FILLS["slip"], VEIL, PALE)),
+    "backward": ("\\\\", mix(FILLS["hop_after_hop"], VEIL, PALE)),
+    "flight": ("", (1.0, 1.0, 1.0)),
+}
+LEGEND = {
+    "stick": "sticking",
+    "forward": "sliding forward",
+    "backward": "sliding backward",
+    "flight": "in flight",
+}
+UNKNOWN = ("", (0.9, 0.9, 0.9))
+
+
+class Trajectory(NamedTuple):
+    """The motion of one part in the units in which it is drawn.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        Times [ms].
+    period : float
+        Period of the drive [ms].
+    track, part : ndarray, shape (n,)
+        Heights of the track and of the part in the fixed frame, in `height_unit`.
+    track_velocity, part_velocity : ndarray, shape (n,)
+        Velocities along the track, in the fixed frame [m s-1].
+    position : ndarray, shape (n,)
+        Position on the track, in `position_unit`.
+    modes : list of str, length n
+        Mode of the contact at each time.
+    facts : list of str
+        Mean velocity, regime, and every parameter, in words.
+    """
+
+    time: NDArray[np.float64]
+    period: float
+    track: NDArray[np.float64]
+    part: NDArray[np.float64]
+    height_unit: str
+    track_velocity: NDArray[np.float64]
+    part_velocity: NDArray[np.float64]
+    position: NDArray[np.float64]
+    position_unit: str
+    modes: list[str]
+    facts: list[str]
+
+
+def read_trajectory(
+    dataset: xarray.Dataset,
+    variable: str | None,
+    axes: tuple[str, ...] | None,
+    at: Mapping[str, float],
+) -> Trajectory:
+    """Return the motion of the one part that the dataset shows.
+
+    Raises
+    ------
+    PlotError
+        If there is none, or if a variable, an axis or a value is asked for that it cannot show.
+    """
+    if TIME not in dataset.dims:
+        fix = "Set trajectory = 400 in a study of one point, and run it"
+        raise PlotError("kind", f"the dataset holds no motion over a cycle: no {TIME}", fix)
+    if variable is not None:
+        message = "a trajectory shows height, velocity and position together"
+        raise PlotError("variable", message, "Leave it out, or ask for kind line")
+    if axes is not None and axes != (TIME,):
+        raise PlotError("axes", f"a trajectory is drawn over {TIME}", "Leave axes out")
+    fixed_positions(dataset, at, (), (TIME,))
+    known = {**dataset.data_vars, **dataset.coords}
+    missing = [name for name in (*NEEDED, "frequency") if name not in known]
+    if missing:
+        fix = "Draw a file that `vibrafeed run` wrote"
+        raise PlotError("dataset", f"its motion has no {missing[0]}", fix)
+    if dataset.sizes[TIME] < 2:
+        raise PlotError("dataset", "it shows one time only", "Ask for two times or more")
+    dataset = dataset.sortby(TIME)
+
+    seconds = _values(dataset[TIME])
+    period = 1.0 / float(dataset["frequency"])
+    track, height = _values(dataset["track_normal"]), _values(dataset["height_above_floor"])
+    swing, part = _swing(seconds, period, _values(dataset["track_along"])), track + height
+    scale, height_unit = read_unit(xarray.DataArray(part, attrs={"units": "m"}))
+    if not np.isfinite(part).any():
+        raise PlotError("dataset", "no cycle was found: its motion has no values", "Draw another")
+    position = _values(dataset["position_along"])
+    factor, position_unit = read_unit(dataset["position_along"])
+    if np.nanmax(np.abs(position)) <= AT_REST * np.nanmax(np.abs(part)):
+        position, factor, position_unit = np.zeros_like(position), scale, height_unit
+    return Trajectory(
+        time=MILLI * seconds,
+        period=MILLI * period,
+        track=scale * track,
+        part=scale * part,
+        height_unit=height_unit,
+        track_velocity=swing,
+        part_velocity=swing + _values(dataset["relative_velocity_along"]),
+        position=factor * position,
+        position_unit=position_unit,
+        modes=_modes(dataset["motion_mode"]),
+        facts=_facts(dataset),
+    )
+
+
+def draw_trajectory(figure: Figure, shown: Trajectory) -> tuple[Axes, list[Artist]]:
+    """Draw the motion; return the upper axes and the legend's entries."""
+    panels = figure.subplots(3, 1, sharex=True, height_ratios=PANELS)
+    heights, velocities, positions = panels
+    for axes in panels:
+        _shade_modes(axes, shown)
+        _mark_periods(axes, shown)
+        axes.grid(visible=True, axis="y", color="#000000", alpha=0.12, linewidth=0.6)
+        axes.set_axisbelow(True)
+
+    ends = _limits(shown.track, shown.part)
+    heights.fill_between(
+        shown.time, shown.track, ends[0], facecolor=mix(TRACK, VEIL, 0.5), linewidth=0, zorder=2
+    )
+    heights.plot(shown.time, shown.track, color=TRACK, linewidth=1.0, zorder=3)
+    heights.plot(shown.time, shown.part, color=PART, linewidth=2.0, zorder=4)
+    heights.set_ylim(*ends)
+    heights.set_ylabel(f"Height ({shown.height_unit})")
+
+    velocities.axhline(0.0, color="#333333", linewidth=0.7, zorder=1)
+    velocities.plot(shown.time, shown.track_velocity, color=TRACK, linewidth=1.4, zorder=3)
+    velocities.plot(shown.time, shown.part_velocity, color=PART, linewidth=2.0, zorder=4)
+    velocities.set_ylim(*_limits(shown.track_velocity, shown.part_velocity))
+    velocities.set_ylabel("Velocity along\nthe track (m/s)")
+
+    positions.plot(shown.time, shown.position, color=PART, linewidth=2.0, zorder=4)
+    positions.set_ylim(*(_limits(shown.position) if shown.position.any() else ends))
+    positions.set_ylabel(f"Position on\nthe track ({shown.position_unit})")
+    positions.set_xlabel("Time since the start of the cycle (ms)")
+    positions.set_xlim(shown.time[0], shown.time[-1])
+    figure.align_ylabels(panels)
+    return heights, [*_lines(), *_mode_entries(shown.modes)]
+
+
+def _facts(dataset: xarray.Dataset) -> list[str]:
+    """Return mean velocity and regime, and what is held fixed."""
+    facts = []
+    mean = dataset.get("conveying_velocity")
+    if mean is not None and not mean.ndim and np.isfinite(mean):
+        facts.append("mean velocity " + with_unit(number(float(mean), 4), "m/s"))
+    if not dataset["regime"].ndim:
+        facts.append("regime " + words(_flag(dataset["regime"], int(dataset["regime"]))))
+    return [fact.replace(" ", "\N{NO-BREAK SPACE}") for fact in facts] + held_fixed(dataset)
+
+
+def _values(array: xarray.DataArray) -> NDArray[np.float64]:
+    return np.asarray(array.values, dtype=np.float64)
+
+
+def _limits(*curves: NDArray[np.float64]) -> tuple[float, float]:
+    values = np.concatenate(curves)
+    finite = values[np.isfinite(values)]
+    return add_room(float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
+
+
+def _swing(
+    seconds: NDArray[np.float64], period: float, track: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the velocity of a track that moves as a sine, however few times are shown."""
+    rate = 2 * np.pi / period
+    sine = np.sin(rate * seconds)
+    weight = float(sine @ sine)
+    amplitude = float(sine @ track) / weight if weight > 0 else 0.0
+    return amplitude * rate * np.cos(rate * seconds)
+
+
+def _flag(array: xarray.DataArray, value: int) -> str:
+    numbers = np.atleast_1d(array.attrs.get("flag_values", [])).tolist()
+    names = str(array.attrs.get("flag_meanings", "")).split()
+    try:
+        return dict(zip(numbers, names, strict=False))[value]
+    except KeyError:
+        message = f"its {array.name} {value} has no name"
+        fix = "Draw a file that `vibrafeed run` wrote"
+        raise PlotError("dataset", message, fix) from None
+
+
+def _modes(array: xarray.DataArray) -> list[str]:
+    return [_flag(array, value) for value in array.values.astype(np.int64).tolist()]
+
+
+def _shade_modes(axes: Axes, shown: Trajectory) -> None:
+    """Colour the background by mode; borders lie halfway between two times."""
+    time = shown.time
+    edges = np.concatenate([time[:1], (time[:-1] + time[1:]) / 2, time[-1:]])
+    changes = [i for i in range(1, len(shown.modes)) if shown.modes[i] != shown.modes[i - 1]]
+    for start, stop in zip([0, *changes], [*changes, len(shown.modes)], strict=True):
+        hatch, colour = MODES.get(shown.modes[start], UNKNOWN)
+        area = axes.axvspan(edges[start], edges[stop], facecolor=colour, linewidth=0, zorder=0)
+        if hatch:
+            area.set(hatch=hatch, edgecolor=_ink(colour))
+            area.set_hatch_linewidth(HATCH_WIDTH)
+
+
+def _mark_periods(axes: Axes, shown: Trajectory) -> None:
+    """Draw a line where a period of the drive begins."""
+    first, last = np.ceil(shown.time[0] / shown.period), np.floor(shown.time[-1] / shown.period)
+    if last - first > MOST_PERIODS:
+        return
+    for count in np.arange(first, last + 1):
+        axes.axvline(count * shown.period, color="#333333", linewidth=0.8, linestyle=":", zorder=1)
+
+
+def _lines() -> list[Artist]:
+    return [
+        Line2D([], [], color=PART, linewidth=2.0, label="part"),
+        Line2D([], [], color=TRACK, linewidth=1.4, label="track"),
+    ]
+
+
+def _mode_entries(modes: list[str]) -> list[Artist]:
+    entries: list[Artist] = []
+    for name in dict.fromkeys((*MODES, *modes)):
+        if name in modes:
+            hatch, colour = MODES.get(name, UNKNOWN)
+            patch = Patch(
+                facecolor=colour, edgecolor=_ink(colour), label=LEGEND.get(name, words(name))
+            )
+            patch.set(hatch=hatch, linewidth=0.8)
+            patch.set_hatch_linewidth(HATCH_WIDTH)
+            entries.append(patch)
+    return entries
+
+
+def _ink(colour: tuple[float, float, float]) -> tuple[float, float, float]:
+    return mix(colour, "#000000", 0.25)

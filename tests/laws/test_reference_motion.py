@@ -1,0 +1,149 @@
+"""The reference method against exact solutions and worked values, to many digits."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from core.motion.motion import STATUS
+from core.motion.reference import reference_motion, reference_path
+
+GRAVITY = 9.8
+NO_DRIVE: dict[str, Any] = {
+    "drive_number_along": 0.0, "drive_number_across": 0.0, "drive_number_normal": 0.0
+}  # fmt: skip
+
+# Theory 15: amplitude (mm), frequency (Hz), beta, gamma (degrees), mu_s, mu_k, eps, mean (m/s).
+WORKED = {
+    "stick-slip": (0.024, 60, 20, 0, 0.35, 0.25, 0.0, 4.3067566120832e-4),
+    "sliding": (0.22, 60, 8, 1, 0.3, 0.3, 0.0, 1.3192764443573e-4),
+    "hop on a climb": (0.3, 50, 28, 2, 0.4, 0.4, 0.0, 0.029158419079761),
+    "hop": (0.4, 60, 25, 0, 0.4, 0.4, 0.0, 0.12799649244377),
+    "hop after hop": (0.5, 60, 28, 0, 0.5, 0.5, 0.0, 0.15359266133662),
+    "chatter": (0.2, 60, 32, 0, 0.4, 0.4, 0.2, 0.034566932320251),
+}
+
+
+@pytest.mark.parametrize("name", WORKED)
+def test_worked_mean_velocities(name: str) -> None:
+    amplitude, frequency, beta, gamma, static, kinetic, restitution, mean = WORKED[name]
+    w = 2.0 * math.pi * frequency
+    drive = amplitude * 1e-3 * w * w / GRAVITY
+    found = reference_motion(
+        drive_number_along=drive * math.cos(math.radians(beta)), drive_number_across=0.0,
+        drive_number_normal=drive * math.sin(math.radians(beta)),
+        gravity_number_along=math.sin(math.radians(gamma)), gravity_number_across=0.0,
+        gravity_number_normal=math.cos(math.radians(gamma)),
+        friction_static=static, friction_kinetic=kinetic, restitution=restitution,
+    )  # fmt: skip
+    assert found.status == STATUS["periodic"]
+    assert found.multiple == 1
+    assert float(found.velocity) * GRAVITY / w == pytest.approx(mean, rel=1e-8)
+    shares = found.stick + found.forward + found.backward + found.flight
+    # Slips that are begun by quadrature start within 1e-3 of a phase; all phases are counted.
+    assert shares == pytest.approx(1.0, abs=1e-9)
+
+
+def test_disc_on_an_incline() -> None:
+    gamma, friction, speed, psi = math.radians(20.0), 0.6, 2.0, math.radians(70.0)
+    pull, nu = math.sin(gamma), friction / math.tan(gamma)
+    t, c = math.tan(psi / 2.0), speed * math.sin(psi) / math.tan(psi / 2.0) ** nu
+    down = c * c / (4.0 * pull) * (
+        t ** (2.0 * nu - 2.0) / (2.0 * nu - 2.0) - t ** (2.0 * nu + 2.0) / (2.0 * nu + 2.0)
+    )  # fmt: skip
+    cross = c * c / (2.0 * pull) * (
+        t ** (2.0 * nu - 1.0) / (2.0 * nu - 1.0) + t ** (2.0 * nu + 1.0) / (2.0 * nu + 1.0)
+    )  # fmt: skip
+    stop = speed * (nu + math.cos(psi)) / (pull * (nu * nu - 1.0))
+    found = reference_path(
+        phases=[0.0, stop - 1e-3, stop + 1e-3, stop + 5.0], **NO_DRIVE,
+        gravity_number_along=math.sin(gamma), gravity_number_across=0.0,
+        gravity_number_normal=math.cos(gamma), friction_static=friction, friction_kinetic=friction,
+        velocity=(-speed * math.cos(psi), speed * math.sin(psi), 0.0),
+    )  # fmt: skip
+    np.testing.assert_allclose(found.position[-1], [-down, cross, 0.0], atol=1e-10)
+    assert np.hypot(*found.velocity[1, :2]) > 0.0  # it stops when it should
+    np.testing.assert_array_equal(found.velocity[2:], 0.0)
+
+
+@pytest.mark.parametrize("rolling", [0.0, 2.0])
+def test_curved_chute(rolling: float) -> None:
+    gamma, delta, friction, curvature = math.radians(-25.0), math.radians(8.0), 0.2, 0.05
+    pull = -math.sin(gamma) - friction * math.cos(gamma) * (math.cos(delta) + math.sin(delta))
+    phases = np.array([0.0, 1e-4, 1.0, 5.0, 20.0, 40.0])
+    u = phases * math.sqrt(friction * pull * curvature)
+    found = reference_path(
+        phases=phases, **NO_DRIVE, gravity_number_along=math.sin(gamma),
+        gravity_number_across=math.cos(gamma) * math.sin(delta),
+        gravity_number_normal=math.cos(gamma) * math.cos(delta), friction_static=friction,
+        friction_kinetic=friction, wall_friction=friction, curvature_number=curvature, wall=True,
+        rolling=rolling,
+    )  # fmt: skip
+    speed = math.sqrt(pull / (friction * curvature)) * np.tanh(u)
+    np.testing.assert_allclose(found.velocity[:, 0], speed, atol=1e-9)
+    np.testing.assert_allclose(
+        found.position[:, 0], np.log(np.cosh(u)) / (friction * curvature), atol=1e-9
+    )
+
+
+def test_a_cylinder_rolls_across_without_slip() -> None:
+    # Theory 7.3: y'' = 2 D_y/3 while |D_y| <= 3 mu_s n; the spin takes the rest.
+    push, friction = 0.5, 0.2
+    phases = np.linspace(0.0, 3.0, 7)
+    found = reference_path(
+        phases=phases, **NO_DRIVE, gravity_number_along=0.0, gravity_number_across=-push,
+        gravity_number_normal=1.0, friction_static=friction, friction_kinetic=friction, rolling=2.0,
+    )  # fmt: skip
+    np.testing.assert_allclose(found.velocity[:, 1], 2.0 * push * phases / 3.0, atol=1e-12)
+    np.testing.assert_array_equal(found.velocity[:, 0], 0.0)
+
+
+def test_a_cylinder_slips_where_rolling_needs_more() -> None:
+    # Along x and y at once: the secular equation of theory 7.3 gives constant accelerations.
+    along, across, q = 0.5, 0.9, 0.2
+    found = reference_path(
+        phases=[0.0, 2.0], **NO_DRIVE, gravity_number_along=-along, gravity_number_across=-across,
+        gravity_number_normal=1.0, friction_static=q, friction_kinetic=q, rolling=2.0,
+    )  # fmt: skip
+    ax, ay = found.velocity[-1, 0] / 2.0, found.velocity[-1, 1] / 2.0
+    fx, fy = ax - along, ay - across
+    assert math.hypot(fx, fy) == pytest.approx(q, rel=1e-9)
+    # The contact slips with (u_x, u_y + spin) = (ax, across + 3 fy) t, against the friction.
+    assert fx * (across + 3.0 * fy) == pytest.approx(fy * ax, abs=1e-9)
+
+
+def test_bounces_in_closed_form() -> None:
+    # Height 1 over a level floor: landing at sqrt(2), hops of 2 eps^k sqrt(2), all done after
+    # sqrt(2) (1 + eps)/(1 - eps), where the run of hops ends though there is no end of them.
+    restitution = 0.5
+    landing = math.sqrt(2.0)
+    end = landing * (1.0 + restitution) / (1.0 - restitution)
+    found = reference_path(
+        phases=[0.0, landing * 1.5, end - 1e-6, end + 1e-6], position=(0.0, 0.0, 1.0), **NO_DRIVE,
+        gravity_number_along=0.0, gravity_number_across=0.0, gravity_number_normal=1.0,
+        friction_static=0.3, friction_kinetic=0.3, restitution=restitution,
+    )  # fmt: skip
+    # Half a phase sqrt(2) into the first hop it is at its top, at eps^2.
+    assert found.position[1, 2] == pytest.approx(restitution**2, abs=1e-11)
+    assert found.velocity[1, 2] == pytest.approx(0.0, abs=1e-11)
+    assert found.position[3, 2] == 0.0
+
+
+def test_statuses() -> None:
+    level: dict[str, Any] = {
+        "gravity_number_along": 0.0, "gravity_number_across": 0.0, "gravity_number_normal": 1.0,
+        "friction_static": 0.4, "friction_kinetic": 0.4,
+    }  # fmt: skip
+    rest = reference_motion(**{**NO_DRIVE, "drive_number_along": 0.3}, **level)
+    assert rest.status == STATUS["at_rest"]
+    assert rest.velocity == 0.0
+    assert rest.stick == pytest.approx(1.0)
+    wild = reference_motion(
+        drive_number_along=3.0, drive_number_across=0.0, drive_number_normal=5.0, **level,
+        restitution=0.6, most_periods=12,
+    )  # fmt: skip
+    assert wild.status == STATUS["aperiodic"]
+    assert wild.spread > 0.0
