@@ -26,8 +26,8 @@ from core.study.models import (
 )
 from core.study.values import Between, Span, Values
 from core.sweep.grid import Grid, to_si
-from core.sweep.plan import find_scene, scene_parameters
-from core.sweep.prepare import Prepared, further_problems, plan_study
+from core.sweep.plan import choose_scene, scene_parameters
+from core.sweep.prepare import Chosen, Prepared, further_problems, plan_study
 
 ANGLES = {"alpha": Between(0.0, 90.0), "beta": Between(0.0, 90.0)}
 """The variables of a study that names none."""
@@ -100,7 +100,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     values = study.values()
     problems: list[Wrong] = []
     asked = tuple(dict.fromkeys((*_criterion_outputs(study), *study.outputs)))
-    scene, variant = find_problem_scene(
+    scene, variant, wrong_variant = choose_problem_scene(
         study.scene, study.variant, asked, _is_planar(study, values)
     )
     kept = tuple(_kept(study, scene, variant))
@@ -117,7 +117,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         problems.append(Wrong("variables", message, f"Choose at most {MOST_VARIABLES}"))
     spans = {n: Span(b.lower, b.upper, 2) for n, b in bounds.items() if n not in values}
     try:
-        plan, _ = plan_study(study, outputs, lambda: (scene, variant), spans)
+        plan, _ = plan_study(study, outputs, (scene, variant, wrong_variant), spans)
     except StudyError as error:
         problems += [_placed(one, study, bounds, asked) for one in error.problems]
     if study.method is not None and study.method not in METHODS:
@@ -162,26 +162,27 @@ def prepare_content(content: object) -> Optimisation:
     return prepare(study)
 
 
-def find_problem_scene(
+def choose_problem_scene(
     name: str, variant: str | None, outputs: Iterable[str], planar: bool = True
-) -> tuple[Scene, str]:
+) -> Chosen:
     """Return the closed-form scene with its variant; or, if an output asks for it, the system.
+
+    The third is what is wrong with the variant, which then gives way to the default.
 
     Raises
     ------
     StudyError
-        If there is no such scene or variant.
+        If there is no such scene.
     """
-    scene, chosen = find_scene(name, variant)
+    scene, chosen, problems = choose_scene(name, variant)
     closed = {output for one in scene.variants for output in scene.outputs(one)}
     if name in SYSTEMS:
         system, method = find_system(name, None, planar)
         if any(o not in closed and o in system.outputs(method) for o in outputs):
-            if variant is not None:
-                fix = "Remove it, or ask for outputs of the closed forms alone"
-                raise StudyError([Wrong("variant", "motion in time has no variants", fix)])
-            return system, method
-    return scene, chosen
+            fix = "Remove it, or ask for outputs of the closed forms alone"
+            told = [Wrong("variant", "motion in time has no variants", fix)] if variant else []
+            return system, method, told
+    return scene, chosen, problems
 
 
 def _criterion_outputs(study: OptimiseStudy) -> tuple[str, ...]:
@@ -298,9 +299,9 @@ def _further(content: object, known: StudyError) -> list[Wrong]:
         if isinstance(name, str)
     )
 
-    def chosen(content: Mapping[str, Any]) -> tuple[Scene, str]:
+    def chosen(content: Mapping[str, Any]) -> Chosen:
         variant = content.get("variant")
-        return find_problem_scene(
+        return choose_problem_scene(
             content["scene"], variant if isinstance(variant, str) else None, outputs
         )
 
@@ -308,7 +309,7 @@ def _further(content: object, known: StudyError) -> list[Wrong]:
         parameters |= variables
     elif isinstance(content.get("scene"), str):
         try:
-            known_parameters = scene_parameters(*chosen(content))
+            known_parameters = scene_parameters(*chosen(content)[:2])
         except StudyError as error:
             return [p for p in error.problems if p.place not in {q.place for q in known.problems}]
         parameters |= {name: 0 for name in ANGLES if name in known_parameters}
@@ -316,4 +317,4 @@ def _further(content: object, known: StudyError) -> list[Wrong]:
     return further_problems(whole, known, chosen)
 
 
-__all__ = ["FRONT", "Optimisation", "find_problem_scene", "prepare", "prepare_content"]
+__all__ = ["FRONT", "Optimisation", "choose_problem_scene", "prepare", "prepare_content"]
