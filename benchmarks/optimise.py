@@ -8,7 +8,6 @@ fastest true motion, on the data of figure 5.1.
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -79,7 +78,7 @@ def compared(content: Mapping[str, Any]) -> dict[str, tuple[Array, float, Array]
     for name in METHODS:
         prepared = prepare(parse_study(dict(content)))
         problem = prepared.problem
-        if refusal(name, problem) or not _is_there(name):
+        if refusal(name, problem):
             continue
         design = chosen_cells(designs_of(problem, prepared.designs), moves)
         scales = problem.scales(design)
@@ -96,16 +95,6 @@ def compared(content: Mapping[str, Any]) -> dict[str, tuple[Array, float, Array]
         used = np.broadcast_to(found.evaluations, moves.sum())
         results[name] = error, seconds, used
     return results
-
-
-def _is_there(name: str) -> bool:
-    if name != "search":
-        return True
-    try:
-        import core.optimise.search  # noqa: F401
-    except ImportError:
-        return False
-    return True
 
 
 def print_methods() -> dict[str, dict[str, tuple[Array, float, Array]]]:
@@ -276,12 +265,11 @@ def print_answers() -> None:
         "as printed, no contact asked": {"variant": "thesis", "floor_contact": False, **fastest_of},
         "as printed, on the floor": {"variant": "thesis", **fastest_of},
         "physical": {"variant": "physical", **fastest_of},
-    }
-    if _is_there("search"):
-        cases["true mean velocity"] = {
+        "true mean velocity": {
             "criterion": {"kind": "maximise", "output": "conveying_velocity"},
             "outputs": ["throw_number"],
-        }
+        },
+    }
     print("\nData of figure 5.1 (60 Hz, 0.5 mm, friction 0.5)")
     for title, case in cases.items():
         dataset = optimise(parse_study({**base, **case}))
@@ -292,8 +280,6 @@ def print_answers() -> None:
             f"throw number {float(dataset['throw_number']):5.2f}: "
             f"{float(value):8.4f} {value.attrs['units']}"
         )
-    if not _is_there("search"):
-        print("  the search for true motion is not there", file=sys.stderr)
 
 
 def main() -> None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -46,7 +45,8 @@ def _search(
     problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
 ) -> Found:
     """Return what the global search for outputs that jump finds, all designs side by side."""
-    search = import_module("core.optimise.search")
+    from core.optimise import search
+
     cells = cells_of(design)
     size = problem.scale(scales)
 

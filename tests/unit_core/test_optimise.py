@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import itertools
 import json
 import tomllib
@@ -30,7 +29,6 @@ from core.study import load_study, parse_json, parse_study
 from core.watch import Watch
 
 CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("optimise-*.toml"))
-HAS_SEARCH = importlib.util.find_spec("core.optimise.search") is not None
 # The data of figure 5.1 of the source, less strong: below lift-off at the best angles.
 DATA = {"frequency": 60, "amplitude": "0.1 mm", "friction": 0.5, "gravity": 9.8}
 
@@ -66,8 +64,6 @@ def status(dataset) -> str:
 
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)
 def test_every_example_has_an_optimum_everywhere(path):
-    if "velocity" in path.stem and not HAS_SEARCH:
-        pytest.skip("the search for motion is not there")
     dataset = optimise(load_study(path))
     assert (dataset.optimum_status == STATUS["optimal"]).all()
     for name, variable in dataset.data_vars.items():
@@ -247,8 +243,6 @@ def test_a_batch_is_its_single_designs():
 
 @pytest.mark.parametrize("method", METHODS)
 def test_every_method_finds_the_best_elevation(method):
-    if method == "search" and not HAS_SEARCH:
-        pytest.skip("the search for motion is not there")
     # alpha given, the limit of no concern: beta = atan(mu) (theory 12.1) needs full azimuth.
     change = {
         "criterion": {"kind": "maximise"},
@@ -338,7 +332,6 @@ def test_floor_contact_can_be_given_up():
     assert float(kept.best_beta) < float(free.best_beta)
 
 
-@pytest.mark.skipif(not HAS_SEARCH, reason="the search for motion is not there")
 def test_the_fastest_true_motion():
     dataset = optimise(load_study(next(path for path in CONFIGS if "velocity" in path.stem)))
     # By a plain grid of the simulated motion: 0.17 m/s near 22 deg, far beyond lift-off (7.9 deg).
