@@ -30,7 +30,7 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
-    help="Parameter sweeps and motion in time of parts on vibratory feeder tracks.",
+    help="Sweeps, motion in time and best drives of parts on vibratory feeder tracks.",
 )
 
 
@@ -59,14 +59,14 @@ def run(
     ] = MOST_BYTES,
     time_limit: Annotated[
         float | None,
-        typer.Option(help="Seconds after which no further cell of a simulation is started.", min=0),
+        typer.Option(help="Seconds after which no further cell is started; not of a sweep.", min=0),
     ] = None,
 ) -> None:
     """Carry out studies and write one NetCDF file each.
 
     All files are checked before the first is run. Exit code 2 means that a file is wrong, 1 that
-    a result could not be written, or that a simulation was stopped, by Ctrl-C or the time limit:
-    what was finished by then is written.
+    a result could not be written, or that a study was stopped, by Ctrl-C or the time limit: what
+    was finished by then is written.
     """
     from app import report
 
@@ -245,13 +245,12 @@ def _prepare_all(files: Sequence[Path], *, cells: int, bytes_: int) -> dict[Path
 
 @contextmanager
 def _interruption(kind: str) -> Iterator[Callable[[], bool]]:
-    """Let Ctrl-C stop a simulation between cells, not in the middle; yield whether it has.
+    """Let Ctrl-C stop a study between cells, not in the middle; yield whether it has.
 
-    A second Ctrl-C stops at once. Other kinds of study have nothing to keep: there it stops at once
-    in any case.
+    A second Ctrl-C stops at once. A sweep has nothing to keep: there it stops at once in any case.
     """
     asked = threading.Event()
-    if kind != "simulate":
+    if kind == "sweep":
         yield asked.is_set
         return
 

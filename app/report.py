@@ -14,13 +14,20 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table as Grid
 
-from core.quantities import MOTION_STATUSES, QUANTITIES, REGIMES
+from core.optimise import Optimisation
+from core.optimise.exact import OPTIMUM_STATUSES
+from core.optimise.run import criterion_in_words
+from core.quantities import MOTION_STATUSES, REGIMES
 
 if TYPE_CHECKING:
     from core.dataset import Table
     from core.sweep.prepare import Prepared
 
-NOT_COMPUTED = MOTION_STATUSES["not_computed"].value
+NOT_COMPUTED = {
+    "motion_status": MOTION_STATUSES["not_computed"].value,
+    "optimum_status": OPTIMUM_STATUSES["not_computed"].value,
+}
+"""The value of a status that says so."""
 
 console = Console(highlight=False)
 errors = Console(stderr=True, highlight=False)
@@ -59,8 +66,14 @@ def show_plan(path: Path, sweep: Prepared) -> None:
     grid = _grid("output", "unit", "values", "dimensions kept")
     for name, dims in sweep.dims.items():
         shape = " x ".join(f"{dim} {sweep.grid.shape[dim]}" for dim in dims) or "none"
-        grid.add_row(name, QUANTITIES[name].unit, f"{sweep.grid.size(dims):,}", shape)
+        grid.add_row(name, sweep.units[name], f"{sweep.grid.size(dims):,}", shape)
     console.print(grid)
+    if isinstance(sweep, Optimisation):
+        what = criterion_in_words(sweep.problem)
+        free = ", ".join(sweep.problem.names)
+        _say(f"  {what}, by the choice of {free}; method {sweep.method}")
+        kept = ", ".join(one.name for one in sweep.problem.kept) or "nothing"
+        _say(f"  kept: {kept}")
     _say(f"  equations: {', '.join(equation.gives for equation in plan.equations)}")
     _say(f"  regimes: {', '.join(plan.regimes)}")
     if plan.defaults:
@@ -77,25 +90,36 @@ def show_table(
     for name, variable in table.variables.items():
         if "flag_values" not in variable.attributes:
             ends = _finite_ends(variable.values)
-            grid.add_row(name, QUANTITIES[name].unit, *ends, ", ".join(variable.dims) or "none")
+            unit = str(variable.attributes["units"])
+            grid.add_row(name, unit, *ends, ", ".join(variable.dims) or "none")
     console.print(grid)
     shares = regime_shares(table)
     _say("  regimes: " + ", ".join(f"{name} {share:.1%}" for name, share in shares.items()))
     beyond = sum(share for name, share in shares.items() if not REGIMES[name].valid)
-    if beyond and "method" in table.attributes:
+    if "message" in table.attributes:
+        _say(f"  {table.attributes['criterion']}, method {table.attributes['method']}")
+        _say(f"  {table.attributes['message']}")
+    if beyond and "variant" not in table.attributes:
         _say(f"  {beyond:.1%} of the cells have no mean velocity.")
     elif beyond:
         _say(f"  {beyond:.1%} of the cells lie where the closed forms do not describe a real part.")
     if not is_whole(table):
-        left = np.mean(table.variables["motion_status"].values == NOT_COMPUTED)
+        left = np.mean(_not_computed(table))
         fail(f"  It was stopped: {left:.1%} of the cells are not computed, and marked so.")
     _say(f"  {cells:,} cells evaluated in {evaluating:.3f} s, written in {writing:.3f} s")
 
 
 def is_whole(table: Table) -> bool:
     """Return whether every cell of a result has been computed."""
-    statuses = table.variables.get("motion_status")
-    return statuses is None or bool((statuses.values != NOT_COMPUTED).all())
+    return not bool(np.any(_not_computed(table)))
+
+
+def _not_computed(table: Table) -> NDArray[np.bool_]:
+    """Return which cells were left out when a study was stopped."""
+    for name, value in NOT_COMPUTED.items():
+        if name in table.variables:
+            return np.asarray(table.variables[name].values == value)
+    return np.zeros((), dtype=np.bool_)
 
 
 def regime_shares(table: Table) -> dict[str, float]:

@@ -6,6 +6,7 @@ from typing import Any
 
 from core.motion.prepare import find_system
 from core.motion.systems import SYSTEMS
+from core.optimise.methods import METHODS
 from core.quantities import QUANTITIES, REGIMES
 from core.scenes import ALIASES, SCENES, Equation, Scene
 from core.study.models import STUDIES
@@ -101,7 +102,8 @@ def kind_schema(kind: str) -> dict[str, Any]:
     schema = STUDIES[kind].model_json_schema()
     known = SYSTEMS if kind == "simulate" else SCENES
     scenes = known.values()
-    outputs = {name for scene in scenes for v in scene.variants for name in scene.outputs(v)}
+    giving = [*scenes, *SYSTEMS.values()] if kind == "optimise" else scenes
+    outputs = {name for scene in giving for v in scene.variants for name in scene.outputs(v)}
     variants = {variant for scene in scenes for variant in scene.variants}
     choice = next(iter(scenes)).choice
     properties = schema["properties"]
@@ -112,6 +114,12 @@ def kind_schema(kind: str) -> dict[str, Any]:
         "default": None,
         "description": properties[choice]["description"],
     }
+    if kind == "optimise":
+        properties["method"] = {
+            "enum": [*METHODS, None],
+            "default": None,
+            "description": properties["method"]["description"],
+        }
     return schema
 
 

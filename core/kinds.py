@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from core import motion, sweep
+from core import motion, optimise, sweep
 from core.dataset.table import Table
 from core.study.load import parse_study
 from core.study.models import Study
@@ -41,9 +41,14 @@ def _tabulate_simulation(prepared: motion.Simulation, watch: Watch) -> Table:
     return motion.tabulate(prepared, watch=watch)
 
 
+def _tabulate_optimisation(prepared: optimise.Optimisation, watch: Watch) -> Table:
+    return optimise.tabulate(prepared, watch=watch)
+
+
 KINDS: dict[str, Kind] = {
     "sweep": Kind(sweep.prepare_content, sweep.prepare, _tabulate_sweep),
     "simulate": Kind(motion.prepare_content, motion.prepare, _tabulate_simulation),
+    "optimise": Kind(optimise.prepare_content, optimise.prepare, _tabulate_optimisation),
 }
 """Every kind of study, by the value of its key `kind`."""
 

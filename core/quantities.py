@@ -265,6 +265,34 @@ def _motion() -> dict[str, Quantity]:
     return {**scales, **settings, **results, **tumbling, **trajectory}
 
 
+def _optimum() -> dict[str, Quantity]:
+    """Return the quantities of an optimum."""
+
+    def number(symbol: str, label: str, description: str) -> Quantity:
+        return Quantity("1", symbol, label, description)
+
+    return {
+        "front": number(
+            "", "Place on the front",
+            "0 at the largest output, 1 at the least absolute value of the other one.",
+        ),
+        "objective": number("", "Objective", "What was looked for, at the optimum."),
+        "optimum_status": number("", "Status of the optimum", "How the search ended."),
+        "optimality_residual": number(
+            "", "Optimality residual",
+            "What the first-order conditions of an optimum leave of the objective's gradient, as "
+            "a share of the outputs' scale, each variable over its range.",
+        ),
+        "optimum_gap": number(
+            "", "Gap of the optimum",
+            "Objective of the exact answer, or of a dense grid, less the one found, as a share of "
+            "the outputs' scale.",
+        ),
+        "evaluations": number("", "Evaluations", "Points at which the outputs were computed."),
+        "knee": number("", "Knee of the front", "The point farthest from the chord of the front."),
+    }  # fmt: skip
+
+
 def _pair_impact() -> dict[str, Quantity]:
     """Return the quantities of two bodies, 1 and 2, that collide."""
     several = {
@@ -956,6 +984,8 @@ QUANTITIES: dict[str, Quantity] = {
     **_pair_impact(),
     # --- motion in time
     **_motion(),
+    # --- the best values
+    **_optimum(),
 }  # fmt: skip
 
 

@@ -1,1 +1,7 @@
-"""The best angles of the drive: exact answers, and a compiled solver for whole batches."""
+"""The best values of some parameters: exact answers, a compiled batch solver, and optimisers."""
+
+from core.optimise.methods import METHODS
+from core.optimise.prepare import Optimisation, prepare, prepare_content
+from core.optimise.run import optimise, tabulate
+
+__all__ = ["METHODS", "Optimisation", "optimise", "prepare", "prepare_content", "tabulate"]

@@ -24,16 +24,19 @@ from core.mechanics.arrays import Array, Mask, ratio
 from core.quantities import Flag
 
 OPTIMUM_STATUSES: dict[str, Flag] = {
-    "optimal": Flag(0, "no other angles within the bounds give more"),
-    "flat": Flag(1, "no drive: the angles do not matter"),
-    "no_motion": Flag(2, "no angles within the bounds accelerate the part forwards"),
+    "optimal": Flag(0, "no other choice within the bounds does better"),
+    "flat": Flag(1, "the choice does not matter, as without a drive"),
+    "no_motion": Flag(2, "no choice within the bounds moves the part forwards"),
     "not_attained": Flag(
         3,
-        "static friction still holds the part at these angles; next to them it jumps to the value",
+        "static friction still holds the part there; next to it the output jumps to the value",
     ),
-    "infeasible": Flag(4, "no angles keep the bounds, limits and contacts", valid=False),
+    "infeasible": Flag(4, "no choice keeps the bounds, limits and contacts", valid=False),
     "invalid": Flag(5, "an argument is no number, or is out of its range", valid=False),
     "limit_reached": Flag(6, "the limit on steps came before the last digit", valid=False),
+    "no_value": Flag(7, "the outputs have no value within the bounds", valid=False),
+    "not_computed": Flag(8, "the study was stopped before this design", valid=False),
+    "suboptimal": Flag(9, "a dense grid has a better point, which the search missed", valid=False),
 }
 
 STATUS: Mapping[str, int] = {name: flag.value for name, flag in OPTIMUM_STATUSES.items()}

@@ -1,12 +1,13 @@
 """What a user writes: studies, their units and ranges, and reading them from TOML or JSON."""
 
 from core.study.load import load_study, parse_json, parse_study, parse_toml
-from core.study.models import GridStudy, SimulateStudy, Study, SweepStudy
+from core.study.models import GridStudy, OptimiseStudy, SimulateStudy, Study, SweepStudy
 from core.study.values import Fixed, Points, Span, Values
 
 __all__ = [
     "Fixed",
     "GridStudy",
+    "OptimiseStudy",
     "Points",
     "SimulateStudy",
     "Span",

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from pydantic import ValidationError
 
 from core.errors import Problem, StudyError, suggestion
-from core.study.models import PARAMETERS, STUDIES, Study
+from core.study.models import CRITERIA, PARAMETERS, STUDIES, Study
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
@@ -81,8 +81,10 @@ def parse_study(content: object) -> Study:
             "it is missing" if missing else f"{str(kind)[:60]!r} is not a kind of study",
             "Write kind = " + " or ".join(f'"{name}"' for name in STUDIES),
         )
-        # The rest is checked all the same, as the only kind that it could be.
-        raise StudyError([problem, *_problems_of({**content, "kind": next(iter(STUDIES))})])
+        # The rest is checked all the same, as the kind that has most of its keys.
+        keys = {name: set(STUDIES[name].model_fields) & set(content) for name in STUDIES}
+        likely = max(STUDIES, key=lambda name: len(keys[name]))
+        raise StudyError([problem, *_problems_of({**content, "kind": likely})])
     try:
         return STUDIES[kind].model_validate(content)
     except ValidationError as error:
@@ -103,16 +105,30 @@ def _problems(kind: str, errors: Iterable[ErrorDetails]) -> list[Problem]:
 
 def _problem(kind: str, error: ErrorDetails) -> Problem:
     """Return one error of pydantic in our words."""
-    place = ".".join(str(part)[:60] for part in error["loc"]) or "study"
-    name = str(error["loc"][-1])[:60] if error["loc"] else ""
+    path = list(error["loc"])
+    if len(path) > 1 and path[0] == "criterion" and path[1] in CRITERIA:
+        del path[1]  # which alternative it is, and no key
+    place = ".".join(str(part)[:60] for part in path) or "study"
+    name = str(path[-1])[:60] if path else ""
     context: dict[str, Any] = error.get("ctx", {})
     if error["type"] == "value":
         return Problem(place, context["message"], context["fix"])
     if error["type"] == "extra_forbidden":
-        in_parameters = len(error["loc"]) > 1
-        known = PARAMETERS if in_parameters else tuple(STUDIES[kind].model_fields)
-        what = "is not a parameter" if in_parameters else f"is not a key of kind '{kind}'"
-        return Problem(place, f"'{name}' {what}", suggestion(name, known))
+        within = path[0] if len(path) > 1 else ""
+        if within in ("parameters", "variables"):
+            return Problem(place, f"'{name}' is not a parameter", suggestion(name, PARAMETERS))
+        if within:
+            which = f" '{error['loc'][1]}'" if within == "criterion" else ""
+            one = str(within).removesuffix("s")
+            return Problem(place, f"'{name}' is not a key of the {one}{which}", "Remove it")
+        known = tuple(STUDIES[kind].model_fields)
+        return Problem(place, f"'{name}' is not a key of kind '{kind}'", suggestion(name, known))
+    if error["type"] == "union_tag_invalid":
+        tag = str(context["tag"])[:60]
+        return Problem(f"{place}.kind", f"'{tag}' is not a criterion", suggestion(tag, CRITERIA))
+    if error["type"] == "union_tag_not_found":
+        fix = "Write kind = " + " or ".join(f'"{name}"' for name in CRITERIA)
+        return Problem(f"{place}.kind", "it is missing", fix)
     if error["type"] == "missing":
         return Problem(place, "it is missing", f"Add {name}")
     return Problem(place, error["msg"].removesuffix("."), "Mend the value or its type")

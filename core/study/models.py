@@ -9,18 +9,20 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import (
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     PlainSerializer,
     PlainValidator,
+    ValidationInfo,
     WithJsonSchema,
     create_model,
 )
 from pydantic_core import PydanticCustomError
 
 from core.quantities import QUANTITIES, Quantity
-from core.study.units import UnitError
-from core.study.values import Values, read_values
+from core.study.units import UnitError, read_number
+from core.study.values import Between, Values, read_between, read_values
 
 PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
 
@@ -62,14 +64,16 @@ def _canonical(values: Values | None) -> Any:
     return None if values is None else values.canonical()
 
 
+def _refusal(message: str, fix: str) -> PydanticCustomError:
+    return PydanticCustomError("value", "{message}", {"message": message, "fix": fix})
+
+
 def _parameter_field(name: str, quantity: Quantity) -> Any:
     def read(raw: object) -> Values:
         try:
             return read_values(name, raw)
         except UnitError as error:
-            raise PydanticCustomError(
-                "value", "{message}", {"message": error.message, "fix": error.fix}
-            ) from error
+            raise _refusal(error.message, error.fix) from error
 
     return (
         Annotated[
@@ -93,6 +97,47 @@ else:
         __base__=_Frozen,
         __doc__="Values of the parameters: a number, text with a unit, a list, or a range.",
         **{name: _parameter_field(name, QUANTITIES[name]) for name in PARAMETERS},
+    )
+
+
+def _between_field(name: str, quantity: Quantity) -> Any:
+    def read(raw: object) -> Between:
+        try:
+            return read_between(name, raw)
+        except UnitError as error:
+            raise _refusal(error.message, error.fix) from error
+
+    one = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
+    schema = {
+        "title": quantity.label,
+        "description": f"Bounds of the {quantity.label.lower()}, both included.",
+        "type": "object",
+        "properties": {"lower": one, "upper": one},
+        "required": ["lower", "upper"],
+        "additionalProperties": False,
+    }
+    return (
+        Annotated[
+            Between | None,
+            PlainValidator(read),
+            PlainSerializer(lambda bounds: None if bounds is None else bounds.canonical()),
+            WithJsonSchema(schema),
+        ],
+        None,
+    )
+
+
+if TYPE_CHECKING:
+
+    class Variables(_Frozen):
+        """One optional field a parameter quantity."""
+
+else:
+    Variables = create_model(
+        "Variables",
+        __base__=_Frozen,
+        __doc__="What the optimiser may choose: parameters and their bounds.",
+        **{name: _between_field(name, QUANTITIES[name]) for name in PARAMETERS},
     )
 
 
@@ -246,10 +291,134 @@ class SimulateStudy(GridStudy):
         return {name: float(value) for name, value in given.items() if value is not None}
 
 
-Study = SweepStudy | SimulateStudy
+def _read_level(raw: object, info: ValidationInfo) -> object:
+    """Return a value of the output that stands before it, in that output's unit."""
+    output = info.data.get("against") or info.data.get("output")
+    quantity = QUANTITIES.get(str(output))
+    if raw is None or quantity is None:  # an unknown output is told of elsewhere
+        return raw if raw is None or isinstance(raw, int | float) else 0.0
+    # What is compared with a parameter may lie outside the parameter's own bounds.
+    shown = quantity.examples or ("1" if quantity.unit == "1" else f"1 {quantity.unit}",)
+    free = Quantity(
+        quantity.unit, quantity.symbol, quantity.label, quantity.description, examples=shown
+    )
+    try:
+        return read_number(str(output), free, raw)
+    except UnitError as error:
+        raise _refusal(error.message, error.fix) from error
+
+
+_LEVEL_SCHEMA = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
+_Level = Annotated[float, BeforeValidator(_read_level), WithJsonSchema(_LEVEL_SCHEMA)]
+_OpenLevel = Annotated[float | None, BeforeValidator(_read_level), WithJsonSchema(_LEVEL_SCHEMA)]
+_Output = Annotated[str, Field(max_length=100)]
+
+
+class _TwoOutputs(_Frozen):
+    output: _Output = Field("acceleration_x", description="The output that is to be high.")
+    against: _Output = Field(
+        "acceleration_y", description="The output whose absolute value is to be low."
+    )
+
+
+class Weighted(_TwoOutputs):
+    """The largest of the output less `weight` times the other's absolute value."""
+
+    kind: Literal["weighted"] = "weighted"
+    weight: float = Field(1.0, description="Weight of the other output.", ge=0, allow_inf_nan=False)
+
+
+class Limited(_TwoOutputs):
+    """The largest output with the other's absolute value within a limit."""
+
+    kind: Literal["limit"] = "limit"
+    limit: _Level = Field(description="Largest absolute value of the other output.")
+
+
+class Pareto(_TwoOutputs):
+    """The whole trade-off: what no other choice beats in both outputs."""
+
+    kind: Literal["pareto"] = "pareto"
+    points: int = Field(200, description="Number of points of the front.", ge=2, le=10_000)
+
+
+class Maximise(_Frozen):
+    """The largest value of one output."""
+
+    kind: Literal["maximise"] = "maximise"
+    output: _Output = Field("acceleration_x", description="The output.")
+
+
+class Minimise(_Frozen):
+    """The least value of one output."""
+
+    kind: Literal["minimise"] = "minimise"
+    output: _Output = Field("acceleration_x", description="The output.")
+
+
+Criterion = Weighted | Limited | Pareto | Maximise | Minimise
+"""What is looked for."""
+
+CRITERIA = ("weighted", "limit", "pareto", "maximise", "minimise")
+
+
+class OutputLimit(_Frozen):
+    """Bounds that an output has to keep."""
+
+    output: _Output = Field(description="The output.")
+    lower: _OpenLevel = Field(None, description="Its least value.")
+    upper: _OpenLevel = Field(None, description="Its largest value.")
+    absolute: bool = Field(False, description="Whether the bounds are those of its absolute value.")
+
+
+class OptimiseStudy(GridStudy):
+    """The best values of some parameters, over a grid of the others."""
+
+    kind: Literal["optimise"] = Field(description="The kind of study.")
+    variant: str | None = Field(
+        None,
+        description="thesis (as printed), derived (errors corrected) or physical; the scene's "
+        "default where left out.",
+        max_length=100,
+    )
+    method: str | None = Field(
+        None,
+        description="The optimiser; where left out, the exact answer if there is one, else what "
+        "was measured to be best.",
+        max_length=100,
+    )
+    variables: Variables | None = Field(
+        None,
+        description="What may be chosen, between bounds; alpha and beta from 0 to 90 degrees where "
+        "left out, as far as they are not given and the outputs depend on them.",
+    )
+    criterion: Criterion = Field(description="What is looked for.", discriminator="kind")
+    constraints: tuple[OutputLimit, ...] = Field(
+        (), description="Bounds that outputs have to keep.", max_length=20
+    )
+    floor_contact: bool = Field(
+        True, description="Whether the part is to stay on the floor, where the scene has one."
+    )
+    wall_contact: bool = Field(
+        True, description="Whether the part is to stay on the wall, where the scene has one."
+    )
+    outputs: _Outputs = Field(
+        (), description="Further outputs to tell at the optimum.", max_length=100
+    )
+
+    def bounds(self) -> dict[str, Between]:
+        """Return the given variables and their bounds, in the order of the declaration."""
+        if self.variables is None:
+            return {}
+        given = self.variables.model_fields_set
+        return {name: getattr(self.variables, name) for name in PARAMETERS if name in given}
+
+
+Study = SweepStudy | SimulateStudy | OptimiseStudy
 """A study of any kind."""
 
-STUDIES: dict[str, type[SweepStudy] | type[SimulateStudy]] = {
+STUDIES: dict[str, type[SweepStudy] | type[SimulateStudy] | type[OptimiseStudy]] = {
     "sweep": SweepStudy,
     "simulate": SimulateStudy,
+    "optimise": OptimiseStudy,
 }

@@ -87,6 +87,44 @@ class Span:
 Values = Fixed | Points | Span
 
 
+@dataclass(frozen=True)
+class Between:
+    """The bounds of what an optimiser may choose, both included."""
+
+    lower: float
+    upper: float
+
+    def canonical(self) -> Any:
+        """Return the plain JSON form, in the quantity's unit."""
+        return {"lower": self.lower, "upper": self.upper}
+
+
+def read_between(name: str, raw: object) -> Between:
+    """Return the bounds that a user wrote for the variable `name`.
+
+    Raises
+    ------
+    UnitError
+        If they are no two values of that quantity, the lower one first.
+    """
+    quantity = QUANTITIES[name]
+    if isinstance(raw, Between):
+        return raw
+    if not isinstance(raw, Mapping) or set(raw) != {"lower", "upper"}:
+        shown = quantity.examples[0] if quantity.examples else "1"
+        raise UnitError(
+            f"{name} has no bounds, or more than two", f'Write {{ lower = ..., upper = "{shown}" }}'
+        )
+    lower, upper = (read_number(name, quantity, raw[end]) for end in ("lower", "upper"))
+    if not lower < upper:
+        raise UnitError(
+            f"the upper bound of {name} ({upper:g} {quantity.unit}) is not above the lower one "
+            f"({lower:g} {quantity.unit})",
+            "Swap them, or give one value among the parameters",
+        )
+    return Between(lower, upper)
+
+
 def read_values(name: str, raw: object) -> Values:
     """Return the values that a user wrote for the parameter `name`.
 

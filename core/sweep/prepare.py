@@ -8,9 +8,11 @@ from functools import cached_property
 from typing import Any
 
 from core.errors import LimitError, Problem, StudyError, suggestion
+from core.quantities import QUANTITIES
 from core.scenes import Scene
 from core.study.load import parse_study
 from core.study.models import PARAMETERS, GridStudy, Study, SweepStudy
+from core.study.values import Values
 from core.sweep.grid import Grid
 from core.sweep.plan import Plan, choose_scene, plan_scene
 
@@ -30,6 +32,11 @@ class Prepared:
         """The axes that each output keeps, `regime` last."""
         depends = self.plan.depends_on(self.grid.axes)
         return {name: self.grid.dims(depends[name]) for name in (*self.plan.outputs, "regime")}
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """The unit of each output."""
+        return {name: QUANTITIES[name].unit for name in self.dims}
 
     @property
     def cells(self) -> int:
@@ -82,9 +89,17 @@ def prepare(study: SweepStudy) -> Sweep:
     return Sweep(study, plan, grid)
 
 
-def plan_study(study: GridStudy, outputs: Iterable[str], chosen: Chosen) -> tuple[Plan, Grid]:
-    """Return plan and grid of a study of any kind; raise `StudyError` with every problem."""
-    values = study.values()
+def plan_study(
+    study: GridStudy,
+    outputs: Iterable[str],
+    chosen: Chosen,
+    more: Mapping[str, Values] | None = None,
+) -> tuple[Plan, Grid]:
+    """Return plan and grid of a study of any kind; raise `StudyError` with every problem.
+
+    `more` holds values of parameters that the study gives elsewhere.
+    """
+    values = {**study.values(), **(more or {})}
     grid = Grid.of(values)
     scene, variant, problems = chosen
     problems += _broken_constraints(scene, variant, grid)

@@ -290,8 +290,9 @@ def test_a_fixed_angle_is_kept():
 
 def test_the_kernel_numbers_its_columns_as_the_tables_do():
     assert len(newton.BatchOptimum._fields) - 2 == kernel.COLUMNS
-    for name, value in STATUS.items():
-        assert getattr(kernel, name.upper()) == value
+    others = {"no_value", "not_computed", "suboptimal"}  # of studies alone
+    for name in STATUS.keys() - others:
+        assert getattr(kernel, name.upper()) == STATUS[name]
     for name, bit in ACTIVE.items():
         assert getattr(kernel, name.upper()) == bit
     for name, number in PROBLEMS.items():

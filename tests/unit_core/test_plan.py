@@ -11,6 +11,7 @@ import pytest
 from core.catalogue import describe, study_schema
 from core.errors import LimitError, SceneError, StudyError
 from core.motion import SYSTEMS, simulate
+from core.optimise import optimise
 from core.quantities import QUANTITIES, REGIMES
 from core.scenes import ALIASES, SCENES, Condition, Equation
 from core.scenes.scene import Scene
@@ -310,6 +311,8 @@ class TestScenes:
         configs = Path(__file__).parents[2] / "configs"
         for study in ("trajectory.toml", "tumbling-course.toml"):
             used |= set(simulate(load_study(configs / study)).variables)
+        front = optimise(load_study(configs / "optimise-pareto.toml"))
+        used |= {*front.variables}
         assert set(QUANTITIES) - used == set()
 
     def test_regime_values_are_distinct_and_without_gaps(self):

@@ -1,0 +1,295 @@
+"""Prints how near and how fast the optimisers come: `python -m benchmarks.optimise`.
+
+Four tables: every method on the same random designs, error against time, which is also drawn
+(`docs/optimise-methods.png`); the batch of 10,000 designs against the best of scipy in a
+loop; a whole front against one limit; and the thesis's own answer beside the physical one and the
+fastest true motion, on the data of figure 5.1.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.optimise import METHODS, optimise
+from core.optimise.methods import refusal
+from core.optimise.newton import PROBLEMS, fastest
+from core.optimise.newton import Problem as Batch
+from core.optimise.prepare import prepare
+from core.optimise.problem import chosen_cells
+from core.optimise.run import designs_of
+from core.study import parse_study
+from core.watch import Watch
+
+PICTURE = Path(__file__).parents[1] / "docs" / "optimise-methods.png"
+SCIPY = ("slsqp", "trust-constr", "differential_evolution", "shgo", "direct")
+DESIGNS = 10_000
+SAMPLE = 20  # designs of each method
+REPEATS = 5  # the best is printed
+GRAVITY = 9.81
+MARKERS = dict(zip(METHODS, "os^Dv*XPph<", strict=True))
+ROUNDING = 1e-16  # stands for no error at all on a logarithmic axis
+
+
+# --- every method on the same designs
+
+
+def studies() -> dict[str, dict[str, Any]]:
+    """Return the problems to compare methods on; each has an exact or compiled answer."""
+    random = np.random.default_rng(3)
+    amplitude = sorted((10 ** random.uniform(-4.3, -3.3, 5)).tolist())
+    friction = sorted(random.uniform(0.1, 0.9, 4).tolist())
+    parameters = {"frequency": 60, "gamma": 3, "amplitude": amplitude, "friction": friction}
+    plane = {"kind": "optimise", "scene": "rectangle-on-plane", "parameters": parameters}
+    limit = {"kind": "limit", "limit": 1.0}
+    return {
+        "printed plane, limit": {**plane, "variant": "thesis", "criterion": limit},
+        "printed plane, weighted": {
+            **plane,
+            "variant": "thesis",
+            "criterion": {"kind": "weighted", "weight": 0.5},
+        },
+        "block, friction disc": {
+            **plane,
+            "variant": "physical",
+            "criterion": {"kind": "maximise"},
+        },
+        "track, both contacts": {
+            **plane,
+            "scene": "rectangle-on-track",
+            "variant": "physical",
+            "criterion": {"kind": "maximise"},
+            "parameters": {**parameters, "delta": 15},
+        },
+    }
+
+
+def compared(content: Mapping[str, Any]) -> dict[str, tuple[Array, float, Array]]:
+    """Return errors, seconds a design, and evaluations of every method that can."""
+    known = optimise(parse_study(dict(content)))
+    moves = (known["optimum_status"] == 0).values.ravel()
+    exact = known["objective"].values.ravel()
+    results = {}
+    for name in METHODS:
+        prepared = prepare(parse_study(dict(content)))
+        problem = prepared.problem
+        if refusal(name, problem):
+            continue
+        design = chosen_cells(designs_of(problem, prepared.designs), moves)
+        scales = problem.scales(design)
+        solve = METHODS[name].solve
+        first = slice(0, 1)  # loads and compiles
+        solve(problem, chosen_cells(design, first), chosen_cells(scales, first), Watch())
+        start = time.perf_counter()
+        found = solve(problem, design, scales, Watch())
+        seconds = (time.perf_counter() - start) / moves.sum()
+        x = np.where(np.isnan(found.x), problem.lower[:, None], found.x)
+        value = problem.objective(problem.known(x, design))
+        value = np.where(np.isnan(found.x).any(axis=0), -np.inf, value)
+        error = np.abs(exact[moves] - value) / problem.scale(scales)
+        used = np.broadcast_to(found.evaluations, moves.sum())
+        results[name] = error, seconds, used
+    return results
+
+
+def print_methods() -> dict[str, dict[str, tuple[Array, float, Array]]]:
+    """Print the table of methods and return what it shows."""
+    everything = {}
+    for title, content in studies().items():
+        everything[title] = compared(content)
+        print(f"\n{title}: error of the objective, as a share of its scale")
+        print(f"  {'method':24}{'median':>10}{'largest':>10}{'missed':>8}{'ms':>10}{'points':>9}")
+        for name, (error, seconds, used) in everything[title].items():
+            missed = int((error > 1e-4).sum())
+            print(
+                f"  {name:24}{np.median(error):10.1e}{error.max():10.1e}"
+                f"{missed:5d}/{error.size:<3d}{seconds * 1e3:9.3f}{np.median(used):9.0f}"
+            )
+    return everything
+
+
+def draw_methods(everything: Mapping[str, Mapping[str, tuple[Array, float, Array]]]) -> None:
+    """Draw error against run time."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+
+    figure = Figure(figsize=(10.0, 7.6), layout="constrained", facecolor="white")
+    FigureCanvasAgg(figure)
+    panels = figure.subplots(2, 2, sharex=True, sharey=True)
+    for panel, (title, results) in zip(panels.flat, everything.items(), strict=True):
+        panel.set_title(title, loc="left", fontsize=10)
+        for name, (error, seconds, _) in results.items():
+            middle = max(float(np.median(error)), ROUNDING)
+            worst = max(float(np.minimum(error.max(), 1.0)), ROUNDING)
+            colour = "#b04a2f" if name in SCIPY else "#1f5a8a"
+            panel.plot([seconds * 1e3] * 2, [middle, worst], color=colour, lw=1.2)
+            panel.plot(seconds * 1e3, middle, MARKERS[name], color=colour, ms=6)
+        panel.set(xscale="log", yscale="log")
+        panel.grid(visible=True, color="#dddddd", lw=0.5)
+    entries = [
+        Line2D([], [], marker=MARKERS[name], ls="", ms=6, label=name,
+               color="#b04a2f" if name in SCIPY else "#1f5a8a")
+        for name in MARKERS if any(name in results for results in everything.values())
+    ]  # fmt: skip
+    figure.legend(handles=entries, loc="outside lower center", ncols=6, frameon=False, fontsize=9)
+    figure.supxlabel("Time of a design [ms]", fontsize=10)
+    figure.supylabel("Error of the objective over its scale", fontsize=10)
+    figure.suptitle(
+        "Optimisers of the drive: median (mark) to largest error (line) against run time;"
+        " scipy in red, a loop over designs",
+        x=0.02,
+        ha="left",
+        fontsize=11,
+        fontweight="bold",
+    )
+    figure.savefig(PICTURE, dpi=110)
+    print(f"\ndrew {PICTURE.name}")
+
+
+# --- a whole batch
+
+
+def designs(count: int) -> dict[str, Array]:
+    """Return random designs."""
+    random = np.random.default_rng(1)
+    climb, lean = random.uniform(-0.3, 0.5, count), random.uniform(0.0, 0.5, count)
+    return {
+        "vibration_acceleration": GRAVITY * 10 ** random.uniform(-0.5, 1.2, count),
+        "gravity_along": GRAVITY * np.sin(climb),
+        "gravity_across": GRAVITY * np.cos(climb) * np.sin(lean),
+        "gravity_normal": GRAVITY * np.cos(climb) * np.cos(lean),
+        "friction_kinetic": random.uniform(0.05, 1.0, count),
+        "limit": 10 ** random.uniform(-1, 1, count),
+    }
+
+
+def bounds(count: int) -> dict[str, Array]:
+    """Return random bounds of the angles."""
+    random = np.random.default_rng(2)
+    alpha = np.sort(random.uniform(-0.5, 1.7, (2, count)), axis=0)
+    beta = np.sort(random.uniform(-0.2, 1.5, (2, count)), axis=0)
+    return {
+        "alpha_lower": alpha[0],
+        "alpha_upper": alpha[1],
+        "beta_lower": beta[0],
+        "beta_upper": beta[1],
+    }
+
+
+def least_seconds(run: Callable[[], object], repeats: int = REPEATS) -> float:
+    """Return the shortest of several runs."""
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        run()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def print_batch(everything: Mapping[str, Mapping[str, tuple[Array, float, Array]]]) -> None:
+    """Print the time of a design in a batch, and against the best of scipy in a loop."""
+    given, within = designs(DESIGNS), bounds(DESIGNS)
+    print(f"\nBatches of {DESIGNS:,} designs, microseconds a design")
+    print(f"  {'problem':18}{'1 thread':>10}{'2 threads':>11}{'random bounds':>15}")
+    problem: Batch
+    for problem in PROBLEMS:
+        free = {} if problem.startswith("plane") else {"limit": np.full(DESIGNS, np.inf)}
+        asked = {**given, **free}
+        fastest(problem, **asked)  # compiles
+
+        def took(problem: Batch, asked: dict[str, Array], threads: int) -> float:
+            return least_seconds(lambda: fastest(problem, **asked, threads=threads)) / DESIGNS * 1e6
+
+        one, two = took(problem, asked, 1), took(problem, asked, 2)
+        print(f"  {problem:18}{one:10.2f}{two:11.2f}{took(problem, {**asked, **within}, 1):15.2f}")
+    results = everything["printed plane, limit"]
+    good = {n: results[n][1] for n in SCIPY if np.median(results[n][0]) < 1e-6}
+    name = min(good, key=lambda n: good[n])
+    batch = least_seconds(lambda: fastest("plane_thesis", **given)) / DESIGNS
+    print(f"  printed plane, limit: best of scipy is {name}, {good[name] * 1e3:.1f} ms a design:")
+    print(f"  the batch is {good[name] / batch:,.0f} times faster")
+    study = parse_study(
+        {
+            "kind": "optimise",
+            "scene": "rectangle-on-plane",
+            "variant": "thesis",
+            "criterion": {"kind": "limit", "limit": 1.0},
+            "parameters": {
+                "frequency": 60,
+                "amplitude": {"start": 1e-4, "stop": 5e-4, "num": 100},
+                "friction": {"start": 0.1, "stop": 0.8, "num": 100},
+            },
+        }
+    )
+    prepared = prepare(study)
+    design = designs_of(prepared.problem, prepared.designs)
+    scales = prepared.problem.scales(design)
+    solve = METHODS["newton"].solve
+    alone = least_seconds(lambda: solve(prepared.problem, design, scales, Watch())) / DESIGNS
+    whole = least_seconds(lambda: optimise(study)) / DESIGNS
+    print(
+        f"  through a study: {alone * 1e6:.2f} us a design, {good[name] / alone:,.0f} times faster;"
+    )
+    print(f"  with all outputs, margins, gaps and labels {whole * 1e6:.2f} us")
+
+
+def print_front() -> None:
+    """Print the time of a front of 200 points in single limits."""
+    plane = {
+        "kind": "optimise",
+        "scene": "rectangle-on-plane",
+        "variant": "thesis",
+        "parameters": {"frequency": 60, "amplitude": "0.1 mm", "friction": 0.5},
+    }
+    one = parse_study({**plane, "criterion": {"kind": "limit", "limit": 1.0}})
+    many = parse_study({**plane, "criterion": {"kind": "pareto", "points": 200}})
+    single, front = (least_seconds(lambda s=study: optimise(s), 20) for study in (one, many))  # type: ignore[misc]
+    print(f"\nA front of 200 points: {front * 1e3:.2f} ms, {front / single:.1f} single limits")
+
+
+# --- the thesis's answer
+
+
+def print_answers() -> None:
+    """Print the best angles on the data of figure 5.1, as printed, physical, and in true motion."""
+    data = {"frequency": 60, "amplitude": "0.5 mm", "friction": 0.5, "gravity": 9.8}
+    base = {"kind": "optimise", "scene": "cylinder-on-plane", "parameters": data}
+    fastest_of = {"criterion": {"kind": "maximise"}, "outputs": ["throw_number", "acceleration_y"]}
+    cases: dict[str, dict[str, Any]] = {
+        "as printed, no contact asked": {"variant": "thesis", "floor_contact": False, **fastest_of},
+        "as printed, on the floor": {"variant": "thesis", **fastest_of},
+        "physical": {"variant": "physical", **fastest_of},
+        "true mean velocity": {
+            "criterion": {"kind": "maximise", "output": "conveying_velocity"},
+            "outputs": ["throw_number"],
+        },
+    }
+    print("\nData of figure 5.1 (60 Hz, 0.5 mm, friction 0.5)")
+    for title, case in cases.items():
+        dataset = optimise(parse_study({**base, **case}))
+        alpha = float(dataset["best_alpha"]) if "best_alpha" in dataset else 0.0
+        value = dataset["objective"]
+        print(
+            f"  {title:30} alpha {alpha:4.1f}, beta {float(dataset['best_beta']):6.2f} deg, "
+            f"throw number {float(dataset['throw_number']):5.2f}: "
+            f"{float(value):8.4f} {value.attrs['units']}"
+        )
+
+
+def main() -> None:
+    """Print the tables and draw the picture."""
+    everything = print_methods()
+    print_batch(everything)
+    print_front()
+    print_answers()
+    draw_methods(everything)
+
+
+if __name__ == "__main__":
+    main()

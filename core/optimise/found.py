@@ -1,0 +1,54 @@
+"""What a method found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.mechanics.arrays import Array
+from core.optimise.exact import STATUS
+from core.optimise.problem import Problem
+from core.watch import Watch
+
+
+@dataclass(frozen=True)
+class Found:
+    """The answers to every design; all arrays but `x` have the shape (cells,).
+
+    Attributes
+    ----------
+    x : ndarray, shape (variables, cells)
+        The best values, SI units; NaN where there are none.
+    status : ndarray of int8
+        Value of an `OPTIMUM_STATUSES` entry.
+    value : ndarray or None
+        The objective as the method has it; None: as the scene's outputs have it.
+    residual : ndarray or None
+        What the first-order conditions leave of the gradient, each variable over its range, in the
+        unit of the objective; None: it is left to differences.
+    evaluations : ndarray of int64 or int
+        Points at which the outputs were computed.
+    says : str
+        What the method itself says at the end.
+    """
+
+    x: Array
+    status: NDArray[np.int8]
+    value: Array | None = None
+    residual: Array | None = None
+    evaluations: NDArray[np.int64] | int = 1
+    says: str = ""
+
+
+Solver = Callable[[Problem, Mapping[str, Array], Mapping[str, Array], Watch], Found]
+"""Takes problem, designs (arrays of shape (cells,)), scales of the outputs, and a watch."""
+
+
+def status_of(value: float, beyond: float, tolerance: float) -> int:
+    """Return the status of a best point with this objective and violation."""
+    if beyond <= tolerance and np.isfinite(value):
+        return STATUS["optimal"]
+    return STATUS["infeasible"] if np.isfinite(beyond) else STATUS["no_value"]

@@ -1,0 +1,127 @@
+"""The whole trade-off between one output and the absolute value of another."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.mechanics.arrays import Array, ratio
+from core.optimise import known_answers
+from core.optimise.exact import STATUS
+from core.optimise.found import Found
+from core.optimise.methods import METHODS
+from core.optimise.problem import LIMIT, Problem, cells_of
+from core.study.models import Pareto, Weighted
+from core.watch import Watch
+
+WIDE = 1e3  # of the other output's scale: a limit that never binds
+HEAVY = 1e3  # weight that puts the other output first; a steeper ridge is harder to climb along
+FLAT = 1e-9
+SLACK = 1e-9  # of its scale, of a limit that only single points would keep
+
+
+def find_front(
+    problem: Problem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    method: str,
+    watch: Watch,
+) -> Found:
+    """Return the front of every design, from the largest output to the least other one.
+
+    Where there is no closed form: both ends, then the largest output at equally spaced limits of
+    the other between them, all designs and limits at once. The arrays have the shape
+    (cells * points,), the points of a design one after the other.
+    """
+    criterion = problem.criterion
+    assert isinstance(criterion, Pareto)
+    points = criterion.points
+    if method == "exact":
+        return known_answers.by_closed_front(problem, design, points)
+    solve = METHODS[method].solve
+    inner, scale = problem.limited(), scales[criterion.against]
+    ends = Watch(stop=watch.stopped)  # the many points between them are the progress
+    top = solve(inner, {**design, LIMIT: WIDE * scale}, scales, ends)
+    least = _least(problem, inner, design, scales, method, ends)
+    first, last = (_other(problem, end, design) for end in (top, least))
+    share = np.linspace(0.0, 1.0, points)
+    levels = first[:, None] + (last - first)[:, None] * share
+    repeated = {name: np.repeat(values, points) for name, values in design.items()}
+    wide = {name: np.repeat(values, points) for name, values in scales.items()}
+    slack = 0.0 if method == "newton" else SLACK
+    repeated[LIMIT] = np.where(np.isnan(levels), WIDE, levels + slack * scale[:, None]).ravel()
+    found = solve(inner, repeated, wide, watch)
+    x = found.x.reshape(len(problem.names), -1, points).copy()
+    status = found.status.reshape(-1, points).copy()
+    for place, end in ((0, top), (-1, least)):
+        x[:, :, place], status[:, place] = end.x, end.status
+    return replace(
+        found, x=x.reshape(found.x.shape), status=status.ravel(), value=None, residual=None
+    )
+
+
+def _least(
+    problem: Problem,
+    inner: Problem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    method: str,
+    watch: Watch,
+) -> Found:
+    """Return the end with the least other output."""
+    criterion = problem.criterion
+    assert isinstance(criterion, Pareto)
+    heavy = Weighted(output=criterion.output, against=criterion.against, weight=HEAVY)
+    last = replace(problem, criterion=heavy)
+    if method != "newton":
+        return METHODS[method].solve(last, design, scales, watch)
+    none = METHODS["newton"].solve(
+        inner, {**design, LIMIT: np.zeros(cells_of(design))}, scales, watch
+    )
+    open_cells = np.flatnonzero(none.status == STATUS["infeasible"])
+    if not open_cells.size:
+        return none
+    part = METHODS["population"].solve(
+        last,
+        {name: values[open_cells] for name, values in design.items()},
+        {name: values[open_cells] for name, values in scales.items()},
+        watch,
+    )
+    x, status = none.x.copy(), none.status.copy()
+    x[:, open_cells], status[open_cells] = part.x, part.status
+    return Found(x, status)
+
+
+def _other(problem: Problem, found: Found, design: Mapping[str, Array]) -> Array:
+    """Return the other output's absolute value at an end; NaN without one."""
+    assert problem.against is not None
+    lost = np.isnan(found.x).any(axis=0)
+    x = np.where(lost, problem.lower[:, None], found.x)
+    value = np.abs(problem.output(problem.against, problem.known(x, design)))
+    return np.where(lost, np.nan, np.broadcast_to(value, lost.shape))
+
+
+def knee(output: Array, other: Array) -> NDArray[np.int8]:
+    """Return 1 at the knee of each front, else 0; arguments of shape (cells, points).
+
+    The knee is the point farthest from the chord between the ends, both outputs over their range;
+    the first point of a front without range or without values.
+    """
+
+    def over_range(values: Array) -> Array:
+        low, high = values.min(axis=1, keepdims=True), values.max(axis=1, keepdims=True)
+        # A range of rounding is none.
+        span = np.where(high - low > FLAT * np.maximum(np.abs(high), np.abs(low)), high - low, 0.0)
+        return ratio(values - low, span, 0.0)
+
+    lost = ~(np.isfinite(output) & np.isfinite(other)).all(axis=1, keepdims=True)
+    x = over_range(np.where(lost, 0.0, output))
+    y = over_range(np.where(lost, 0.0, np.abs(other)))
+    # From (1, 1), the largest output, to (0, 0): what lies above the chord is better in both.
+    away = x - y
+    marks = np.zeros(output.shape, dtype=np.int8)
+    marks[np.arange(len(away)), np.argmax(away, axis=1)] = 1
+    return marks

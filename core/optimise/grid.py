@@ -1,0 +1,95 @@
+"""Dense grids of candidates: to check what others find, and an optimiser of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.optimise.exact import STATUS
+from core.optimise.found import Found, status_of
+from core.optimise.problem import Problem, cells_of
+from core.watch import Watch
+
+FIRST_POINTS = 40_000  # of the first grid of a design
+LATER_WIDTH = 9  # points of each variable of a later one
+ROUNDS = 40
+SHRINKS = 0.5
+MOST_POINTS = 8_000_000  # of all designs together
+BLOCK = 262_144
+
+
+def by_grid(
+    problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
+) -> Found:
+    """Return the best point of a grid, then of ever finer ones around it."""
+    cells, count = cells_of(design), len(problem.names)
+    size = problem.scale(scales)
+    low, high = np.zeros((count, cells)), np.ones((count, cells))
+    best = np.full((count, cells), np.nan)
+    rank = (np.full(cells, np.inf), np.full(cells, -np.inf))
+    evaluations = 0
+    for number in range(ROUNDS):
+        if watch.stopped():
+            break
+        width = dense_width(count, cells, FIRST_POINTS) if number == 0 else LATER_WIDTH
+        shares = np.stack(np.meshgrid(*[np.linspace(0, 1, width)] * count, indexing="ij"))
+        shares = shares.reshape(count, 1, -1)
+        evaluations += shares.shape[2]
+        unit = low[:, :, None] + (high - low)[:, :, None] * shares
+        place, beyond, value = _top(problem, unit, design, scales)
+        point = np.take_along_axis(unit, place[None, :, None], axis=2)[:, :, 0]
+        better = (beyond < rank[0]) | ((beyond == rank[0]) & (value > rank[1]))
+        best = np.where(better, point, best)
+        rank = np.where(better, beyond, rank[0]), np.where(better, value, rank[1])
+        reach = (high - low) * (2 / (width - 1) if number == 0 else SHRINKS / 2)
+        low, high = np.maximum(best - reach, 0.0), np.minimum(best + reach, 1.0)
+        watch.advance(1 / ROUNDS)
+    status = np.array(
+        [status_of(v, b, 0.0) for v, b in zip(rank[1] / size, rank[0], strict=True)], dtype=np.int8
+    )
+    x = problem.lower[:, None] + (problem.upper - problem.lower)[:, None] * best
+    x = np.where(status == STATUS["optimal"], x, np.nan)
+    return Found(x, status, evaluations=np.full(cells, evaluations))
+
+
+def dense_width(variables: int, cells: int, points: int) -> int:
+    """Return the points of each variable of a grid that spends about so many on a design."""
+    return max(5, min(201, int(min(points, MOST_POINTS / cells) ** (1 / variables))))
+
+
+def _top(
+    problem: Problem, unit: Array, design: Mapping[str, Array], scales: Mapping[str, Array]
+) -> tuple[Any, Array, Array]:
+    """Return the place of the best of points (variables, cells, n), its violation and value."""
+    cells = unit.shape[1]
+    step = max(1, BLOCK // unit.shape[2])
+    place = np.zeros(cells, dtype=np.intp)
+    beyond, value = np.empty(cells), np.empty(cells)
+    span = (problem.upper - problem.lower)[:, None, None]
+    for start in range(0, cells, step):
+        piece = slice(start, start + step)
+        x = problem.lower[:, None, None] + span * unit[:, piece]
+        column = {name: values[piece, None] for name, values in design.items()}
+        sizes = {name: values[piece, None] for name, values in scales.items()}
+        v, b = problem.judged(x, column, sizes)
+        least = b.min(axis=1, keepdims=True)
+        v = np.where(b == least, v, -np.inf)
+        here = v.argmax(axis=1)
+        rows = np.arange(len(here))
+        place[piece], beyond[piece], value[piece] = here, b[rows, here], v[rows, here]
+    return place, beyond, value
+
+
+def dense_grid(
+    problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], points: int
+) -> Array:
+    """Return the best objective on a grid of at most so many points a design; -inf without one."""
+    count, cells = len(problem.names), cells_of(design)
+    width = dense_width(count, cells, points)
+    shares = np.stack(np.meshgrid(*[np.linspace(0, 1, width)] * count, indexing="ij"))
+    unit = np.broadcast_to(shares.reshape(count, 1, -1), (count, cells, width**count))
+    _, beyond, value = _top(problem, unit, design, scales)
+    return np.where(beyond <= 0, value, -np.inf)

@@ -1,0 +1,160 @@
+"""The optimisers, by name.
+
+Each takes the problem, the designs (arrays of shape (cells,)), the scales of the outputs, and a
+watch. scipy's take one design after the other; the others all at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.optimise import known_answers, scipy_methods
+from core.optimise.exact import STATUS
+from core.optimise.found import Found, Solver
+from core.optimise.grid import by_grid
+from core.optimise.population import by_population
+from core.optimise.problem import Problem, cells_of, chosen_cells
+from core.optimise.single import NO_VALUE
+from core.watch import Watch
+
+SEARCH_BUDGET = 4000  # points of a design
+
+
+def _exact(
+    problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
+) -> Found:
+    found = known_answers.by_closed_form(problem, design)
+    watch.advance(1.0)
+    return found
+
+
+def _newton(
+    problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
+) -> Found:
+    found = known_answers.by_newton(problem, design)
+    watch.advance(1.0)
+    return found
+
+
+def _search(
+    problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
+) -> Found:
+    """Return what the global search for outputs that jump finds, all designs side by side."""
+    from core.optimise import search
+
+    cells = cells_of(design)
+    size = problem.scale(scales)
+
+    def evaluate(cell: Any, points: Array) -> Array:
+        value, beyond = problem.judged(
+            points.T, chosen_cells(design, cell), chosen_cells(scales, cell), watch
+        )
+        # Anything that keeps the constraints beats anything that does not.
+        worse = np.where(np.isfinite(beyond), -NO_VALUE - beyond, np.nan)
+        return np.where(beyond > 0, worse, value / size[cell])
+
+    ends = (np.tile(end, (cells, 1)) for end in (problem.lower, problem.upper))
+    found = search.search_many(evaluate, *ends, budget=SEARCH_BUDGET, watch=watch)
+    stopped = np.array([one.status == "stopped" for one in found])
+    value = np.array([one.value for one in found])
+    status = np.where(value > -NO_VALUE / 2, STATUS["optimal"], STATUS["infeasible"])
+    status = np.where(np.isfinite(value), status, STATUS["no_value"])
+    status = np.where(stopped, STATUS["not_computed"], status).astype(np.int8)
+    x = np.stack([one.point for one in found], axis=1)
+    x = np.where(status == STATUS["optimal"], x, np.nan)
+    evaluations = np.array([one.evaluations for one in found], dtype=np.int64)
+    return Found(x, status, evaluations=evaluations, says=found[-1].message)
+
+
+@dataclass(frozen=True)
+class Method:
+    """An optimiser.
+
+    Attributes
+    ----------
+    solve : callable
+        Solves any number of designs.
+    tolerance : float
+        A margin within so much of its output's scale counts as none: what the method leaves.
+    says : str
+        What it is, in one line.
+    at_once : bool
+        Whether it takes all designs at once.
+    """
+
+    solve: Solver
+    tolerance: float
+    says: str
+    at_once: bool = False
+
+
+METHODS: dict[str, Method] = {
+    "exact": Method(_exact, 1e-10, "closed form", at_once=True),
+    "newton": Method(_newton, 1e-10, "compiled batch solver", at_once=True),
+    "population": Method(
+        by_population, 1e-8, "differential evolution of all designs at once", at_once=True
+    ),
+    "search": Method(_search, 1e-6, "global search for outputs that jump", at_once=True),
+    "grid": Method(by_grid, 1e-6, "a dense grid, then finer ones around its best", at_once=True),
+    "differential_evolution": Method(
+        scipy_methods.one_by_one(scipy_methods.differential_evolution, 1e-9),
+        1e-7,
+        "scipy's differential evolution",
+    ),
+    "shgo": Method(
+        scipy_methods.one_by_one(scipy_methods.shgo, 1e-8),
+        1e-6,
+        "scipy's simplicial homology search",
+    ),
+    "direct": Method(
+        scipy_methods.one_by_one(scipy_methods.direct, 1e-3), 1e-3, "scipy's dividing rectangles"
+    ),
+    "slsqp": Method(
+        scipy_methods.one_by_one(scipy_methods.slsqp, 1e-8),
+        1e-7,
+        "scipy's SLSQP from several starts",
+    ),
+    "trust-constr": Method(
+        scipy_methods.one_by_one(scipy_methods.trust_constr, 1e-6),
+        1e-6,
+        "scipy's trust region from several starts",
+    ),
+    "minimize_scalar": Method(
+        scipy_methods.one_by_one(scipy_methods.minimize_scalar, 1e-8),
+        1e-6,
+        "scipy's bounded search of one variable",
+    ),
+}
+"""Every optimiser, by the name that a study gives."""
+
+
+def refusal(name: str, problem: Problem) -> tuple[str, str] | None:
+    """Return why a method cannot solve a problem and what could, or None if it can."""
+    if name == "exact" and not known_answers.is_closed(problem):
+        return "there is no closed form of this problem", "Leave method out"
+    if name == "newton" and not known_answers.is_compiled(problem):
+        return "the batch solver does not know this problem", "Leave method out"
+    if name == "minimize_scalar" and len(problem.names) != 1:
+        return f"it takes one variable, not {len(problem.names)}", "Leave method out"
+    return None
+
+
+def default_method(problem: Problem, cells: int) -> str:
+    """Return the method of a study that names none.
+
+    The known answers where there are; else what `benchmarks/optimise.py` shows to be the fastest
+    of those that miss nothing.
+    """
+    front = known_answers.is_front(problem)
+    order = ("exact", "newton") if front else ("newton", "exact")
+    for name in order:
+        if refusal(name, problem) is None:
+            return name
+    if problem.is_motion:
+        return "search"
+    return "population"

@@ -1,0 +1,248 @@
+"""The problem that an optimiser solves: variables, objective, and what has to be kept.
+
+Candidates are arrays. The outputs come from the scene's own plan, as in a sweep.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.mechanics.arrays import Array
+from core.study.models import Criterion, Limited, Minimise, Pareto, Weighted
+from core.sweep.evaluate import regimes
+from core.sweep.grid import from_si
+from core.sweep.plan import Plan
+from core.watch import Watch
+
+WATCHED = ("motion", "tumble")
+"""Quantities whose equation takes long and may be stopped."""
+
+LIMIT = "limit"
+"""Name of the limit of a criterion, and of its value among the arrays of a design."""
+
+Arrays = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Variable:
+    """What may be chosen, between bounds in SI units."""
+
+    name: str
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class Kept:
+    """A bound that an output has to keep.
+
+    Attributes
+    ----------
+    name, output : str
+        Name of the constraint, and its output.
+    bound : float or None
+        In the unit of studies; None for the limit of the criterion, which is the design's.
+    upper : bool
+        Whether it is the largest value; else the least.
+    absolute : bool
+        Whether it is that of the absolute value.
+    """
+
+    name: str
+    output: str
+    bound: float | None
+    upper: bool
+    absolute: bool = False
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What an optimiser solves, for any number of designs at once.
+
+    A design is a mapping of every fixed parameter (and of `limit`) to an array; all of them, and
+    the candidates, broadcast.
+    """
+
+    plan: Plan
+    variables: tuple[Variable, ...]
+    criterion: Criterion
+    kept: tuple[Kept, ...]
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the variables."""
+        return tuple(variable.name for variable in self.variables)
+
+    @cached_property
+    def lower(self) -> Array:
+        """Lower bounds, shape (variables,)."""
+        return np.array([variable.lower for variable in self.variables])
+
+    @cached_property
+    def upper(self) -> Array:
+        """Upper bounds, shape (variables,)."""
+        return np.array([variable.upper for variable in self.variables])
+
+    @property
+    def sign(self) -> float:
+        """-1 where the least value is looked for, else 1."""
+        return -1.0 if isinstance(self.criterion, Minimise) else 1.0
+
+    @property
+    def against(self) -> str | None:
+        """The output whose absolute value is to be low, if any."""
+        return getattr(self.criterion, "against", None)
+
+    @property
+    def weight(self) -> float:
+        """Weight of the other output in the objective."""
+        return self.criterion.weight if isinstance(self.criterion, Weighted) else 0.0
+
+    @cached_property
+    def is_motion(self) -> bool:
+        """Whether the outputs are those of a motion in time, which jump."""
+        return any(equation.gives in WATCHED for equation in self.plan.equations)
+
+    def known(self, x: Array, design: Mapping[str, Array], watch: Watch | None = None) -> Arrays:
+        """Return every quantity of the plan at candidates x, shape (variables, ...); SI units."""
+        known: Arrays = {n: design[n] for n in self.plan.parameters if n in design}
+        known |= {name: np.asarray(value) for name, value in self.plan.defaults.items()}
+        known |= dict(zip(self.names, x, strict=True))
+        for equation in self.plan.equations:
+            arguments = {name: known[name] for name in equation.inputs}
+            if watch is not None and equation.gives in WATCHED:
+                arguments["watch"] = watch
+            known[equation.gives] = equation.function(**arguments)
+        return known
+
+    def output(self, name: str, known: Arrays) -> Array:
+        """Return an output in the unit of studies."""
+        return np.asarray(from_si(name, np.asarray(known[name], dtype=np.float64)))
+
+    def objective(self, known: Arrays) -> Array:
+        """Return what is to be largest; NaN where an output has no value."""
+        value = self.sign * self.output(self.criterion.output, known)
+        if self.weight and self.against:
+            value = value - self.weight * np.abs(self.output(self.against, known))
+        return value
+
+    def margin(self, kept: Kept, known: Arrays, design: Mapping[str, Array]) -> Array:
+        """Return how far an output is from its bound; negative beyond it."""
+        value = self.output(kept.output, known)
+        bound = design[LIMIT] if kept.bound is None else kept.bound
+        value = np.abs(value) if kept.absolute else value
+        return np.asarray(bound - value if kept.upper else value - bound)
+
+    def margins(self, known: Arrays, design: Mapping[str, Array]) -> list[Array]:
+        """Return the margins of all constraints."""
+        return [self.margin(kept, known, design) for kept in self.kept]
+
+    def smooth_margins(self, known: Arrays, design: Mapping[str, Array]) -> list[Array]:
+        """Return margins without absolute values: one with an upper bound becomes two."""
+        margins = []
+        for kept in self.kept:
+            if kept.absolute and kept.upper:
+                value = self.output(kept.output, known)
+                bound = design[LIMIT] if kept.bound is None else kept.bound
+                margins += [bound - value, bound + value]
+            else:
+                margins.append(self.margin(kept, known, design))
+        return margins
+
+    def judged(
+        self,
+        x: Array,
+        design: Mapping[str, Array],
+        scales: Mapping[str, Array],
+        watch: Watch | None = None,
+    ) -> tuple[Array, Array]:
+        """Return the objective and the sum of all violations, each over its scale; no NaN.
+
+        Where an output has no value the objective is -inf and the violation inf: a NaN would end
+        scipy's differential evolution.
+        """
+        known = self.known(x, design, watch)
+        shape = np.broadcast_shapes(*(part.shape for part in (*x, *design.values())))
+        value = np.broadcast_to(self.objective(known), shape)
+        beyond = np.zeros(shape)
+        for kept, margin in zip(self.kept, self.margins(known, design), strict=True):
+            beyond = beyond + np.maximum(-margin, 0.0) / scales[kept.output]
+        lost = np.isnan(value) | np.isnan(beyond)
+        return np.where(lost, -np.inf, value), np.where(lost, np.inf, beyond)
+
+    def scales(self, design: Mapping[str, Array], watch: Watch | None = None) -> dict[str, Array]:
+        """Return the largest size of each output that takes part, for each design.
+
+        It is taken over the corners and middles of the bounds: margins and gaps are compared with
+        it. 1 where an output is 0 or has no value. `design` has the shape (cells,).
+        """
+        ways = np.array(list(product((0.0, 0.5, 1.0), repeat=len(self.names)))).T[:, None, :]
+        x = self.lower[:, None, None] + (self.upper - self.lower)[:, None, None] * ways
+        cells = cells_of(design)
+        known = self.known(x, columns(design), watch)
+        concerned = (self.criterion.output, self.against, *(kept.output for kept in self.kept))
+        scales = {}
+        for name in dict.fromkeys(name for name in concerned if name):
+            sizes = np.abs(self.output(name, known))
+            sizes = np.broadcast_to(sizes, np.broadcast_shapes(sizes.shape, (cells, 1)))
+            largest = np.where(np.isfinite(sizes), sizes, 0.0).max(axis=1)
+            scales[name] = np.where(largest > 0, largest, 1.0)
+        return scales
+
+    def scale(self, scales: Mapping[str, Array]) -> Array:
+        """Return the scale of the objective."""
+        scale = scales[self.criterion.output]
+        return np.maximum(scale, self.weight * scales[self.against]) if self.against else scale
+
+    def regime(
+        self, known: Arrays, scales: Mapping[str, Array], touching: float
+    ) -> NDArray[np.int8]:
+        """Return the regime of each point; a contact is kept within `touching` of its scale.
+
+        At a lift-off optimum the normal acceleration is a rounding of either sign.
+        """
+        snapped = dict(known)
+        for kept in self.kept:
+            if kept.name in CONTACTS:
+                value = np.asarray(known[kept.output])
+                near = np.abs(value) <= touching * scales[kept.output]
+                snapped[kept.output] = np.where(near, np.finfo(np.float64).tiny, value)
+        return regimes(self.plan, snapped)
+
+    def limited(self) -> Problem:
+        """Return the problem of one point of a front: the output within a limit of the other."""
+        criterion = self.criterion
+        assert isinstance(criterion, Pareto | Limited | Weighted)
+        inner = Limited(output=criterion.output, against=criterion.against, limit=0.0)
+        kept = tuple(one for one in self.kept if one.name != LIMIT)
+        limit = Kept(LIMIT, criterion.against, None, upper=True, absolute=True)
+        return replace(self, criterion=inner, kept=(limit, *kept))
+
+
+CONTACTS: dict[str, str] = {
+    "floor_contact": "normal_acceleration",
+    "wall_contact": "wall_balance",
+}
+"""Contacts that a study may keep, and the output that is not negative then."""
+
+
+def cells_of(design: Mapping[str, Array]) -> int:
+    """Return the number of designs."""
+    return int(next(iter(design.values())).shape[0])
+
+
+def columns(design: Mapping[str, Array]) -> dict[str, Array]:
+    """Return a design of shape (cells,) as (cells, 1), for candidates along the last axis."""
+    return {name: values[..., None] for name, values in design.items()}
+
+
+def chosen_cells(design: Mapping[str, Array], cells: Any) -> dict[str, Array]:
+    """Return some cells of a design."""
+    return {name: values[cells] for name, values in design.items()}

@@ -1,0 +1,257 @@
+"""scipy's optimisers: one design after the other; scipy is loaded when one of them runs."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.optimise.exact import STATUS
+from core.optimise.found import Found, Solver, status_of
+from core.optimise.problem import Problem, cells_of, chosen_cells
+from core.optimise.single import Single, spread
+from core.watch import Watch
+
+One = Callable[[Single], tuple[Array, str]]
+"""Takes one design; returns the best point of the unit box, and what the method says."""
+
+STARTS = 8  # of the optimisers that follow slopes
+SAMPLES = 256  # of which the best are the starts
+DENSE = 129  # points of the search over one variable
+
+
+def _starts(single: Single, count: int = STARTS) -> Array:
+    """Return the best of points that fill the box, shape (count, variables)."""
+    points = spread(SAMPLES, single.variables)
+    value, beyond = single.judged(points)
+    order = np.lexsort((-value, beyond))
+    # Half of them are the best, half are far apart.
+    best = order[: count - count // 2]
+    return points[:, np.concatenate([best, np.arange(count // 2)])].T
+
+
+class _Smooth:
+    """The problem without kinks: max output - w t with t >= |other|, for methods with slopes."""
+
+    def __init__(self, single: Single):
+        self.single, self.weight = single, single.problem.weight
+        self.extra = 1 if self.weight else 0
+
+    def start(self, unit: Array) -> Array:
+        if not self.extra:
+            return unit
+        return np.append(unit, abs(self.single.rows(unit)[1, 0]))
+
+    def bounds(self) -> list[tuple[float, float | None]]:
+        return [(0.0, 1.0)] * self.single.variables + [(0.0, None)] * self.extra
+
+    def value(self, z: Array) -> float:
+        rows = self.single.rows(z[: self.single.variables])
+        return float(-rows[0, 0] + (self.weight * z[-1] if self.extra else 0.0))
+
+    def slope(self, z: Array) -> Array:
+        slope = -self.single.slopes(z[: self.single.variables])[0]
+        return np.append(slope, self.weight) if self.extra else slope
+
+    def kept(self, z: Array) -> Array:
+        rows = self.single.rows(z[: self.single.variables])[:, 0]
+        return (
+            np.concatenate([rows[2:], [z[-1] - rows[1], z[-1] + rows[1]]])
+            if self.extra
+            else (rows[2:])
+        )
+
+    def kept_slope(self, z: Array) -> Array:
+        slopes = self.single.slopes(z[: self.single.variables])
+        if not self.extra:
+            return slopes[2:]
+        rows = np.concatenate([slopes[2:], [-slopes[1], slopes[1]]])
+        last = np.concatenate([np.zeros(len(slopes) - 2), np.ones(2)])
+        return np.column_stack([rows, last])
+
+    @property
+    def constrained(self) -> bool:
+        return bool(self.single.problem.kept) or self.extra > 0
+
+
+def _best(single: Single, points: list[Array], tolerance: float) -> Array:
+    """Return the best of the points, those within the tolerance of all constraints first."""
+    units = np.clip(np.array(points).T, 0.0, 1.0)
+    value, beyond = single.judged(units)
+    return units[:, np.lexsort((-value, np.maximum(beyond, tolerance)))[0]]
+
+
+def slsqp(single: Single) -> tuple[Array, str]:
+    """Return the best end of SLSQP from several starts, |other| as two smooth limits."""
+    from scipy import optimize
+
+    smooth = _Smooth(single)
+    constraints = {"type": "ineq", "fun": smooth.kept, "jac": smooth.kept_slope}
+    ends, said = [], []
+    for start in _starts(single):
+        answer = optimize.minimize(
+            smooth.value,
+            smooth.start(start),
+            jac=smooth.slope,
+            method="SLSQP",
+            bounds=smooth.bounds(),
+            constraints=[constraints] if smooth.constrained else [],
+            options={"ftol": 1e-15, "maxiter": 200},
+        )
+        ends.append(answer.x[: single.variables])
+        said.append(str(answer.message))
+    return _best(single, ends, 1e-9), max(set(said), key=said.count)
+
+
+def trust_constr(single: Single) -> tuple[Array, str]:
+    """Return the best end of the trust region's interior point method from several starts."""
+    from scipy import optimize
+
+    smooth = _Smooth(single)
+    constraints: list[Any] = []
+    if smooth.constrained:
+        constraints = [
+            optimize.NonlinearConstraint(smooth.kept, 0.0, np.inf, jac=smooth.kept_slope)
+        ]
+    bounds = optimize.Bounds(
+        [0.0] * (single.variables + smooth.extra),
+        [1.0] * single.variables + [np.inf] * smooth.extra,
+    )
+    ends = []
+    said = ""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of flat steps, which are no harm
+        for start in _starts(single, 4):
+            try:
+                answer = optimize.minimize(
+                    smooth.value,
+                    smooth.start(start),
+                    jac=smooth.slope,
+                    method="trust-constr",
+                    bounds=bounds,
+                    constraints=constraints,
+                    options={"gtol": 1e-9, "xtol": 1e-10, "barrier_tol": 1e-9, "maxiter": 500},
+                )
+            except ValueError as error:  # its barrier can overflow where several constraints meet
+                said = str(error)
+                ends.append(start)
+                continue
+            ends.append(answer.x[: single.variables])
+            said = str(answer.message)
+    return _best(single, ends, 1e-7), said
+
+
+def differential_evolution(single: Single) -> tuple[Array, str]:
+    """Return the end of differential evolution, whole populations at a time."""
+    from scipy import optimize
+
+    constraints: Any = ()
+    if single.problem.kept:
+
+        def kept(unit: Array) -> Array:
+            rows = single.rows(np.ascontiguousarray(unit))[2:]
+            return rows if np.ndim(unit) > 1 else rows[:, 0]
+
+        constraints = optimize.NonlinearConstraint(kept, 0.0, np.inf)
+    answer = optimize.differential_evolution(
+        single.lost,
+        [(0.0, 1.0)] * single.variables,
+        constraints=constraints,
+        vectorized=True,
+        updating="deferred",
+        init="sobol",
+        popsize=16,
+        maxiter=300,
+        tol=1e-14,
+        atol=1e-14,
+        polish=False,
+        rng=1,
+    )
+    return np.asarray(answer.x), str(answer.message)
+
+
+def shgo(single: Single) -> tuple[Array, str]:
+    """Return the best end of the simplicial homology search."""
+    from scipy import optimize
+
+    # Its local searches need numbers; its sampling leaves out what the constraints refuse.
+    answer = optimize.shgo(
+        lambda unit: float(single.penalised(unit)),
+        [(0.0, 1.0)] * single.variables,
+        constraints=(
+            [{"type": "ineq", "fun": lambda unit: single.rows(unit)[2:, 0]}]
+            if single.problem.kept
+            else None
+        ),
+        n=64,
+        iters=2,
+        sampling_method="sobol",
+        minimizer_kwargs={"method": "SLSQP", "options": {"ftol": 1e-14}},
+    )
+    found = answer.x if answer.x is not None else _starts(single, 1)[0]
+    return _best(single, [found, *_starts(single, 2)], 1e-9), str(answer.message)
+
+
+def direct(single: Single) -> tuple[Array, str]:
+    """Return the end of dividing rectangles, with a price on violations."""
+    from scipy import optimize
+
+    answer = optimize.direct(
+        lambda unit: float(single.penalised(unit)),
+        [(0.0, 1.0)] * single.variables,
+        maxfun=20_000,
+        maxiter=2000,
+        locally_biased=True,
+        vol_tol=1e-24,
+    )
+    return np.asarray(answer.x), str(answer.message)
+
+
+def minimize_scalar(single: Single) -> tuple[Array, str]:
+    """Return the best of bounded searches around the deepest dips of a grid."""
+    from scipy import optimize
+
+    points = np.linspace(0.0, 1.0, DENSE)
+    values = single.penalised(points[None, :])
+    ends = [points[[values.argmin()]]]
+    for place in np.argsort(values)[:3]:
+        bracket = points[max(place - 1, 0)], points[min(place + 1, DENSE - 1)]
+        answer = optimize.minimize_scalar(
+            lambda unit: float(single.penalised(np.array([unit]))),
+            bounds=bracket,
+            method="bounded",
+            options={"xatol": 1e-13},
+        )
+        ends += [np.array([answer.x]), np.array([bracket[0]]), np.array([bracket[1]])]
+    return _best(single, ends, 1e-9), "the best of the grid's deepest dips"
+
+
+def one_by_one(one: One, tolerance: float) -> Solver:
+    """Return the solver that takes one design after the other."""
+
+    def solve(
+        problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
+    ) -> Found:
+        cells = cells_of(design)
+        x = np.full((len(problem.names), cells), np.nan)
+        status = np.full(cells, STATUS["not_computed"], dtype=np.int8)
+        evaluations = np.zeros(cells, dtype=np.int64)
+        says = ""
+        for cell in range(cells):
+            if watch.stopped():
+                break
+            here = slice(cell, cell + 1)
+            single = Single(problem, chosen_cells(design, here), chosen_cells(scales, here), watch)
+            unit, says = one(single)
+            value, beyond = single.judged(unit)
+            status[cell] = status_of(float(value[0]), float(beyond[0]), tolerance)
+            if status[cell] == STATUS["optimal"]:
+                x[:, cell] = single.place(unit)[:, 0]
+            evaluations[cell] = single.evaluations
+            watch.advance(1 / cells)
+        return Found(x, status, evaluations=evaluations, says=says)
+
+    return solve

@@ -1,0 +1,116 @@
+"""One design in the terms of scipy's optimisers: a unit box, numbers of order 1, slopes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.optimise.problem import Problem, columns
+from core.watch import Watch
+
+STEP = 1e-6  # of a variable's range, for central differences: 1e-10 of the slope is left
+NO_VALUE = 1e6  # stands in for an output without a value where an optimiser needs a number
+PENALTY = 100.0  # of a violation, where an optimiser knows no constraints
+
+
+class Single:
+    """One design; points are shares of the bounds, outputs are over their scales.
+
+    Points have the shape (variables,) or (variables, n).
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        design: Mapping[str, Array],
+        scales: Mapping[str, Array],
+        watch: Watch | None = None,
+    ):
+        self.problem, self.watch = problem, watch
+        self.design, self.scales = columns(design), columns(scales)
+        self.size = float(problem.scale(scales)[0])
+        self.evaluations = 0
+        self._at: bytes | None = None
+        self._rows = np.empty((0, 0))
+
+    @property
+    def variables(self) -> int:
+        """Number of variables."""
+        return len(self.problem.names)
+
+    def place(self, unit: Array) -> Array:
+        """Return points of the unit box in SI units; both ends are met exactly."""
+        lower, upper = self.problem.lower[:, None], self.problem.upper[:, None]
+        unit = np.reshape(unit, (self.variables, -1))
+        return np.where(unit == 1, upper, lower + unit * (upper - lower))
+
+    def judged(self, unit: Array) -> tuple[Array, Array]:
+        """Return objective over its scale and violation of points, each (n,)."""
+        x = self.place(unit)
+        self.evaluations += x.shape[1]
+        value, beyond = self.problem.judged(x[:, None, :], self.design, self.scales, self.watch)
+        return value[0] / self.size, beyond[0]
+
+    def lost(self, unit: Array) -> Array:
+        """Return what is to be least, (n,) or a number; inf where an output has no value."""
+        value = -self.judged(unit)[0]
+        return value if np.ndim(unit) > 1 else value[0]
+
+    def penalised(self, unit: Array) -> Array:
+        """Return the same with a price on violations, and no infinity."""
+        value, beyond = self.judged(unit)
+        value = np.where(np.isfinite(value), -value + PENALTY * beyond, NO_VALUE)
+        return value if np.ndim(unit) > 1 else value[0]
+
+    def rows(self, unit: Array) -> Array:
+        """Return output, the other output, and the smooth margins, shape (2 + margins, n)."""
+        key = unit.tobytes()
+        if key == self._at:
+            return self._rows
+        x = self.place(unit)[:, None, :]
+        self.evaluations += x.shape[2]
+        problem = self.problem
+        known = problem.known(x, self.design, self.watch)
+        shape = (1, x.shape[2])
+        first = problem.sign * problem.output(problem.criterion.output, known) / self.size
+        second = np.zeros(shape)
+        if problem.against:
+            second = problem.output(problem.against, known) / self.size
+        parts = [first, second]
+        margins = problem.smooth_margins(known, self.design)
+        outputs = [
+            kept.output
+            for kept in problem.kept
+            for _ in range(2 if kept.absolute and kept.upper else 1)
+        ]
+        parts += [margin / self.scales[name] for name, margin in zip(outputs, margins, strict=True)]
+        rows = np.stack([np.broadcast_to(part, shape)[0] for part in parts])
+        self._rows = np.where(np.isfinite(rows), rows, -NO_VALUE)
+        self._at = key
+        return self._rows
+
+    def slopes(self, unit: Array) -> Array:
+        """Return the derivatives of `rows` at one point, shape (2 + margins, variables).
+
+        Differences stay within the bounds: beyond them an output may have no value.
+        """
+        steps = STEP * np.eye(self.variables)
+        inside = np.clip(unit, 0.0, 1.0)[:, None]
+        before, after = np.maximum(inside - steps, 0.0), np.minimum(inside + steps, 1.0)
+        rows = self.rows(np.concatenate([before, after], axis=1))
+        count = self.variables
+        return (rows[:, count:] - rows[:, :count]) / np.diag(after - before)
+
+
+def spread(points: int, variables: int) -> Array:
+    """Return points that fill the unit box evenly, shape (variables, points).
+
+    An additive recurrence with the powers of the root of x^(d + 1) = x + 1 (Roberts 2018).
+    """
+    root = 2.0
+    for _ in range(40):
+        root = (1 + root) ** (1 / (variables + 1))
+    steps = root ** -np.arange(1.0, variables + 1)
+    return (0.5 + steps[:, None] * np.arange(1, points + 1)) % 1.0

@@ -1,0 +1,521 @@
+"""Studies of optimisation: what they accept, what they tell, and what no optimum looks like."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+from typer.testing import CliRunner
+
+from app.cli import app
+from app.main import create_app
+from app.settings import Settings
+from core.catalogue import kind_schema
+from core.errors import StudyError
+from core.kinds import prepare_content, tabulate
+from core.optimise import METHODS, optimise
+from core.optimise.exact import OPTIMUM_STATUSES, STATUS
+from core.optimise.front import knee
+from core.optimise.run import BINDS
+from core.plots import PlotError
+from core.plots.optimum import draw_front, draw_landscape
+from core.quantities import REGIMES
+from core.study import load_study, parse_json, parse_study
+from core.watch import Watch
+
+CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("optimise-*.toml"))
+# The data of figure 5.1 of the source, less strong: below lift-off at the best angles.
+DATA = {"frequency": 60, "amplitude": "0.1 mm", "friction": 0.5, "gravity": 9.8}
+
+
+def content(**change):
+    return {
+        "kind": "optimise",
+        "scene": "rectangle-on-plane",
+        "variant": "thesis",
+        "criterion": {"kind": "limit", "limit": "0.5 m/s^2"},
+        "parameters": DATA,
+        **change,
+    }
+
+
+def solved(**change):
+    return optimise(parse_study(content(**change)))
+
+
+def problems(**change) -> dict[str, str]:
+    with pytest.raises(StudyError) as caught:
+        prepare_content(content(**change))
+    return {problem.place: f"{problem.message}. {problem.fix}" for problem in caught.value.problems}
+
+
+def status(dataset) -> str:
+    (name,) = [n for n, v in STATUS.items() if v == int(dataset.optimum_status)]
+    return name
+
+
+# --- what a study may say
+
+
+@pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)
+def test_every_example_has_an_optimum_everywhere(path):
+    dataset = optimise(load_study(path))
+    assert (dataset.optimum_status == STATUS["optimal"]).all()
+    for name, variable in dataset.data_vars.items():
+        assert np.isfinite(variable).all(), name
+        assert variable.dims == dataset.regime.dims, name
+    assert set(np.unique(dataset.regime)) <= set(dataset.regime.attrs["flag_values"])
+    assert (dataset.regime != REGIMES["not_assessed"].value).all()
+
+
+def test_there_is_an_example_of_every_criterion():
+    kinds = {tomllib.loads(path.read_text())["criterion"]["kind"] for path in CONFIGS}
+    assert kinds == {"weighted", "limit", "pareto", "maximise", "minimise"}
+
+
+def test_all_mistakes_are_told_at_once():
+    found = problems(
+        variant="theses",
+        colour="red",
+        criterion={"kind": "limit", "limit": "5 kg", "weight": 2},
+        variables={"beta": {"lower": "90 deg", "upper": 10}, "betta": {"lower": 0, "upper": 1}},
+        constraints=[{"output": "throw_number", "uper": 1}],
+        parameters={**DATA, "amplitude": "-1 mm"},
+    )
+    assert set(found) == {
+        "variant",
+        "colour",
+        "criterion.limit",
+        "criterion.weight",
+        "variables.beta",
+        "variables.betta",
+        "constraints.0.uper",
+        "parameters.amplitude",
+    }
+    assert "thesis" in found["variant"]
+    assert "weight' is not a key of the criterion 'limit'" in found["criterion.weight"]
+    assert "not above" in found["variables.beta"]
+    assert "Did you mean 'beta'" in found["variables.betta"]
+
+
+@pytest.mark.parametrize(
+    ("change", "place", "words"),
+    [
+        ({"criterion": {"kind": "limit"}}, "criterion.limit", "missing"),
+        ({"criterion": {"kind": "limit", "limit": -1}}, "criterion.limit", "0 or more"),
+        ({"criterion": {"kind": "limit", "limit": None}}, "criterion.limit", "number"),
+        ({"criterion": {"kind": "maximise", "output": "regime"}}, "criterion.output", "a name"),
+        ({"constraints": [{"output": "regime", "upper": 1}]}, "constraints.0.output", "a name"),
+        ({"kind": "optimize", "constraints": 5}, "constraints", "tuple"),
+        ({"criterion": {"kind": "limits", "limit": 1}}, "criterion.kind", "Did you mean 'limit'"),
+        ({"criterion": {"limit": 1}}, "criterion.kind", "missing"),
+        ({"criterion": {"kind": "weighted", "weight": -1}}, "criterion.weight", "greater"),
+        ({"criterion": {"kind": "pareto", "points": 1}}, "criterion.points", "greater"),
+        (
+            {"criterion": {"kind": "maximise", "output": "acceleration_v"}},
+            "criterion.output",
+            "Did you mean 'acceleration_",
+        ),
+        (
+            {"criterion": {"kind": "weighted", "against": "acceleration_x"}},
+            "criterion.against",
+            "the output itself",
+        ),
+        ({"variables": {"beta": {"lower": -200, "upper": 0}}}, "variables.beta", "at least -180"),
+        ({"variables": {"beta": {"lower": 0}}}, "variables.beta", "bounds"),
+        (
+            {"variables": {"friction": {"lower": 0, "upper": 1}}},
+            "variables.friction",
+            "also given as a parameter",
+        ),
+        ({"variables": {"mass": {"lower": 0.1, "upper": 1}}}, "variables.mass", "not used"),
+        ({"constraints": [{"output": "throw_number"}]}, "constraints.0", "bounds nothing"),
+        (
+            {"constraints": [{"output": "throw_number", "lower": 2, "upper": 1}]},
+            "constraints.0",
+            "above",
+        ),
+        ({"constraints": [{"output": "throw_numbr", "upper": 1}]}, "constraints.0.output", "Did"),
+        (
+            {"constraints": [{"output": "throw_number", "upper": n} for n in (1, 2)]},
+            "constraints.1",
+            "already",
+        ),
+        ({"method": "slsq"}, "method", "Did you mean 'slsqp'"),
+        ({"method": "minimize_scalar"}, "method", "one variable"),
+        ({"method": "newton", "criterion": {"kind": "weighted"}}, "method", "Leave method out"),
+        ({"scene": "rectangle-isolated", "variant": None}, "criterion.output", "no output"),
+        ({"parameters": {**DATA, "beta": 1, "alpha": 2}}, "variables", "nothing is left"),
+        ({"parameters": {"frequency": 60, "friction": 0.5}}, "parameters.amplitude", "missing"),
+        ({"outputs": ["speed_x"]}, "outputs", "no output"),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_told_with_its_place(change, place, words):
+    found = problems(**change)
+    assert place in found, found
+    assert words in found[place], found
+
+
+def test_equal_studies_share_one_key_and_come_back_from_their_canonical_form():
+    one = parse_study(content())
+    two = parse_study(
+        content(
+            criterion={"kind": "limit", "limit": 0.5, "output": "acceleration_x"},
+            parameters={**DATA, "amplitude": 1e-4},
+        )
+    )
+    assert one.key() == two.key()
+    assert parse_json(one.canonical()).key() == one.key()
+    wide = parse_study(content(variables={"beta": {"lower": "0.1 rad", "upper": 80}}))
+    assert parse_json(wide.canonical()).key() == wide.key() != one.key()
+
+
+def test_the_schema_tells_criteria_apart_and_names_the_methods():
+    schema = kind_schema("optimise")
+    assert set(schema["properties"]["criterion"]["discriminator"]["mapping"]) == {
+        "weighted", "limit", "pareto", "maximise", "minimise",
+    }  # fmt: skip
+    assert schema["properties"]["method"]["enum"] == [*METHODS, None]
+    assert "conveying_velocity" in schema["properties"]["outputs"]["items"]["enum"]
+    json.dumps(schema, allow_nan=False)
+
+
+# --- what comes out
+
+
+def test_the_dataset_tells_everything():
+    dataset = solved(
+        parameters={**DATA, "friction": [0.3, 0.5], "gamma": [0, 2, 4]},
+        outputs=["throw_number"],
+        constraints=[{"output": "throw_number", "upper": 0.5}],
+    )
+    assert dataset.sizes == {"friction": 2, "gamma": 3}
+    assert {"objective", "acceleration_x", "acceleration_y", "throw_number"} <= set(dataset)
+    for name in ("limit", "floor_contact", "throw_number_upper"):
+        assert {f"margin_{name}", f"binds_{name}"} <= set(dataset)
+    for name in ("alpha_lower", "alpha_upper", "beta_lower", "beta_upper"):
+        assert f"binds_{name}" in dataset
+    assert dataset.best_beta.attrs["long_name"].startswith("Best ")
+    assert dataset.best_beta.attrs["units"] == "degree"
+    assert dataset.objective.attrs["output"] == "acceleration_x"
+    assert list(dataset.optimum_status.attrs["flag_values"]) == list(range(len(OPTIMUM_STATUSES)))
+    assert dataset.binds_limit.attrs["flag_meanings"] == " ".join(BINDS)
+    for key in ("criterion", "method", "message", "run_time", "study", "study_sha256"):
+        assert dataset.attrs[key]
+    assert dataset.attrs["criterion"] == "largest acceleration_x with |acceleration_y| <= 0.5 m s-2"
+    # Where it binds the margin is nothing, and the throw number its bound.
+    tight = dataset.binds_throw_number_upper.values == 1
+    assert tight.any()
+    np.testing.assert_allclose(dataset.throw_number.values[tight], 0.5, rtol=1e-7)
+    np.testing.assert_array_equal(dataset.margin_throw_number_upper.values[tight], 0.0)
+    assert (dataset.optimality_residual < 1e-6).all()
+    # The dense grid is never better by more than the method's own tolerance.
+    assert (dataset.optimum_gap < 1e-8).all()
+
+
+def test_a_message_says_what_came_out():
+    message = solved().attrs["message"]
+    assert message.startswith("optimal: ")
+    assert "alpha = 4." in message
+    assert message.endswith("binding: limit")
+
+
+def test_a_batch_is_its_single_designs():
+    parameters = {**DATA, "friction": [0.2, 0.4, 0.8], "amplitude": [5e-5, 1e-4, 4e-4]}
+    for change in (
+        {},
+        {"criterion": {"kind": "weighted", "weight": 0.3}},
+        {"method": "population"},
+        {"criterion": {"kind": "pareto", "points": 5}},
+    ):
+        batch = solved(parameters=parameters, **change)
+        for mu, amplitude in itertools.product(parameters["friction"], parameters["amplitude"]):
+            one = solved(parameters={**DATA, "friction": mu, "amplitude": amplitude}, **change)
+            same = batch.sel(friction=mu, amplitude=amplitude)
+            for name in ("best_alpha", "best_beta", "objective", "optimum_status"):
+                np.testing.assert_array_equal(same[name], one[name], err_msg=name)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_finds_the_best_elevation(method):
+    # alpha given, the limit of no concern: beta = atan(mu) (theory 12.1) needs full azimuth.
+    change = {
+        "criterion": {"kind": "maximise"},
+        "parameters": {**DATA, "alpha": 0},
+        "method": None if method == "exact" else method,  # its closed forms are for both angles
+    }
+    dataset = solved(**change)
+    # 26.565 deg; at a smooth top the angle is known to the square root of the objective's error.
+    assert float(dataset.best_beta) == pytest.approx(np.degrees(np.arctan(0.5)), abs=0.02)
+    assert abs(float(dataset.optimum_gap)) < 1e-6
+    assert dataset.sizes == {}
+    assert "best_alpha" not in dataset
+
+
+@pytest.mark.parametrize(
+    ("method", "gap"),
+    [("shgo", 1e-6), ("direct", 1e-3), ("trust-constr", 1e-3), ("grid", 1e-3)],
+)
+def test_the_rougher_methods_come_near(method, gap):
+    # Prices, barriers and grids keep away from edges; the default methods are in the laws.
+    dataset = solved(method=method)
+    assert abs(float(dataset.optimum_gap)) < gap
+    # What is more than a method's own tolerance is admitted.
+    missed = float(dataset.optimum_gap) > max(METHODS[method].tolerance, 1e-6)
+    assert status(dataset) == ("suboptimal" if missed else "optimal")
+
+
+def test_the_residual_does_not_look_across_lift_off():
+    # The best is at lift-off, where the friction disc has a kink in n0.
+    change = {"variant": "physical", "criterion": {"kind": "maximise"}, "method": "population"}
+    kept = solved(parameters={**DATA, "amplitude": "0.5 mm"}, **change)
+    assert int(kept.binds_floor_contact) == 1
+    assert float(kept.optimality_residual) < 1e-8
+
+
+def test_frequency_and_amplitude_can_be_variables():
+    # The strongest drive below lift-off at beta = 20 deg: the bound of the throw number binds.
+    dataset = solved(
+        variant="physical",
+        criterion={"kind": "maximise"},
+        variables={
+            "amplitude": {"lower": "0.01 mm", "upper": "1 mm"},
+            "frequency": {"lower": 40, "upper": "60 Hz"},
+        },
+        parameters={"friction": 0.3, "beta": 20, "gravity": 9.8},
+        constraints=[{"output": "throw_number", "upper": 0.9}],
+    )
+    assert int(dataset.binds_throw_number_upper) == 1
+    w = 2 * np.pi * float(dataset.best_frequency)
+    drive = float(dataset.best_amplitude) * w * w
+    assert drive * np.sin(np.radians(20)) == pytest.approx(0.9 * 9.8, rel=1e-8)
+    floor = 9.8 - drive * np.sin(np.radians(20))
+    expected = drive * np.cos(np.radians(20)) - 0.3 * floor
+    assert float(dataset.objective) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_constraint_on_the_absolute_value_is_the_limit():
+    one = solved()
+    two = solved(
+        criterion={"kind": "maximise"},
+        constraints=[{"output": "acceleration_y", "absolute": True, "upper": 0.5}],
+    )
+    assert two.attrs["method"] == "population"
+    assert float(two.objective) == pytest.approx(float(one.objective), rel=1e-9)
+    assert int(two.binds_acceleration_y_absolute_upper) == 1
+
+
+def test_bounds_of_the_angles_are_kept_and_told():
+    within = {"alpha": {"lower": 10, "upper": 20}, "beta": {"lower": 0, "upper": 5}}
+    dataset = solved(variables=within, criterion={"kind": "maximise"})
+    best = (float(dataset.best_alpha), float(dataset.best_beta))
+    assert best == pytest.approx((10.0, 5.0), rel=1e-15)
+    assert (int(dataset.binds_alpha_lower), int(dataset.binds_beta_upper)) == (1, 1)
+    assert dataset.attrs["method"] == "newton"
+
+
+def test_floor_contact_can_be_given_up():
+    strong = {**DATA, "amplitude": "0.5 mm"}
+    kept = solved(criterion={"kind": "maximise"}, parameters=strong)
+    free = solved(criterion={"kind": "maximise"}, parameters=strong, floor_contact=False)
+    # The thesis's own answer, atan(mu), is beyond lift-off (theory 12.1).
+    assert float(free.best_beta) == pytest.approx(np.degrees(np.arctan(0.5)), abs=1e-9)
+    assert int(free.regime) == REGIMES["flight"].value
+    assert int(kept.regime) == REGIMES["slip"].value
+    assert int(kept.binds_floor_contact) == 1
+    assert float(kept.margin_floor_contact) == 0
+    assert float(kept.best_beta) < float(free.best_beta)
+
+
+def test_the_fastest_true_motion():
+    dataset = optimise(load_study(next(path for path in CONFIGS if "velocity" in path.stem)))
+    # By a plain grid of the simulated motion: 0.17 m/s near 22 deg, far beyond lift-off (7.9 deg).
+    assert float(dataset.best_beta) == pytest.approx(21.8, abs=0.1)
+    assert float(dataset.throw_number) > 2
+    assert abs(float(dataset.optimum_gap)) < 1e-2
+    assert dataset.attrs["motion_method"] == "events"
+
+
+def test_a_small_feasible_corner_is_searched_as_a_whole():
+    # Both contacts leave a tenth of the angles, with a low point in each of its corners.
+    dataset = solved(
+        scene="rectangle-on-track",
+        variant="physical",
+        criterion={"kind": "minimise"},
+        parameters={
+            "frequency": 25.775, "amplitude": 0.0013445, "gravity": 9.81, "gamma": -9.096,
+            "friction": 0.0941, "delta": 39.83,
+        },
+    )  # fmt: skip
+    assert status(dataset) == "optimal"
+    assert float(dataset.optimum_gap) < 1e-9
+
+
+def test_a_drive_just_strong_enough_moves_the_part():
+    # Friction holds the part at all but a few angles: the choice matters.
+    least = 0.5 * 9.8 / np.sqrt(1.25)
+    amplitude = 1.0005 * least / (2 * np.pi * 60) ** 2
+    dataset = solved(
+        variant="physical",
+        criterion={"kind": "maximise"},
+        parameters={**DATA, "amplitude": amplitude},
+    )
+    assert status(dataset) == "optimal"
+    assert float(dataset.best_beta) == pytest.approx(np.degrees(np.arctan(0.5)), abs=1e-7)
+
+
+def test_knees():
+    corner = np.array([[4.0, 3.9, 3.0, 0.0]])
+    other = np.array([[4.0, 1.0, 0.5, 0.0]])
+    np.testing.assert_array_equal(knee(corner, -other), [[0, 1, 0, 0]])
+    np.testing.assert_array_equal(knee(np.full((1, 3), np.nan), np.zeros((1, 3))), [[1, 0, 0]])
+
+
+# --- pictures
+
+
+def test_a_front_and_its_knee_are_drawn():
+    parameters = {**DATA, "friction": [0.3, 0.5]}
+    dataset = solved(parameters=parameters, criterion={"kind": "pareto", "points": 20})
+    (axes,) = draw_front(dataset).axes
+    curves = [line for line in axes.lines if len(line.get_xdata()) == 20]
+    assert len(curves) == 2
+    np.testing.assert_array_equal(curves[0].get_ydata(), dataset.acceleration_x[0])
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert names == ["friction = 0.3", "friction = 0.5", "knee"]
+
+
+def test_a_landscape_shows_optimum_and_limits():
+    dataset = solved(parameters={**DATA, "friction": [0.3, 0.5]})
+    axes = draw_landscape(dataset, {"friction": 0.5}).axes[0]
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert names == ["edge of limit", "edge of floor contact", "optimum"]
+    (star,) = [line for line in axes.lines if line.get_marker() == "*"]
+    assert star.get_xdata()[0] == dataset.best_beta.values[1]
+    assert star.get_ydata()[0] == dataset.best_alpha.values[1]
+
+
+def test_what_cannot_be_drawn_is_refused():
+    with pytest.raises(PlotError, match="no front"):
+        draw_front(solved())
+    with pytest.raises(PlotError, match="1 variables"):
+        draw_landscape(solved(parameters={**DATA, "alpha": 0}))
+    with pytest.raises(PlotError, match="not ranged"):
+        draw_landscape(solved(), {"gamma": 1})
+    with pytest.raises(PlotError, match="no optimisation"):
+        draw_front(solved().drop_vars("optimum_status"))
+
+
+# --- no optimum
+
+
+def test_a_drive_too_weak_to_move():
+    for method in (None, "population", "slsqp"):
+        dataset = solved(
+            variant="physical",
+            criterion={"kind": "maximise"},
+            parameters={**DATA, "amplitude": "1 um"},
+            method=method,
+        )
+        assert status(dataset) == "no_motion"
+
+
+def test_a_choice_that_does_not_matter():
+    # Straight up, every azimuth is the same direction.
+    dataset = solved(
+        criterion={"kind": "minimise"},
+        parameters={**DATA, "amplitude": "10 um", "beta": 90},
+        method="population",
+    )
+    assert status(dataset) == "flat"
+    assert "does not matter" in dataset.attrs["message"]
+
+
+@pytest.mark.parametrize("method", [None, "slsqp", "population", "grid", "differential_evolution"])
+def test_bounds_that_exclude_everything(method):
+    dataset = solved(
+        parameters={**DATA, "amplitude": "0.5 mm"},
+        variables={"alpha": {"lower": 0, "upper": 90}, "beta": {"lower": 60, "upper": 90}},
+        method=method,
+    )
+    assert status(dataset) == "infeasible"
+    assert np.isnan(dataset.best_beta)
+    assert np.isnan(dataset.objective)
+    assert int(dataset.regime) == REGIMES["not_assessed"].value
+    assert "not_assessed" in dataset.regime.attrs["flag_meanings"]
+    assert dataset.attrs["message"].startswith("infeasible: no choice keeps")
+
+
+@pytest.mark.parametrize("method", ["population", "slsqp", "differential_evolution", "direct"])
+def test_outputs_without_a_value(method):
+    # In flight the floor's resultant is nowhere: NaN would end scipy's differential evolution.
+    change = {
+        "variant": "physical",
+        "criterion": {"kind": "maximise", "output": "pressure_offset_x"},
+        "parameters": {**DATA, "amplitude": "0.5 mm", "height": "10 mm", "length": "20 mm"},
+        "floor_contact": False,
+        "method": method,
+    }
+    nowhere = solved(**change, variables={"beta": {"lower": 30, "upper": 90}})
+    assert status(nowhere) == "no_value"
+    partly = solved(**change, variables={"beta": {"lower": 0, "upper": 90}})
+    assert status(partly) == "optimal"
+    # Sliding: mu times half the height, theory 4.4.
+    assert float(partly.objective) == pytest.approx(0.5 * 0.005, rel=1e-9)
+
+
+def test_a_study_that_is_stopped_keeps_what_is_finished():
+    asked = []
+
+    def stop() -> bool:
+        asked.append(1)
+        return len(asked) > 1
+
+    prepared = prepare_content(content(parameters={**DATA, "friction": [0.3, 0.5]}, method="slsqp"))
+    table = tabulate(prepared, Watch(stop=stop))
+    statuses = table.variables["optimum_status"].values
+    assert statuses.tolist() == [STATUS["optimal"], STATUS["not_computed"]]
+    assert np.isnan(table.variables["best_beta"].values[1])
+
+
+# --- by command and by request
+
+
+def test_by_command_by_request_and_by_call(tmp_path):
+    import xarray
+
+    path = next(path for path in CONFIGS if "pareto" in path.stem)
+    study = tomllib.loads(path.read_text())
+    called = optimise(parse_study(study))
+    ran = CliRunner().invoke(app, ["run", str(path), "-o", str(tmp_path / "front.nc")])
+    assert ran.exit_code == 0, ran.output
+    assert "the whole front, method exact" in ran.output
+    xarray.testing.assert_equal(xarray.load_dataset(tmp_path / "front.nc"), called)
+    planned = CliRunner().invoke(app, ["run", "--dry-run", str(path)])
+    assert planned.exit_code == 0
+    assert "by the choice of alpha, beta" in planned.output
+    with TestClient(create_app(Settings(data_directory=tmp_path / "data"))) as client:
+        reply = client.post("/processes/optimise/execution", json={"inputs": {"study": study}})
+        assert reply.status_code == 200, reply.text
+        wrong = client.post("/processes/optimise/execution", json={**study, "kind": "sweep"})
+        assert wrong.status_code == 422
+        stopped = TestClient(
+            create_app(Settings(data_directory=tmp_path / "more", max_execution_seconds=1e-9))
+        )
+        with stopped:
+            left = stopped.post(
+                "/processes/optimise/execution", json={**content(), "method": "slsqp"}
+            )
+    body = reply.json()
+    assert body["complete"]
+    assert body["cells"] == 400
+    best = np.array(body["variables"]["best_alpha"]["data"])
+    np.testing.assert_array_equal(best, called.best_alpha.values)
+    assert body["variables"]["optimum_status"]["flags"]["optimal"] == 0
+    assert not left.json()["complete"]
+    assert left.json()["variables"]["best_alpha"]["data"] is None
