@@ -126,7 +126,10 @@ def plot(
         typer.Option("--at", help="Value of another dimension, as in `frequency=60 Hz`."),
     ] = None,
     kind: Annotated[
-        str | None, typer.Option("--kind", "-k", help="contour, surface, line, map or trajectory.")
+        str | None,
+        typer.Option(
+            "--kind", "-k", help="contour, surface, line, map, trajectory, front or landscape."
+        ),
     ] = None,
 ) -> None:
     """Draw an output with its regimes, a map of the regimes, or the course of one part."""

@@ -138,7 +138,8 @@ def draw_methods(everything: Mapping[str, Mapping[str, tuple[Array, float, Array
         for name in MARKERS if any(name in results for results in everything.values())
     ]  # fmt: skip
     figure.legend(handles=entries, loc="outside lower center", ncols=6, frameon=False, fontsize=9)
-    figure.supxlabel("Time of a design [ms]", fontsize=10)
+    for panel in figure.axes[-2:]:
+        panel.set_xlabel("Time of a design [ms]", fontsize=9)
     figure.supylabel("Error of the objective over its scale", fontsize=10)
     figure.suptitle(
         "Optimisers of the drive: median (mark) to largest error (line) against run time;"

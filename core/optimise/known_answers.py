@@ -81,6 +81,7 @@ def answered(problem: Problem) -> Answered | None:
     floor, wall = "floor_contact" in names, "wall_contact" in names
     if (
         family is None
+        or problem.uncertain is not None
         or problem.sign < 0
         or not set(problem.names) <= set(ANGLES)
         or not _within_reach(problem)

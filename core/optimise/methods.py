@@ -135,6 +135,8 @@ METHODS: dict[str, Method] = {
 
 def refusal(name: str, problem: Problem) -> tuple[str, str] | None:
     """Return why a method cannot solve a problem and what could, or None if it can."""
+    if problem.uncertain is not None and name in ("slsqp", "trust-constr"):
+        return "the worst case has kinks, and it needs slopes", "Leave method out"
     if name == "exact" and not known_answers.is_closed(problem):
         return "there is no closed form of this problem", "Leave method out"
     if name == "newton" and not known_answers.is_compiled(problem):

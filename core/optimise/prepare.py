@@ -15,6 +15,7 @@ from core.motion.prepare import find_system
 from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS, default_method, refusal
 from core.optimise.problem import CONTACTS, LIMIT, Kept, Problem, Variable
+from core.optimise.slopes import MOST_SENSITIVE, sensitive
 from core.quantities import QUANTITIES
 from core.scenes import Scene
 from core.study.load import parse_study
@@ -24,7 +25,7 @@ from core.study.models import (
     OutputLimit,
     Pareto,
 )
-from core.study.values import Between, Span, Values
+from core.study.values import Between, Fixed, Span, Values
 from core.sweep.grid import Grid, to_si
 from core.sweep.plan import choose_scene, scene_parameters
 from core.sweep.prepare import Chosen, Prepared, further_problems, plan_study
@@ -75,6 +76,8 @@ class Optimisation(Prepared):
         units |= dict.fromkeys(("optimality_residual", "optimum_gap", "evaluations"), "1")
         if isinstance(criterion, Pareto):
             units["knee"] = "1"
+        if self.study.sensitivities:
+            units |= dict.fromkeys((f"sensitivity_{name}" for name in sensitive(problem)), "1")
         return {**units, "optimum_status": "1", "regime": "1"}
 
     @cached_property
@@ -115,7 +118,13 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     if len(bounds) > MOST_VARIABLES:
         message = f"there are {len(bounds)} of them"
         problems.append(Wrong("variables", message, f"Choose at most {MOST_VARIABLES}"))
-    spans = {n: Span(b.lower, b.upper, 2) for n, b in bounds.items() if n not in values}
+    intervals = study.intervals()
+    problems += _wrong_intervals(study, intervals, values, bounds)
+    spans = {
+        name: Span(one.lower, one.upper, 2)
+        for name, one in {**bounds, **intervals}.items()
+        if name not in values
+    }
     try:
         plan, _ = plan_study(study, outputs, (scene, variant, wrong_variant), spans)
     except StudyError as error:
@@ -125,12 +134,22 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         problems.append(Wrong("method", message, suggestion(study.method, METHODS)))
     if problems:
         raise StudyError(dict.fromkeys(problems))
-    variables = tuple(
-        Variable(name, *(float(to_si(name, np.asarray(end))) for end in (b.lower, b.upper)))
-        for name, b in bounds.items()
+    variables = tuple(_variable(name, between) for name, between in bounds.items())
+    unsure = [_variable(name, between) for name, between in intervals.items()]
+    problem = Problem(
+        plan,
+        variables,
+        study.criterion,
+        kept,
+        unsure[0] if unsure else None,
+        study.robust or "worst",
     )
-    problem = Problem(plan, variables, study.criterion, kept)
-    designs = Grid.of(values)
+    middles = {n: Fixed((one.lower + one.upper) / 2) for n, one in intervals.items()}
+    designs = Grid.of({**values, **middles})
+    if study.sensitivities and designs.cells > MOST_SENSITIVE:
+        message = f"each of {designs.cells:,} designs would be derived singly"
+        fix = f"Range over at most {MOST_SENSITIVE:,} designs, or leave sensitivities out"
+        raise StudyError([Wrong("sensitivities", message, fix)])
     method = study.method or default_method(problem, designs.cells)
     why_not = refusal(method, problem)
     if why_not is not None:
@@ -142,6 +161,34 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         grid = designs
     # What is chosen is no parameter of the result.
     return Optimisation(study, plan, grid, designs, problem, method)
+
+
+def _variable(name: str, between: Between) -> Variable:
+    ends = (between.lower, between.upper)
+    return Variable(name, *(float(to_si(name, np.asarray(end))) for end in ends))
+
+
+def _wrong_intervals(
+    study: OptimiseStudy,
+    intervals: Mapping[str, Between],
+    values: Mapping[str, Values],
+    bounds: Mapping[str, Between],
+) -> Iterable[Wrong]:
+    """Yield what is wrong with the uncertain parameter."""
+    for name in intervals:
+        if name in values or name in bounds:
+            section = "parameters" if name in values else "variables"
+            fix = f"Remove it there, or under {section}.{name}"
+            yield Wrong(f"uncertain.{name}", f"it is also under {section}", fix)
+    if len(intervals) > 1:
+        fix = "Keep the one that matters most"
+        yield Wrong("uncertain", f"there are {len(intervals)} of them, and one is taken", fix)
+    if study.robust is not None and not intervals:
+        fix = "Add [uncertain], for example friction = { lower = 0.2, upper = 0.4 }"
+        yield Wrong("robust", "nothing is uncertain", fix)
+    if intervals and isinstance(study.criterion, Pareto):
+        fix = "Use the criterion limit, at some limits"
+        yield Wrong("uncertain", "a whole front is not traced over an interval", fix)
 
 
 def prepare_content(content: object) -> Optimisation:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
+from core.optimise.robust import nodes_over, over_nodes
 from core.study.models import Criterion, Limited, Minimise, Pareto, Weighted
 from core.sweep.evaluate import regimes
 from core.sweep.grid import from_si
@@ -74,6 +75,10 @@ class Problem:
     variables: tuple[Variable, ...]
     criterion: Criterion
     kept: tuple[Kept, ...]
+    uncertain: Variable | None = None
+    """A parameter known within an interval only; its value in a design is the middle."""
+    robust: str = "worst"
+    """What counts over that interval: the worst case, or the mean; constraints hold all over it."""
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -168,6 +173,41 @@ class Problem:
         Where an output has no value the objective is -inf and the violation inf: a NaN would end
         scipy's differential evolution.
         """
+        if self.uncertain is None:
+            return self._judged(x, design, scales, watch)
+        places, weights = self.nodes()
+        found = [self._judged(x, self.at(design, place), scales, watch) for place in places]
+        values, beyond = (np.stack(parts) for parts in zip(*found, strict=True))
+        lost = np.isinf(values).any(axis=0)
+        value = over_nodes(np.where(lost, 0.0, values), weights)
+        return np.where(lost, -np.inf, value), beyond.max(axis=0)
+
+    def nodes(self) -> tuple[Array, Array | None]:
+        """Return nodes over the interval of the uncertain parameter, and weights of a mean."""
+        assert self.uncertain is not None
+        return nodes_over((self.uncertain.lower, self.uncertain.upper), self.robust)
+
+    def at(self, design: Mapping[str, Array], place: float) -> dict[str, Array]:
+        """Return designs with a value of the uncertain parameter."""
+        assert self.uncertain is not None
+        name = self.uncertain.name
+        return {**design, name: np.full_like(design[name], place)}
+
+    def safe_margin(self, kept: Kept, x: Array, design: Mapping[str, Array]) -> Array:
+        """Return the least margin over the interval of the uncertain parameter, if there is one."""
+        if self.uncertain is None:
+            return self.margin(kept, self.known(x, design), design)
+        designs = (self.at(design, place) for place in self.nodes()[0])
+        margins = [self.margin(kept, self.known(x, one), one) for one in designs]
+        return np.asarray(np.min(np.broadcast_arrays(*margins), axis=0))
+
+    def _judged(
+        self,
+        x: Array,
+        design: Mapping[str, Array],
+        scales: Mapping[str, Array],
+        watch: Watch | None,
+    ) -> tuple[Array, Array]:
         known = self.known(x, design, watch)
         shape = np.broadcast_shapes(*(part.shape for part in (*x, *design.values())))
         value = np.broadcast_to(self.objective(known), shape)

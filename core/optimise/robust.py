@@ -316,6 +316,8 @@ def _extrapolated(value: float, differences: Array, at: float) -> Sensitivity:
 # --- a parameter that is not known
 
 
+NODES = 9  # over the interval of an uncertain parameter
+
 UncertainEvaluate = Callable[[Array, Array], Array]
 """Takes points (n, d) and a value of the uncertain parameter for each (n,), returns values (n,)."""
 
@@ -325,7 +327,7 @@ def robust_value(
     interval: ArrayLike,
     *,
     how: Literal["worst", "mean"] = "worst",
-    nodes: int = 9,
+    nodes: int = NODES,
 ) -> Callable[[Array], Array]:
     """Return an objective that knows a parameter only within an interval, for any optimiser.
 
@@ -349,23 +351,33 @@ def robust_value(
     callable
         Takes points (n, d), returns values (n,): NaN where a node has none.
     """
+    places, weights = nodes_over(interval, how, nodes)
+
+    def robust(points: Array) -> Array:
+        count = len(points)
+        values = np.asarray(evaluate(np.tile(points, (nodes, 1)), np.repeat(places, count)))
+        return over_nodes(values.reshape(nodes, count), weights)
+
+    return robust
+
+
+def nodes_over(interval: ArrayLike, how: str, nodes: int = NODES) -> tuple[Array, Array | None]:
+    """Return nodes over an interval, and weights of a mean; None for the worst case."""
     low, high = (float(end) for end in np.asarray(interval, dtype=np.float64))
     if not low <= high:
         raise ValueError("the interval has to be finite, and in order")
     if nodes < (2 if how == "worst" else 1):
         raise ValueError("too few nodes")
     if how == "worst":
-        places, weights = np.linspace(low, high, nodes), None
-    elif how == "mean":
+        return np.linspace(low, high, nodes), None
+    if how == "mean":
         roots, weights = np.polynomial.legendre.leggauss(nodes)
-        places, weights = low + (high - low) * (roots + 1) / 2, weights / 2
-    else:
-        raise ValueError(f"how is 'worst' or 'mean', not '{how}'")
+        return low + (high - low) * (roots + 1) / 2, weights / 2
+    raise ValueError(f"how is 'worst' or 'mean', not '{how}'")
 
-    def robust(points: Array) -> Array:
-        count = len(points)
-        values = np.asarray(evaluate(np.tile(points, (nodes, 1)), np.repeat(places, count)))
-        values = values.reshape(nodes, count)
-        return values.min(axis=0) if weights is None else weights @ values
 
-    return robust
+def over_nodes(values: Array, weights: Array | None) -> Array:
+    """Return the least, or the mean, of values over nodes, which are the first axis."""
+    if weights is None:
+        return np.asarray(values.min(axis=0))
+    return np.asarray(np.tensordot(weights, values, axes=1))

@@ -30,6 +30,7 @@ from core.optimise.methods import METHODS
 from core.optimise.prepare import Optimisation, prepare
 from core.optimise.problem import LIMIT, Problem, cells_of, chosen_cells
 from core.optimise.single import spread
+from core.optimise.slopes import sensitive, slopes
 from core.quantities import QUANTITIES, REGIMES, Flag
 from core.study.models import Limited, Pareto, Weighted
 from core.sweep.grid import Grid, from_si
@@ -158,6 +159,8 @@ def _checked(
         return np.where(lost, np.nan, np.broadcast_to(values, cells))
 
     value = whole(problem.objective(known))
+    if problem.uncertain is not None:
+        value = whole(problem.judged(x, design, scales)[0])
     if found.value is not None:
         # At the edge of stick the outputs are those of a part at rest.
         held = found.status == STATUS["not_attained"]
@@ -171,7 +174,7 @@ def _checked(
         if name in known:
             arrays[name] = whole(problem.output(name, known))
     for kept in problem.kept:
-        margin = whole(problem.margin(kept, known, design))
+        margin = whole(problem.safe_margin(kept, x, design))
         binds = np.abs(margin) <= tolerance * scales[kept.output]
         arrays[f"margin_{kept.name}"] = np.where(binds, 0.0, margin)
         arrays[f"binds_{kept.name}"] = binds.astype(np.int8)
@@ -186,7 +189,9 @@ def _checked(
         left = residual(here, x, near, scales, max(tolerance, AT_BOUND))
     else:
         left = left / size
-    arrays["optimality_residual"] = np.where(lost, np.nan, left)
+    # A worst case has kinks of its own: first-order conditions of one value do not speak of it.
+    no_slope = lost | (problem.uncertain is not None)
+    arrays["optimality_residual"] = np.where(no_slope, np.nan, left)
     gap = _gap(prepared.method, here, value, lost, near, scales) / size
     arrays["optimum_gap"] = gap
     missed = (status == STATUS["optimal"]) & (gap > max(tolerance, MISSED))
@@ -196,6 +201,9 @@ def _checked(
         points = problem.criterion.points
         pair = (arrays[problem.criterion.output], arrays[problem.criterion.against])
         arrays["knee"] = knee(*(part.reshape(-1, points) for part in pair)).ravel()
+    if prepared.study.sensitivities:
+        told = slopes(problem, x, design, lost)
+        arrays |= {f"sensitivity_{name}": values for name, values in told.items()}
     arrays["optimum_status"] = status
     regime = np.broadcast_to(problem.regime(known, scales, tolerance), cells)
     none = np.int8(REGIMES["not_assessed"].value)
@@ -271,6 +279,21 @@ def _gap(
 
 def criterion_in_words(problem: Problem) -> str:
     """Return what is looked for, in a few words."""
+    return _looked_for(problem) + _over_interval(problem)
+
+
+def _over_interval(problem: Problem) -> str:
+    if problem.uncertain is None:
+        return ""
+    name = problem.uncertain.name
+    ends = (problem.uncertain.lower, problem.uncertain.upper)
+    lower, upper = (float(from_si(name, np.asarray(end))) for end in ends)
+    how = "in the worst case" if problem.robust == "worst" else "on average"
+    unit = QUANTITIES[name].unit
+    return f", {how} over {name} from {lower:g} to {upper:g}{'' if unit == '1' else f' {unit}'}"
+
+
+def _looked_for(problem: Problem) -> str:
     criterion = problem.criterion
     output, against = criterion.output, problem.against
     if isinstance(criterion, Weighted):
@@ -316,6 +339,14 @@ def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, 
     attributes["optimum_status"] = flag_attributes(
         "optimum_status", OPTIMUM_STATUSES, tuple(OPTIMUM_STATUSES)
     )
+    if prepared.study.sensitivities:
+        for name in sensitive(problem):
+            label = QUANTITIES[name].label
+            attributes[f"sensitivity_{name}"] = {
+                "units": "1",
+                "long_name": f"Sensitivity to {label[0].lower()}{label[1:]}",
+                "comment": f"d ln({problem.criterion.output})/d ln({name}) at the optimum.",
+            }
     if "knee" in prepared.units:
         attributes["knee"] = flag_attributes("knee", KNEE, tuple(KNEE))
     names = set(prepared.plan.regimes)

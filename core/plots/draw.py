@@ -84,6 +84,10 @@ def draw(
     >>> dataset = sweep(load_study(Path("configs/figures/fig-5-1.toml")))
     >>> figure = draw(dataset, axes=("beta", "alpha"), kind="surface")
     """
+    if kind in ("front", "landscape") or (kind is None and not axes and "knee" in dataset):
+        from core.plots.optimum import draw_front, draw_landscape  # loads the optimiser
+
+        return draw_landscape(dataset, at) if kind == "landscape" else draw_front(dataset)
     if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
         fix = "Draw a file that `vibrafeed run` wrote"
         raise PlotError("dataset", "it is no result of vibrafeed: no regime or no scene", fix)

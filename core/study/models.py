@@ -402,9 +402,30 @@ class OptimiseStudy(GridStudy):
     wall_contact: bool = Field(
         True, description="Whether the part is to stay on the wall, where the scene has one."
     )
+    uncertain: Variables | None = Field(
+        None,
+        description="One parameter that is known within an interval only, such as friction.",
+    )
+    robust: Literal["worst", "mean"] | None = Field(
+        None,
+        description="What is looked for over that interval: the best worst case (where left out), "
+        "or the best mean.",
+    )
+    sensitivities: bool = Field(
+        False,
+        description="Also give d ln(output)/d ln(parameter) at each optimum.",
+        strict=True,
+    )
     outputs: _Outputs = Field(
         (), description="Further outputs to tell at the optimum.", max_length=100
     )
+
+    def intervals(self) -> dict[str, Between]:
+        """Return the uncertain parameters and their intervals."""
+        if self.uncertain is None:
+            return {}
+        given = self.uncertain.model_fields_set
+        return {name: getattr(self.uncertain, name) for name in PARAMETERS if name in given}
 
     def bounds(self) -> dict[str, Between]:
         """Return the given variables and their bounds, in the order of the declaration."""
