@@ -248,6 +248,9 @@ def _motion() -> dict[str, Quantity]:
         "height_above_floor": Quantity(
             "m", "z", "Height above the floor", "Distance of the part from the moving floor."
         ),
+        "distance_from_wall": Quantity(
+            "m", "y", "Distance from the wall", "Distance of the part from the moving wall."
+        ),
         "relative_velocity_along": _velocity(
             "u_x", "Velocity relative to the track", "Velocity along the track, relative to it."
         ),

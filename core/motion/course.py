@@ -9,9 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
+from core.motion.methods import SOLID_CYLINDER
 from core.motion.planar import planar_path
+from core.motion.stepping import stepped_path
 from core.motion.tumbling import tumbling_path
 from core.quantities import MOTION_MODES, Flag
+
+SLOW = 1e-9  # in g/w: a normal velocity of a part that stays on the floor
 
 Asked = int | tuple[float, ...]
 
@@ -24,19 +28,24 @@ class Course(NamedTuple):
     flags: Mapping[str, tuple[NDArray[np.int8], Mapping[str, Flag]]]
 
 
+def _times(asked: Asked, known: dict[str, Any]) -> tuple[Array, Array]:
+    """Return times [s] and phases of the drive over a cycle, or as asked."""
+    pace = known["velocity_scale"].item() / known["length_scale"].item()  # circular frequency
+    if isinstance(asked, int):
+        cycle = np.nan_to_num(known["motion"].multiple.item(), nan=1.0)
+        phases = np.linspace(0.0, 2 * np.pi * max(1.0, cycle), asked + 1)
+        return phases / pace, phases
+    times = np.array(asked)
+    return times, pace * times
+
+
 def planar_course(asked: Asked, arguments: dict[str, Any], known: dict[str, Any]) -> Course:
     """Return the course over a cycle of a part that moves in one vertical plane.
 
     `arguments` are those of the motion, `known` every quantity of the plan, of one point.
     """
     speed, length = known["velocity_scale"].item(), known["length_scale"].item()
-    pace = speed / length  # the circular frequency
-    if isinstance(asked, int):
-        phases = np.linspace(0.0, 2 * np.pi * max(1.0, known["motion"].multiple.item()), asked + 1)
-        times = phases / pace
-    else:
-        times = np.array(asked)
-        phases = pace * times
+    times, phases = _times(asked, known)
     numbers = {name: value.item() for name, value in arguments.items()}
     path = planar_path(**numbers, phases=phases)
     values = {
@@ -48,6 +57,53 @@ def planar_course(asked: Asked, arguments: dict[str, Any], known: dict[str, Any]
         "track_normal": numbers["drive_number_normal"] * length * np.sin(phases),
     }
     return Course(times, values, {"motion_mode": (path.mode, MOTION_MODES)})
+
+
+def stepped_course(wall: bool, rolling: float) -> Callable[..., Course]:
+    """Return the course by time stepping of a part with or without a wall, block or cylinder.
+
+    The part starts at rest, and is shown after as many periods as the study follows it for; the
+    steps are those of the finest run that gave its mean.
+    """
+
+    def course(asked: Asked, arguments: dict[str, Any], known: dict[str, Any]) -> Course:
+        speed, length = known["velocity_scale"].item(), known["length_scale"].item()
+        times, phases = _times(asked, known)
+        numbers = {name: value.item() for name, value in arguments.items()}
+        steps = 2 * int(numbers.pop("steps_per_period")) + 1
+        before = 2 * np.pi * numbers.pop("most_periods")
+        if wall:
+            numbers["wall_friction"] = numbers["friction_kinetic"]
+            numbers["wall_restitution"] = numbers["restitution"]
+        numbers.setdefault("gravity_number_across", 0.0)
+        path = stepped_path(
+            **numbers, wall=wall, rolling=rolling, steps_per_period=steps,
+            phases=np.concatenate([[0.0], before + phases]),
+        )  # fmt: skip
+        position, velocity = path.position[1:], path.velocity[1:]
+        swing = np.sin(phases) * length
+        values = {
+            "position_along": (position[:, 0] - position[0, 0]) * length,
+            "height_above_floor": np.maximum(position[:, 2], 0.0) * length,
+            "relative_velocity_along": velocity[:, 0] * speed,
+            "relative_velocity_normal": velocity[:, 2] * speed,
+            "track_along": numbers["drive_number_along"] * swing,
+            "track_normal": numbers["drive_number_normal"] * swing,
+        }
+        if wall:
+            values["distance_from_wall"] = np.maximum(position[:, 1], 0.0) * length
+        # On the floor the normal velocity is 0; gaps below what the drive covers in a step are the
+        # method's own.
+        gap = abs(numbers["drive_number_normal"]) * (2 * np.pi / steps) ** 2
+        flies = (np.abs(velocity[:, 2]) > SLOW) | (position[:, 2] > gap)
+        slides = np.where(velocity[:, 0] > 0, "forward", "backward")
+        modes = np.where(flies, "flight", slides)
+        modes = np.where((modes != "flight") & (velocity[:, 0] == 0), "stick", modes)
+        modes = np.where(np.isnan(position[:, 0]), "unknown", modes)
+        flags = np.array([MOTION_MODES[mode].value for mode in modes.tolist()], dtype=np.int8)
+        return Course(times, values, {"motion_mode": (flags, MOTION_MODES)})
+
+    return course
 
 
 def tumbling_course(asked: Asked, arguments: dict[str, Any], known: dict[str, Any]) -> Course:
@@ -67,8 +123,14 @@ def tumbling_course(asked: Asked, arguments: dict[str, Any], known: dict[str, An
     return Course(times, values, {})
 
 
-COURSES: dict[str, Callable[[Asked, dict[str, Any], dict[str, Any]], Course]] = {
-    "motion": planar_course,
-    "tumble": tumbling_course,
+COURSES: dict[str, dict[str, Callable[..., Course]]] = {
+    "rectangle-on-plane": {"events": planar_course, "time-stepping": stepped_course(False, 0.0)},
+    "cylinder-on-plane": {
+        "events": planar_course,
+        "time-stepping": stepped_course(False, SOLID_CYLINDER),
+    },
+    "rectangle-on-track": {"time-stepping": stepped_course(True, 0.0)},
+    "rectangle-isolated": {"events": tumbling_course},
+    "cylinder-isolated": {"events": tumbling_course},
 }
-"""What follows one part in time, by the quantity that holds its motion."""
+"""What follows one part in time, by system and method."""

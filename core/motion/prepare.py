@@ -7,7 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from core.errors import Problem, StudyError
-from core.motion.systems import SYSTEMS, has_course
+from core.motion.course import COURSES
+from core.motion.systems import SYSTEMS
 from core.quantities import QUANTITIES
 from core.scenes import Scene
 from core.study.load import parse_study
@@ -123,7 +124,7 @@ def _wrong_course(study: SimulateStudy, scene: Scene, method: str) -> list[Probl
         ranged = ", ".join(QUANTITIES[name].label.lower() for name in axes)
         fix = f"Give one value of {', '.join(axes)}, or leave trajectory out"
         problems.append(Problem("trajectory", f"it shows one point, and {ranged} is ranged", fix))
-    followed = [m for m in scene.variants if has_course(scene, m)]
+    followed = list(COURSES[scene.name])
     if method not in followed:
         fix = f"Set method to {' or '.join(followed)}" if followed else "Leave trajectory out"
         message = f"the method {method} of {scene.name} gives means only"

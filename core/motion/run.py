@@ -96,7 +96,8 @@ def _course(prepared: Simulation, known: dict[str, Any]) -> tuple[Variable, dict
     assert asked is not None
     motion = next(e for e in prepared.plan.equations if e.gives in WATCHED)
     arguments = {name: known[name] for name in motion.inputs}
-    course = COURSES[motion.gives](asked, arguments, known)
+    follow = COURSES[prepared.plan.scene.name][prepared.plan.variant]
+    course = follow(asked, arguments, known)
     dims = ("cycle_time",)
     variables = {
         name: Variable(dims, values, quantity_attributes(name))

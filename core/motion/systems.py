@@ -225,12 +225,6 @@ TRACK = Scene(
 )
 
 
-def has_course(scene: Scene, method: str) -> bool:
-    """Return whether a method follows one part in time, and not only to its mean."""
-    gives = {equation.gives for equation in scene.variants[method]}
-    return "tumble" in gives or method == "events"
-
-
 SYSTEMS: dict[str, Scene] = {
     system.name: system
     for system in (

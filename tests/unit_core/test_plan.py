@@ -309,7 +309,7 @@ class TestScenes:
                 for eq in scene.variants[v] for name in (eq.gives, *eq.inputs)}  # fmt: skip
         used |= {name for alias in ALIASES for name in alias.inputs}
         configs = Path(__file__).parents[2] / "configs"
-        for study in ("trajectory.toml", "tumbling-course.toml"):
+        for study in ("trajectory.toml", "tumbling-course.toml", "track-course.toml"):
             used |= set(simulate(load_study(configs / study)).variables)
         front = optimise(load_study(configs / "optimise-pareto.toml"))
         used |= {*front.variables}
