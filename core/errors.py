@@ -47,7 +47,8 @@ class StudyError(VibrafeedError):
     """A study cannot be carried out; `problems` holds everything found, not only the first."""
 
     def __init__(self, problems: Iterable[Problem]):
-        self.problems = tuple(problems)
+        # Two needs of one missing parameter are one problem.
+        self.problems = tuple(dict.fromkeys(problems))
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
 

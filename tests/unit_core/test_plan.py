@@ -292,6 +292,14 @@ def test_radius_is_needed_only_where_speed_makes_it_matter():
     assert "missing" in problems(track, ["acceleration_x"], **drive, speed=0.2)["parameters.radius"]
 
 
+def test_one_missing_parameter_is_one_problem():
+    # Static and kinetic friction are both wanted, and written as one.
+    with pytest.raises(StudyError) as caught:
+        prepare_content(content("rectangle-on-plane", ["acceleration_x"], frequency=50, beta=20,
+                                amplitude=1e-4))  # fmt: skip
+    assert [problem.place for problem in caught.value.problems] == ["parameters.friction"]
+
+
 class TestScenes:
     def test_every_scene_declares_what_it_gives_and_describes_it(self):
         for name, scene in SCENES.items():
