@@ -58,11 +58,14 @@ class SweepStore:
             raise NotFoundError(f"There is no sweep '{key[:80]}'. POST its study to /sweeps first.")
         return prepare_content(read_json(path.read_bytes()))
 
-    def netcdf(self, key: str) -> Path:
-        """Return the NetCDF file of a sweep; the first call writes it."""
-        sweep = self.get(key)
+    def netcdf(self, key: str, sweep: Sweep) -> Path:
+        """Return the NetCDF file of the sweep of an identifier; the first call writes it.
+
+        A file that is there is complete: it does not wait for what is being written.
+        """
         path = self.directory / key / "result.nc"
-        self._writer.submit(_write_once, sweep, path).result()
+        if not path.exists():
+            self._writer.submit(_write_once, sweep, path).result()
         return path
 
     def close(self) -> None:

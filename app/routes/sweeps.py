@@ -166,8 +166,9 @@ def get_netcdf(request: Request, key: Key, store: StoreOf, settings: SettingsOf)
     One range of bytes can be asked for, so that a broken download resumes. The ETag is the SHA-256
     of the file.
     """
-    store.get(key).check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
-    path = store.netcdf(key)
+    sweep = store.get(key)
+    sweep.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
+    path = store.netcdf(key, sweep)
     return file_reply(
         request, path, media_type="application/x-netcdf", filename=f"vibrafeed-{key[:12]}.nc"
     )

@@ -39,6 +39,14 @@ def _times(asked: Asked, known: dict[str, Any]) -> tuple[Array, Array]:
     return times, pace * times
 
 
+def _track(numbers: Mapping[str, float], swing: Array) -> dict[str, Array]:
+    """Return the displacement of the track, from that of a drive number of 1."""
+    return {
+        "track_along": numbers["drive_number_along"] * swing,
+        "track_normal": numbers["drive_number_normal"] * swing,
+    }
+
+
 def planar_course(asked: Asked, arguments: dict[str, Any], known: dict[str, Any]) -> Course:
     """Return the course over a cycle of a part that moves in one vertical plane.
 
@@ -53,8 +61,7 @@ def planar_course(asked: Asked, arguments: dict[str, Any], known: dict[str, Any]
         "height_above_floor": path.height * length,
         "relative_velocity_along": path.velocity_along * speed,
         "relative_velocity_normal": path.velocity_normal * speed,
-        "track_along": numbers["drive_number_along"] * length * np.sin(phases),
-        "track_normal": numbers["drive_number_normal"] * length * np.sin(phases),
+        **_track(numbers, length * np.sin(phases)),
     }
     return Course(times, values, {"motion_mode": (path.mode, MOTION_MODES)})
 
@@ -81,14 +88,12 @@ def stepped_course(wall: bool, rolling: float) -> Callable[..., Course]:
             phases=np.concatenate([[0.0], before + phases]),
         )  # fmt: skip
         position, velocity = path.position[1:], path.velocity[1:]
-        swing = np.sin(phases) * length
         values = {
             "position_along": (position[:, 0] - position[0, 0]) * length,
             "height_above_floor": np.maximum(position[:, 2], 0.0) * length,
             "relative_velocity_along": velocity[:, 0] * speed,
             "relative_velocity_normal": velocity[:, 2] * speed,
-            "track_along": numbers["drive_number_along"] * swing,
-            "track_normal": numbers["drive_number_normal"] * swing,
+            **_track(numbers, length * np.sin(phases)),
         }
         if wall:
             values["distance_from_wall"] = np.maximum(position[:, 1], 0.0) * length

@@ -126,7 +126,7 @@ def _wrong_course(study: SimulateStudy, scene: Scene, method: str) -> list[Probl
         problems.append(Problem("trajectory", f"it shows one point, and {ranged} is ranged", fix))
     followed = list(COURSES[scene.name])
     if method not in followed:
-        fix = f"Set method to {' or '.join(followed)}" if followed else "Leave trajectory out"
+        fix = f"Set method to {' or '.join(followed)}"
         message = f"the method {method} of {scene.name} gives means only"
         problems.append(Problem("trajectory", message, fix))
     return problems

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from core.motion.course import COURSES
 from core.motion.prepare import Simulation, prepare
 from core.quantities import MOTION_STATUSES
 from core.sweep.evaluate import regimes
+from core.sweep.plan import Plan
 from core.sweep.run import coordinates_of, global_attributes, outputs_of
 from core.watch import Watch
 
@@ -79,9 +80,19 @@ def _evaluate(prepared: Simulation, watch: Watch) -> dict[str, Any]:
     The scales before the motion have few axes, and the motion itself is shared out among threads
     by cells: there is nothing to gain from blocks.
     """
-    plan, grid = prepared.plan, prepared.grid
-    known: dict[str, Any] = {n: value for n, value in grid.si().items() if n in plan.parameters}
-    known |= {name: np.asarray(value) for name, value in plan.defaults.items()}
+    plan, given = prepared.plan, prepared.grid.si()
+    return run_equations(plan, {name: given[name] for name in plan.parameters}, watch)
+
+
+def run_equations(
+    plan: Plan, given: Mapping[str, Any], watch: Watch | None = None
+) -> dict[str, Any]:
+    """Return every quantity of a plan on whole arrays, SI units: given, default and computed.
+
+    `given` holds the parameters; equations that take long ask the watch.
+    """
+    known: dict[str, Any] = {name: np.asarray(value) for name, value in plan.defaults.items()}
+    known |= given
     for equation in plan.equations:
         arguments = {name: known[name] for name in equation.inputs}
         function: Callable[..., Any] = equation.function

@@ -15,15 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
+from core.motion.run import WATCHED, run_equations
 from core.optimise.robust import nodes_over, over_nodes
 from core.study.models import Criterion, Limited, Minimise, Pareto, Weighted
 from core.sweep.evaluate import regimes
 from core.sweep.grid import from_si
 from core.sweep.plan import Plan
 from core.watch import Watch
-
-WATCHED = ("motion", "tumble")
-"""Quantities whose equation takes long and may be stopped."""
 
 LIMIT = "limit"
 """Name of the limit of a criterion, and of its value among the arrays of a design."""
@@ -117,15 +115,8 @@ class Problem:
 
     def known(self, x: Array, design: Mapping[str, Array], watch: Watch | None = None) -> Arrays:
         """Return every quantity of the plan at candidates x, shape (variables, ...); SI units."""
-        known: Arrays = {n: design[n] for n in self.plan.parameters if n in design}
-        known |= {name: np.asarray(value) for name, value in self.plan.defaults.items()}
-        known |= dict(zip(self.names, x, strict=True))
-        for equation in self.plan.equations:
-            arguments = {name: known[name] for name in equation.inputs}
-            if watch is not None and equation.gives in WATCHED:
-                arguments["watch"] = watch
-            known[equation.gives] = equation.function(**arguments)
-        return known
+        given = {name: design[name] for name in self.plan.parameters if name in design}
+        return run_equations(self.plan, {**given, **dict(zip(self.names, x, strict=True))}, watch)
 
     def output(self, name: str, known: Arrays) -> Array:
         """Return an output in the unit of studies."""

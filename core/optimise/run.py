@@ -9,10 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-import core
 from core.dataset.table import (
-    CONVENTIONS,
-    REFERENCES,
     Table,
     Variable,
     flag_attributes,
@@ -34,7 +31,7 @@ from core.optimise.slopes import sensitive, slopes
 from core.quantities import QUANTITIES, REGIMES, Flag
 from core.study.models import Limited, Pareto, Weighted
 from core.sweep.grid import Grid, from_si
-from core.sweep.run import coordinates_of
+from core.sweep.run import coordinates_of, global_attributes
 from core.watch import Watch
 
 if TYPE_CHECKING:
@@ -383,22 +380,15 @@ def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
 
 def _global_attributes(prepared: Optimisation) -> dict[str, str]:
     study, plan = prepared.study, prepared.plan
-    method = METHODS[prepared.method]
+    method, words = METHODS[prepared.method], criterion_in_words(prepared.problem)
     attributes = {
-        "Conventions": CONVENTIONS,
-        "title": study.title or f"{plan.scene.title}: {criterion_in_words(prepared.problem)}",
-        "source": f"vibrafeed {core.__version__}, optimisation, {method.says}",
-        "references": REFERENCES,
-        "comment": plan.scene.validity,
-        "scene": plan.scene.name,
-        plan.scene.choice if plan.scene.choice != "method" else "motion_method": plan.variant,
-        "criterion": criterion_in_words(prepared.problem),
+        **global_attributes(prepared, f"optimisation, {method.says}"),
+        "title": study.title or f"{plan.scene.title}: {words}",
+        "criterion": words,
         "method": prepared.method,
-        "study": study.canonical(),
-        "study_sha256": study.key(),
     }
-    if study.notes:
-        attributes["notes"] = study.notes
+    if plan.scene.choice == "method":  # that of the motion; `method` is the optimiser's
+        attributes["motion_method"] = plan.variant
     return attributes
 
 

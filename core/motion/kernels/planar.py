@@ -585,8 +585,7 @@ def _contact(tau, span, u, drive, sums, log, used):
         sums[0] += distance
         sums[1 + mode] += d
         if stop < 0:
-            u = after
-            return (u if u * sign > 0 else 0.0), slope, used
+            return (after if after * sign > 0 else 0.0), slope, used
         at += d
         u = 0.0
         sine = math.sin(at)
@@ -806,14 +805,14 @@ def _long_run(tau, periods, hops, drive, e, sums):
 
 
 @compiled
-def _from_phases(phase, drive, e, most_periods, runs, result):
+def _from_phases(phase, drive, e, most_periods, result):
     """Fill the result of an aperiodic motion: means over runs that start at several phases."""
     sums = np.empty(5)
-    periods = max(1, most_periods // runs)
+    periods = max(1, most_periods // PHASES)
     mean, square, time, impacts, fastest, highest = 0.0, 0.0, 0.0, 0, 0.0, 0.0
     shares = np.zeros(4)
-    for run in range(runs):
-        start = (phase + TURN * run / runs) % TURN
+    for run in range(PHASES):
+        start = (phase + TURN * run / PHASES) % TURN
         span, hits, speed, height = _long_run(
             start, periods, HOPS_PER_PERIOD * periods + FIRST_LOOK, drive, e, sums
         )
@@ -827,8 +826,8 @@ def _from_phases(phase, drive, e, most_periods, runs, result):
         fastest, highest = max(fastest, speed), max(highest, height)
         for mode in range(4):
             shares[mode] += sums[1 + mode]
-    spread = math.sqrt(square / (runs - 1)) if runs > 1 else math.nan
-    result[0], result[1], result[2] = mean, spread, spread / math.sqrt(runs)
+    spread = math.sqrt(square / (PHASES - 1))
+    result[0], result[1], result[2] = mean, spread, spread / math.sqrt(PHASES)
     for mode in range(4):
         result[3 + mode] = shares[mode] / time
     result[7], result[8], result[9], result[10] = impacts * TURN / time, fastest, highest, 0.0
@@ -896,7 +895,7 @@ def _solve(group, rows, sums, log, result):
         return PERIODIC, 0, 0.0, 1
     count, periods = normal_cycle(s, gn, e, most_periods, rows)
     if periods < 1:
-        if periods == 0 and _from_phases(phase, drive, e, most_periods, PHASES, result):
+        if periods == 0 and _from_phases(phase, drive, e, most_periods, result):
             _turn_round(result, way)
             return APERIODIC, 0, 0.0, 0
         result[:] = math.nan
