@@ -10,6 +10,7 @@ from core import motion, optimise, sweep
 from core.dataset.table import Table
 from core.study.load import parse_study
 from core.study.models import Study
+from core.sweep.pieces import Computed, carry_out
 from core.sweep.prepare import Prepared
 from core.watch import Watch
 
@@ -24,31 +25,22 @@ class Kind:
         Takes what stands in a file or request; raises `StudyError` with every problem.
     prepare : callable
         The same for a study that has been read.
-    tabulate : callable
-        Takes what the first two return and a `Watch`; returns the `Table` of results.
+    compute : callable
+        Takes what the first two return and a `Watch`; returns what was `Computed`.
+    label : callable
+        Takes what the first two return and what was computed; returns the `Table` of results.
     """
 
     prepare_content: Callable[[object], Prepared]
     prepare: Callable[[Any], Prepared]
-    tabulate: Callable[[Any, Watch], Table]
-
-
-def _tabulate_sweep(prepared: sweep.Sweep, watch: Watch) -> Table:
-    return sweep.tabulate(prepared, progress=lambda done: watch.advance(done / prepared.cells))
-
-
-def _tabulate_simulation(prepared: motion.Simulation, watch: Watch) -> Table:
-    return motion.tabulate(prepared, watch=watch)
-
-
-def _tabulate_optimisation(prepared: optimise.Optimisation, watch: Watch) -> Table:
-    return optimise.tabulate(prepared, watch=watch)
+    compute: Callable[[Any, Watch], Computed]
+    label: Callable[[Any, Computed], Table]
 
 
 KINDS: dict[str, Kind] = {
-    "sweep": Kind(sweep.prepare_content, sweep.prepare, _tabulate_sweep),
-    "simulate": Kind(motion.prepare_content, motion.prepare, _tabulate_simulation),
-    "optimise": Kind(optimise.prepare_content, optimise.prepare, _tabulate_optimisation),
+    "sweep": Kind(sweep.prepare_content, sweep.prepare, sweep.compute, sweep.label),
+    "simulate": Kind(motion.prepare_content, motion.prepare, motion.compute, motion.label),
+    "optimise": Kind(optimise.prepare_content, optimise.prepare, optimise.compute, optimise.label),
 }
 """Every kind of study, by the value of its key `kind`."""
 
@@ -73,4 +65,5 @@ def prepare(study: Study) -> Prepared:
 
 def tabulate(prepared: Prepared, watch: Watch | None = None) -> Table:
     """Return the labelled results of a prepared study."""
-    return KINDS[prepared.study.kind].tabulate(prepared, watch or Watch())
+    kind = KINDS[prepared.study.kind]
+    return carry_out(prepared, kind.compute, kind.label, watch)

@@ -16,7 +16,7 @@ def to_document(table: Table) -> dict[str, Any]:
     a flag variable has `flags`, the name of each value, in place of the CF pair of attributes.
     """
     return {
-        "attributes": dict(table.attributes),
+        "attributes": {**table.attributes, **table.price},
         "coordinates": {name: _document(v) for name, v in table.coordinates.items()},
         "variables": {name: _document(v) for name, v in table.variables.items()},
     }

@@ -27,8 +27,8 @@ def write_netcdf(
 ) -> None:
     """Write a table as a CF NetCDF-4 file, all of it or nothing.
 
-    The file appears under its name only when it is complete and on the disk. Two writes of the
-    same table are equal to the byte unless `history` differs.
+    The file appears under its name only when it is complete and on the disk. Without `history`, two
+    writes of equal results are equal to the byte: what the run cost is left out too.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def write_netcdf(
     path : Path
         The file; an existing one is replaced.
     history : str, optional
-        The CF history attribute, such as a date and a command.
+        The CF history attribute, such as a date and a command; brings the table's price along.
     compression : bool
         Deflate with shuffle, which every reader opens; otherwise plain.
 
@@ -64,7 +64,7 @@ def write_netcdf(
 def _fill(file: netCDF4.Dataset, table: Table, history: str | None, compression: bool) -> None:
     file.setncatts(_attributes(table.attributes))
     if history is not None:
-        file.setncattr("history", history)
+        file.setncatts({"history": history, **_attributes(table.price)})
     axes = [name for name, coordinate in table.coordinates.items() if coordinate.dims]
     for name in axes:
         file.createDimension(name, table.coordinates[name].values.size)
@@ -112,8 +112,8 @@ def _chunks(shape: tuple[int, ...]) -> tuple[int, ...] | None:
 
 
 def _attributes(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return attributes as the library takes them; text is written as UTF-8 strings."""
+    """Return attributes as the library takes them: arrays, floats, and text as UTF-8 strings."""
     return {
-        name: value if isinstance(value, np.ndarray) else str(value)
+        name: value if isinstance(value, np.ndarray | float) else str(value)
         for name, value in attributes.items()
     }

@@ -6,7 +6,7 @@ One place gives every variable its CF attributes; the views below only carry the
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -47,11 +47,19 @@ class Table:
         The outputs and `regime`.
     attributes : mapping
         Global attributes.
+    price : mapping
+        Global attributes that differ from run to run: what it cost. Files that equal studies share
+        leave them out.
     """
 
     coordinates: Mapping[str, Variable]
     variables: Mapping[str, Variable]
     attributes: Attributes
+    price: Attributes = field(default_factory=dict)
+
+    def with_price(self, price: Attributes) -> Table:
+        """Return the table with what it cost."""
+        return replace(self, price=price)
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the table as an xarray dataset; arrays are shared, not copied."""
@@ -64,7 +72,9 @@ class Table:
             }
 
         return xarray.Dataset(
-            view(self.variables), coords=view(self.coordinates), attrs=dict(self.attributes)
+            view(self.variables),
+            coords=view(self.coordinates),
+            attrs={**self.attributes, **self.price},
         )
 
 

@@ -17,15 +17,18 @@ from core.quantities import MOTION_MODES, Flag
 
 SLOW = 1e-9  # in g/w: a normal velocity of a part that stays on the floor
 
+COURSE_FLAGS: dict[str, Mapping[str, Flag]] = {"motion_mode": MOTION_MODES}
+"""The flags of courses, with their meanings."""
+
 Asked = int | tuple[float, ...]
 
 
 class Course(NamedTuple):
-    """Times [s] and what the part does at them: quantities, and flags with their meanings."""
+    """Times [s] and what the part does at them: quantities, and flags of `COURSE_FLAGS`."""
 
     times: Array
     values: Mapping[str, Array]
-    flags: Mapping[str, tuple[NDArray[np.int8], Mapping[str, Flag]]]
+    flags: Mapping[str, NDArray[np.int8]]
 
 
 def _times(asked: Asked, known: dict[str, Any]) -> tuple[Array, Array]:
@@ -63,7 +66,7 @@ def planar_course(asked: Asked, arguments: dict[str, Any], known: dict[str, Any]
         "relative_velocity_normal": path.velocity_normal * speed,
         **_track(numbers, length * np.sin(phases)),
     }
-    return Course(times, values, {"motion_mode": (path.mode, MOTION_MODES)})
+    return Course(times, values, {"motion_mode": path.mode})
 
 
 def stepped_course(wall: bool, rolling: float) -> Callable[..., Course]:
@@ -106,7 +109,7 @@ def stepped_course(wall: bool, rolling: float) -> Callable[..., Course]:
         modes = np.where((modes != "flight") & (velocity[:, 0] == 0), "stick", modes)
         modes = np.where(np.isnan(position[:, 0]), "unknown", modes)
         flags = np.array([MOTION_MODES[mode].value for mode in modes.tolist()], dtype=np.int8)
-        return Course(times, values, {"motion_mode": (flags, MOTION_MODES)})
+        return Course(times, values, {"motion_mode": flags})
 
     return course
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,10 +16,11 @@ from core.dataset.table import (
     quantity_attributes,
     regime_attributes,
 )
-from core.motion.course import COURSES
+from core.motion.course import COURSE_FLAGS, COURSES, Course
 from core.motion.prepare import Simulation, prepare
 from core.quantities import MOTION_STATUSES
 from core.sweep.evaluate import regimes
+from core.sweep.pieces import Computed, carry_out
 from core.sweep.plan import Plan
 from core.sweep.run import coordinates_of, global_attributes, outputs_of
 from core.watch import Watch
@@ -30,6 +32,9 @@ if TYPE_CHECKING:
 
 WATCHED = ("motion", "tumble")
 """What takes long, may be stopped, and has a course in time."""
+
+TIME = "cycle_time"
+"""The axis of a course."""
 
 
 def simulate(study: SimulateStudy, *, watch: Watch | None = None) -> xarray.Dataset:
@@ -50,23 +55,42 @@ def tabulate(prepared: Simulation, *, watch: Watch | None = None) -> Table:
 
     What is finished then is kept; the other cells are NaN, with the status `not_computed`.
     """
-    known = _evaluate(prepared, watch or Watch())
-    plan, grid = prepared.plan, prepared.grid
+    return carry_out(prepared, compute, label, watch)
+
+
+def compute(prepared: Simulation, watch: Watch) -> Computed:
+    """Return outputs and `regime` of a prepared simulation, and the course if there is one."""
+    known = _evaluate(prepared, watch)
+    plan = prepared.plan
     arrays = {name: _squeezed(prepared, name, known[name]) for name in plan.outputs}
-    variables = outputs_of(prepared, arrays)
-    statuses = variables["motion_status"]
-    variables["motion_status"] = Variable(
-        statuses.dims,
-        statuses.values,
-        flag_attributes("motion_status", MOTION_STATUSES, tuple(MOTION_STATUSES)),
-    )
-    regime = _squeezed(prepared, "regime", regimes(plan, known))
-    variables["regime"] = Variable(prepared.dims["regime"], regime, regime_attributes(plan.regimes))
-    coordinates = coordinates_of(plan, grid)
+    arrays["regime"] = _squeezed(prepared, "regime", regimes(plan, known))
     if prepared.study.trajectory is not None:
-        time, courses = _course(prepared, known)
-        coordinates["cycle_time"] = time
-        variables |= courses
+        course = _course(prepared, known)
+        arrays |= {TIME: course.times, **course.values, **course.flags}
+    return Computed(arrays)
+
+
+def label(prepared: Simulation, computed: Computed) -> Table:
+    """Return what was computed of a simulation, labelled."""
+    plan, arrays = prepared.plan, computed.arrays
+    variables = outputs_of(prepared, arrays)
+    variables["motion_status"] = replace(
+        variables["motion_status"],
+        attributes=flag_attributes("motion_status", MOTION_STATUSES, tuple(MOTION_STATUSES)),
+    )
+    variables["regime"] = Variable(
+        prepared.dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
+    )
+    coordinates = coordinates_of(plan, prepared.grid)
+    for name in arrays:
+        if name == TIME:
+            coordinates[name] = Variable((TIME,), arrays[name], quantity_attributes(name))
+        elif name in COURSE_FLAGS:
+            flags = COURSE_FLAGS[name]
+            attributes = flag_attributes(name, flags, tuple(flags))
+            variables[name] = Variable((TIME,), arrays[name], attributes)
+        elif name not in variables:
+            variables[name] = Variable((TIME,), arrays[name], quantity_attributes(name))
     return Table(
         coordinates,
         variables,
@@ -101,24 +125,13 @@ def run_equations(
     return known
 
 
-def _course(prepared: Simulation, known: dict[str, Any]) -> tuple[Variable, dict[str, Variable]]:
-    """Return the asked times, and what the part does at them."""
+def _course(prepared: Simulation, known: dict[str, Any]) -> Course:
+    """Return what the part does at the asked times."""
     asked = prepared.study.trajectory
     assert asked is not None
     motion = next(e for e in prepared.plan.equations if e.gives in WATCHED)
     arguments = {name: known[name] for name in motion.inputs}
-    follow = COURSES[prepared.plan.scene.name][prepared.plan.variant]
-    course = follow(asked, arguments, known)
-    dims = ("cycle_time",)
-    variables = {
-        name: Variable(dims, values, quantity_attributes(name))
-        for name, values in course.values.items()
-    }
-    variables |= {
-        name: Variable(dims, values, flag_attributes(name, flags, tuple(flags)))
-        for name, (values, flags) in course.flags.items()
-    }
-    return Variable(dims, course.times, quantity_attributes("cycle_time")), variables
+    return COURSES[prepared.plan.scene.name][prepared.plan.variant](asked, arguments, known)
 
 
 def _squeezed(prepared: Simulation, name: str, values: NDArray[Any]) -> NDArray[Any]:

@@ -2,6 +2,15 @@
 
 from core.optimise.methods import METHODS
 from core.optimise.prepare import Optimisation, prepare, prepare_content
-from core.optimise.run import optimise, tabulate
+from core.optimise.run import compute, label, optimise, tabulate
 
-__all__ = ["METHODS", "Optimisation", "optimise", "prepare", "prepare_content", "tabulate"]
+__all__ = [
+    "METHODS",
+    "Optimisation",
+    "compute",
+    "label",
+    "optimise",
+    "prepare",
+    "prepare_content",
+    "tabulate",
+]

@@ -28,7 +28,7 @@ from core.study.models import (
 from core.study.values import Between, Fixed, Span, Values
 from core.sweep.grid import Grid, to_si
 from core.sweep.plan import choose_scene, scene_parameters
-from core.sweep.prepare import Chosen, Prepared, further_problems, plan_study
+from core.sweep.prepare import Box, Chosen, Prepared, further_problems, plan_study
 
 ANGLES = {"alpha": Between(0.0, 90.0), "beta": Between(0.0, 90.0)}
 """The variables of a study that names none."""
@@ -84,6 +84,15 @@ class Optimisation(Prepared):
     def dims(self) -> dict[str, tuple[str, ...]]:
         """The axes of each variable: all of them."""
         return dict.fromkeys(self.units, tuple(self.grid.axes))
+
+    @property
+    def cut_axes(self) -> tuple[str, ...]:
+        """The axes along which the study may be carried out in pieces: a front is one whole."""
+        return tuple(self.designs.axes)
+
+    def within(self, box: Box) -> Optimisation:
+        """Return the same study for a part of its designs."""
+        return replace(self, grid=self.grid.within(box), designs=self.designs.within(box))
 
     @property
     def bytes(self) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +30,7 @@ from core.optimise.slopes import sensitive, slopes
 from core.quantities import QUANTITIES, REGIMES, Flag
 from core.study.models import Limited, Pareto, Weighted
 from core.sweep.grid import Grid, from_si
+from core.sweep.pieces import Computed, carry_out
 from core.sweep.run import coordinates_of, global_attributes
 from core.watch import Watch
 
@@ -75,8 +75,11 @@ def tabulate(prepared: Optimisation, *, watch: Watch | None = None) -> Table:
 
     Designs that are not finished then are NaN, with the status `not_computed`.
     """
-    watch = watch or Watch()
-    started = time.perf_counter()
+    return carry_out(prepared, compute, label, watch)
+
+
+def compute(prepared: Optimisation, watch: Watch) -> Computed:
+    """Return every variable of the optima of a prepared study, in the units of studies."""
     everything = designs_of(prepared.problem, prepared.designs)
     cells = prepared.designs.cells
     step = max(1, BLOCK_CELLS * cells // prepared.cells)
@@ -85,24 +88,25 @@ def tabulate(prepared: Optimisation, *, watch: Watch | None = None) -> Table:
         design = chosen_cells(everything, slice(start, start + step))
         block, says = _solved(prepared, design, _share(watch, cells_of(design) / cells))
         blocks.append(block)
-    arrays = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
-    took = time.perf_counter() - started
     shape = tuple(prepared.grid.shape.values())
-    dims = tuple(prepared.grid.axes)
-    attributes = _attributes(prepared, arrays["regime"])
-    variables = {
-        name: Variable(dims, np.asarray(arrays[name]).reshape(shape), attributes[name])
+    arrays = {
+        name: np.concatenate([block[name] for block in blocks]).reshape(shape)
         for name in prepared.units
     }
-    coordinates = coordinates_of(prepared.plan, prepared.grid)
+    return Computed(arrays, {"method_message": says} if says else {})
+
+
+def label(prepared: Optimisation, computed: Computed) -> Table:
+    """Return what was computed of an optimisation, labelled."""
+    arrays, dims = computed.arrays, tuple(prepared.grid.axes)
+    attributes = _attributes(prepared, arrays["regime"])
+    variables = {name: Variable(dims, arrays[name], attributes[name]) for name in prepared.units}
     words = {
         **_global_attributes(prepared),
         "message": _message(prepared, arrays),
-        "run_time": f"{took:.3g} s",
+        **computed.notes,
     }
-    if says:
-        words["method_message"] = says
-    return Table(coordinates, variables, words)
+    return Table(coordinates_of(prepared.plan, prepared.grid), variables, words)
 
 
 def _solved(
@@ -362,6 +366,7 @@ def _binds(what: str) -> dict[str, Any]:
 def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
     """Return what came out, in plain words."""
     by_value = {flag.value: (name, flag.description) for name, flag in OPTIMUM_STATUSES.items()}
+    arrays = {name: values.ravel() for name, values in arrays.items()}
     counts = np.bincount(arrays["optimum_status"], minlength=len(by_value))
     if arrays["optimum_status"].size > 1:
         parts = [f"{by_value[v][0]} {n:,}" for v, n in enumerate(counts) if n]

@@ -66,6 +66,14 @@ class Grid:
         """Return the number of points over the named axes."""
         return math.prod(self.shape[name] for name in dims)
 
+    def within(self, box: Mapping[str, tuple[int, int]]) -> Grid:
+        """Return the part of the grid between start and stop of each named axis."""
+        axes = {
+            name: Points(tuple(axis_values(axis, *box[name]))) if name in box else axis
+            for name, axis in self.axes.items()
+        }
+        return Grid(axes, self.fixed)
+
     def coordinate(self, name: str) -> NDArray[np.float64]:
         """Return the values of an axis as a user reads them, shape (size,)."""
         return self.axes[name].array()
@@ -93,3 +101,27 @@ class Grid:
             shape[position] = -1
             known[name] = to_si(name, self.coordinate(name)).reshape(shape)
         return known
+
+
+def axis_values(axis: Points | Span, start: int, stop: int) -> NDArray[np.float64]:
+    """Return the values `start` to `stop` of an axis, to the bit those that it has as a whole.
+
+    A span repeats what numpy's linspace and geomspace do: an axis may have a hundred million
+    values, of which a chunk needs a few.
+    """
+    if isinstance(axis, Points):
+        return np.array(axis.values[start:stop])
+    is_log = axis.spacing == "log"
+    first, last = (np.log10(axis.start), np.log10(axis.stop)) if is_log else (axis.start, axis.stop)
+    values = np.arange(start, stop, dtype=np.float64)
+    steps = axis.size - 1
+    step = (last - first) / steps
+    values = values * step if step else values / steps * (last - first)
+    values += first
+    if is_log:
+        values = np.power(10.0, values)
+    if start == 0:
+        values[0] = axis.start
+    if stop == axis.size:
+        values[-1] = axis.stop
+    return values

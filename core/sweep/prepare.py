@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 from core.errors import LimitError, Problem, StudyError, suggestion
 from core.quantities import QUANTITIES
@@ -15,6 +15,9 @@ from core.study.models import PARAMETERS, GridStudy, Study, SweepStudy
 from core.study.values import Values
 from core.sweep.grid import Grid
 from core.sweep.plan import Plan, choose_scene, plan_scene
+
+Box = Mapping[str, tuple[int, int]]
+"""A part of a grid: start and stop on the axes of which it is not the whole."""
 
 BYTES = {"regime": 1, "motion_status": 1}  # of one value; 8 for all others
 
@@ -47,6 +50,15 @@ class Prepared:
     def bytes(self) -> int:
         """Bytes that the outputs take, uncompressed."""
         return sum(self.grid.size(dims) * BYTES.get(name, 8) for name, dims in self.dims.items())
+
+    @property
+    def cut_axes(self) -> tuple[str, ...]:
+        """The axes along which the study may be carried out in pieces."""
+        return tuple(self.grid.axes)
+
+    def within(self, box: Box) -> Self:
+        """Return the same study on a part of its grid."""
+        return replace(self, grid=self.grid.within(box))
 
     def check_limits(self, *, cells: int, bytes_: int) -> None:
         """Raise `LimitError` if the study has more cells or bytes than allowed."""

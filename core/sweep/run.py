@@ -18,10 +18,12 @@ from core.dataset.table import (
     regime_attributes,
 )
 from core.quantities import QUANTITIES
-from core.sweep.evaluate import Progress, evaluate
+from core.sweep.evaluate import evaluate
 from core.sweep.grid import Grid, from_si
+from core.sweep.pieces import Computed, carry_out
 from core.sweep.plan import Plan
 from core.sweep.prepare import Prepared, Sweep, prepare
+from core.watch import Watch
 
 if TYPE_CHECKING:
     import xarray
@@ -42,16 +44,30 @@ def sweep(study: SweepStudy) -> xarray.Dataset:
     return tabulate(prepare(study)).to_xarray()
 
 
-def tabulate(prepared: Sweep, *, progress: Progress | None = None) -> Table:
-    """Return the labelled outputs of a prepared sweep; `progress` as in `evaluate`."""
-    plan, grid = prepared.plan, prepared.grid
-    arrays = evaluate(plan, grid, progress=progress)
+def tabulate(prepared: Sweep, *, watch: Watch | None = None) -> Table:
+    """Return the labelled outputs of a prepared sweep."""
+    return carry_out(prepared, compute, label, watch)
+
+
+def compute(prepared: Sweep, watch: Watch) -> Computed:
+    """Return outputs and `regime` of a prepared sweep, SI units; it cannot be stopped."""
+    cells = prepared.cells
+    return Computed(
+        evaluate(prepared.plan, prepared.grid, progress=lambda done: watch.advance(done / cells))
+    )
+
+
+def label(prepared: Sweep, computed: Computed) -> Table:
+    """Return what was computed of a sweep, labelled."""
+    plan, arrays = prepared.plan, computed.arrays
     variables = outputs_of(prepared, arrays)
     variables["regime"] = Variable(
         prepared.dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
     )
     return Table(
-        coordinates_of(plan, grid), variables, global_attributes(prepared, "closed-form equations")
+        coordinates_of(plan, prepared.grid),
+        variables,
+        global_attributes(prepared, "closed-form equations"),
     )
 
 

@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from core.dataset.zarr_metadata import FILL, array_document, group_document
 from core.errors import VibrafeedError
 from core.scenes import Condition
-from core.study.values import Points, Span
+from core.study.values import Points
 from core.sweep.evaluate import evaluate
-from core.sweep.grid import Grid, from_si
+from core.sweep.grid import Grid, axis_values, from_si
 from core.sweep.plan import Plan
 from core.sweep.prepare import Sweep
 from core.sweep.run import tabulate
@@ -94,7 +94,8 @@ class ZarrView:
     def __init__(self, sweep: Sweep, *, chunk_cells: int = CHUNK_CELLS):
         self._grid = sweep.grid
         # Dimensions and attributes do not depend on how many values an axis has.
-        self._labels = tabulate(replace(sweep, grid=_first_cell(sweep.grid)))
+        first = dict.fromkeys(sweep.grid.axes, (0, 1))
+        self._labels = tabulate(sweep.within(first))
         self._arrays = self._lay_out(sweep, chunk_cells)
 
     def read(self, key: str) -> bytes:
@@ -204,38 +205,6 @@ def chunk_shape(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
         lengths[position] = -(-shape[position] // pieces)
         room //= lengths[position]
     return tuple(lengths)
-
-
-def axis_values(axis: Points | Span, start: int, stop: int) -> NDArray[np.float64]:
-    """Return the values `start` to `stop` of an axis, to the bit those that it has as a whole.
-
-    A span repeats what numpy's linspace and geomspace do: an axis may have a hundred million
-    values, of which a chunk needs a few.
-    """
-    if isinstance(axis, Points):
-        return np.array(axis.values[start:stop])
-    is_log = axis.spacing == "log"
-    first, last = (np.log10(axis.start), np.log10(axis.stop)) if is_log else (axis.start, axis.stop)
-    values = np.arange(start, stop, dtype=np.float64)
-    steps = axis.size - 1
-    step = (last - first) / steps
-    values = values * step if step else values / steps * (last - first)
-    values += first
-    if is_log:
-        values = np.power(10.0, values)
-    if start == 0:
-        values[0] = axis.start
-    if stop == axis.size:
-        values[-1] = axis.stop
-    return values
-
-
-def _first_cell(grid: Grid) -> Grid:
-    """Return a grid with the same axes, of one value each."""
-    return Grid(
-        {name: Points(tuple(axis_values(axis, 0, 1))) for name, axis in grid.axes.items()},
-        grid.fixed,
-    )
 
 
 def _pulled(plan: Plan, outputs: tuple[str, ...], conditions: Collection[Condition]) -> Plan:

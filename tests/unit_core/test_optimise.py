@@ -207,7 +207,7 @@ def test_the_dataset_tells_everything():
     assert dataset.objective.attrs["output"] == "acceleration_x"
     assert list(dataset.optimum_status.attrs["flag_values"]) == list(range(len(OPTIMUM_STATUSES)))
     assert dataset.binds_limit.attrs["flag_meanings"] == " ".join(BINDS)
-    for key in ("criterion", "method", "message", "run_time", "study", "study_sha256"):
+    for key in ("criterion", "method", "message", "elapsed_seconds", "study", "study_sha256"):
         assert dataset.attrs[key]
     assert dataset.attrs["criterion"] == "largest acceleration_x with |acceleration_y| <= 0.5 m s-2"
     # Where it binds the margin is nothing, and the throw number its bound.

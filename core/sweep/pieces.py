@@ -1,0 +1,121 @@
+"""Carrying out a study in pieces: what is computed, where a piece lies, how pieces are joined.
+
+A piece is a part of the grid. What is computed of it does not depend on the other pieces, so that
+they may be computed anywhere, in any order, and again.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.dataset.table import Table
+from core.sweep.prepare import Box, Prepared
+from core.watch import Watch
+
+Study = TypeVar("Study", bound=Prepared)
+
+
+@dataclass(frozen=True)
+class Computed:
+    """What computing a study gives, before it is labelled.
+
+    Attributes
+    ----------
+    arrays : mapping of str to ndarray
+        Each variable over its `Prepared.dims`.
+    notes : mapping of str to str
+        Attributes of the whole that only computing can tell.
+    """
+
+    arrays: Mapping[str, NDArray[Any]]
+    notes: Mapping[str, str] = field(default_factory=dict)
+
+
+def carry_out(
+    prepared: Study,
+    compute: Callable[[Study, Watch], Computed],
+    label: Callable[[Study, Computed], Table],
+    watch: Watch | None = None,
+) -> Table:
+    """Return the labelled results of a study, with what they cost."""
+    started = time.perf_counter()
+    table = label(prepared, compute(prepared, watch or Watch()))
+    return table.with_price(price(prepared.cells, time.perf_counter() - started))
+
+
+def price(cells: int, seconds: float) -> dict[str, float]:
+    """Return what a run cost, as attributes of its result."""
+    return {"elapsed_seconds": seconds, "cells_per_second": cells / max(seconds, 1e-9)}
+
+
+class Cut:
+    """A study cut into pieces of about equal size, in the order of its grid.
+
+    Leading axes are taken value by value, one axis in steps, and the axes after it whole.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        The study.
+    cells : int
+        Most points of a piece.
+    """
+
+    def __init__(self, prepared: Prepared, cells: int):
+        axes = prepared.cut_axes
+        shape = [prepared.grid.shape[name] for name in axes]
+        inner = prepared.cells // math.prod(shape)
+        count = len(axes)
+        while count and inner * shape[count - 1] <= cells:
+            count -= 1
+            inner *= shape[count]
+        self._axes, self._shape = axes[:count], shape[:count]
+        # Steps of nearly equal length: no piece is a small remainder.
+        self._parts = [*self._shape[:-1]]
+        if count:
+            self._parts.append(-(-shape[count - 1] // max(1, cells // inner)))
+
+    def __len__(self) -> int:
+        """Return the number of pieces, at least one."""
+        return math.prod(self._parts)
+
+    def box(self, index: int) -> Box:
+        """Return where a piece lies: start and stop on each axis that is cut."""
+        position = np.unravel_index(index, self._parts) if self._parts else ()
+        return {
+            name: (int(at) * size // parts, (int(at) + 1) * size // parts)
+            for name, size, parts, at in zip(
+                self._axes, self._shape, self._parts, position, strict=True
+            )
+        }
+
+
+def join(prepared: Prepared, pieces: Iterable[tuple[Box, Computed]]) -> Computed:
+    """Return what was computed of a study piece by piece, as if it had been computed as a whole.
+
+    The pieces are taken one after another, so that they need not all be in memory.
+    """
+    arrays: dict[str, NDArray[Any]] = {}
+    notes: dict[str, str] = {}
+    for box, piece in pieces:
+        notes |= piece.notes
+        for name, values in piece.arrays.items():
+            if not box:
+                arrays[name] = values
+                continue
+            dims = prepared.dims[name]
+            if name not in arrays:
+                arrays[name] = np.empty(
+                    tuple(prepared.grid.shape[dim] for dim in dims), values.dtype
+                )
+            arrays[name][tuple(slice(*box[dim]) if dim in box else slice(None) for dim in dims)] = (
+                values
+            )
+    return Computed(arrays, notes)
