@@ -1,33 +1,179 @@
-"""Processes after OGC API - Processes: studies that are carried out when they are posted."""
+"""Processes after OGC API - Processes: what there is, and the carrying out of studies."""
 
 from __future__ import annotations
 
+import asyncio
 import time
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Awaitable, Callable
+from typing import Annotated, Any
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Path, Request
 from fastapi.responses import Response
-from pydantic import BaseModel
 
-from app.dependencies import Body, SettingsOf
+from app.dependencies import Body, DeskOf, SettingsOf
+from app.errors import NoSuchProcessError
+from app.jobs.desk import Desk
+from app.jobs.documents import (
+    CONFORMANCE,
+    Conformance,
+    LandingPage,
+    ProcessDescription,
+    ProcessList,
+    StatusInfo,
+    description,
+    process_list,
+    status_info,
+)
+from app.jobs.ledger import ACTIVE, Job
+from app.prefer import Preferences, preferences
+from app.processes import PROCESSES, Execution, Process, read_execution
 from app.routes import json_reply, problems
+from app.routes.jobs import results_reply
 from app.settings import Settings
+from app.store import MOST_JSON_VALUES
 from core.dataset.document import to_document
-from core.errors import Problem, StudyError
 from core.kinds import prepare_content, tabulate
-from core.optimise.exact import OPTIMUM_STATUSES
-from core.quantities import MOTION_STATUSES, Flag
-from core.study import OptimiseStudy, SimulateStudy
 from core.study.load import read_json
+from core.sweep.prepare import Prepared
 from core.watch import Watch
 
-router = APIRouter(prefix="/processes", tags=["processes"])
+router = APIRouter(tags=["processes"])
+
+LOOK = 0.05  # s between looks at a job that a client waits for
 
 
-def _execute_body(study: type[BaseModel]) -> dict[str, Any]:
+@router.get("/", summary="Landing page", response_model=LandingPage)
+def landing_page() -> Response:
+    """Return links to what the service offers."""
+    links = [
+        ("/", "self", "This document"),
+        ("/openapi.json", "service-desc", "The OpenAPI document"),
+        ("/docs", "service-doc", "Its pages"),
+        ("/conformance", "http://www.opengis.net/def/rel/ogc/1.0/conformance", "Conformance"),
+        ("/processes", "http://www.opengis.net/def/rel/ogc/1.0/processes", "The processes"),
+        ("/jobs", "http://www.opengis.net/def/rel/ogc/1.0/job-list", "The jobs"),
+        ("/scenes", "related", "The scenes"),
+    ]
+    return json_reply(
+        {
+            "title": "vibrafeed",
+            "description": "Sweeps, motion in time and best drives of parts on feeder tracks.",
+            "links": [
+                {
+                    "href": href,
+                    "rel": rel,
+                    "title": title,
+                    "type": "text/html" if href == "/docs" else "application/json",
+                }
+                for href, rel, title in links
+            ],
+        }
+    )
+
+
+@router.get("/conformance", summary="Conformance classes", response_model=Conformance)
+def conformance() -> Response:
+    """Return the classes of OGC API - Processes that the service conforms to."""
+    return json_reply({"conformsTo": CONFORMANCE})
+
+
+@router.get("/processes", summary="List the processes", response_model=ProcessList)
+def list_processes() -> Response:
+    """Return the processes: one for each kind of study."""
+    return json_reply(process_list())
+
+
+@router.get(
+    "/processes/{process}",
+    summary="Describe a process",
+    response_model=ProcessDescription,
+    responses=problems(s404="No such process", s422="The identifier is malformed"),
+)
+def describe_process(process: Annotated[str, Path(max_length=100)]) -> Response:
+    """Return a process with the schemas of what it takes and gives."""
+    if process not in PROCESSES:
+        raise _missing(process)
+    return json_reply(description(process, PROCESSES[process]))
+
+
+async def execute(
+    request: Request, name: str, body: bytes, settings: Settings, desk: Desk
+) -> Response:
+    """Carry out the study in a body at once, or as a job."""
+    wishes = preferences(request.headers.getlist("prefer"))
+    asked, prepared = await asyncio.to_thread(_read, name, body, settings)
+    if is_small(prepared, settings) and not wishes.respond_async:
+        return await asyncio.to_thread(_carry_out, name, asked, prepared, settings)
+    job = await asyncio.to_thread(desk.post, prepared, name)
+    if wishes.wait is not None:
+        job = await _waited(desk, job, min(wishes.wait, settings.max_wait_seconds))
+    if job.state in ACTIVE or wishes.wait is None:
+        reply = json_reply(status_info(job), 201)
+    else:
+        reply = await asyncio.to_thread(results_reply, desk, job)
+    reply.headers["Location"] = str(request.url_for("get_job", number=job.id))
+    applied = _applied(wishes)
+    if applied:
+        reply.headers["Preference-Applied"] = applied
+    return reply
+
+
+def _read(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepared]:
+    """Return what a body asks for, and its study; raise if it cannot be carried out."""
+    asked = read_execution(read_json(body), name)
+    prepared = prepare_content(asked.study)
+    prepared.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
+    return asked, prepared
+
+
+def is_small(prepared: Prepared, settings: Settings) -> bool:
+    """Return whether a study is replied to at once: it is short, and so is its result."""
+    seconds = prepared.cells * prepared.seconds_a_cell
+    return (
+        seconds <= settings.max_synchronous_seconds
+        and prepared.cells * len(prepared.dims) <= MOST_JSON_VALUES
+    )
+
+
+def _carry_out(
+    name: str, asked: Execution, prepared: Prepared, settings: Settings
+) -> Response:
+    """Return the dataset of a study, computed here and now."""
+    process = PROCESSES[name]
+    watch = Watch(deadline=time.monotonic() + settings.max_execution_seconds)
+    table = tabulate(prepared, watch)
+    complete = True
+    if process.status:
+        complete = bool((table.variables[process.status].values != process.not_computed).all())
+    content: dict[str, Any] = {
+        "complete": complete,
+        "cells": prepared.cells,
+        **to_document(table),
+    }
+    if asked.as_document:
+        content = {"dataset": {"value": content, "mediaType": "application/json"}}
+    return json_reply(content)
+
+
+async def _waited(desk: Desk, job: Job, seconds: float) -> Job:
+    """Return a job when it is over, or after a time."""
+    until = time.monotonic() + seconds
+    while job.state in ACTIVE and time.monotonic() < until:
+        await asyncio.sleep(LOOK)
+        job = await asyncio.to_thread(desk.ledger.job, job.id) or job
+    return job
+
+
+def _applied(wishes: Preferences) -> str:
+    words = ["respond-async"] if wishes.respond_async else []
+    if wishes.wait is not None:
+        words.append(f"wait={wishes.wait}")
+    return ", ".join(words)
+
+
+def _body(process: Process) -> dict[str, Any]:
     """Return the body of a process in OpenAPI: the study, or an execute request with it."""
-    schema = study.model_json_schema()
+    schema = process.study.model_json_schema()
     request = {
         "type": "object",
         "required": ["inputs"],
@@ -36,85 +182,72 @@ def _execute_body(study: type[BaseModel]) -> dict[str, Any]:
                 "type": "object",
                 "required": ["study"],
                 "properties": {"study": schema},
-            }
+            },
+            "outputs": {
+                "type": "object",
+                "properties": {"dataset": {"type": "object"}},
+                "additionalProperties": False,
+            },
+            "response": {"enum": ["raw", "document"], "default": "raw"},
         },
     }
     content = {"application/json": {"schema": {"anyOf": [schema, request]}}}
-    return {"requestBody": {"required": True, "content": content}}
+    prefer = {
+        "name": "Prefer",
+        "in": "header",
+        "required": False,
+        "schema": {"type": "string", "maxLength": 200},
+        "description": "`respond-async` for a job in any case; `wait=10` to wait so many seconds "
+        "for a job to end.",
+    }
+    return {"requestBody": {"required": True, "content": content}, "parameters": [prefer]}
 
 
-@router.post(
-    "/simulate/execution",
-    summary="Simulate the motion in time",
-    response_model=dict[str, Any],
-    responses=problems(
-        s413="The body is too large", s422="The study cannot be carried out, or is too large"
-    ),
-    openapi_extra=_execute_body(SimulateStudy),
-)
-def execute_simulate(body: Body, settings: SettingsOf) -> Response:
-    """Carry out a study of motion and return its dataset.
+def _route(name: str) -> Callable[..., Awaitable[Response]]:
+    async def execution(
+        request: Request, body: Body, settings: SettingsOf, desk: DeskOf
+    ) -> Response:
+        return await execute(request, name, body, settings, desk)
 
-    The body is the study itself, or an execute request with the study under ``inputs.study``. What
-    is not finished in the time allowed is null, with the status ``not_computed``, and ``complete``
-    is false.
-    """
-    return _execute(body, settings, "simulate", "motion_status", MOTION_STATUSES)
+    return execution
 
 
-@router.post(
-    "/optimise/execution",
-    summary="Find the best drive",
-    response_model=dict[str, Any],
-    responses=problems(
-        s413="The body is too large", s422="The study cannot be carried out, or is too large"
-    ),
-    openapi_extra=_execute_body(OptimiseStudy),
-)
-def execute_optimise(body: Body, settings: SettingsOf) -> Response:
-    """Carry out a study of optimisation and return its dataset.
-
-    The body is the study itself, or an execute request with the study under ``inputs.study``. What
-    is not finished in the time allowed is null, with the status ``not_computed``, and ``complete``
-    is false.
-    """
-    return _execute(body, settings, "optimise", "optimum_status", OPTIMUM_STATUSES)
-
-
-def _execute(
-    body: bytes, settings: Settings, kind: str, variable: str, statuses: Mapping[str, Flag]
-) -> Response:
-    """Carry out the study in a body and return its dataset."""
-    prepared = prepare_content(_study(read_json(body), kind))
-    prepared.check_limits(cells=settings.max_simulation_cells, bytes_=settings.max_bytes)
-    started = time.monotonic()
-    watch = Watch(deadline=started + settings.max_execution_seconds)
-    table = tabulate(prepared, watch)
-    values = table.variables[variable].values
-    return json_reply(
-        {
-            "complete": bool((values != statuses["not_computed"].value).all()),
-            "cells": prepared.cells,
-            "seconds": time.monotonic() - started,
-            **to_document(table),
-        }
+for _name, _process in PROCESSES.items():
+    router.add_api_route(
+        f"/processes/{_name}/execution",
+        _route(_name),
+        methods=["POST"],
+        name=f"execute_{_name}",
+        summary=_process.title,
+        description=f"{_process.description}\n\nThe body is the study itself, or an execute request "
+        "with the study under `inputs.study`. A short study is replied to with its dataset, or, "
+        "after `Prefer: wait`, with the results of its job. A long one becomes a job: 201 with its "
+        "status and `Location`.",
+        response_model=dict[str, Any],
+        responses={
+            201: {
+                "model": StatusInfo,
+                "description": "A job has been made",
+                "headers": {"Location": {"schema": {"type": "string"}}},
+            },
+            **problems(
+                s413="The body is too large",
+                s422="The study cannot be carried out, or is too large",
+                s429="The queue of jobs is full; Retry-After tells when to try again",
+                s500="The job that was waited for failed",
+                s507="There is no room for the result",
+            ),
+        },
+        openapi_extra=_body(_process),
     )
 
 
-def _study(content: object, kind: str) -> object:
-    """Return the study in a body, of the kind of the process whether it says so or not."""
-    if isinstance(content, Mapping) and "inputs" in content:
-        inputs = content["inputs"]
-        if not isinstance(inputs, Mapping) or not isinstance(inputs.get("study"), Mapping):
-            fix = 'Send {"inputs": {"study": {...}}}'
-            raise StudyError([Problem("inputs.study", "there is no study", fix)])
-        content = inputs["study"]
-    if not isinstance(content, Mapping):
-        return content
-    named = content.get("kind", kind)
-    if named != kind:
-        problem = Problem(
-            "kind", f"this process carries out kind '{kind}', not {str(named)[:60]!r}", "Mend kind"
-        )
-        raise StudyError([problem])
-    return {"kind": kind, **content}
+@router.post("/processes/{process}/execution", include_in_schema=False)
+def execute_unknown(process: str) -> Response:
+    """Tell that there is no such process."""
+    raise _missing(process)
+
+
+def _missing(process: str) -> NoSuchProcessError:
+    known = ", ".join(PROCESSES)
+    return NoSuchProcessError(f"There is no process '{process[:80]}'; there are {known}.")

@@ -18,14 +18,27 @@ from core.sweep.plan import choose_scene
 from core.sweep.prepare import Chosen, Prepared, further_problems, plan_study
 
 DEFAULT_OUTPUTS = ("conveying_velocity",)
+TUMBLING = ("rectangle-isolated", "cylinder-isolated")
 PLANAR_METHOD = "events"
 SCALES = ("velocity_scale", "length_scale")
+
+
+SECONDS_A_CELL = {"events": 5e-6, "time-stepping": 1.5e-3, "reference": 0.5, "regularised": 2.0}
+SECONDS_A_BOUNCE = 3e-4  # of a point of `events` with restitution, and of a tumbling part
 
 
 class Simulation(Prepared):
     """A study of motion that can be carried out; `plan.variant` is the method."""
 
     study: SimulateStudy
+
+    @property
+    def seconds_a_cell(self) -> float:
+        """As in `Prepared`."""
+        bounces = self.grid.axes.keys() & {"restitution"} or self.grid.fixed.get("restitution")
+        if self.plan.variant == "events" and (bounces or self.plan.scene.name in TUMBLING):
+            return SECONDS_A_BOUNCE
+        return SECONDS_A_CELL[self.plan.variant]
 
 
 def prepare(study: SimulateStudy) -> Simulation:

@@ -33,6 +33,10 @@ from core.sweep.prepare import Box, Chosen, Prepared, further_problems, plan_stu
 ANGLES = {"alpha": Between(0.0, 90.0), "beta": Between(0.0, 90.0)}
 """The variables of a study that names none."""
 
+QUICK = ("exact", "newton")  # without a search
+QUICK_SECONDS, OTHER_SECONDS, MOTION_SECONDS = 2e-5, 0.05, 0.3
+"""Roughly what a design takes."""
+
 MOST_VARIABLES = 4
 FRONT = "front"
 NAMES_OF_STATES = ("regime", "motion_status")
@@ -84,6 +88,13 @@ class Optimisation(Prepared):
     def dims(self) -> dict[str, tuple[str, ...]]:
         """The axes of each variable: all of them."""
         return dict.fromkeys(self.units, tuple(self.grid.axes))
+
+    @property
+    def seconds_a_cell(self) -> float:
+        """As in `Prepared`."""
+        if self.problem.is_motion:
+            return MOTION_SECONDS
+        return QUICK_SECONDS if self.method in QUICK else OTHER_SECONDS
 
     @property
     def cut_axes(self) -> tuple[str, ...]:

@@ -19,6 +19,9 @@ from core.sweep.plan import Plan, choose_scene, plan_scene
 Box = Mapping[str, tuple[int, int]]
 """A part of a grid: start and stop on the axes of which it is not the whole."""
 
+SECONDS_A_CELL = {"cylinder-pair-impact": 2e-5, "rectangle-pair-impact": 1e-6}
+"""What a point of a sweep takes, where it is more than some array operations."""
+
 BYTES = {"regime": 1, "motion_status": 1}  # of one value; 8 for all others
 
 
@@ -60,6 +63,11 @@ class Prepared:
         """Return the same study on a part of its grid."""
         return replace(self, grid=self.grid.within(box))
 
+    @property
+    def seconds_a_cell(self) -> float:
+        """Roughly what a point takes on one core: enough to tell short from long."""
+        raise NotImplementedError
+
     def check_limits(self, *, cells: int, bytes_: int) -> None:
         """Raise `LimitError` if the study has more cells or bytes than allowed."""
         for limit, asked, allowed in (("cells", self.cells, cells), ("bytes", self.bytes, bytes_)):
@@ -83,6 +91,11 @@ class Sweep(Prepared):
     """A sweep that can be carried out."""
 
     study: SweepStudy
+
+    @property
+    def seconds_a_cell(self) -> float:
+        """As in `Prepared`."""
+        return SECONDS_A_CELL.get(self.plan.scene.name, 1e-7)
 
 
 Chosen = tuple[Scene, str, list[Problem]]

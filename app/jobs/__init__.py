@@ -1,0 +1,1 @@
+"""Jobs: kept in a ledger, cut into blocks, carried out on Dask, resumed after a kill."""

@@ -1,0 +1,244 @@
+"""What the service says of processes and jobs: the documents of OGC API - Processes, part 1."""
+
+from __future__ import annotations
+
+import time
+from datetime import UTC, datetime
+from typing import Any, Literal
+
+from pydantic import BaseModel, Field
+
+import core
+from app.jobs.ledger import ACTIVE, Job
+from app.processes import PROCESSES, Process
+from app.store import Manifest
+
+RESULTS = "http://www.opengis.net/def/rel/ogc/1.0/results"
+EXECUTE = "http://www.opengis.net/def/rel/ogc/1.0/execute"
+CONFORMANCE = tuple(
+    f"http://www.opengis.net/spec/ogcapi-processes-1/1.0/conf/{name}"
+    for name in ("core", "ogc-process-description", "json", "job-list", "dismiss")
+)
+NETCDF_TYPE = "application/x-netcdf"
+MODES = ["sync-execute", "async-execute", "dismiss"]
+
+
+class Link(BaseModel):
+    """A link to another document."""
+
+    href: str
+    rel: str | None = None
+    type: str | None = None
+    title: str | None = None
+
+
+class LandingPage(BaseModel):
+    """Where to go from here."""
+
+    title: str
+    description: str
+    links: list[Link]
+
+
+class Conformance(BaseModel):
+    """The classes of the standard that the service conforms to."""
+
+    conformsTo: list[str]  # noqa: N815 - the standard's name
+
+
+class ProcessSummary(BaseModel):
+    """One process in the list."""
+
+    id: str
+    version: str
+    title: str
+    description: str
+    jobControlOptions: list[str]  # noqa: N815
+    outputTransmission: list[str]  # noqa: N815
+    links: list[Link]
+
+
+class ProcessList(BaseModel):
+    """All processes."""
+
+    processes: list[ProcessSummary]
+    links: list[Link]
+
+
+class ProcessDescription(ProcessSummary):
+    """One process with the schemas of what it takes and gives."""
+
+    inputs: dict[str, Any]
+    outputs: dict[str, Any]
+
+
+class StatusInfo(BaseModel):
+    """How a job stands."""
+
+    processID: str  # noqa: N815
+    type: Literal["process"]
+    jobID: str  # noqa: N815
+    status: Literal["accepted", "running", "successful", "failed", "dismissed"]
+    message: str
+    created: datetime
+    started: datetime | None = None
+    finished: datetime | None = None
+    updated: datetime
+    progress: int = Field(ge=0, le=100, description="Percent of the blocks that are done.")
+    cells: int = Field(description="Points of the grid.")
+    cellsDone: int = Field(description="Roughly how many of them are done.")  # noqa: N815
+    secondsLeft: float | None = Field(  # noqa: N815
+        default=None, description="Expected from the pace until now; absent while unknown."
+    )
+    elapsedSeconds: float = Field(  # noqa: N815
+        description="Time that computing took until now, summed over all workers."
+    )
+    study: str = Field(description="Identifier of the study; equal studies share a result.")
+    links: list[Link]
+
+
+class JobList(BaseModel):
+    """Some jobs, the latest first."""
+
+    jobs: list[StatusInfo]
+    links: list[Link]
+
+
+class ResultFile(Link):
+    """A result by reference."""
+
+    length: int = Field(description="Bytes of the file.")
+    elapsedSeconds: float = Field(description="What computing took.")  # noqa: N815
+    cellsPerSecond: float  # noqa: N815
+
+
+class Results(BaseModel):
+    """What a job gave."""
+
+    dataset: ResultFile
+
+
+def summary(name: str, process: Process) -> dict[str, Any]:
+    """Return a process as the list shows it."""
+    return {
+        "id": name,
+        "version": core.__version__,
+        "title": process.title,
+        "description": process.description,
+        "jobControlOptions": MODES,
+        "outputTransmission": ["value", "reference"],
+        "links": [
+            _link(f"/processes/{name}", "self", "The description of the process"),
+            _link(f"/processes/{name}/execution", EXECUTE, "Where studies are posted"),
+        ],
+    }
+
+
+def process_list() -> dict[str, Any]:
+    """Return all processes."""
+    return {
+        "processes": [summary(name, process) for name, process in PROCESSES.items()],
+        "links": [_link("/processes", "self", "The processes")],
+    }
+
+
+def description(name: str, process: Process) -> dict[str, Any]:
+    """Return a process with the schemas of what it takes and gives."""
+    return {
+        **summary(name, process),
+        "inputs": {
+            "study": {
+                "title": "The study",
+                "description": f"A study of kind '{name}', as in a file of the command line.",
+                "schema": process.study.model_json_schema(),
+            }
+        },
+        "outputs": {
+            "dataset": {
+                "title": "The dataset",
+                "description": "By value JSON, by reference a CF-1.11 NetCDF-4 file.",
+                "schema": {
+                    "oneOf": [
+                        {"type": "object", "contentMediaType": "application/json"},
+                        {"type": "string", "format": "binary", "contentMediaType": NETCDF_TYPE},
+                    ]
+                },
+            }
+        },
+    }
+
+
+def status_info(job: Job) -> dict[str, Any]:
+    """Return how a job stands."""
+    share = job.done / job.blocks
+    # The last percent is the writing of the result.
+    progress = 100 if job.state == "successful" else min(99, int(100 * share))
+    left = None
+    if job.state == "running" and job.done and job.started is not None:
+        # After a restart the pace is that of before, too: it tends to the truth.
+        left = round((time.time() - job.started) * (1 - share) / share, 1)
+    here = f"/jobs/{job.id}"
+    links = [
+        _link(here, "self", "This document"),
+        _link(f"{here}/events", "monitor", "The same as a stream of events", "text/event-stream"),
+    ]
+    if job.state == "successful":
+        links.append(_link(f"{here}/results", RESULTS, "The results"))
+    if job.process == "sweep":
+        links.append(_link(f"/sweeps/{job.key}", "related", "The sweep, to be read in slices"))
+    found = {
+        "processID": job.process,
+        "type": "process",
+        "jobID": job.id,
+        "status": job.state,
+        "message": _message(job),
+        "created": _time(job.created),
+        "started": _time(job.started),
+        "finished": _time(job.finished),
+        "updated": _time(job.finished or time.time()),
+        "progress": progress,
+        "cells": job.cells,
+        "cellsDone": int(job.cells * share),
+        "secondsLeft": left,
+        "elapsedSeconds": job.seconds,
+        "study": job.key,
+        "links": links,
+    }
+    return {name: value for name, value in found.items() if value is not None}
+
+
+def results(job: Job, manifest: Manifest, size: int) -> dict[str, Any]:
+    """Return what a job gave: the file, and what it cost."""
+    return {
+        "dataset": {
+            "href": f"/jobs/{job.id}/results/dataset",
+            "type": NETCDF_TYPE,
+            "title": "The dataset as a CF-1.11 NetCDF-4 file",
+            "length": size,
+            "elapsedSeconds": manifest.seconds,
+            "cellsPerSecond": manifest.cells / max(manifest.seconds, 1e-9),
+        }
+    }
+
+
+def _message(job: Job) -> str:
+    if job.problem is not None:
+        return f"{job.problem['title']}. {job.problem['detail']}"
+    if job.state not in ACTIVE:
+        return {
+            "successful": "The results are ready.",
+            "dismissed": "It was dismissed.",
+        }.get(job.state, "It failed.")
+    if job.state == "accepted":
+        return "It waits for its turn."
+    return f"{job.done:,} of {job.blocks:,} blocks are done."
+
+
+def _time(seconds: float | None) -> str | None:
+    if seconds is None:
+        return None
+    return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="milliseconds")
+
+
+def _link(href: str, rel: str, title: str, type_: str = "application/json") -> dict[str, str]:
+    return {"href": href, "rel": rel, "type": type_, "title": title}

@@ -1,0 +1,296 @@
+"""Carries out the ledger's work on Dask, and resumes what a killed server has left."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import errno
+import fcntl
+import os
+import socket
+import time
+import uuid
+from collections.abc import Mapping
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import structlog
+
+from app.jobs import work
+from app.jobs.cluster import Cluster
+from app.jobs.ledger import Ledger, Work
+from app.settings import Settings
+from app.store import Store, TornBlockError
+from core.errors import VibrafeedError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+log = structlog.get_logger("vibrafeed")
+
+POLL = 0.5  # s between looks at the ledger, in which other servers may have entered work
+RETRY = 2.0  # s before a lost scheduler is tried again
+
+# What the disk says when it cannot take more, and what to tell of it.
+STORAGE = {
+    errno.ENOSPC: "the disk is full",
+    errno.EDQUOT: "the disk quota is used up",
+    errno.EROFS: "the data directory can only be read",
+    errno.EACCES: "the data directory may not be written",
+    errno.EPERM: "the data directory may not be written",
+}
+
+
+def storage_problem(error: OSError) -> dict[str, Any]:
+    """Return the problem document of a file that cannot be written."""
+    why = STORAGE.get(error.errno or 0, error.strerror or "a file cannot be written")
+    return {
+        "status": 507,
+        "kind": "storage",
+        "title": "The result cannot be stored",
+        "detail": f"{why[0].upper()}{why[1:]}. What was there is not touched; post the study again "
+        "when there is room, and it goes on where it was.",
+    }
+
+
+class Runner:
+    """Claims work, has its blocks computed, and notes progress; one for each server.
+
+    Parameters
+    ----------
+    ledger, store, cluster
+        Where work is kept, where its files are, and where it runs.
+    settings : Settings
+        The service's.
+    """
+
+    def __init__(self, ledger: Ledger, store: Store, cluster: Cluster, settings: Settings):
+        self._ledger, self._store, self._cluster = ledger, store, cluster
+        self._settings = settings
+        self._directory = str(settings.data_directory.resolve())
+        self._owner = f"{socket.gethostname()} {os.getpid()} {uuid.uuid4().hex[:8]}"
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._wake = asyncio.Event()
+        self._active: dict[str, asyncio.Task[None]] = {}
+        self._main: asyncio.Task[None] | None = None
+        self._alone: IO[bytes] | None = None
+
+    async def start(self) -> None:
+        """Clear up what a killed server has left, and begin to work."""
+        self._loop = asyncio.get_running_loop()
+        await asyncio.to_thread(self._clear_up)
+        self._main = asyncio.create_task(self._run(), name="jobs")
+
+    async def stop(self) -> None:
+        """Stop; what is under way goes on with the next server, where it was."""
+        tasks = [task for task in (self._main, *self._active.values()) if task is not None]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        await asyncio.to_thread(self._ledger.release, self._owner)
+        with contextlib.suppress(Exception):
+            await self._cluster.close()
+        if self._alone is not None:
+            self._alone.close()
+
+    def wake(self) -> None:
+        """Tell, from any thread, that there is new work or less of it."""
+        if self._loop is not None:
+            self._loop.call_soon_threadsafe(self._wake.set)
+
+    def is_well(self) -> bool:
+        """Return whether work is being looked for."""
+        return self._main is not None and not self._main.done()
+
+    def _clear_up(self) -> None:
+        """Take over at once, if no other server uses the directory; leases say nothing then."""
+        path = Path(self._directory)
+        path.mkdir(parents=True, exist_ok=True)
+        self._alone = (path / ".lock").open("ab")
+        try:
+            fcntl.flock(self._alone, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            fcntl.flock(self._alone, fcntl.LOCK_SH)
+            return
+        self._ledger.release(None)
+        count = self._store.sweep_up()
+        if count:
+            log.info("files of killed writers removed", count=count)
+        fcntl.flock(self._alone, fcntl.LOCK_SH)
+
+    async def _run(self) -> None:
+        while True:
+            try:
+                await self._claim_some()
+            except Exception:
+                log.exception("the ledger cannot be read")
+            self._wake.clear()
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self._wake.wait(), POLL)
+
+    async def _claim_some(self) -> None:
+        while len(self._active) < self._settings.concurrent_jobs:
+            lease = self._settings.lease_seconds
+            item = await asyncio.to_thread(self._ledger.claim, self._owner, lease)
+            if item is None:
+                return
+            self._active[item.key] = asyncio.create_task(self._keep(item), name=item.key)
+
+    async def _keep(self, item: Work) -> None:
+        """Carry out an item for as long as its lease is ours."""
+        log.info("work started", key=item.key, process=item.process, blocks=item.blocks)
+        carrying = asyncio.create_task(self._carry_out(item))
+        try:
+            while not carrying.done():
+                await asyncio.wait([carrying], timeout=self._settings.lease_seconds / 4)
+                if not carrying.done() and not await self._renewed(item):
+                    log.info("work given up", key=item.key)
+                    return
+            problem = await self._problem_of(carrying)
+            if problem is None:
+                await asyncio.to_thread(self._ledger.succeed, item.key, self._owner)
+                log.info("work done", key=item.key)
+            else:
+                await asyncio.to_thread(self._ledger.fail, item.key, self._owner, problem)
+        except _Lost as lost:
+            log.warning("the cluster is lost", key=item.key, why=str(lost))
+            await asyncio.sleep(RETRY)
+            await asyncio.to_thread(self._ledger.release_one, item.key, self._owner)
+        except Exception:
+            # Such as a ledger on a full disk: the lease runs out, and the work is tried again.
+            log.exception("work interrupted", key=item.key)
+        finally:
+            carrying.cancel()
+            await asyncio.gather(carrying, return_exceptions=True)
+            self._active.pop(item.key, None)
+            self._wake.set()
+
+    async def _renewed(self, item: Work) -> bool:
+        lease = self._settings.lease_seconds
+        return await asyncio.to_thread(self._ledger.renew, item.key, self._owner, lease)
+
+    async def _problem_of(self, carrying: asyncio.Task[None]) -> Mapping[str, Any] | None:
+        """Return why work failed as parts of a problem document; None if it did not."""
+        try:
+            await carrying
+        except _Lost:
+            raise
+        except _TooLongError as error:
+            return _problem(422, "limit", "The study takes longer than this service allows", error)
+        except OSError as error:
+            log.exception("storage failed")
+            return storage_problem(error)
+        except _WorkersDieError as error:
+            return _problem(500, "workers", "The workers do not survive the study", error)
+        except Exception:
+            log.exception("work failed")
+            return _problem(
+                500, "internal", "The service failed", "The error is in the service's log."
+            )
+        return None
+
+    async def _carry_out(self, item: Work) -> None:
+        """Have the missing blocks of an item computed, then its result written."""
+        store, key = self._store, item.key
+        if await asyncio.to_thread(store.manifest, key) is not None:
+            return
+        await asyncio.to_thread(store.sweep_up, [key])
+        deadline = time.monotonic() + self._settings.max_job_seconds
+        spent = item.seconds
+        while True:
+            missing = await asyncio.to_thread(
+                lambda: [i for i in range(item.blocks) if not store.has_block(key, i)]
+            )
+            spent += await self._compute(item, missing, deadline)
+            try:
+                await self._on_worker(work.write_result, key, item.process, spent)
+            except TornBlockError as error:
+                log.warning("a block is computed again", key=key, why=str(error))
+            else:
+                return
+
+    async def _compute(self, item: Work, missing: list[int], deadline: float) -> float:
+        """Have blocks computed, a few at a time; return the seconds that they took."""
+        done, total = item.blocks - len(missing), 0.0
+        await asyncio.to_thread(
+            self._ledger.advance, item.key, self._owner, done=done, seconds=0.0
+        )
+        waiting = iter(missing)
+        # Two for each worker: enough to keep it busy, few enough for other jobs to have a turn.
+        most = 0
+        if missing:
+            await self._client()
+            most = 2 * await self._cluster.workers()
+        running: set[asyncio.Task[float]] = set()
+        try:
+            while True:
+                for index in waiting:
+                    task = self._on_worker(work.compute_block, item.key, index)
+                    running.add(asyncio.create_task(task))
+                    if len(running) >= most:
+                        break
+                if not running:
+                    return total
+                finished, running = await asyncio.wait(
+                    running, return_when=asyncio.FIRST_COMPLETED
+                )
+                seconds = sum(task.result() for task in finished)
+                done, total = done + len(finished), total + seconds
+                await asyncio.to_thread(
+                    self._ledger.advance, item.key, self._owner, done=done, seconds=seconds
+                )
+                if time.monotonic() > deadline:
+                    raise _TooLongError(
+                        f"It was stopped after {self._settings.max_job_seconds:g} s with {done:,} of "
+                        f"{item.blocks:,} blocks done; posted again, it goes on from there."
+                    )
+        finally:
+            for task in running:
+                task.cancel()
+            await asyncio.gather(*running, return_exceptions=True)
+
+    async def _on_worker(self, function: Any, *arguments: Any) -> float:
+        """Run a function of `app.jobs.work` on the cluster."""
+        client = await self._client()
+        from distributed import FutureCancelledError, KilledWorker
+        from distributed.comm import CommClosedError
+
+        future = client.submit(function, self._directory, *arguments, pure=False)
+        try:
+            return await future
+        except KilledWorker as error:
+            raise _WorkersDieError(
+                "A block took down each worker that it was given to, perhaps for want of memory."
+            ) from error
+        except (FutureCancelledError, CommClosedError) as error:
+            raise _Lost(f"{type(error).__name__}: {error}") from error
+        except asyncio.CancelledError:
+            await _cancel(future)
+            raise
+
+    async def _client(self) -> Client:
+        try:
+            return await self._cluster.client()
+        except (OSError, TimeoutError) as error:
+            raise _Lost(str(error)) from error
+
+
+async def _cancel(future: Any) -> None:
+    with contextlib.suppress(Exception):
+        await future.cancel()
+
+
+def _problem(status: int, kind: str, title: str, detail: object) -> dict[str, Any]:
+    return {"status": status, "kind": kind, "title": title, "detail": str(detail)}
+
+
+class _Lost(VibrafeedError):  # noqa: N818 - no error of the study: the work is tried again
+    """The cluster is gone."""
+
+
+class _TooLongError(VibrafeedError):
+    """A study takes longer than a job may."""
+
+
+class _WorkersDieError(VibrafeedError):
+    """A block takes its workers down."""

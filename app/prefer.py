@@ -1,0 +1,53 @@
+"""The Prefer header (RFC 7240): how a client would like to be answered."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+_TOKEN = r"[!#$%&'*+.^_`|~0-9A-Za-z-]+"
+_WORD = rf'(?:{_TOKEN}|"(?:[^"\\]|\\.)*")'
+_PREFERENCE = re.compile(
+    rf"\s*(?P<name>{_TOKEN})(?:\s*=\s*(?P<value>{_WORD}))?"
+    rf"(?:\s*;\s*(?:{_TOKEN}(?:\s*=\s*{_WORD})?)?)*\s*(?:,|$)"
+)
+
+
+@dataclass(frozen=True)
+class Preferences:
+    """What a client prefers.
+
+    Attributes
+    ----------
+    respond_async : bool
+        It does not want to wait for the answer.
+    wait : int or None
+        It wants to wait at most so many seconds.
+    """
+
+    respond_async: bool = False
+    wait: int | None = None
+
+
+def preferences(headers: Iterable[str]) -> Preferences:
+    """Return what the Prefer headers of a request say; what is not understood does not count.
+
+    Of a preference that is given more than once the first counts, as the standard asks.
+    """
+    found: dict[str, str | None] = {}
+    text = ",".join(headers)
+    position = 0
+    while position < len(text):
+        match = _PREFERENCE.match(text, position)
+        if match is None:  # on with the next element
+            position = text.find(",", position) + 1 or len(text)
+            continue
+        position = match.end()
+        value = match["value"]
+        if value is not None and value.startswith('"'):
+            value = re.sub(r"\\(.)", r"\1", value[1:-1])
+        found.setdefault(match["name"].lower(), value)
+    wait = found.get("wait")
+    is_number = wait is not None and re.fullmatch(r"[0-9]{1,9}", wait) is not None
+    return Preferences("respond-async" in found, int(str(wait)) if is_number else None)
