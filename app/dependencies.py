@@ -34,7 +34,7 @@ async def body_of(request: Request) -> bytes:
     async for piece in request.stream():
         size += len(piece)
         if size > limit:
-            raise TooLargeError(f"A body may hold {limit:,} bytes; this one holds more.")
+            raise TooLargeError(limit)
         pieces.append(piece)
     return b"".join(pieces)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import http
-import logging
 from collections.abc import Iterable
 from typing import Any
 
@@ -15,8 +14,6 @@ from starlette.exceptions import HTTPException
 
 from core.errors import LimitError, Problem, StudyError, VibrafeedError
 
-logger = logging.getLogger("vibrafeed")
-
 MEDIA_TYPE = "application/problem+json"
 
 
@@ -25,7 +22,10 @@ class NotFoundError(VibrafeedError):
 
 
 class TooLargeError(VibrafeedError):
-    """The body of a request is larger than the limit; the message says by how much."""
+    """The body of a request is larger than the limit, which the message names."""
+
+    def __init__(self, most: int):
+        super().__init__(f"A body may hold {most:,} bytes; this one holds more.")
 
 
 # What each error means over HTTP: status, kind, title.
@@ -38,7 +38,14 @@ STATUS: dict[type[Exception], tuple[int, str, str]] = {
 
 
 def problem_document(
-    status: int, kind: str, title: str, detail: str, problems: Iterable[Problem] = ()
+    status: int,
+    kind: str,
+    title: str,
+    detail: str,
+    problems: Iterable[Problem] = (),
+    *,
+    instance: str | None = None,
+    headers: dict[str, str] | None = None,
 ) -> Response:
     """Return a problem document."""
     content: dict[str, Any] = {
@@ -47,19 +54,20 @@ def problem_document(
         "status": status,
         "detail": detail,
     }
+    if instance:
+        content["instance"] = instance
     errors = [{"place": p.place, "message": p.message, "fix": p.fix} for p in problems]
     if errors:
         content["errors"] = errors
-    return Response(orjson.dumps(content), status, media_type=MEDIA_TYPE)
+    return Response(orjson.dumps(content), status, headers, MEDIA_TYPE)
 
 
 def install(app: FastAPI) -> None:
-    """Give the app its error handlers."""
+    """Give the app its error handlers; `app.observe` answers what none of them knows."""
     for error in STATUS:
         app.add_exception_handler(error, _known)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(HTTPException, _http)
-    app.add_exception_handler(Exception, _unknown)
 
 
 def _known(request: Request, error: Exception) -> Response:
@@ -91,8 +99,11 @@ def _http(request: Request, error: Exception) -> Response:
     return response
 
 
-def _unknown(request: Request, error: Exception) -> Response:
-    # The text of an unforeseen error stays in the log: it may speak of files and memory.
-    logger.error("unforeseen error in %s %s", request.method, request.url.path, exc_info=error)
-    detail = "The error is in the service's log."
-    return problem_document(500, "internal", "The service failed", detail)
+def unforeseen(request_id: str) -> Response:
+    """Return what a client is told of a mistake of ours.
+
+    The text of the error stays in the log, under the identifier: it may speak of files and memory.
+    """
+    detail = "The error is in the service's log, under the request's identifier."
+    instance = f"urn:vibrafeed:request:{request_id}"
+    return problem_document(500, "internal", "The service failed", detail, instance=instance)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -9,8 +10,10 @@ from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
 import core
-from app import errors
-from app.routes import health, processes, scenes, sweeps, zarr
+from app import errors, guard
+from app.metrics import Metrics
+from app.observe import Observe
+from app.routes import health, metrics, processes, scenes, sweeps, zarr
 from app.settings import Settings
 from app.store import SweepStore
 from app.zarr_views import ZarrViews
@@ -36,7 +39,12 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.settings = settings
     app.state.store = store
     app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
+    app.state.metrics = Metrics()  # other parts add gauges
+    app.state.readiness = []  # of (name, check): see `app.routes.health.readyz`
+    app.state.stopping = threading.Event()  # set by a signal: open streams end
     errors.install(app)
-    for router in (health.router, scenes.router, sweeps.router, zarr.router, processes.router):
-        app.include_router(router)
+    for part in (health, metrics, scenes, sweeps, zarr, processes):
+        app.include_router(part.router)
+    guard.install(app, settings)
+    app.add_middleware(Observe, metrics=app.state.metrics)
     return app
