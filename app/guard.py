@@ -95,7 +95,6 @@ def install(app: FastAPI, settings: Settings) -> None:
                 "Repr-Digest", "Retry-After", "X-Request-ID",
             ],
         )  # fmt: skip
-    app.add_middleware(SafeHeaders)
     _describe(app, has_keys=bool(settings.api_key_hashes))
 
 

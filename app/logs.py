@@ -62,7 +62,12 @@ def configure(stream: TextIO | None = None) -> None:
     )
     root = logging.getLogger()
     root.handlers = [handler]
-    root.setLevel(logging.INFO)
+    # Libraries tell of their doings at will, addresses among it; these two are known.
+    root.setLevel(logging.WARNING)
+    for name in ("vibrafeed", "uvicorn", "uvicorn.error"):
+        logger = logging.getLogger(name)
+        logger.handlers, logger.propagate = [], True
+        logger.setLevel(logging.INFO)
 
 
 def _merge_request(logger: WrappedLogger, name: str, event: EventDict) -> EventDict:

@@ -47,4 +47,5 @@ def create_app(settings: Settings) -> FastAPI:
         app.include_router(part.router)
     guard.install(app, settings)
     app.add_middleware(Observe, metrics=app.state.metrics)
+    app.add_middleware(guard.SafeHeaders)
     return app

@@ -1,4 +1,4 @@
-"""The outermost layer: a request has an identifier, one line in the log, and is counted."""
+"""Around nearly all else: a request has an identifier, a line in the log, and is counted."""
 
 from __future__ import annotations
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
+import socket
 from types import FrameType
 
 import uvicorn
@@ -18,6 +21,12 @@ class Server(uvicorn.Server):
         self.config.app.state.stopping.set()  # type: ignore[union-attr]
         super().handle_exit(sig, frame)
 
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Finish, or cut short, what is under way."""
+        await super().shutdown(sockets)
+        if self.server_state.tasks:  # cancelled, and their lines in the log not yet written
+            await asyncio.wait(self.server_state.tasks, timeout=1)
+
 
 def serve_until_stopped(app: FastAPI, settings: Settings, host: str, port: int) -> None:
     """Serve an app until a signal ends it; the log is `app.logs.configure`'s."""
@@ -31,7 +40,5 @@ def serve_until_stopped(app: FastAPI, settings: Settings, host: str, port: int) 
         ws="none",
         timeout_graceful_shutdown=settings.shutdown_seconds,
     )
-    try:
+    with contextlib.suppress(KeyboardInterrupt):
         Server(config).run()
-    except KeyboardInterrupt:
-        pass

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
 DEEPEST = 32  # levels; a study has 5, an execute request around it 2
+MOST_PROBLEMS = 100  # that are worth a search for what was meant
 LARGEST = sys.float_info.max
 _HALVES = re.compile("[\ud800-\udfff]")
 
@@ -110,7 +111,12 @@ def _problems_of(content: dict[str, Any]) -> Iterable[Problem]:
 
 
 def _problems(kind: str, errors: Iterable[ErrorDetails]) -> list[Problem]:
-    return [_problem(kind, error) for error in errors]
+    found = list(errors)
+    problems = [_problem(kind, error) for error in found[:MOST_PROBLEMS]]
+    if len(found) > MOST_PROBLEMS:
+        more = f"{len(found) - MOST_PROBLEMS:,} further problems are not listed"
+        problems.append(Problem("study", more, "Mend these first"))
+    return problems
 
 
 def _problem(kind: str, error: ErrorDetails) -> Problem:
