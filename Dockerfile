@@ -23,5 +23,6 @@ VOLUME /var/lib/vibrafeed
 EXPOSE 8000
 HEALTHCHECK --interval=30s --timeout=5s --start-period=10s \
     CMD ["python", "-c", "import urllib.request as r; r.urlopen('http://127.0.0.1:8000/healthz', timeout=3)"]
-# One process: it owns the NetCDF writer.
+# One process: it owns the NetCDF writer. It listens to other machines, so it starts only if
+# VIBRAFEED_API_KEY_HASHES is given: docker run -e VIBRAFEED_API_KEY_HASHES=..., see docs/api.md.
 CMD ["vibrafeed", "serve", "--host", "0.0.0.0", "--port", "8000"]

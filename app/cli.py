@@ -1,10 +1,11 @@
-"""The command line: run, plot, scenes, schema, serve.
+"""The command line: run, plot, scenes, schema, serve, key.
 
 Every command imports what it needs when it runs: `vibrafeed scenes` loads no NetCDF library.
 """
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
 import time
@@ -19,6 +20,7 @@ import typer
 from core.errors import LimitError, Problem, StudyError
 
 if TYPE_CHECKING:
+    from app.settings import Settings
     from core.sweep.prepare import Prepared
 
 WRONG_INPUT = 2
@@ -198,32 +200,65 @@ def serve(
         bool, typer.Option("--show-settings", help="Print the settings in force and stop.")
     ] = False,
 ) -> None:
-    """Serve the HTTP interface."""
-    from pydantic import ValidationError
+    """Serve the HTTP interface.
 
-    from app.settings import Settings
-
-    try:
-        settings = Settings()
-    except ValidationError as error:
-        _refuse(
-            {
-                Path("environment"): [
-                    Problem(
-                        f"VIBRAFEED_{'_'.join(map(str, e['loc'])).upper()}", e["msg"], "Mend it"
-                    )
-                    for e in error.errors()
-                ]
-            }
-        )
+    Other machines are answered only where keys are set: `vibrafeed key` makes one.
+    """
+    settings = _settings()
     if show_settings:
         typer.echo(settings.model_dump_json(indent=2))
         return
-    import uvicorn
+    from app.guard import is_loopback
 
+    if not settings.api_key_hashes and not is_loopback(host):
+        fix = "Make a key with `vibrafeed key` and set VIBRAFEED_API_KEY_HASHES to its hash"
+        message = "other machines reach it, and no keys are set"
+        _refuse({Path("serve"): [Problem(f"--host {host}", message, fix)]})
+    import sqlite3
+
+    from app import logs, report
     from app.main import create_app
+    from app.server import serve_until_stopped
 
-    uvicorn.run(create_app(settings), host=host, port=port, timeout_graceful_shutdown=10)
+    service = create_app(settings)
+    try:
+        service.state.desk.ledger.counts()
+    except (OSError, sqlite3.OperationalError) as error:
+        why = error.strerror if isinstance(error, OSError) else error
+        report.fail(f"The data directory {settings.data_directory} cannot be used: {why}.")
+        raise typer.Exit(FAILED) from None
+    logs.configure()
+    serve_until_stopped(service, settings, host, port)
+
+
+@app.command()
+def key() -> None:
+    """Make a key for the HTTP interface; print it and the hash that the service is given."""
+    from app.guard import new_key
+
+    made, digest = new_key()
+    typer.echo(f"key   {made}")
+    typer.echo(f"hash  {digest}")
+    typer.echo(f"Set VIBRAFEED_API_KEY_HASHES={digest} for the service; commas part several.")
+    typer.echo("Clients send `Authorization: Bearer KEY`. The key is kept nowhere: note it now.")
+
+
+def _settings() -> Settings:
+    """Return the settings in the environment, or report every wrong one and exit."""
+    from pydantic import ValidationError
+
+    from app.settings import PREFIX, Settings, unknown_variables
+
+    wrong = unknown_variables(os.environ)
+    try:
+        settings = Settings()
+    except ValidationError as error:
+        for item in error.errors():
+            name = PREFIX + ".".join(map(str, item["loc"])).upper()
+            wrong.append(Problem(name, item["msg"].removeprefix("Value error, "), "Mend it"))
+    if wrong:
+        _refuse({Path("environment"): wrong})
+    return settings
 
 
 def _prepare_all(files: Sequence[Path], *, cells: int, bytes_: int) -> dict[Path, Prepared]:

@@ -6,9 +6,11 @@ from typing import Annotated, cast
 
 from fastapi import Depends, Request
 
-from app.errors import TooLargeError
+from app.exceptions import TooLargeError
+from app.jobs.desk import Desk
 from app.settings import Settings
-from app.store import SweepStore
+from app.store import Store
+from app.writer import Writer
 from app.zarr_views import ZarrViews
 
 
@@ -17,9 +19,19 @@ def settings_of(request: Request) -> Settings:
     return cast(Settings, request.app.state.settings)
 
 
-def store_of(request: Request) -> SweepStore:
+def store_of(request: Request) -> Store:
     """Return the app's store."""
-    return cast(SweepStore, request.app.state.store)
+    return cast(Store, request.app.state.store)
+
+
+def writer_of(request: Request) -> Writer:
+    """Return what writes the app's files."""
+    return cast(Writer, request.app.state.writer)
+
+
+def desk_of(request: Request) -> Desk:
+    """Return where the app's jobs are handed in."""
+    return cast(Desk, request.app.state.desk)
 
 
 def views_of(request: Request) -> ZarrViews:
@@ -34,12 +46,14 @@ async def body_of(request: Request) -> bytes:
     async for piece in request.stream():
         size += len(piece)
         if size > limit:
-            raise TooLargeError(f"A body may hold {limit:,} bytes; this one holds more.")
+            raise TooLargeError(limit)
         pieces.append(piece)
     return b"".join(pieces)
 
 
 SettingsOf = Annotated[Settings, Depends(settings_of)]
-StoreOf = Annotated[SweepStore, Depends(store_of)]
+StoreOf = Annotated[Store, Depends(store_of)]
+WriterOf = Annotated[Writer, Depends(writer_of)]
+DeskOf = Annotated[Desk, Depends(desk_of)]
 ViewsOf = Annotated[ZarrViews, Depends(views_of)]
 Body = Annotated[bytes, Depends(body_of)]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -43,13 +42,15 @@ def content_reply(content: bytes, *, etag: str, media_type: str) -> Response:
     return Response(content, headers=headers, media_type=media_type)
 
 
-def file_reply(request: Request, path: Path, *, media_type: str, filename: str) -> Response:
+def file_reply(
+    request: Request, path: Path, *, digest: str, media_type: str, filename: str
+) -> Response:
     """Return a file, or what is left of it after an interrupted download.
 
-    The ETag is the SHA-256 of the content, so that a part may be joined to one from another server
-    or from before a restart.
+    The ETag is the SHA-256 of the content, `digest`, so that a part may be joined to one from
+    another server or from before a restart.
     """
-    digest, size = fingerprint(path)
+    size = path.stat().st_size
     etag = f'"{digest}"'
     wanted = request.headers.getlist("if-match")
     if wanted and not _names(wanted, etag, strong=True):
@@ -80,27 +81,6 @@ def file_reply(request: Request, path: Path, *, media_type: str, filename: str) 
     if request.method == "HEAD":
         return Response(status_code=status, headers=headers, media_type=media_type)
     return StreamingResponse(_pieces(path, start, stop), status, headers, media_type)
-
-
-def fingerprint(path: Path) -> tuple[str, int]:
-    """Return the SHA-256 and the size of a file; the first call keeps the hash beside it.
-
-    It is computed anew if the file has been replaced: size and time are kept with it.
-    """
-    state = path.stat()
-    stamp = f"{state.st_size} {state.st_mtime_ns}"
-    beside = path.with_name(f"{path.name}.sha256")
-    try:
-        digest, _, kept = beside.read_text(encoding="ascii").strip().partition(" ")
-    except FileNotFoundError:
-        digest = kept = ""
-    if kept != stamp or len(digest) != 64:
-        with path.open("rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
-        temporary = beside.with_name(f".{beside.name}.{threading.get_native_id()}.part")
-        temporary.write_text(f"{digest} {stamp}\n", encoding="ascii")
-        temporary.replace(beside)
-    return digest, state.st_size
 
 
 def _pieces(path: Path, start: int, stop: int) -> Iterator[bytes]:

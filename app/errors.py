@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import http
 import logging
+import sqlite3
 from collections.abc import Iterable
 from typing import Any
 
@@ -13,20 +15,39 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import Response
 from starlette.exceptions import HTTPException
 
-from core.errors import LimitError, Problem, StudyError, VibrafeedError
+from app.exceptions import (
+    NoRoomError,
+    NoSuchJobError,
+    NoSuchProcessError,
+    NotFoundError,
+    NotReadyError,
+    QueueFullError,
+    TooLargeError,
+)
+from core.errors import LimitError, Problem, StudyError
 
 logger = logging.getLogger("vibrafeed")
+
+# What the disk says when it cannot take more, and what to tell of it.
+STORAGE = {
+    errno.ENOSPC: "The disk is full",
+    errno.EDQUOT: "The disk quota is used up",
+    errno.EROFS: "The data directory can only be read",
+    errno.EACCES: "The data directory may not be written",
+    errno.EPERM: "The data directory may not be written",
+}
+SQLITE = {
+    "full": "The disk is full",
+    "readonly": "The data directory can only be read",
+    "locked": "Another process holds the ledger",
+    "I/O": "The disk fails",
+    "unable to open": "The data directory cannot be written",
+}
 
 MEDIA_TYPE = "application/problem+json"
 
 
-class NotFoundError(VibrafeedError):
-    """A resource does not exist; the message says which."""
-
-
-class TooLargeError(VibrafeedError):
-    """The body of a request is larger than the limit; the message says by how much."""
-
+OGC = "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/"
 
 # What each error means over HTTP: status, kind, title.
 STATUS: dict[type[Exception], tuple[int, str, str]] = {
@@ -34,32 +55,48 @@ STATUS: dict[type[Exception], tuple[int, str, str]] = {
     LimitError: (422, "limit", "The study is larger than this service allows"),
     NotFoundError: (404, "not-found", "There is no such resource"),
     TooLargeError: (413, "body", "The request is too large"),
+    NoSuchProcessError: (404, f"{OGC}no-such-process", "There is no such process"),
+    NoSuchJobError: (404, f"{OGC}no-such-job", "There is no such job"),
+    NotReadyError: (404, f"{OGC}result-not-ready", "The results are not there yet"),
+    QueueFullError: (429, "queue", "The queue of jobs is full"),
+    NoRoomError: (507, "storage", "There is no room for the result"),
 }
+RETRY_AFTER = {429: "5"}
 
 
 def problem_document(
-    status: int, kind: str, title: str, detail: str, problems: Iterable[Problem] = ()
+    status: int,
+    kind: str,
+    title: str,
+    detail: str,
+    problems: Iterable[Problem] = (),
+    *,
+    instance: str | None = None,
+    headers: dict[str, str] | None = None,
 ) -> Response:
-    """Return a problem document."""
+    """Return a problem document; `kind` is a word of ours, or a whole address."""
     content: dict[str, Any] = {
-        "type": f"urn:vibrafeed:problem:{kind}",
+        "type": kind if ":" in kind else f"urn:vibrafeed:problem:{kind}",
         "title": title,
         "status": status,
         "detail": detail,
     }
+    if instance:
+        content["instance"] = instance
     errors = [{"place": p.place, "message": p.message, "fix": p.fix} for p in problems]
     if errors:
         content["errors"] = errors
-    return Response(orjson.dumps(content), status, media_type=MEDIA_TYPE)
+    return Response(orjson.dumps(content), status, headers, MEDIA_TYPE)
 
 
 def install(app: FastAPI) -> None:
-    """Give the app its error handlers."""
+    """Give the app its error handlers; `app.observe` answers what none of them knows."""
     for error in STATUS:
         app.add_exception_handler(error, _known)
     app.add_exception_handler(RequestValidationError, _invalid)
     app.add_exception_handler(HTTPException, _http)
-    app.add_exception_handler(Exception, _unknown)
+    app.add_exception_handler(OSError, _storage)
+    app.add_exception_handler(sqlite3.OperationalError, _storage)
 
 
 def _known(request: Request, error: Exception) -> Response:
@@ -68,7 +105,29 @@ def _known(request: Request, error: Exception) -> Response:
         count = len(error.problems)
         detail = f"{count} problem{'s' if count > 1 else ''}; errors names each with its place."
         return problem_document(status, kind, title, detail, error.problems)
-    return problem_document(status, kind, title, str(error))
+    retry = {"Retry-After": RETRY_AFTER[status]} if status in RETRY_AFTER else None
+    return problem_document(status, kind, title, str(error), headers=retry)
+
+
+def _storage(request: Request, error: Exception) -> Response:
+    assert isinstance(error, OSError | sqlite3.OperationalError)
+    logger.error("storage failed", exc_info=error)
+    return problem_document(**storage_problem(error))
+
+
+def storage_problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:
+    """Return the parts of the problem document of a file that cannot be written."""
+    if isinstance(error, OSError):
+        why = STORAGE.get(error.errno or 0, "A file cannot be written")
+    else:
+        why = next((why for word, why in SQLITE.items() if word in str(error)), "The ledger fails")
+    return {
+        "status": 507,
+        "kind": "storage",
+        "title": "The service cannot store what it should",
+        "detail": f"{why}. What was there is not touched. Ask again when that is mended: a job "
+        "goes on where it was.",
+    }
 
 
 def _invalid(request: Request, error: Exception) -> Response:
@@ -91,8 +150,11 @@ def _http(request: Request, error: Exception) -> Response:
     return response
 
 
-def _unknown(request: Request, error: Exception) -> Response:
-    # The text of an unforeseen error stays in the log: it may speak of files and memory.
-    logger.error("unforeseen error in %s %s", request.method, request.url.path, exc_info=error)
-    detail = "The error is in the service's log."
-    return problem_document(500, "internal", "The service failed", detail)
+def unforeseen(request_id: str) -> Response:
+    """Return what a client is told of a mistake of ours.
+
+    The text of the error stays in the log, under the identifier: it may speak of files and memory.
+    """
+    detail = "The error is in the service's log, under the request's identifier."
+    instance = f"urn:vibrafeed:request:{request_id}"
+    return problem_document(500, "internal", "The service failed", detail, instance=instance)

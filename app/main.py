@@ -2,28 +2,52 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
+import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 
 from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
 import core
-from app import errors
-from app.routes import health, processes, scenes, sweeps, zarr
+from app import errors, guard
+from app.jobs.cluster import Cluster
+from app.jobs.desk import Desk
+from app.jobs.ledger import STATES, Ledger
+from app.jobs.runner import Runner
+from app.metrics import Metrics
+from app.observe import Observe
+from app.routes import health, jobs, metrics, processes, scenes, sweeps, zarr
 from app.settings import Settings
-from app.store import SweepStore
+from app.store import Store
+from app.writer import Writer
 from app.zarr_views import ZarrViews
+
+logger = logging.getLogger("vibrafeed")
+
+TIDY = 3600.0  # s between looks for what nobody has used for long
 
 
 def create_app(settings: Settings) -> FastAPI:
     """Return the service with these settings."""
-    store = SweepStore(settings.data_directory)
+    store = Store(settings.data_directory)
+    ledger = Ledger(settings.data_directory / "jobs.sqlite3")
+    runner = Runner(ledger, store, Cluster(settings.scheduler, settings.workers), settings)
+    desk = Desk(ledger, store, settings, runner.wake)
+    writer = Writer(store)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        await runner.start()
+        tidying = asyncio.create_task(_tidy(desk))
         yield
-        store.close()
+        tidying.cancel()
+        await runner.stop()
+        writer.close()
+        ledger.close()
 
     app = FastAPIOffline(
         docs_url="/docs",
@@ -35,8 +59,34 @@ def create_app(settings: Settings) -> FastAPI:
     )
     app.state.settings = settings
     app.state.store = store
+    app.state.writer = writer
+    app.state.desk = desk
     app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
+    app.state.metrics = Metrics()  # other parts add gauges
+    # Of (name, check): see `app.routes.health.readyz`.
+    app.state.readiness = [("jobs", runner.wrong)]
+    app.state.stopping = threading.Event()  # set by a signal: open streams end
+    for state in STATES:
+        app.state.metrics.gauge(
+            f"vibrafeed_jobs_{state}", f"Jobs that are {state}.", partial(_count, ledger, state)
+        )
     errors.install(app)
-    for router in (health.router, scenes.router, sweeps.router, zarr.router, processes.router):
-        app.include_router(router)
+    for part in (health, metrics, scenes, sweeps, zarr, processes, jobs):
+        app.include_router(part.router)
+    guard.install(app, settings)
+    app.add_middleware(Observe, metrics=app.state.metrics)
+    app.add_middleware(guard.SafeHeaders)
     return app
+
+
+async def _tidy(desk: Desk) -> None:
+    while True:
+        try:
+            await asyncio.to_thread(desk.tidy)
+        except Exception:
+            logger.exception("tidying failed")
+        await asyncio.sleep(TIDY)
+
+
+def _count(ledger: Ledger, state: str) -> float:
+    return ledger.counts()[state]

@@ -2,17 +2,47 @@
 
 from __future__ import annotations
 
+import json
 import os
+import re
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Annotated
 
-from pydantic import Field
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic import BeforeValidator, Field, field_serializer, field_validator
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
+
+from core.errors import Problem, suggestion
+
+PREFIX = "VIBRAFEED_"
+# Read by the tests only; whoever runs them may serve with the same environment.
+TEST_SWITCHES = ("VIBRAFEED_REQUIRE_TOOLS", "VIBRAFEED_COMPLIANCE_CHECKER")
+
+_DIGEST = re.compile(r"[0-9a-fA-F]{64}")
+_ORIGIN = re.compile(r"https?://([a-z0-9.-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
+
+
+def _listed(raw: object) -> object:
+    """Return the parts of a text: a JSON list, or words between commas."""
+    if not isinstance(raw, str):
+        return raw
+    if raw.lstrip().startswith("["):
+        try:
+            return json.loads(raw)
+        except (ValueError, RecursionError):
+            raise ValueError("it starts like a JSON list and is none") from None
+    return [word.strip() for word in raw.split(",") if word.strip()]
+
+
+Words = Annotated[tuple[str, ...], NoDecode, BeforeValidator(_listed)]
 
 
 class Settings(BaseSettings):
     """Settings and their safe defaults."""
 
-    model_config = SettingsConfigDict(env_prefix="VIBRAFEED_", frozen=True, extra="forbid")
+    model_config = SettingsConfigDict(
+        env_prefix=PREFIX, frozen=True, extra="forbid", hide_input_in_errors=True
+    )
 
     data_directory: Path = Field(
         default=Path("data"), description="Where sweeps and their files are kept; made if missing."
@@ -81,3 +111,54 @@ class Settings(BaseSettings):
     zarr_cache_bytes: int = Field(
         default=64_000_000, ge=0, description="Memory for the chunks that were read last."
     )
+    api_key_hashes: Words = Field(
+        default=(),
+        description="SHA-256 of each key that is let in, in hexadecimal, as a JSON list or between "
+        "commas; `vibrafeed key` makes them. Needed to listen elsewhere than on loopback.",
+    )
+    cors_origins: Words = Field(
+        default=(),
+        description="Origins of web pages elsewhere that may use the service, as in "
+        "`https://lab.example`; a JSON list or between commas.",
+    )
+    max_requests: int = Field(
+        default=512, gt=0, description="Most requests under way; more are answered by 503."
+    )
+    shutdown_seconds: int = Field(
+        default=10, gt=0, description="Longest wait for replies under way when the service stops."
+    )
+
+    @field_validator("api_key_hashes")
+    @classmethod
+    def _digests(cls, hashes: tuple[str, ...]) -> tuple[str, ...]:
+        # A wrong one may be a key: its number says which, and it is not echoed.
+        for number, word in enumerate(hashes, 1):
+            if not _DIGEST.fullmatch(word):
+                raise ValueError(
+                    f"number {number} of {len(hashes)} is not a SHA-256 in 64 hexadecimal digits"
+                )
+        return tuple(word.lower() for word in hashes)
+
+    @field_validator("cors_origins")
+    @classmethod
+    def _origins(cls, origins: tuple[str, ...]) -> tuple[str, ...]:
+        for word in origins:
+            if not _ORIGIN.fullmatch(word):
+                raise ValueError(
+                    f"{word[:60]!r} is not an origin in small letters, as in https://lab.example"
+                )
+        return origins
+
+    @field_serializer("api_key_hashes")
+    def _masked(self, hashes: tuple[str, ...]) -> list[str]:
+        return [f"{word[:8]}..." for word in hashes]
+
+
+def unknown_variables(names: Iterable[str]) -> list[Problem]:
+    """Return a problem for each variable that looks like a setting and is none."""
+    known = [PREFIX + name.upper() for name in Settings.model_fields]
+    return [
+        Problem(name, "there is no such setting", suggestion(name.upper(), known))
+        for name in sorted(names)
+        if name.upper().startswith(PREFIX) and name.upper() not in (*known, *TEST_SWITCHES)
+    ]

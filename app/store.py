@@ -1,8 +1,9 @@
 """Studies and results on disk, addressed by content: equal studies share one folder.
 
 A folder each, named by the study's identifier: ``study.json``; ``blocks/`` while it is computed;
-``result.nc`` and, where it is small, ``result.json``; last ``manifest.json``. A file appears complete
-or not at all, and a result is there when its manifest is. Servers and workers use the same folders.
+``result.nc`` and, where it is small, ``result.json``; last ``manifest.json``. A file appears
+complete or not at all, and a result is there when its manifest is. Servers and workers use the same
+folders.
 """
 
 from __future__ import annotations
@@ -25,14 +26,14 @@ import numpy as np
 import orjson
 
 import core
-from app.errors import NotFoundError
+from app.exceptions import NotFoundError, TornBlockError
 from core.dataset.document import to_document
 from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table
-from core.errors import VibrafeedError
 from core.kinds import prepare_content
 from core.study.load import read_json
 from core.study.models import Study
+from core.sweep import Sweep
 from core.sweep.pieces import Computed
 from core.sweep.prepare import Prepared
 
@@ -41,10 +42,6 @@ NETCDF, JSON = "result.nc", "result.json"
 MOST_JSON_VALUES = 1_000_000  # of a result that is also kept as JSON: some 20 MB
 USED_EVERY = 3600.0  # s; the use of a study is noted no more often
 _NOTES = "notes"
-
-
-class TornBlockError(VibrafeedError):
-    """A block cannot be read; it has been removed, to be computed anew."""
 
 
 @dataclass(frozen=True)
@@ -110,6 +107,13 @@ class Store:
             raise _unknown(key) from None
         self._note_use(path)
         return prepare_content(read_json(content))
+
+    def sweep(self, key: str) -> Sweep:
+        """Return the sweep of an identifier; raise `NotFoundError` if it is none."""
+        found = self.get(key)
+        if not isinstance(found, Sweep) or identifier(found.study) != key:
+            raise _unknown(key)
+        return found
 
     def folder(self, key: str) -> Path:
         """Return the folder of a study; raise `NotFoundError` for what is no identifier."""
@@ -179,7 +183,7 @@ class Store:
 
     # --- housekeeping
 
-    def keys(self) -> list[str]:
+    def studies(self) -> list[str]:
         """Return the identifiers of all studies, those that were used longest ago first."""
         found = []
         with contextlib.suppress(FileNotFoundError):
@@ -212,7 +216,7 @@ class Store:
         Only for studies that nobody else is writing.
         """
         count = 0
-        for key in self.keys() if keys is None else keys:
+        for key in self.studies() if keys is None else keys:
             for path in self.folder(key).rglob(".*.part"):
                 path.unlink(missing_ok=True)
                 count += 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 
-from app.store import SweepStore
+from app.store import Store
 from core.sweep.zarr_view import ZarrView
 
 MOST_VIEWS = 64  # each holds a study and the documents of its arrays: some 100 KB
@@ -18,7 +18,7 @@ class ZarrViews:
     that takes milliseconds and gives the same bytes.
     """
 
-    def __init__(self, store: SweepStore, most_bytes: int):
+    def __init__(self, store: Store, most_bytes: int):
         self._store, self._most_bytes = store, most_bytes
         self._lock = threading.Lock()
         self._views: OrderedDict[str, ZarrView] = OrderedDict()
@@ -27,12 +27,13 @@ class ZarrViews:
 
     def view(self, key: str) -> ZarrView:
         """Return the view of a sweep; raise `NotFoundError` if there is no such sweep."""
+        is_there = self._store.used(key) > 0  # it may have been removed since it was last read
         with self._lock:
-            view = self._views.get(key)
-            if view is not None:
+            view = self._views.get(key) if is_there else self._views.pop(key, None)
+            if view is not None and is_there:
                 self._views.move_to_end(key)
                 return view
-        view = ZarrView(self._store.get(key))
+        view = ZarrView(self._store.sweep(key))
         with self._lock:
             self._views[key] = view
             while len(self._views) > MOST_VIEWS:

@@ -62,7 +62,7 @@ class Cluster:
     async def workers(self) -> int:
         """Return how many tasks can run at once, at least 1."""
         client = await self.client()
-        threads = await client.nthreads()
+        threads: dict[str, int] = await client.nthreads()  # type: ignore[no-untyped-call]
         return max(1, sum(threads.values()))
 
     async def close(self) -> None:
@@ -70,9 +70,9 @@ class Cluster:
         client, local = self._client, self._local
         self._client = self._local = None
         if client is not None:
-            await client.close()
+            await client.close()  # type: ignore[no-untyped-call]
         if local is not None:
-            await local.close()
+            await local.close()  # type: ignore[misc]
 
 
 async def _local(distributed: Any, workers: int) -> LocalCluster:

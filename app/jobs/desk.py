@@ -7,19 +7,15 @@ import shutil
 import time
 from collections.abc import Callable
 
+from app.exceptions import NoRoomError
 from app.jobs import work
 from app.jobs.ledger import Job, Ledger
 from app.settings import Settings
 from app.store import Store, identifier
-from core.errors import VibrafeedError
 from core.sweep.prepare import Prepared
 
 DAY = 86_400.0
 SPARE = 100_000_000  # bytes of the disk that are left to others
-
-
-class NoRoomError(VibrafeedError):
-    """The result would not fit on the disk, or not in the quota."""
 
 
 class Desk:
@@ -86,7 +82,7 @@ class Desk:
         taken = self.store.bytes()
         if taken + needed > quota:
             wanted = self.ledger.wanted()
-            for key in self.store.keys():
+            for key in self.store.studies():
                 if taken + needed <= quota:
                     break
                 if key not in wanted:
@@ -109,6 +105,6 @@ class Desk:
         before = time.time() - self._settings.retention_days * DAY
         self.ledger.forget(before)
         wanted = self.ledger.wanted()
-        for key in self.store.keys():
+        for key in self.store.studies():
             if key not in wanted and self.store.used(key) < before:
                 self.store.remove(key)

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from core.errors import VibrafeedError
+from app.exceptions import QueueFullError
 
 ACTIVE = ("accepted", "running")
 STATES = (*ACTIVE, "successful", "failed", "dismissed")
@@ -57,10 +57,6 @@ _JOB = """
 SELECT jobs.*, coalesce(work.done, 0) AS done, coalesce(work.seconds, 0) AS spent
 FROM jobs LEFT JOIN work ON work.key = jobs.key
 """
-
-
-class QueueFullError(VibrafeedError):
-    """No further work is taken for the moment."""
 
 
 @dataclass(frozen=True)
@@ -112,39 +108,52 @@ class Ledger:
     """
 
     def __init__(self, path: Path):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        self._path = path
         self._lock = threading.Lock()
-        self._database = sqlite3.connect(
-            path, timeout=30, isolation_level=None, check_same_thread=False
-        )
-        self._database.row_factory = sqlite3.Row
-        self._database.execute("PRAGMA journal_mode = WAL")
-        self._database.execute("PRAGMA synchronous = FULL")  # on the disk before the reply
-        with self._changing() as database:
-            for statement in _SCHEMA.split(";"):
-                database.execute(statement)
+        self._opened: sqlite3.Connection | None = None
 
     def close(self) -> None:
-        """Close the database."""
+        """Close the database; the next use opens it again."""
         with self._lock:
-            self._database.close()
+            if self._opened is not None:
+                self._opened.close()
+                self._opened = None
+
+    def _database(self) -> sqlite3.Connection:
+        """Return the connection, made when it is first needed; the lock is held."""
+        if self._opened is None:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            database = sqlite3.connect(
+                self._path, timeout=30, isolation_level=None, check_same_thread=False
+            )
+            try:
+                database.row_factory = sqlite3.Row
+                database.execute("PRAGMA journal_mode = WAL")
+                database.execute("PRAGMA synchronous = FULL")  # on the disk before the reply
+                database.executescript(_SCHEMA)
+            except BaseException:
+                database.close()
+                raise
+            self._opened = database
+        return self._opened
 
     @contextmanager
     def _changing(self) -> Iterator[sqlite3.Connection]:
         # IMMEDIATE: a transaction that reads before it writes would fail under another writer.
         with self._lock:
-            self._database.execute("BEGIN IMMEDIATE")
+            database = self._database()
+            database.execute("BEGIN IMMEDIATE")
             try:
-                yield self._database
-                self._database.execute("COMMIT")
+                yield database
+                database.execute("COMMIT")
             except BaseException:
-                if self._database.in_transaction:
-                    self._database.execute("ROLLBACK")
+                if database.in_transaction:
+                    database.execute("ROLLBACK")
                 raise
 
     def _read(self, statement: str, *values: object) -> list[sqlite3.Row]:
         with self._lock:
-            return self._database.execute(statement, values).fetchall()
+            return self._database().execute(statement, values).fetchall()
 
     # --- what clients do
 
@@ -173,6 +182,9 @@ class Ledger:
             If the queue is full.
         """
         number, now = uuid.uuid4().hex, time.time()
+        state: str
+        started: float | None
+        finished: float | None
         with self._changing() as database:
             if finished_seconds is None:
                 known = database.execute("SELECT owner FROM work WHERE key = ?", (key,)).fetchone()
@@ -189,7 +201,9 @@ class Ledger:
                         (key, process, cells, blocks, now),
                     )
                 at_work = known is not None and known["owner"] is not None
-                state, started, finished = ("running", now, None) if at_work else _ACCEPTED
+                state, started, finished = "accepted", None, None
+                if at_work:
+                    state, started = "running", now
             else:
                 state, started, finished = "successful", now, now
             database.execute(
@@ -323,9 +337,6 @@ class Ledger:
         """Remove the jobs that were finished before a time."""
         with self._changing() as database:
             database.execute("DELETE FROM jobs WHERE finished < ?", (before,))
-
-
-_ACCEPTED = ("accepted", None, None)
 
 
 def _job(row: sqlite3.Row) -> Job:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import errno
 import fcntl
+import logging
 import os
 import socket
 import time
@@ -14,43 +14,22 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
-import structlog
-
+from app.errors import storage_problem
+from app.exceptions import TornBlockError
 from app.jobs import work
 from app.jobs.cluster import Cluster
 from app.jobs.ledger import Ledger, Work
 from app.settings import Settings
-from app.store import Store, TornBlockError
+from app.store import Store
 from core.errors import VibrafeedError
 
 if TYPE_CHECKING:
     from distributed import Client
 
-log = structlog.get_logger("vibrafeed")
+logger = logging.getLogger("vibrafeed.jobs")
 
 POLL = 0.5  # s between looks at the ledger, in which other servers may have entered work
 RETRY = 2.0  # s before a lost scheduler is tried again
-
-# What the disk says when it cannot take more, and what to tell of it.
-STORAGE = {
-    errno.ENOSPC: "the disk is full",
-    errno.EDQUOT: "the disk quota is used up",
-    errno.EROFS: "the data directory can only be read",
-    errno.EACCES: "the data directory may not be written",
-    errno.EPERM: "the data directory may not be written",
-}
-
-
-def storage_problem(error: OSError) -> dict[str, Any]:
-    """Return the problem document of a file that cannot be written."""
-    why = STORAGE.get(error.errno or 0, error.strerror or "a file cannot be written")
-    return {
-        "status": 507,
-        "kind": "storage",
-        "title": "The result cannot be stored",
-        "detail": f"{why[0].upper()}{why[1:]}. What was there is not touched; post the study again "
-        "when there is room, and it goes on where it was.",
-    }
 
 
 class Runner:
@@ -74,6 +53,7 @@ class Runner:
         self._active: dict[str, asyncio.Task[None]] = {}
         self._main: asyncio.Task[None] | None = None
         self._alone: IO[bytes] | None = None
+        self._trouble: str | None = None
 
     async def start(self) -> None:
         """Clear up what a killed server has left, and begin to work."""
@@ -98,9 +78,11 @@ class Runner:
         if self._loop is not None:
             self._loop.call_soon_threadsafe(self._wake.set)
 
-    def is_well(self) -> bool:
-        """Return whether work is being looked for."""
-        return self._main is not None and not self._main.done()
+    def wrong(self) -> str | None:
+        """Return what keeps jobs from being carried out, or None."""
+        if self._main is None or self._main.done():
+            return "no work is looked for"
+        return self._trouble
 
     def _clear_up(self) -> None:
         """Take over at once, if no other server uses the directory; leases say nothing then."""
@@ -115,7 +97,7 @@ class Runner:
         self._ledger.release(None)
         count = self._store.sweep_up()
         if count:
-            log.info("files of killed writers removed", count=count)
+            logger.info("files of killed writers removed", extra={"count": count})
         fcntl.flock(self._alone, fcntl.LOCK_SH)
 
     async def _run(self) -> None:
@@ -123,7 +105,7 @@ class Runner:
             try:
                 await self._claim_some()
             except Exception:
-                log.exception("the ledger cannot be read")
+                logger.exception("the ledger cannot be read")
             self._wake.clear()
             with contextlib.suppress(TimeoutError):
                 await asyncio.wait_for(self._wake.wait(), POLL)
@@ -138,27 +120,28 @@ class Runner:
 
     async def _keep(self, item: Work) -> None:
         """Carry out an item for as long as its lease is ours."""
-        log.info("work started", key=item.key, process=item.process, blocks=item.blocks)
+        about = {"key": item.key, "process": item.process, "blocks": item.blocks}
+        logger.info("work started", extra=about)
         carrying = asyncio.create_task(self._carry_out(item))
         try:
             while not carrying.done():
                 await asyncio.wait([carrying], timeout=self._settings.lease_seconds / 4)
                 if not carrying.done() and not await self._renewed(item):
-                    log.info("work given up", key=item.key)
+                    logger.info("work given up", extra=about)
                     return
             problem = await self._problem_of(carrying)
             if problem is None:
                 await asyncio.to_thread(self._ledger.succeed, item.key, self._owner)
-                log.info("work done", key=item.key)
+                logger.info("work done", extra=about)
             else:
                 await asyncio.to_thread(self._ledger.fail, item.key, self._owner, problem)
         except _Lost as lost:
-            log.warning("the cluster is lost", key=item.key, why=str(lost))
+            logger.warning("the cluster is lost: %s", lost, extra=about)
             await asyncio.sleep(RETRY)
             await asyncio.to_thread(self._ledger.release_one, item.key, self._owner)
         except Exception:
             # Such as a ledger on a full disk: the lease runs out, and the work is tried again.
-            log.exception("work interrupted", key=item.key)
+            logger.exception("work interrupted", extra=about)
         finally:
             carrying.cancel()
             await asyncio.gather(carrying, return_exceptions=True)
@@ -178,12 +161,12 @@ class Runner:
         except _TooLongError as error:
             return _problem(422, "limit", "The study takes longer than this service allows", error)
         except OSError as error:
-            log.exception("storage failed")
+            logger.exception("storage failed")
             return storage_problem(error)
         except _WorkersDieError as error:
             return _problem(500, "workers", "The workers do not survive the study", error)
         except Exception:
-            log.exception("work failed")
+            logger.exception("work failed")
             return _problem(
                 500, "internal", "The service failed", "The error is in the service's log."
             )
@@ -205,16 +188,14 @@ class Runner:
             try:
                 await self._on_worker(work.write_result, key, item.process, spent)
             except TornBlockError as error:
-                log.warning("a block is computed again", key=key, why=str(error))
+                logger.warning("a block is computed again: %s", error, extra={"key": key})
             else:
                 return
 
     async def _compute(self, item: Work, missing: list[int], deadline: float) -> float:
         """Have blocks computed, a few at a time; return the seconds that they took."""
         done, total = item.blocks - len(missing), 0.0
-        await asyncio.to_thread(
-            self._ledger.advance, item.key, self._owner, done=done, seconds=0.0
-        )
+        await asyncio.to_thread(self._ledger.advance, item.key, self._owner, done=done, seconds=0.0)
         waiting = iter(missing)
         # Two for each worker: enough to keep it busy, few enough for other jobs to have a turn.
         most = 0
@@ -225,15 +206,13 @@ class Runner:
         try:
             while True:
                 for index in waiting:
-                    task = self._on_worker(work.compute_block, item.key, index)
-                    running.add(asyncio.create_task(task))
+                    block = self._on_worker(work.compute_block, item.key, index)
+                    running.add(asyncio.create_task(block))
                     if len(running) >= most:
                         break
                 if not running:
                     return total
-                finished, running = await asyncio.wait(
-                    running, return_when=asyncio.FIRST_COMPLETED
-                )
+                finished, running = await asyncio.wait(running, return_when=asyncio.FIRST_COMPLETED)
                 seconds = sum(task.result() for task in finished)
                 done, total = done + len(finished), total + seconds
                 await asyncio.to_thread(
@@ -241,8 +220,8 @@ class Runner:
                 )
                 if time.monotonic() > deadline:
                     raise _TooLongError(
-                        f"It was stopped after {self._settings.max_job_seconds:g} s with {done:,} of "
-                        f"{item.blocks:,} blocks done; posted again, it goes on from there."
+                        f"It was stopped after {self._settings.max_job_seconds:g} s with {done:,} "
+                        f"of {item.blocks:,} blocks done; posted again, it goes on from there."
                     )
         finally:
             for task in running:
@@ -252,8 +231,9 @@ class Runner:
     async def _on_worker(self, function: Any, *arguments: Any) -> float:
         """Run a function of `app.jobs.work` on the cluster."""
         client = await self._client()
-        from distributed import FutureCancelledError, KilledWorker
-        from distributed.comm import CommClosedError
+        from distributed import KilledWorker
+        from distributed.client import FutureCancelledError
+        from distributed.comm.core import CommClosedError
 
         future = client.submit(function, self._directory, *arguments, pure=False)
         try:
@@ -270,9 +250,12 @@ class Runner:
 
     async def _client(self) -> Client:
         try:
-            return await self._cluster.client()
-        except (OSError, TimeoutError) as error:
+            client = await self._cluster.client()
+        except Exception as error:  # of many kinds: no scheduler, no worker process
+            self._trouble = f"the workers cannot be reached: {type(error).__name__}"
             raise _Lost(str(error)) from error
+        self._trouble = None
+        return client
 
 
 async def _cancel(future: Any) -> None:

@@ -56,9 +56,7 @@ def write_result(directory: str, key: str, process: str, seconds: float) -> floa
         parts = ((pieces.box(index), store.read_block(key, index)) for index in range(count))
         table = KINDS[prepared.study.kind].label(prepared, join(prepared, parts))
         spent = seconds + time.perf_counter() - started
-        store.finish(
-            key, table, process=process, cells=prepared.cells, blocks=count, seconds=spent
-        )
+        store.finish(key, table, process=process, cells=prepared.cells, blocks=count, seconds=spent)
     return time.perf_counter() - started
 
 

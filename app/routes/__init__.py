@@ -18,6 +18,7 @@ PROBLEM: dict[str, Any] = {
                     "title": {"type": "string"},
                     "status": {"type": "integer"},
                     "detail": {"type": "string"},
+                    "instance": {"type": "string"},
                     "errors": {
                         "type": "array",
                         "items": {

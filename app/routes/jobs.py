@@ -13,7 +13,8 @@ from fastapi.responses import Response, StreamingResponse
 
 from app.dependencies import DeskOf
 from app.downloads import file_reply
-from app.errors import NoSuchJobError, NotFoundError, NotReadyError, problem_document
+from app.errors import problem_document
+from app.exceptions import NoSuchJobError, NotFoundError, NotReadyError
 from app.jobs.desk import Desk
 from app.jobs.documents import NETCDF_TYPE, JobList, Results, StatusInfo, results, status_info
 from app.jobs.ledger import ACTIVE, STATES, Job

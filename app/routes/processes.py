@@ -11,7 +11,7 @@ from fastapi import APIRouter, Path, Request
 from fastapi.responses import Response
 
 from app.dependencies import Body, DeskOf, SettingsOf
-from app.errors import NoSuchProcessError
+from app.exceptions import NoSuchProcessError
 from app.jobs.desk import Desk
 from app.jobs.documents import (
     CONFORMANCE,
@@ -135,9 +135,7 @@ def is_small(prepared: Prepared, settings: Settings) -> bool:
     )
 
 
-def _carry_out(
-    name: str, asked: Execution, prepared: Prepared, settings: Settings
-) -> Response:
+def _carry_out(name: str, asked: Execution, prepared: Prepared, settings: Settings) -> Response:
     """Return the dataset of a study, computed here and now."""
     process = PROCESSES[name]
     watch = Watch(deadline=time.monotonic() + settings.max_execution_seconds)
@@ -160,7 +158,8 @@ async def _waited(desk: Desk, job: Job, seconds: float) -> Job:
     until = time.monotonic() + seconds
     while job.state in ACTIVE and time.monotonic() < until:
         await asyncio.sleep(LOOK)
-        job = await asyncio.to_thread(desk.ledger.job, job.id) or job
+        found = await asyncio.to_thread(desk.ledger.job, job.id)
+        job = found or job
     return job
 
 
@@ -219,10 +218,10 @@ for _name, _process in PROCESSES.items():
         methods=["POST"],
         name=f"execute_{_name}",
         summary=_process.title,
-        description=f"{_process.description}\n\nThe body is the study itself, or an execute request "
-        "with the study under `inputs.study`. A short study is replied to with its dataset, or, "
-        "after `Prefer: wait`, with the results of its job. A long one becomes a job: 201 with its "
-        "status and `Location`.",
+        description=f"{_process.description}\n\nThe body is the study itself, or an execute "
+        "request with the study under `inputs.study`. A short study is replied to with its "
+        "dataset. A long one becomes a job: 201 with its status and `Location`, or 200 with its "
+        "results if `Prefer: wait` was long enough.",
         response_model=dict[str, Any],
         responses={
             201: {

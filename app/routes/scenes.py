@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Path, Query
 from fastapi.responses import Response
 
-from app.errors import NotFoundError
+from app.exceptions import NotFoundError
 from app.routes import json_reply, problems
 from core.catalogue import describe, describe_all, study_schema
 from core.scenes import SCENES

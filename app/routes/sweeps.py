@@ -9,10 +9,11 @@ import orjson
 from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response
 
-from app.dependencies import Body, SettingsOf, StoreOf
+from app.dependencies import Body, SettingsOf, StoreOf, WriterOf
 from app.downloads import FOR_EVER, content_reply, etag_of, file_reply, not_modified
 from app.routes import json_reply, problems
 from app.settings import Settings
+from app.store import NETCDF
 from core.errors import LimitError
 from core.quantities import QUANTITIES
 from core.study import SweepStudy
@@ -81,7 +82,7 @@ def post_sweep(request: Request, body: Body, settings: SettingsOf, store: StoreO
 )
 def get_sweep(key: Key, store: StoreOf) -> Response:
     """Return the study of a sweep, its size, its axes, and the dimensions of its outputs."""
-    return json_reply(_description(key, store.get(key)))
+    return json_reply(_description(key, store.sweep(key)))
 
 
 @router.get(
@@ -122,7 +123,7 @@ def get_slice(
     is_binary = form == "binary" if form else prefers_binary(request.headers.get("accept", ""))
     words = [f"{name}={value}" for name, value in sorted(fixed.items())]
     etag = etag_of(key, np.__version__, "binary" if is_binary else "json", output, axes, *words)
-    sweep = store.get(key)
+    sweep = store.sweep(key)
     reply = not_modified(request, etag, FOR_EVER)
     if reply is None:
         piece = cut(
@@ -160,17 +161,23 @@ def get_slice(
     },
 )
 @router.head("/{key}/netcdf", include_in_schema=False)
-def get_netcdf(request: Request, key: Key, store: StoreOf, settings: SettingsOf) -> Response:
+def get_netcdf(
+    request: Request, key: Key, store: StoreOf, writer: WriterOf, settings: SettingsOf
+) -> Response:
     """Return the whole sweep as a CF-1.11 NetCDF-4 file; the first request computes it.
 
     One range of bytes can be asked for, so that a broken download resumes. The ETag is the SHA-256
     of the file.
     """
-    sweep = store.get(key)
+    sweep = store.sweep(key)
     sweep.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
-    path = store.netcdf(key, sweep)
+    manifest = writer.result(key, sweep)
     return file_reply(
-        request, path, media_type="application/x-netcdf", filename=f"vibrafeed-{key[:12]}.nc"
+        request,
+        store.folder(key) / NETCDF,
+        digest=manifest.files[NETCDF]["sha256"],
+        media_type="application/x-netcdf",
+        filename=f"vibrafeed-{key[:12]}.nc",
     )
 
 

@@ -10,7 +10,7 @@ from fastapi.responses import Response
 
 from app.dependencies import ViewsOf
 from app.downloads import FOR_EVER, content_reply, etag_of, not_modified
-from app.errors import NotFoundError
+from app.exceptions import NotFoundError
 from app.routes import problems
 from app.routes.sweeps import Key
 

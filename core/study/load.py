@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import sys
 import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -15,6 +17,11 @@ from core.study.models import CRITERIA, PARAMETERS, STUDIES, Study
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
+
+DEEPEST = 32  # levels; a study has 5, an execute request around it 2
+MOST_PROBLEMS = 100  # that are worth a search for what was meant
+LARGEST = sys.float_info.max
+_HALVES = re.compile("[\ud800-\udfff]")
 
 
 def load_study(path: Path) -> Study:
@@ -50,12 +57,16 @@ def read_toml(text: str) -> object:
 def read_json(text: str | bytes) -> object:
     """Return what stands in a JSON text; raise `StudyError` if it is none."""
     try:
+        # By itself json would let halves of characters through, and take other encodings.
         content: object = json.loads(
-            text, object_pairs_hook=_unique, parse_constant=_refuse_constant
+            text if isinstance(text, str) else text.decode("utf-8"),
+            object_pairs_hook=_unique,
+            parse_constant=_refuse_constant,
         )
     except (ValueError, RecursionError) as error:
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
         _fail("body", f"it is not JSON: {reason}"[:300], "Send one JSON object, a study", error)
+    _check_values(content)
     return content
 
 
@@ -100,7 +111,12 @@ def _problems_of(content: dict[str, Any]) -> Iterable[Problem]:
 
 
 def _problems(kind: str, errors: Iterable[ErrorDetails]) -> list[Problem]:
-    return [_problem(kind, error) for error in errors]
+    found = list(errors)
+    problems = [_problem(kind, error) for error in found[:MOST_PROBLEMS]]
+    if len(found) > MOST_PROBLEMS:
+        more = f"{len(found) - MOST_PROBLEMS:,} further problems are not listed"
+        problems.append(Problem("study", more, "Mend these first"))
+    return problems
 
 
 def _problem(kind: str, error: ErrorDetails) -> Problem:
@@ -138,13 +154,55 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     content: dict[str, Any] = {}
     for key, value in pairs:
         if key in content:
-            raise ValueError(f"the key '{key[:60]}' stands twice in one object")
+            raise ValueError(f"the key '{_shown(key)}' stands twice in one object")
         content[key] = value
     return content
 
 
 def _refuse_constant(constant: str) -> NoReturn:
     raise ValueError(f"{constant} is not a number that JSON knows")
+
+
+def _check_values(content: object) -> None:
+    """Raise `StudyError` for what JSON can say and nothing else here can.
+
+    That is: objects within objects without end, numbers beyond floats, NUL and halves of
+    characters in texts.
+    """
+    level: list[tuple[str, object]] = [("", content)]
+    for _ in range(DEEPEST):
+        below: list[tuple[str, object]] = []
+        for place, value in level:
+            wrong = _wrong(value)
+            if wrong:
+                _fail(place or "body", wrong, "Mend the value")
+            if isinstance(value, dict):
+                for key, item in value.items():
+                    within = f"{place}.{_shown(key)}".lstrip(".")
+                    if _wrong(key):
+                        _fail(within, "its name holds a character that is no text", "Mend the name")
+                    below.append((within, item))
+            elif isinstance(value, list):
+                below.extend((place, item) for item in value)
+        if not below:
+            return
+        level = below
+    _fail(level[0][0][:100] or "body", "it is nested too deeply", "Send one JSON object, a study")
+
+
+def _wrong(value: object) -> str | None:
+    """Return what is wrong with one value of JSON, if anything is."""
+    if isinstance(value, str):
+        if "\0" in value or (not value.isascii() and _HALVES.search(value)):
+            return "it holds a character that is no text: NUL, or half of one"
+    elif isinstance(value, int | float) and not -LARGEST <= value <= LARGEST:
+        return "it is a number larger than 1.8e308"
+    return None
+
+
+def _shown(text: str) -> str:
+    """Return the start of a text, so that it can be written."""
+    return text[:60].encode("utf-8", "backslashreplace").decode("utf-8").replace("\0", "\\0")
 
 
 def _fail(place: str, message: str, fix: str, cause: Exception | None = None) -> NoReturn:

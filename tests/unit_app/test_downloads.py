@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import struct
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -13,7 +12,8 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from app.downloads import PIECE, etag_of, fingerprint
+from app.downloads import PIECE, etag_of
+from app.exceptions import NotFoundError
 from app.main import create_app
 from app.routes.sweeps import prefers_binary
 from app.settings import Settings
@@ -146,23 +146,6 @@ class TestFile:
         problem(get(If_Match='"other"'), 412)
         problem(get(If_Match=f"W/{etag}"), 412)
         assert client.head(f"{address}/netcdf", headers={"Range": "bytes=0-1"}).status_code == 200
-
-    def test_its_hash_is_computed_once_and_again_if_the_file_is_another(self, tmp_path):
-        path = tmp_path / "result.nc"
-        path.write_bytes(b"one")
-        expected = hashlib.sha256(b"one").hexdigest()
-        assert fingerprint(path) == (expected, 3)
-        beside = tmp_path / "result.nc.sha256"
-        kept = beside.read_text()
-        beside.write_text(kept.replace(expected, "f" * 64))
-        assert fingerprint(path)[0] == "f" * 64  # it is read, not computed
-        path.write_bytes(b"two")
-        os.utime(path, ns=(1, 1))
-        assert fingerprint(path) == (hashlib.sha256(b"two").hexdigest(), 3)
-        for broken in ("", "f" * 64, "nonsense 3 1"):
-            beside.write_text(broken)
-            assert fingerprint(path)[0] == hashlib.sha256(b"two").hexdigest()
-        assert sorted(p.name for p in tmp_path.iterdir()) == ["result.nc", "result.nc.sha256"]
 
     def test_it_is_sent_in_pieces(self, client, monkeypatch):
         monkeypatch.setattr("app.downloads.PIECE", 1000)
@@ -370,9 +353,15 @@ class TestMemory:
     class Store:
         def __init__(self):
             self.asked: list[str] = []
+            self.is_there = True
 
-        def get(self, key: str):
+        def used(self, key: str) -> float:
+            return float(self.is_there)
+
+        def sweep(self, key: str):
             self.asked.append(key)
+            if not self.is_there:
+                raise NotFoundError(key)
             return prepare_content(TRILLION)
 
     def test_chunks_that_were_read_last_are_kept_within_the_budget(self, monkeypatch):
@@ -388,6 +377,15 @@ class TestMemory:
             assert len(views.read("k", path)) == 524_288
         assert computed == [a, b, c, b]  # b is the one that was not read for the longest time
         assert store.asked == ["k"]
+
+    def test_a_sweep_that_has_been_removed_is_forgotten(self):
+        store = self.Store()
+        views = ZarrViews(store, most_bytes=1_000_000)
+        views.view("k")
+        store.is_there = False
+        for _ in range(2):
+            with pytest.raises(NotFoundError):
+                views.view("k")
 
     def test_no_budget_keeps_nothing(self):
         views = ZarrViews(self.Store(), most_bytes=0)

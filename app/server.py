@@ -1,0 +1,44 @@
+"""uvicorn as `vibrafeed serve` runs it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+from types import FrameType
+
+import uvicorn
+from fastapi import FastAPI
+
+from app.settings import Settings
+
+
+class Server(uvicorn.Server):
+    """Tells the app that a signal asks it to stop, so that replies without an end are ended."""
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """Take note of the signal."""
+        self.config.app.state.stopping.set()  # type: ignore[union-attr]
+        super().handle_exit(sig, frame)
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Finish, or cut short, what is under way."""
+        await super().shutdown(sockets)
+        if self.server_state.tasks:  # cancelled, and their lines in the log not yet written
+            await asyncio.wait(self.server_state.tasks, timeout=1)
+
+
+def serve_until_stopped(app: FastAPI, settings: Settings, host: str, port: int) -> None:
+    """Serve an app until a signal ends it; the log is `app.logs.configure`'s."""
+    config = uvicorn.Config(
+        app,
+        host=host,
+        port=port,
+        log_config=None,
+        access_log=False,  # it writes paths and query strings; ours writes routes
+        server_header=False,
+        ws="none",
+        timeout_graceful_shutdown=settings.shutdown_seconds,
+    )
+    with contextlib.suppress(KeyboardInterrupt):
+        Server(config).run()

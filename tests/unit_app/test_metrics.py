@@ -1,0 +1,130 @@
+"""Figures for Prometheus, and readiness."""
+
+from __future__ import annotations
+
+import threading
+from pathlib import Path
+
+import pytest
+from fastapi.testclient import TestClient
+from prometheus_client.parser import text_string_to_metric_families
+
+from app.main import create_app
+from app.settings import Settings
+
+
+@pytest.fixture
+def client(tmp_path: Path) -> TestClient:
+    return TestClient(create_app(Settings(data_directory=tmp_path / "data")))
+
+
+def figures(client: TestClient) -> dict[tuple[str, ...], float]:
+    """Return the figures as Prometheus itself reads them: by name and the values of labels."""
+    reply = client.get("/metrics")
+    assert reply.status_code == 200
+    assert reply.headers["content-type"].startswith("text/plain; version=")
+    return {
+        (sample.name, *sample.labels.values()): sample.value
+        for family in text_string_to_metric_families(reply.text)
+        for sample in family.samples
+    }
+
+
+def test_requests_are_counted_by_route_and_timed(client):
+    for _ in range(3):
+        client.get("/scenes/rectangle-on-track")
+    client.get("/scenes/nowhere")
+    client.post("/sweeps", content=b"x")
+    found = figures(client)
+    assert found["vibrafeed_requests_total", "GET", "/scenes/{name}", "200"] == 3
+    assert found["vibrafeed_requests_total", "GET", "/scenes/{name}", "404"] == 1
+    assert found["vibrafeed_requests_total", "POST", "/sweeps", "422"] == 1
+    assert found["vibrafeed_request_seconds_count", "GET", "/scenes/{name}"] == 4
+    assert found["vibrafeed_request_seconds_bucket", "+Inf", "GET", "/scenes/{name}"] == 4
+    assert 0 < found["vibrafeed_request_seconds_sum", "GET", "/scenes/{name}"] < 60
+
+
+def test_clients_cannot_make_new_labels(client):
+    before = len(figures(client))
+    figures(client)
+    settled = len(figures(client))
+    for number in range(20):
+        client.get(f"/nowhere/{number}")
+        client.request(f"WORD{number}", "/scenes")
+    more = len(figures(client)) - settled
+    assert before <= settled
+    # Two pairs of method and route: a counter with its time of creation, a histogram with its own.
+    one = settled - before
+    assert one > 0
+    assert more == 2 * one
+
+
+def test_requests_under_way_are_counted_while_they_are(client):
+    entered, go = threading.Event(), threading.Event()
+
+    def wait() -> dict[str, str]:
+        entered.set()
+        go.wait(20)
+        return {}
+
+    client.app.add_api_route("/wait", wait)
+    with client:
+        thread = threading.Thread(target=client.get, args=("/wait",))
+        thread.start()
+        assert entered.wait(20)
+        assert figures(client)["vibrafeed_requests_under_way",] == 2  # and this one itself
+        go.set()
+        thread.join(20)
+        assert figures(client)["vibrafeed_requests_under_way",] == 1
+
+
+def test_memory_and_processor_time_are_told(client):
+    found = figures(client)
+    assert found["process_resident_memory_bytes",] > 10e6
+    assert found["process_cpu_seconds_total",] > 0
+
+
+def test_parts_add_gauges_and_apps_share_nothing(client, tmp_path):
+    value = 3.0
+    client.app.state.metrics.gauge("vibrafeed_jobs_waiting", "Jobs that wait.", lambda: value)
+    assert figures(client)["vibrafeed_jobs_waiting",] == 3
+    value = 4.0
+    assert figures(client)["vibrafeed_jobs_waiting",] == 4
+    other = TestClient(create_app(Settings(data_directory=tmp_path)))
+    assert ("vibrafeed_jobs_waiting",) not in figures(other)
+
+
+class TestReadiness:
+    def test_ready(self, client, tmp_path):
+        reply = client.get("/readyz")
+        assert reply.status_code == 200
+        assert reply.json() == {"status": "ready", "checks": ["stopping", "data_directory"]}
+        assert list((tmp_path / "data").iterdir()) == []  # it leaves nothing behind
+
+    def test_a_data_directory_that_cannot_be_written(self, client, tmp_path):
+        (tmp_path / "data").write_text("a file")
+        reply = client.get("/readyz")
+        assert reply.status_code == 503
+        assert reply.headers["retry-after"]
+        assert reply.headers["content-type"] == "application/problem+json"
+        (error,) = reply.json()["errors"]
+        assert error["place"] == "data_directory"
+        assert str(tmp_path) not in reply.text
+        assert client.get("/healthz").status_code == 200
+
+    def test_every_check_is_asked_and_those_that_fail_are_named(self, client):
+        def breaks() -> None:
+            raise RuntimeError("secret words")
+
+        client.app.state.readiness += [
+            ("workers", lambda: "none has answered"),
+            ("database", breaks),
+            ("cache", lambda: None),
+        ]
+        reply = client.get("/readyz")
+        assert reply.status_code == 503
+        assert [error["place"] for error in reply.json()["errors"]] == ["workers", "database"]
+        assert "none has answered" in reply.text
+        assert "secret" not in reply.text
+        del client.app.state.readiness[:2]
+        assert client.get("/readyz").status_code == 200
