@@ -84,9 +84,7 @@ def drive(*, frequency: Any, amplitude: Any) -> Any:
     return amplitude * (2 * mp.pi * frequency) ** 2
 
 
-def throw_number(
-    *, frequency: Any, amplitude: Any, beta: Any, gravity: Any, gamma: Any = 0
-) -> Any:
+def throw_number(*, frequency: Any, amplitude: Any, beta: Any, gravity: Any, gamma: Any = 0) -> Any:
     """Return P sin(beta)/(g cos(gamma)), theory 13.2 [1]."""
     P = drive(frequency=frequency, amplitude=amplitude)
     return P * _sin_cos(beta)[0] / (gravity * _sin_cos(gamma)[1])

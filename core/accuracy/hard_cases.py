@@ -58,8 +58,9 @@ class HardCase:
 # --- how studies are written here
 
 DRIVE = {"frequency": 50.0, "amplitude": 4e-4, "beta": 20.0}
-TRACK = {**DRIVE, "alpha": 15.0, "gamma": 1.0, "delta": 2.0, "gravity": 9.80665, "friction": 0.3,
-         "radius": 0.3, "distance": 1e-3}  # fmt: skip
+# The part stays on floor and wall.
+TRACK = {**DRIVE, "amplitude": 5e-5, "alpha": 1.0, "gamma": 1.0, "delta": 5.0, "gravity": 9.80665,
+         "friction": 0.3, "radius": 0.3, "distance": 1e-5}  # fmt: skip
 K_INPUTS = ("frequency", "amplitude", "alpha", "beta", "gamma", "delta", "gravity", "friction")
 G = 9.80665
 W = 2 * math.pi * 50
@@ -155,12 +156,13 @@ def _little_and_much_friction() -> list[HardCase]:
     cases = [
         HardCase(
             f"{output}, mu = {mu:g}", family, "(3.18) divides by mu, and by mu/R in an exponent",
-            status=("slip",), **track(output, formula, friction=mu, alpha=alpha),
+            status=("slip",) if mu < 1 else ("wall_lost",), **track(
+                output, formula, friction=mu, alpha=alpha, delta=5.0 if mu < 1 else 2.0),
         )
         for output, formula in (("transport_velocity", forms.velocity_after),
                                 ("travel_time", forms.time_over))
-        for mu, alpha in ((0.0, 15.0), (5e-324, 15.0), (1e-300, 15.0), (1e-16, 15.0), (30.0, 15.0),
-                          (1e6, 15.0), (1e100, 15.0))
+        for mu, alpha in ((0.0, 1.0), (5e-324, 1.0), (1e-300, 1.0), (1e-16, 1.0), (30.0, 15.0),
+                          (1e6, 15.0), (1e100, 15.0))  # with much friction the lean would hold it
     ]  # fmt: skip
     no_friction = {**hopping(0.8), "friction": 0.0}
     speed = no_friction["amplitude"] * W * math.cos(math.radians(30))
@@ -168,7 +170,8 @@ def _little_and_much_friction() -> list[HardCase]:
         *cases,
         HardCase(
             "stick at mu = 1e9", family, "the force that could act exceeds the one that does 1e9 "
-            "times", sweep("rectangle-on-plane", "acceleration_x", **DRIVE, friction=1e9),
+            "times", sweep("rectangle-on-plane", "acceleration_x", **{**DRIVE, "amplitude": 1e-5},
+                           friction=1e9),
             "acceleration_x", known(0.0, 0.0, "stick: exactly 0"), ("stick",),
         ),
         HardCase(
@@ -176,15 +179,13 @@ def _little_and_much_friction() -> list[HardCase]:
             motion(**no_friction), "conveying_velocity",
             known(speed, 1e-14 * speed, "A0 w cos(beta), theory 13.8; ten roundings"), ("neutral",),
         ),
-        HardCase(
-            "motion, mu = 1e-300", family, "friction is below every rounding: no transient ends",
-            motion(**{**no_friction, "friction": 1e-300}), "conveying_velocity",
-            status=("limit_reached",),
-        ),
-        HardCase(
-            "motion, mu = 1e-9", family, "a transient of a thousand million periods",
-            motion(**{**no_friction, "friction": 1e-9}), "conveying_velocity",
-            _sliding_on_both_sides, ("periodic", "limit_reached"), says=True,
+        *(
+            HardCase(
+                f"motion, mu = {mu:g}", family, "a transient of 1/mu periods, or more than rounding",
+                motion(**{**no_friction, "friction": mu}), "conveying_velocity",
+                _sliding_on_both_sides(mu), ("periodic",), says=True,
+            )
+            for mu in (1e-300, 1e-12, 1e-6)
         ),
         HardCase(
             "motion, mu = 1e9, on the floor", family, "slopes of 1e9 where the part breaks loose",
@@ -209,13 +210,16 @@ def _little_and_much_friction() -> list[HardCase]:
     ]  # fmt: skip
 
 
-def _sliding_on_both_sides() -> Answer:
-    """Return the mean velocity of a part that slides at every phase, mu -> 0.
+def _sliding_on_both_sides(mu: float) -> Callable[[], Answer]:
+    """Return what gives the mean velocity of a part that never sticks, for mu -> 0.
 
-    On the level, u = v - A0 w cb cos(tau) slides back where negative; the normal force is
-    1 - Gamma sin(tau), even about tau = pi/2, so that friction has no mean at v = 0 only.
+    At the mean velocity 0 it slides forward as long as backward, -cos(tau) being positive, and the
+    normal force is even about pi/2, as friction's sign is odd: friction has no mean there.
     """
-    return Answer(0.0, 1e-6 * 0.1, "symmetry: no mean friction at 0; a millionth of the drive")
+    drive = 0.8 * G / W / math.tan(math.radians(30))
+    return known(
+        0.0, 10 * mu * drive, "limit mu -> 0; the next term is of order mu times the drive"
+    )
 
 
 def _large_and_small_bowls() -> list[HardCase]:
@@ -309,6 +313,7 @@ def _start_within_ulps() -> list[HardCase]:
                                         "limit: v^2 = 2 K x with K up to 64 ulp of P"),
             ("slip", "no_motion"),
         ))  # fmt: skip
+    # Without a drive, every speed is faster than the track.
     level = {"frequency": 50.0, "amplitude": 0.0, "beta": 0.0, "friction": 0.3, "radius": 0.3,
              "speed": 0.1}  # fmt: skip
     s = 2 * 0.3 * 0.01 / 0.3
@@ -317,7 +322,8 @@ def _start_within_ulps() -> list[HardCase]:
             "v(x) at K = 0", family, "between the branches for K > 0 and K < 0", sweep(
                 "rectangle-on-track", "transport_velocity", **level, distance=0.01),
             "transport_velocity",
-            known(0.1 * math.exp(-s / 2), 8 * EPSILON * 0.1, "v0 exp(-s/2); 8 ulp"), ("slip",),
+            known(0.1 * math.exp(-s / 2), 8 * EPSILON * 0.1, "v0 exp(-s/2); 8 ulp"),
+            ("faster_than_track",),
         ),
         HardCase(
             "t(x) at K = 0", family, "between atanh and atan", sweep(
@@ -540,8 +546,8 @@ def _chatter() -> list[HardCase]:
                             "drop_height": height, "restitution": restitution,
                             "duration": 2 * rest}},
             "settling_time",
-            known(rest, left + 1e-12 * rest, "t1 (1 + eps)/(1 - eps), less what falls below the "
-                  "speed at which a run of hops ends"),
+            known(rest, 1.5 * left + 1e-12 * rest, "t1 (1 + eps)/(1 - eps), less what falls below "
+                  "the speed at which a run of hops ends; that speed is one of late landings too"),
             ("settled",),
         ))  # fmt: skip
     chatter = {"frequency": 60.0, "amplitude": 2e-4, "beta": 32.0, "friction": 0.4,
@@ -614,8 +620,9 @@ def _subnormal_amplitudes() -> list[HardCase]:
                 "transport_velocity",
                 # v^2 = 2 K x, and K has the relative error of a subnormal product.
                 known(math.sqrt(2 * 1e-3) * math.sqrt(P) * math.sqrt(math.exp(-1e-3)),
-                      math.sqrt(2e-3) * math.sqrt(P) * (1e-5 + 16 * EPSILON),
-                      "sqrt(2 K x phi); phi = 1 - 1e-3 to 1e-6"), ("slip",),
+                      math.sqrt(2e-3) * math.sqrt(P) * (1e-6 + 5e-324 / amplitude / W),
+                      "sqrt(2 K x phi), phi = 1 - 1e-3 to 1e-6; A0 w is a multiple of 5e-324"),
+                ("faster_than_track",),
             ),
             HardCase(
                 f"motion, A0 = {amplitude:g} m", family, "every group is subnormal",
@@ -836,8 +843,8 @@ def _masses_and_sizes() -> list[HardCase]:
         rise = size * (math.sin(turn) + 0.5 * math.cos(turn)) + 0.5 * size
         lengths = {"position_x_1": 0.1 * size, "position_y_1": rise, "length_1": 2 * size,
                    "width_1": size, "length_2": 4 * size, "width_2": size}  # fmt: skip
-        return sweep("rectangle-pair-impact", "velocity_y_1_after", **oblique, **lengths,
-                     mass_1=mass, mass_2=2 * mass)  # fmt: skip
+        return {**sweep("rectangle-pair-impact", "velocity_y_1_after", **oblique, **lengths,
+                        mass_1=mass, mass_2=2 * mass), "variant": "pfeiffer_glocker"}  # fmt: skip
 
     for size, mass in ((1e-6, 1e-9), (1e6, 1e3), (1e-6, 1e3), (1e6, 1e-9)):
         cases.append(HardCase(

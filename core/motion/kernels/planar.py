@@ -873,11 +873,13 @@ def _solve(group, rows, sums, log, result):
     tolerance, most_periods = group[7], int(group[8])
     drive = Drive(c, s, gs, gn, mu_s, mu_k)
     result[:] = math.nan
-    if not (math.isfinite(c + s + gs + gn + mu_s + mu_k + e) and gn > LEAST_GRAVITY):
+    if not math.isfinite(c + s + gs + gn + mu_s + mu_k + e):
         return LIMIT_REACHED, 0, 0.0, 0
     if abs(gs) > mu_s * gn:
         # Friction gives no more than mu_s times the mean normal force, which is gravity's.
         return RUNAWAY, 0, 0.0, 0
+    if gn <= LEAST_GRAVITY:
+        return LIMIT_REACHED, 0, 0.0, 0
     least, largest, _ = _stick_range(c, s, gs, gn, mu_s)
     if s <= gn and least <= -1 and largest >= 1:
         result[:] = 0.0
