@@ -444,6 +444,36 @@ def normal_cycle(s, gn, e, most_periods, rows):
     return count, (0 if total > TURN * FEWEST_PERIODS else -1)
 
 
+@compiled
+def _doubt(rows, count, s, gn, e):
+    """Return by how much roundings may move a phase of the cycle.
+
+    They grow along a chain of hops until the part rests on the floor; where it never does, the
+    cycle is known the less, the nearer its map is to one that has it twice.
+    """
+    a, b, c, d = 1.0, 0.0, 0.0, 1.0
+    least, growth, never_rests = 2.0, 1.0, True
+    for row in range(count):
+        tau, span, w, speed = rows[row, 0], rows[row, 1], rows[row, 2], rows[row, 3]
+        if w < 0 or speed <= 0:
+            a, b, c, d, least = 1.0, 0.0, 0.0, 1.0, 2.0
+            never_rests = never_rests and w >= 0
+            continue
+        n0, n1 = gn - s * math.sin(tau), gn - s * math.sin(tau + span)
+        tt, tw = (span * n0 - w) / speed, span / speed
+        wt, ww = -e * (n0 - n1 * tt), -e * (1 - n1 * tw)
+        a, b, c, d = tt * a + tw * c, tt * b + tw * d, wt * a + ww * c, wt * b + ww * d
+        size = abs(a) + abs(b) + abs(c) + abs(d)
+        if not 1e-100 < size < 1e100:
+            a, b, c, d, size, least = 1.0, 0.0, 0.0, 1.0, 2.0, 2.0
+        least = min(least, size)
+        growth = max(growth, size / least)
+    if never_rests:
+        determinant = abs((a - 1) * (d - 1) - b * c)
+        growth = max(growth, (2 + abs(a) + abs(b) + abs(c) + abs(d)) / max(1e-9, determinant))
+    return EPSILON * (TURN + s) * growth
+
+
 # --- the motion along the track
 
 
@@ -961,7 +991,8 @@ def _solve(group, rows, sums, log, result):
         sums[:] = total
     time = periods * cycles * TURN
     result[0], result[1] = sums[0] / time, 0.0
-    result[2] = error + ROUNDING * (abs(c) + abs(gs) + mu_k * (s + gn))
+    doubt = ROUNDING + (_doubt(rows, count, s, gn, e) if s > gn else 0.0)
+    result[2] = error + doubt * (abs(c) + abs(gs) + mu_k * (s + gn))
     for mode in range(4):
         result[3 + mode] = sums[1 + mode] / time
     impacts, fastest, highest = 0, 0.0, 0.0

@@ -47,11 +47,11 @@ SHARP = 0.03
 BATCHES = 8
 
 SAFETY = 3.0
-LANDING_SHARE = 0.1
+LANDING_SHARE = 0.15
 """The estimate of the error: `SAFETY` times the largest difference of three runs and, with hops,
 this share of what a step of the finest changes in the velocity.
 
-The place of a landing within a step has the standard deviation 1/sqrt(12) of it; a third of that is
+The place of a landing within a step has the standard deviation 1/sqrt(12) of it; half of that is
 left where several landings, and friction, have a say. Three runs differ too little by chance: with
 a safety of 2 and nothing else the true error was larger in 3 % of random studies, up to 34 times;
 `benchmarks.honest_estimates` tells what is left.
