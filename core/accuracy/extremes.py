@@ -12,11 +12,13 @@ from typing import Any
 import numpy as np
 
 from core import kinds
-from core.accuracy.hard_cases import HARD_CASES, HardCase
+from core.accuracy.hard_cases import HARD_CASES, HardCase, result_of
 from core.dataset.table import CONVENTIONS, Table, Variable
 from core.errors import StudyError
 from core.quantities import MOTION_STATUSES, REGIMES
 from core.watch import Watch
+
+__all__ = ["Outcome", "result_of", "run_case", "run_catalogue", "to_markdown", "to_table"]
 
 WITHOUT_VALUE = {"unbounded", "no_motion", "stopped"}
 """Valid regimes that explain a value that is not finite; all that are not valid do so too."""
@@ -62,11 +64,6 @@ class Outcome:
         return self.error / self.stated_error
 
 
-def result_of(content: Mapping[str, Any], watch: Watch | None = None) -> Table:
-    """Return the results of a study given as a user writes it."""
-    return kinds.tabulate(kinds.prepare_content(content), watch)
-
-
 def run_case(case: HardCase, watch: Watch | None = None) -> Outcome:
     """Return what becomes of a case; warnings count as errors."""
     started = time.perf_counter()
@@ -93,9 +90,9 @@ def _judged(case: HardCase, watch: Watch | None) -> tuple[str, float, float, boo
         prepared = kinds.prepare_content(case.content)
     except StudyError as refusal:
         places = [problem.place for problem in refusal.problems]
-        right = bool(case.refused) and places == [case.refused]
-        note = str(refusal.problems[0]) if right else f"refused: {refusal}"
-        return "refused", math.nan, math.nan, right, note
+        named = bool(case.refused) and places == [case.refused]
+        note = str(refusal.problems[0]) if named else f"refused: {refusal}"
+        return "refused", math.nan, math.nan, named, note
     if case.refused:
         return "accepted", math.nan, math.nan, False, f"{case.refused} should be refused"
     variables = kinds.tabulate(prepared, watch).variables
@@ -110,15 +107,15 @@ def _judged(case: HardCase, watch: Watch | None) -> tuple[str, float, float, boo
         return status, math.nan, math.nan, True, "judged by its status"
     answer = case.answer()
     right = np.broadcast_to(answer.value, value.shape)
-    stated = np.broadcast_to(answer.error, value.shape)
+    allowed = np.broadcast_to(answer.error, value.shape)
     if case.says:
-        stated = stated + np.nan_to_num(variables["conveying_velocity_error"].values)
+        allowed = allowed + np.nan_to_num(variables["conveying_velocity_error"].values)
     same = (value == right) | (np.isnan(value) & np.isnan(right))
     with np.errstate(invalid="ignore"):
-        error = np.where(same, 0.0, np.abs(value - right))
-    worst = np.unravel_index(np.argmax(_shares(error, stated)), error.shape)
-    found, allowed = float(error[worst]), float(stated[worst])
-    return status, found, allowed, found <= allowed, answer.source
+        errors = np.where(same, 0.0, np.abs(value - right))
+    worst = np.unravel_index(np.argmax(_shares(errors, allowed)), errors.shape)
+    error, stated = float(errors[worst]), float(allowed[worst])
+    return status, error, stated, error <= stated, answer.source
 
 
 def _shares(error: Any, stated: Any) -> Any:

@@ -9,8 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from core import kinds
 from core.accuracy import closed_forms as forms
 from core.accuracy.closed_forms import EPSILON, Answer, exact
+from core.dataset.table import Table
+from core.watch import Watch
 
 Content = dict[str, Any]
 Attempt = Callable[[], tuple[float, float, str]]
@@ -53,6 +56,11 @@ class HardCase:
     refused: str = ""
     says: bool = False
     attempt: Attempt | None = None
+
+
+def result_of(content: Mapping[str, Any], watch: Watch | None = None) -> Table:
+    """Return the results of a study given as a user writes it."""
+    return kinds.tabulate(kinds.prepare_content(content), watch)
 
 
 # --- how studies are written here
@@ -105,9 +113,9 @@ def corner(output: str, formula: forms.Formula, **changes: float) -> dict[str, A
     return {"content": content, "output": output, "answer": exact(formula, **given)}
 
 
-def motion(method: str = "events", output: str = "conveying_velocity", **given: Any) -> Content:
+def motion(method: str = "events", output: str = "conveying_velocity", /, **given: Any) -> Content:
     """Return a simulation of a block on a plane; settings stand among the parameters."""
-    settings = {
+    settings: Content = {
         name: given.pop(name)
         for name in ("slip_speed", "contact_stiffness", "tolerance", "most_periods",
                      "steps_per_period")
@@ -140,8 +148,6 @@ def from_study(
     """Return what gives the output of another study, times a factor, with a relative error."""
 
     def answer() -> Answer:
-        from core.accuracy.extremes import result_of
-
         value = factor * float(result_of(content).variables[output].values)
         return Answer(value, relative * abs(value), source)
 
@@ -181,7 +187,7 @@ def _little_and_much_friction() -> list[HardCase]:
         ),
         *(
             HardCase(
-                f"motion, mu = {mu:g}", family, "a transient of 1/mu periods, or more than rounding",
+                f"motion, mu = {mu:g}", family, "a transient of 1/mu periods",
                 motion(**{**no_friction, "friction": mu}), "conveying_velocity",
                 _sliding_on_both_sides(mu), ("periodic",), says=True,
             )
@@ -516,8 +522,6 @@ def _other_phase(given: Content) -> Callable[[], Answer]:
     """Return what gives the mean by time stepping, with its own spread."""
 
     def answer() -> Answer:
-        from core.accuracy.extremes import result_of
-
         content = motion("time-stepping", **given, steps_per_period=500)
         table = result_of(content).variables
         value, error = (

@@ -23,7 +23,7 @@ from core.catalogue import needed_parameters
 from core.dataset.table import CONVENTIONS, Table, Variable
 from core.errors import StudyError
 from core.motion.systems import SYSTEMS
-from core.scenes import ALIASES, SCENES, Equation, Scene
+from core.scenes import ALIASES, SCENES, Scene
 from core.sweep.plan import scene_parameters
 from core.sweep.prepare import Prepared
 
@@ -248,20 +248,6 @@ def cheapest(scene: Scene, variant: str) -> str:
     """Return the output of a variant that needs fewest parameters."""
     outputs = [name for name in scene.outputs(variant) if name != "regime"]
     return min(outputs, key=lambda name: len(needed_parameters(scene, variant, name)))
-
-
-def reached(scene: Scene, variant: str, wanted: Sequence[str], given: Sequence[str]) -> set[str]:
-    """Return the quantities that equations have to give for some, when others are given."""
-    producers: dict[str, Equation] = {a.gives: a for a in ALIASES if set(a.inputs) <= set(given)}
-    producers |= scene.producers(variant)
-    found: set[str] = set()
-    open_names = list(wanted)
-    while open_names:
-        name = open_names.pop()
-        if name in producers and name not in given and name not in found:
-            found.add(name)
-            open_names += producers[name].inputs
-    return found
 
 
 def to_table(rows: Sequence[Footprint]) -> Table:
