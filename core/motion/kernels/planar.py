@@ -468,10 +468,17 @@ def _doubt(rows, count, s, gn, e):
             a, b, c, d, size, least = 1.0, 0.0, 0.0, 1.0, 2.0, 2.0
         least = min(least, size)
         growth = max(growth, size / least)
+    rounding = EPSILON * (TURN + s)
     if never_rests:
+        # Of a cycle that has just doubled one half may have been kept: it does not quite close.
+        last = count - 1
+        apart = (rows[last, 0] + rows[last, 1] - rows[0, 0]) / TURN
+        open_by = abs(apart - round(apart)) * TURN + abs(e * rows[last, 3] - rows[0, 2])
         determinant = abs((a - 1) * (d - 1) - b * c)
-        growth = max(growth, (2 + abs(a) + abs(b) + abs(c) + abs(d)) / max(1e-9, determinant))
-    return EPSILON * (TURN + s) * growth
+        return (rounding + open_by) * max(
+            growth, (2 + abs(a) + abs(b) + abs(c) + abs(d)) / max(1e-9, determinant)
+        )
+    return rounding * growth
 
 
 # --- the motion along the track
