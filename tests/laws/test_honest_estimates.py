@@ -1,6 +1,7 @@
 """Stated errors against better references, over some hundred random studies each.
 
-`python -m benchmarks.honest_estimates` does the same over ten thousand.
+`python -m benchmarks.honest_estimates` does the same over ten thousand. That of regularised friction,
+seconds a study, is tested on worked values in `test_regularised.py`.
 """
 
 from __future__ import annotations
@@ -28,12 +29,6 @@ def test_the_true_error_is_seldom_larger_than_the_stated_one(name: str) -> None:
         assert row.exceeded <= 0.01 + 3 * np.sqrt(0.01 / row.judged), row
         assert row.elsewhere or row.worst <= 10, row
         assert row.median > 1e-5, "an estimate that exaggerates that much says nothing"
-
-
-def test_regularised_friction_states_its_error() -> None:
-    (row,) = ESTIMATES["regularised"][0](12)
-    assert row.judged >= 6
-    assert row.worst <= 10
 
 
 def test_the_judge_sees_a_dishonest_estimate() -> None:
