@@ -1,7 +1,7 @@
 """Stated errors against better references, over some hundred random studies each.
 
-`python -m benchmarks.honest_estimates` does the same over ten thousand. That of regularised friction,
-seconds a study, is tested on worked values in `test_regularised.py`.
+`python -m benchmarks.honest_estimates` does the same over ten thousand. The estimate of regularised
+friction, seconds a study, is tested on worked values in `test_regularised.py`.
 """
 
 from __future__ import annotations
