@@ -7,9 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from app import report
-from core.accuracy import measure_study
 from core.accuracy.page import Section, head_of, sections_of, write_page
-from core.accuracy.report import machine
+from core.accuracy.report import machine, measure_study
 from core.dataset.netcdf import write_netcdf
 from core.sweep.prepare import Prepared
 from core.watch import Watch
@@ -77,7 +76,7 @@ def _draw(file: Path, folder: Path, stem: str, families: Sequence[str]) -> dict[
         from core.plots.accuracy import draw_accuracy
         from core.plots.files import save
     except ModuleNotFoundError as error:
-        report.fail(f"{error.name} is missing, and so are the pictures: pip install 'vibrafeed[plot]'")
+        report.fail(f"{error.name} is missing: no pictures. pip install 'vibrafeed[plot]'.")
         return {}
     import xarray
 

@@ -77,7 +77,7 @@ def measure(sweep: Sweep, watch: Watch, cells: int = CELLS) -> Measured:
         f"Time: wall time of one thread for one cell, blocks of {BLOCK_CELLS:,} cells in which "
         f"every parameter differs, with all that the output and its regime need; median of "
         f"{REPEATS} repeats after a warm-up.",
-        "Slope: of log(error in ulps times kappa) over log(unit roundoff of the type); 0 is flat: "
+        "Slope: of log(error in ulps over kappa) over log(unit roundoff of the type); 0 is flat: "
         "the error is rounding, whatever the type.",
     ]
     if vanishing:
@@ -147,7 +147,7 @@ def _curve(plan: Plan, name: str, given: Mapping[str, Array], watch: Watch) -> C
         name,
         "equations",
         tuple(points),
-        "flat at rounding: 0",
+        "0: flat at rounding",
         0.0,
         cost="unit_roundoff",
         of="conditioned_ulps",

@@ -163,7 +163,8 @@ def _ranks(values: Array) -> Array:
     """Return ranks, the mean one where values are equal."""
     _, where, counts = np.unique(values, return_inverse=True, return_counts=True)
     last = np.cumsum(counts)
-    return ((last - counts + last - 1) / 2)[where]
+    ranks = np.asarray((2 * last - counts - 1) / 2)
+    return ranks[where]
 
 
 def _chosen(values: Any, where: NDArray[np.bool_], cells: int) -> Array:

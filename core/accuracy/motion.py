@@ -99,14 +99,12 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
     """Return error and time of every method that can follow the motion of a study."""
     scene, grid = simulation.plan.scene, simulation.grid
     settings = {
-        name: value
-        for name, value in simulation.study.settings().items()
-        if name == "most_periods"
+        name: value for name, value in simulation.study.settings().items() if name == "most_periods"
     }
     exact = "events" if _is_planar(scene, grid) else None
     given = random_cells(grid, CANDIDATES * cells, [*grid.axes, *grid.fixed])
     given = {name: values for name, values in given.items() if _is_used(scene, name)}
-    share = _shared(watch, 0.05)
+    share = _shared(watch, 0.04)
     quick = _warm(scene, exact or "time-stepping", given, settings, share)
     moves = quick.periodic & (np.abs(quick.velocity) > ROUNDING)
     chosen = np.flatnonzero(moves & _first_of_its_kind(given))
@@ -117,7 +115,7 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
     if not chosen.size:
         note = f"No cell of {left} random ones has a motion that repeats: nothing is measured."
         return Measured("motion", (), (note,))
-    reference = run_method(scene, "reference", picked, {}, _shared(watch, 0.25))
+    reference = run_method(scene, "reference", picked, {}, _shared(watch, 0.3))
     sound = reference.periodic & (reference.estimate < REFERENCE_ERROR)
     if exact:
         ours = _warm(scene, exact, picked, {**settings, "tolerance": 1e-12}, share)
@@ -143,7 +141,7 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
             f"'reference' (order 8 between events, no code in common) for events. The two differ "
             f"by at most {apart:.1e}: what is smaller cannot be told."
         )
-        curves += _events(scene, picked, truth, hops, floor, _shared(watch, 0.05))
+        curves += _events(scene, picked, truth, hops, floor, _shared(watch, 0.02))
         truth = ours.velocity[sound]
     else:
         notes.append(
@@ -160,7 +158,7 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
         )
     )
     if "regularised" in scene.variants:
-        curves += _regularised(scene, picked, truth, hops, _shared(watch, 0.4))
+        curves += _regularised(scene, picked, truth, hops, _shared(watch, 0.35))
     if watch.stopped():
         notes.append("The time given ran out: settings that were not reached are left out.")
     return Measured("motion", tuple(curves), tuple(notes))
@@ -263,20 +261,19 @@ def _events(
     watch: Watch,
 ) -> Iterator[Curve]:
     """Yield the motion from event to event by its tolerance."""
+    each = _shared(watch, 1 / (len(TOLERANCES) * len(set(hops.tolist()))))
     for group, here, true in _groups(cells, truth, hops):
         points = [
             _point(
                 f"tolerance {tolerance:.0e}",
                 tolerance,
-                _repeated(scene, "events", here, {"tolerance": tolerance}, watch),
+                _repeated(scene, "events", here, {"tolerance": tolerance}, each),
                 true,
                 floor,
             )
             for tolerance in TOLERANCES
         ]
-        says = "steep" if group == "hopping" else "at the reference's error with every tolerance"
-        slope = STEEP if group == "hopping" else np.nan
-        yield _curve("events", group, points, says, slope, floor)
+        yield _curve("events", group, points, "steep", STEEP, floor)
 
 
 def _stepping(
@@ -288,6 +285,7 @@ def _stepping(
     watch: Watch,
 ) -> Iterator[Curve]:
     """Yield time stepping by its steps, and what two of its runs extrapolate to."""
+    each = _shared(watch, 1 / (len(STEPS) * len(set(hops.tolist()))))
     is_planar = "alpha" not in cells or not np.any(cells["alpha"])
     is_planar &= "radius" not in cells and "delta" not in cells
     for group, here, true in _groups(cells, truth, hops):
@@ -297,7 +295,7 @@ def _stepping(
         for n in STEPS:
             if not watch.stopped():
                 settings = {"steps_per_period": float(n)}
-                runs[n] = _repeated(scene, "time-stepping", here, settings, watch)
+                runs[n] = _repeated(scene, "time-stepping", here, settings, each)
         plain = [_point(f"{n} steps", n, run, true, floor) for n, run in runs.items()]
         yield _curve("time-stepping", group, plain, str(-order), -order, floor)
         limits = []
@@ -332,6 +330,7 @@ def _regularised(
     first = np.sort(
         np.concatenate([np.flatnonzero(hops)[: STIFF_CELLS - 1], np.flatnonzero(~hops)[:1]])
     )
+    each = _shared(watch, 1 / (len(SLIP_SPEEDS) * len(STIFF)))
     few = {name: values[first] for name, values in cells.items()}
     for method in (name for name in STIFF if name in scene.variants):
         points = []
@@ -339,8 +338,8 @@ def _regularised(
             if watch.stopped():
                 break
             settings = {"slip_speed": slip, "contact_stiffness": slip**-2}
-            run = run_method(scene, method, few, settings, watch)
+            run = run_method(scene, method, few, settings, each)
             points.append(_point(f"slip speed {slip:.1e}", slip, run, truth[first]))
-        curve = _curve(method, "sliding and hopping", points, "2/3 over slip speed", 2 / 3, 0.0)
+        curve = _curve(method, "sliding and hopping", points, "2/3", 2 / 3, 0.0)
         if curve.points:
             yield replace(curve, cost="value")

@@ -45,15 +45,15 @@ class Answer:
         Wall time for one design.
     evaluations : ndarray, shape (cells,)
         Points at which the outputs were computed.
-    whole : bool
-        False if it was stopped.
+    done : ndarray of bool, shape (cells,)
+        The designs that were reached before it was stopped.
     """
 
     value: Array
     x: Array
     seconds: float
     evaluations: Array
-    whole: bool
+    done: NDArray[np.bool_]
 
 
 def answer(
@@ -72,38 +72,13 @@ def answer(
         found = solve(problem, design, scales, watch)
         times.append(time.perf_counter() - started)
     cells = cells_of(design)
-    seconds = statistics.median(times) / cells
+    done = np.asarray(found.status != STATUS["not_computed"])
+    seconds = statistics.median(times) / max(1, done.sum())
     lost = np.isnan(found.x).any(axis=0)
     x = np.where(lost, problem.lower[:, None], found.x)
     value = np.broadcast_to(problem.judged(x, design, scales)[0], cells)
     used = np.broadcast_to(np.asarray(found.evaluations, dtype=np.float64), cells)
-    whole = not np.any(found.status == STATUS["not_computed"])
-    return Answer(np.where(lost, -np.inf, value), found.x, seconds, used, whole)
-
-
-def compared(
-    problem: Problem,
-    design: Mapping[str, Array],
-    scales: Mapping[str, Array],
-    best: Array,
-    names: Mapping[str, Watch],
-) -> dict[str, tuple[Array, float, Array]]:
-    """Return errors, seconds a design and evaluations of methods that can solve a problem.
-
-    Parameters
-    ----------
-    best : ndarray, shape (cells,)
-        The exact objectives.
-    names : mapping of str to Watch
-        The methods, and what may stop each.
-    """
-    results = {}
-    for name, watch in names.items():
-        if refusal(name, problem) is None:
-            found = answer(name, problem, design, scales, watch)
-            error = np.abs(best - found.value) / problem.scale(scales)
-            results[name] = error, found.seconds, found.evaluations
-    return results
+    return Answer(np.where(lost, -np.inf, value), found.x, seconds, used, done)
 
 
 def measure(optimisation: Optimisation, watch: Watch, seconds: float) -> Measured:
@@ -135,16 +110,18 @@ def measure(optimisation: Optimisation, watch: Watch, seconds: float) -> Measure
         mine = replace(watch, progress=None, deadline=time.monotonic() + max(each, 0.0))
         answers[name] = answer(name, problem, design, scales, mine)
         watch.advance(1 / len(names))
-    whole = {name: one for name, one in answers.items() if one.whole}
-    late = [name for name in names if name not in whole]
-    known = next((n for n in ("exact", "newton") if n in whole), None)
-    values = np.stack([one.value for one in whole.values()])
+    late = [name for name in names if name not in answers or not answers[name].done.all()]
+    known = next((n for n in ("exact", "newton") if n in answers), None)
+    if not answers:
+        return Measured("optimisers", (), ("It was stopped before the first method.",))
+    values = np.stack([one.value for one in answers.values()])
     winner = np.asarray(values.argmax(axis=0))
     best = values.max(axis=0)
-    x = np.stack([one.x for one in whole.values()])[winner, :, np.arange(winner.size)].T
+    x = np.stack([one.x for one in answers.values()])[winner, :, np.arange(winner.size)].T
     if known:
-        has = np.isfinite(whole[known].value)
-        best, x = np.where(has, whole[known].value, best), np.where(has, whole[known].x, x)
+        exact = answers[known]
+        has = np.isfinite(exact.value)
+        best, x = np.where(has, exact.value, best), np.where(has, exact.x, x)
         notes.append(f"Reference: {_kind(known, problem)}; its own gap is 0 by definition.")
     else:
         notes.append(
@@ -154,34 +131,37 @@ def measure(optimisation: Optimisation, watch: Watch, seconds: float) -> Measure
     answered = np.isfinite(best)
     notes.insert(
         0,
-        f"{places.size} random designs of {cells:,} (seed {SEED}), {answered.sum()} of them with an "
-        "answer. Gap: of the objective, as a share of its scale, the largest size of "
-        "the output over the bounds. Error of the variables: distance to the reference's, as a "
+        f"{places.size} random designs of {cells:,} (seed {SEED}), {answered.sum()} of them with "
+        "an answer. Gap: of the objective, as a share of its scale, the largest size of the output "
+        "over the bounds. Error of the variables: distance to the reference's, as a "
         "share of their range; where the objective hardly depends on them it is large and does "
         f"not matter. Missed: a gap above {MISSED:g}. Time: wall time for one design, all designs "
         "in one call.",
     )
     if late:
-        notes.append(f"Not finished in the time given: {', '.join(late)}.")
+        notes.append(f"Stopped before all designs were done: {', '.join(late)}.")
     if not answered.any():
         return Measured("optimisers", (), (*notes, "No design has an answer."))
-    size = problem.scale(scales)[answered]
+    size = np.broadcast_to(problem.scale(scales), answered.shape)
     span = (problem.upper - problem.lower)[:, None]
     curves = []
-    for name, one in whole.items():
-        gap = np.abs(best[answered] - one.value[answered]) / size
-        apart = (np.abs(one.x - x) / span).max(axis=0)[answered]
+    for name, one in answers.items():
+        used = answered & one.done
+        if not used.any():
+            continue
+        gap = np.abs(best - one.value)[used] / size[used]
+        apart = (np.abs(one.x - x) / span).max(axis=0)[used]
         point = Point(
             name,
             np.nan,
             float(np.median(gap)),
             float(gap.max()),
             one.seconds,
-            int(answered.sum()),
+            int(used.sum()),
             {
                 "variable_error": float(np.median(_found(apart))),
                 "missed": float(np.mean(gap > MISSED)),
-                "evaluations": float(np.median(one.evaluations[answered])),
+                "evaluations": float(np.median(one.evaluations[used])),
             },
         )
         curves.append(Curve("optimisers", problem.criterion.output, name, (point,)))

@@ -11,13 +11,14 @@ from core.accuracy.curves import FAMILIES, STEEP, Curve, Measured, Point, number
 from core.accuracy.report import Part
 
 TITLES = {
-    "closed_forms": "Closed forms: rounding",
-    "motion": "Motion in time: methods",
+    "closed_forms": "Rounding of the closed forms",
+    "motion": "Methods of motion",
     "optimisers": "Optimisers",
     "storage": "Files",
-    "model": "The formulas against the true motion",
+    "model": "Formulas against the true motion",
 }
 NO_NUMBER = "-"
+PLAIN = (10.0, 1e5)  # numbers that are written without a power of ten
 
 Column = tuple[str, Callable[[Curve, Point], str]]
 
@@ -41,8 +42,10 @@ def write_page(title: str, head: Sequence[str], sections: Sequence[Section]) -> 
 def head_of(attributes: Mapping[str, str], command: str) -> list[str]:
     """Return the first paragraphs: what the page is, and what its numbers depend on."""
     return [
-        "Error against run time, measured by the program itself. The whole page is made by",
-        f"```\n{command}\n```",
+        "Error against run time, measured by the program itself. The whole page is made by the "
+        "command",
+        f"```sh\n{command}\n```",
+        "and each part of it by the one that stands there.",
         f"Machine: {attributes['machine']}. Date: {attributes['date']}. Versions: "
         f"{attributes['versions']}. Times vary from run to run, errors do not: the cells are drawn "
         "with a fixed seed.",
@@ -57,8 +60,8 @@ def sections_of(part: Part, pictures: Mapping[str, str]) -> Iterator[Section]:
     `pictures` holds the file of each family's picture, relative to the page.
     """
     for measured in part.measured:
-        yield Section(f"{TITLES[measured.family]}: {Path(part.name).stem}",
-                      _body(part, measured, pictures.get(measured.family)))  # fmt: skip
+        title = f"{TITLES[measured.family]} ({Path(part.name).stem})"
+        yield Section(title, _body(part, measured, pictures.get(measured.family)))
 
 
 def command_of(name: str, family: str) -> str:
@@ -77,6 +80,7 @@ def _body(part: Part, measured: Measured, picture: str | None) -> str:
     if rows:
         lines.append(_table(COLUMNS[family], rows))
     slopes = [(c, c.points[-1]) for c in measured.curves if c.expected and c.points]
+    slopes = [(c, p) for c, p in slopes if not math.isnan(c.slope) or c.expected_slope == STEEP]
     if slopes:
         lines.append(_table(SLOPES, slopes))
     if picture:
@@ -90,12 +94,15 @@ def _table(columns: Sequence[Column], rows: Iterable[tuple[Curve, Point]]) -> st
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def _number(value: float, digits: int = 2) -> str:
+def _number(value: float) -> str:
+    """Return a number with two digits."""
     if math.isnan(value):
         return NO_NUMBER
+    if math.isinf(value):
+        return "none found"
     if value == 0:
         return "0"
-    return "none found" if math.isinf(value) else f"{value:.{digits}g}"
+    return f"{value:.0f}" if PLAIN[0] <= abs(value) < PLAIN[1] else f"{value:.2g}"
 
 
 def _time(seconds: float) -> str:
@@ -114,7 +121,13 @@ def _share(value: float) -> str:
 def _slope(value: float) -> str:
     if value == STEEP:
         return "steep: less error at the same cost"
-    return NO_NUMBER if math.isnan(value) else f"{value + 0.0:.2f}"
+    return NO_NUMBER if math.isnan(value) else f"{round(value, 2) + 0.0:.2f}"
+
+
+def _fitted(curve: Curve, _: Point) -> str:
+    if all(numbers_of(point, curve.of) <= curve.floor for point in curve.points):
+        return "all at the reference's error"
+    return _slope(curve.slope)
 
 
 def _more(name: str, show: Callable[[float], str] = _number) -> Callable[[Curve, Point], str]:
@@ -161,6 +174,7 @@ COLUMNS: dict[str, tuple[Column, ...]] = {
     ),
     "optimisers": (
         METHOD,
+        ("designs", CELLS[1]),
         ("time of a design", TIME[1]),
         ("points", _more("evaluations", lambda v: f"{v:,.0f}")),
         ("median gap", MEDIAN[1]),
@@ -185,7 +199,7 @@ COLUMNS: dict[str, tuple[Column, ...]] = {
         MEDIAN,
         ("within 10 %", _more("within_tenth", _share)),
         ("within a factor of 2", _more("within_factor_two", _share)),
-        ("rank correlation", _more("rank_correlation", lambda v: _slope(v))),
+        ("rank correlation", _more("rank_correlation", _slope)),
     ),
 }
 """The columns of each family's table."""
@@ -193,6 +207,6 @@ COLUMNS: dict[str, tuple[Column, ...]] = {
 SLOPES: tuple[Column, ...] = (
     ("curve", lambda c, _: c.method if c.family == "storage" else f"{c.subject}, {c.method}"),
     ("slope of", lambda c, _: f"{WORDS[c.of]} over {WORDS[c.cost]}"),
-    ("fitted", lambda c, _: _slope(c.slope)),
+    ("fitted", _fitted),
     ("expected", lambda c, _: c.expected),
 )

@@ -217,5 +217,3 @@ def thinned(grid: Grid, most: int) -> Grid:
         values = (float(axis_values(axis, k, k + 1)[0]) for k in sorted(places))
         axes[name] = Points(tuple(values))
     return Grid(axes, grid.fixed)
-
-

@@ -60,7 +60,7 @@ def _closed_forms(points: xarray.Dataset, title: str) -> Figure | None:
         half = float(points["unit_roundoff"].values[settings == name][0]) / 2
         left.axhline(half, color=QUIET, lw=0.8, ls="--")
         left.text(0.99, half, f"half an ulp, {name}", transform=left.get_yaxis_transform(),
-                  ha="right", va="bottom", fontsize=8, color=QUIET)  # fmt: skip
+                  ha="right", va="top", fontsize=8, color=QUIET)  # fmt: skip
     left.set_ylabel("Error, share of the value")
     right.set_ylabel("Largest error, ulps")
     left.set_title("median (mark) to largest (line's end)", loc="left", fontsize=9)
@@ -93,11 +93,14 @@ def _motion(points: xarray.Dataset, title: str) -> Figure | None:
             )
         floor = points["reference_error"].values[subjects == subject].max()
         axes.axhspan(1e-14, floor, color="#dddddd", alpha=0.6, lw=0)
-        axes.text(0.99, floor, "the reference's own error", ha="right", va="top", fontsize=8,
-                  transform=axes.get_yaxis_transform(), color=QUIET)  # fmt: skip
-        axes.set_ylim(1e-14, None)
+        axes.text(0.99, floor, "the reference's own error", ha="right", va="bottom",
+                  fontsize=8, transform=axes.get_yaxis_transform(), color=QUIET)  # fmt: skip
+        axes.set_yscale("log")
         axes.set_xlabel("Time of a cell [ms]")
         axes.set_title(f"{words(subject)}: median (mark) to largest", loc="left", fontsize=9)
+    low, high = (end(axes.get_ylim()[k] for axes in sheets) for k, end in ((0, min), (1, max)))
+    for axes in sheets:
+        axes.set_ylim(max(low, 1e-14), high)
     sheets[0].set_ylabel("Error of the mean velocity over A w")
     _finish(figure, sheets[0], sheets)
     return figure
@@ -228,12 +231,11 @@ def _line(
     axes.plot(cost, low, marker + "-", color=colour, ms=5, lw=1.2, label=words(label))
 
 
-def _finish(
-    figure: Figure, first: Axes, sheets: Sequence[Axes], *, log_cost: bool = True
-) -> None:
+def _finish(figure: Figure, first: Axes, sheets: Sequence[Axes], *, log_cost: bool = True) -> None:
     for axes in sheets:
-        if axes.get_yscale() == "linear":
+        if axes.get_yscale() != "symlog":
             axes.set_yscale("log")
+            axes.yaxis.set_major_formatter(FuncFormatter(_tick))
         if log_cost:
             axes.set_xscale("log")
         axes.grid(visible=True, color="#000000", alpha=0.12, linewidth=0.6)
@@ -241,3 +243,10 @@ def _finish(
     handles, labels = first.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower left", ncols=min(5, len(labels) or 1),
                   frameon=False, fontsize=9)  # fmt: skip
+
+
+def _tick(value: float, _: object = None) -> str:
+    """Return the label of a tick; the lowest stands for no error."""
+    if value <= NOTHING * 1.01:
+        return "0" if value >= NOTHING * 0.99 else ""
+    return f"$10^{{{round(np.log10(value))}}}$"
