@@ -52,7 +52,7 @@ def measure(sweep: Sweep, watch: Watch, cells: int = CELLS) -> Measured:
     """Return error and time of every output of a sweep, in each type of float."""
     curves, left_out, vanishing = [], [], []
     outputs = sweep.plan.outputs
-    share = Watch(lambda done: watch.advance(done / (3 * len(outputs))), watch.stop)
+    share = replace(watch, progress=lambda done: watch.advance(done / (3 * len(outputs))))
     for name in outputs:
         if watch.stopped():
             left_out.append(name)

@@ -156,7 +156,7 @@ def rank_correlation(one: Array, other: Array) -> float:
     ranks = [_ranks(values) for values in (one, other)]
     if min(np.ptp(values) for values in ranks) == 0:
         return float("nan")
-    return float(np.corrcoef(ranks)[0, 1])
+    return float(np.asarray(np.corrcoef(ranks))[0, 1])
 
 
 def _ranks(values: Array) -> Array:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import importlib
+import math
 import statistics
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -62,14 +64,24 @@ def answer(
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
     watch: Watch,
+    seconds: float = math.inf,
 ) -> Answer:
-    """Return what a method finds, after a first design that loads and compiles it."""
+    """Return what a method finds in some seconds, after a first design that loads and compiles it.
+
+    scipy's methods, which take long for each design, have nothing to compile.
+    """
     solve, first = METHODS[name].solve, slice(0, 1)
-    solve(problem, chosen_cells(design, first), chosen_cells(scales, first), Watch())
-    times: list[float] = []
-    while not times or (len(times) < REPEATS and times[0] < SHORT):
+    if METHODS[name].at_once:
+        solve(problem, chosen_cells(design, first), chosen_cells(scales, first), Watch())
+    else:
+        importlib.import_module("scipy.optimize")
+    late = min(time.monotonic() + seconds, watch.deadline or math.inf)
+    started = time.perf_counter()
+    found = solve(problem, design, scales, replace(watch, progress=None, deadline=late))
+    times = [time.perf_counter() - started]
+    while times[0] < SHORT and len(times) < REPEATS:
         started = time.perf_counter()
-        found = solve(problem, design, scales, watch)
+        solve(problem, design, scales, Watch())
         times.append(time.perf_counter() - started)
     cells = cells_of(design)
     done = np.asarray(found.status != STATUS["not_computed"])
@@ -81,8 +93,13 @@ def answer(
     return Answer(np.where(lost, -np.inf, value), found.x, seconds, used, done)
 
 
-def measure(optimisation: Optimisation, watch: Watch, seconds: float) -> Measured:
-    """Return gap, error of the variables and time of every method for the study's problem."""
+def measure(
+    optimisation: Optimisation, watch: Watch, seconds: float, methods: Collection[str] = METHODS
+) -> Measured:
+    """Return gap, error of the variables and time of methods for the study's problem.
+
+    They share the seconds.
+    """
     problem = optimisation.problem
     notes = []
     count = DESIGNS_MOTION if problem.is_motion else DESIGNS
@@ -99,7 +116,7 @@ def measure(optimisation: Optimisation, watch: Watch, seconds: float) -> Measure
             f"Of the front, the point is compared at which |{against}| is at most "
             f"{FRONT_LIMIT:g} of its scale."
         )
-    names = [name for name in METHODS if refusal(name, problem) is None]
+    names = [name for name in methods if refusal(name, problem) is None]
     answers: dict[str, Answer] = {}
     ends = time.monotonic() + seconds
     for position, name in enumerate(names):
@@ -107,8 +124,7 @@ def measure(optimisation: Optimisation, watch: Watch, seconds: float) -> Measure
             break
         # What a fast method leaves over, the slow ones after it share.
         each = (ends - time.monotonic()) / (len(names) - position)
-        mine = replace(watch, progress=None, deadline=time.monotonic() + max(each, 0.0))
-        answers[name] = answer(name, problem, design, scales, mine)
+        answers[name] = answer(name, problem, design, scales, watch, max(each, 0.0))
         watch.advance(1 / len(names))
     late = [name for name in names if name not in answers or not answers[name].done.all()]
     known = next((n for n in ("exact", "newton") if n in answers), None)

@@ -131,8 +131,8 @@ def errors_of_file(path: Path, values: Mapping[str, NDArray[Any]]) -> NDArray[np
         for name, true in values.items():
             read = np.asarray(file[name][...], dtype=np.float64)
             known = np.isfinite(true) & (true != 0)
-            errors.append(np.abs(read - true)[known] / np.abs(true)[known])
-    return np.concatenate([error.ravel() for error in errors]) if errors else np.zeros(0)
+            errors.append(np.abs(read[known] - true[known]) / np.abs(true[known]))
+    return np.concatenate(errors) if errors else np.zeros(0)
 
 
 def _point(

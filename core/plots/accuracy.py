@@ -24,6 +24,7 @@ NOTHING = 1e-18  # stands for no error at all
 NO_ANSWER = 10.0  # stands for an answer that was not found
 QUIET = "#777777"
 MOST_RATIO = 30.0
+LEAST_ULPS, MOST_ULPS = 1e-2, 1e16  # no error, and no digit right
 
 Values = NDArray[np.float64]
 
@@ -52,10 +53,13 @@ def _closed_forms(points: xarray.Dataset, title: str) -> Figure | None:
         cost = here["time_per_cell"].values * 1e9
         colour = COLOURS[number % len(COLOURS)]
         _line(left, cost, here["error"].values, here["error_largest"].values, colour, subject)
-        kappa = here["conditioned_ulps"].values
-        right.plot(cost, here["ulps"].values, "o", color=colour, mfc="white", ms=6)
+        whole, kappa = (
+            np.clip(np.nan_to_num(here[key].values, posinf=MOST_ULPS), LEAST_ULPS, MOST_ULPS)
+            for key in ("ulps", "conditioned_ulps")
+        )
+        right.plot(cost, whole, "o", color=colour, mfc="white", ms=6)
         right.plot(cost, kappa, "o-", color=colour, ms=6, lw=1)
-        right.vlines(cost, kappa, here["ulps"].values, color=colour, lw=1, ls=":")
+        right.vlines(cost, kappa, whole, color=colour, lw=1, ls=":")
     for name in dict.fromkeys(settings):
         half = float(points["unit_roundoff"].values[settings == name][0]) / 2
         left.axhline(half, color=QUIET, lw=0.8, ls="--")
@@ -74,6 +78,8 @@ def _closed_forms(points: xarray.Dataset, title: str) -> Figure | None:
 def _motion(points: xarray.Dataset, title: str) -> Figure | None:
     subjects, methods = _flag(points, "subject"), _flag(points, "method")
     panels = [s for s in ("sliding_cells", "hopping_cells") if s in subjects]
+    if not panels:
+        return None
     figure, sheets = _sheet("Methods of motion", title, len(panels))
     named = list(dict.fromkeys(methods))
     for axes, subject in zip(sheets, panels, strict=True):
