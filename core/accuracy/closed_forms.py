@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from core.accuracy.cells import REPEATS, median_seconds, random_cells
 from core.accuracy.curves import Curve, Measured, Point
-from core.accuracy.precise import CONTEXT, NotPreciseError, exact_values, sensitivities
+from core.accuracy.precise import CONTEXT, exact_values, sensitivities
 from core.mechanics.arrays import Array
 from core.motion.run import run_equations
 from core.sweep.evaluate import BLOCK_CELLS
@@ -20,6 +20,7 @@ from core.sweep.prepare import Sweep
 from core.watch import Watch
 
 CELLS = 200
+PIECE = 20  # cells at a time, between two looks at the watch
 TYPES: dict[str, Any] = {"float32": np.float32, "float64": np.float64}
 VANISHES = 1e-35  # SI units: what 50 digits leave of a value that is 0 by law
 
@@ -49,27 +50,34 @@ class Errors:
 
 
 def measure(sweep: Sweep, watch: Watch, cells: int = CELLS) -> Measured:
-    """Return error and time of every output of a sweep, in each type of float."""
+    """Return error and time of every output of a sweep, in each type of float.
+
+    Cells are added, some at a time, until there are so many or the watch stops it.
+    """
+    plan = sweep.plan
+    given = random_cells(sweep.grid, cells, plan.parameters)
+    pieces: list[_Known] = []
+    share = replace(watch, progress=lambda done: watch.advance(0.9 * done / cells))
+    for start in range(0, cells, PIECE):
+        if pieces and watch.stopped():
+            break
+        piece = {name: values[start : start + PIECE] for name, values in given.items()}
+        pieces.append(_known(plan, piece, share))
+    done = min(cells, len(pieces) * PIECE)
+    given = {name: values[:done] for name, values in given.items()}
     curves, left_out, vanishing = [], [], []
-    outputs = sweep.plan.outputs
-    share = replace(watch, progress=lambda done: watch.advance(done / (3 * len(outputs))))
-    for name in outputs:
-        if watch.stopped():
+    for name in plan.outputs:
+        if name not in pieces[0].moved:
             left_out.append(name)
             continue
-        plan = sweep.plan.only(name)
-        given = random_cells(sweep.grid, cells, plan.parameters)
-        try:
-            curve = _curve(plan, name, given, share)
-        except NotPreciseError:
-            left_out.append(name)
-            continue
+        curve = _curve(plan, name, given, _joined(pieces, name))
         if curve is None:
             vanishing.append(name)
         else:
             curves.append(curve)
+        watch.advance(0.1 / len(plan.outputs))
     notes = [
-        f"{cells} random cells of the grid (seed 2004); the reference is the plan's own equations "
+        f"{done} random cells of the grid (seed 2004); the reference is the plan's own equations "
         "to 50 digits, at the parameters as each type of float holds them.",
         "Error: share of the exact value. An ulp is a unit in the last place of the exact value; "
         "kappa is the sum of |x dF/dx| over |F| for the parameters, at least 1: what rounding of "
@@ -83,7 +91,7 @@ def measure(sweep: Sweep, watch: Watch, cells: int = CELLS) -> Measured:
     if vanishing:
         notes.append(f"Zero by law, without a relative error: {', '.join(vanishing)}.")
     if left_out:
-        notes.append(f"Not known to 50 digits, or out of time: {', '.join(left_out)}.")
+        notes.append(f"Not known to 50 digits, since an equation rounds: {', '.join(left_out)}.")
     return Measured("closed_forms", tuple(curves), tuple(notes))
 
 
@@ -128,16 +136,48 @@ def errors_of(
     return Errors(relative, ulps, conditioned, condition)
 
 
-def _curve(plan: Plan, name: str, given: Mapping[str, Array], watch: Watch) -> Curve | None:
-    moved = sensitivities(plan, given, watch=watch)[name]
+@dataclass(frozen=True)
+class _Known:
+    """Exact values of some cells by type of float, and how the parameters move them."""
+
+    exact: Mapping[str, Mapping[str, NDArray[np.object_]]]
+    moved: Mapping[str, NDArray[np.object_]]
+
+
+def _known(plan: Plan, cells: Mapping[str, Array], watch: Watch) -> _Known:
+    """Return what is known to 50 digits at cells, all outputs at once."""
+    count = max((values.size for values in cells.values()), default=1)
+    share = replace(watch, progress=lambda done: watch.advance(done * count / (len(TYPES) + 1)))
+    exact = {
+        title: exact_values(
+            _with_defaults(plan, dtype),
+            {name: values.astype(dtype) for name, values in cells.items()},
+            partial=True,
+            watch=share,
+        )
+        for title, dtype in TYPES.items()
+    }
+    return _Known(exact, sensitivities(plan, cells, partial=True, watch=share))
+
+
+def _joined(pieces: Sequence[_Known], name: str) -> _Known:
+    """Return what is known of one output at the cells of all pieces."""
+    exact = {t: {name: np.concatenate([p.exact[t][name] for p in pieces])} for t in TYPES}
+    return _Known(exact, {name: np.concatenate([p.moved[name] for p in pieces])})
+
+
+def _curve(plan: Plan, name: str, given: Mapping[str, Array], known: _Known) -> Curve | None:
+    """Return the errors and times of one output, None if it is 0 by law."""
+    plan = plan.only(name)
     points = []
     for title, dtype in TYPES.items():
-        held = {key: values.astype(dtype) for key, values in given.items()}
-        wide = {key: values.astype(np.float64) for key, values in held.items()}
-        rounded = _with_defaults(plan, dtype)
-        exact = exact_values(rounded, wide, watch=watch)[name]
-        errors = errors_of(_evaluate(plan, held, dtype)[name], exact, moved, dtype)
-        if np.isnan(errors.relative).all():
+        held = {key: given[key].astype(dtype) for key in plan.parameters}
+        got = _evaluate(plan, held, dtype)[name]
+        count = known.moved[name].size
+        errors = errors_of(
+            np.broadcast_to(got, count), known.exact[title][name], known.moved[name], dtype
+        )
+        if all(abs(value) < VANISHES for value in known.exact[title][name]):
             return None
         block = {key: np.resize(values, BLOCK_CELLS) for key, values in held.items()}
         seconds = median_seconds(lambda b=block, d=dtype: _evaluate(plan, b, d))  # type: ignore[misc]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import mpmath
@@ -32,7 +33,7 @@ CONSTANTS = {
     1 / 3: CONTEXT.mpf(1) / 3,
     2 / 3: CONTEXT.mpf(2) / 3,
 }
-"""What floats in the equations stand for; all others are taken as they are, as parameters are."""
+"""What floats that stand in equations mean; all others, and parameters, are what they are."""
 
 STEP = CONTEXT.mpf(10) ** -20
 """Relative step of the differences behind a condition number."""
@@ -258,7 +259,7 @@ def _labelled(result: Any) -> Any:
 
 
 def exact_values(
-    plan: Plan, cells: Mapping[str, Array], *, watch: Watch | None = None
+    plan: Plan, cells: Mapping[str, Array], *, partial: bool = False, watch: Watch | None = None
 ) -> dict[str, NDArray[np.object_]]:
     """Return the outputs of a plan of closed forms at given cells, to 50 digits.
 
@@ -268,6 +269,8 @@ def exact_values(
         What to compute; every parameter of it is among the cells.
     cells : mapping of str to ndarray, shape (n,)
         The parameters, SI units; each float is taken as it is, to its last bit.
+    partial : bool
+        Leave out what an equation rounds on its way to, instead of an error.
     watch : Watch, optional
         Told of progress.
 
@@ -279,13 +282,14 @@ def exact_values(
     Raises
     ------
     NotPreciseError
-        If an equation rounds on its way.
+        If an equation rounds on its way; not if `partial`.
     """
-    return _outputs(plan, *_columns(cells), watch)
+    columns, size = _columns(cells)
+    return _outputs(plan, columns, size, partial, watch or Watch())
 
 
 def sensitivities(
-    plan: Plan, cells: Mapping[str, Array], *, watch: Watch | None = None
+    plan: Plan, cells: Mapping[str, Array], *, partial: bool = False, watch: Watch | None = None
 ) -> dict[str, NDArray[np.object_]]:
     """Return sum |x dF/dx| of each output over the parameters; as `exact_values`.
 
@@ -295,47 +299,73 @@ def sensitivities(
     watch = watch or Watch()
     columns, size = _columns(cells)
     names = [name for name in columns if name in plan.parameters]
-    share = Watch(lambda done: watch.advance(done / max(1, 2 * len(names))), watch.stop)
-    moved = {name: np.full(size, CONTEXT.zero) for name in plan.outputs}
+    share = replace(watch, progress=lambda done: watch.advance(done / max(1, 2 * len(names))))
+    moved: dict[str, Any] = dict.fromkeys(plan.outputs, np.full(size, CONTEXT.zero))
     for name in names:
         up, down = (
-            _outputs(plan, {**columns, name: columns[name] * Number(1 + way * STEP)}, size, share)
+            _outputs(
+                plan,
+                {**columns, name: columns[name] * Number(1 + way * STEP)},
+                size,
+                partial,
+                share,
+            )
             for way in (1, -1)
         )
-        for output, total in moved.items():
-            moved[output] = total + abs(up[output] - down[output]) / (2 * STEP)
+        moved = {
+            output: total + abs(up[output] - down[output]) / (2 * STEP)
+            for output, total in moved.items()
+            if output in up
+        }
     return moved
 
 
 def _columns(cells: Mapping[str, Array]) -> tuple[dict[str, Any], int]:
-    """Return the cells as numbers, all of one length, and that length."""
-    columns = {name: _numbers(np.atleast_1d(values)) for name, values in cells.items()}
+    """Return the cells as numbers, all of one length, and that length.
+
+    A parameter is the float that it is: of 180 degrees the sine is not 0.
+    """
+    columns = {name: _AS_GIVEN(np.atleast_1d(values)) for name, values in cells.items()}
     size = max((column.size for column in columns.values()), default=1)
     return {name: np.broadcast_to(column, size) for name, column in columns.items()}, size
 
 
+_AS_GIVEN = np.frompyfunc(lambda value: Number(CONTEXT.mpf(float(value))), 1, 1)
+
+
 def _outputs(
-    plan: Plan, columns: Mapping[str, Any], size: int, watch: Watch | None
+    plan: Plan, columns: Mapping[str, Any], size: int, partial: bool, watch: Watch
 ) -> dict[str, NDArray[np.object_]]:
-    watch = watch or Watch()
+    rounds: dict[str, str] = {}
     found = {name: np.empty(size, dtype=object) for name in plan.outputs}
     for start in range(0, size, PIECE):
         piece = slice(start, min(start + PIECE, size))
         count = piece.stop - piece.start
         # Defaults as columns too: numpy turns arrays without dimension into bare elements.
         known: dict[str, Any] = {
-            name: _labelled(np.full(count, Number(value))) for name, value in plan.defaults.items()
+            name: _labelled(_AS_GIVEN(np.full(count, value)))
+            for name, value in plan.defaults.items()
         }
         known |= {name: _labelled(columns[name][piece]) for name in plan.parameters}
-        try:
-            with np.errstate(all="ignore"):  # of NaN on its way into a number
-                for equation in plan.equations:
-                    inputs = {name: known[name] for name in equation.inputs}
+        for equation in plan.equations:
+            lost = [name for name in equation.inputs if name in rounds]
+            if lost:
+                rounds[equation.gives] = rounds[lost[0]]
+                continue
+            inputs = {name: known[name] for name in equation.inputs}
+            try:
+                with np.errstate(all="ignore"):  # of NaN on its way into a number
                     known[equation.gives] = _labelled(equation.function(**inputs))
-                for name in plan.outputs:
+            except TypeError as error:
+                rounds[equation.gives] = f"{equation.gives} of {plan.scene.name}: {error}"
+        for name in plan.outputs:
+            if name not in rounds:
+                with np.errstate(all="ignore"):
                     values = np.broadcast_to(_numbers(known[name]), count)
-                    found[name][piece] = [number.value for number in values]
-        except TypeError as error:
-            raise NotPreciseError(f"{plan.scene.name} ({plan.variant}): {error}") from error
+                found[name][piece] = [number.value for number in values]
         watch.advance(count / size)
+    for name in rounds:
+        if name in found and not partial:
+            raise NotPreciseError(rounds[name])
+        found.pop(name, None)
     return found

@@ -155,6 +155,14 @@ def test_pi_in_the_equations_is_pi():
         assert abs(value - 4 * mpmath.pi**2) < mpmath.mpf(10) ** -47
 
 
+def test_a_parameter_is_the_float_that_it_is():
+    """Half a turn in floats is short of pi by 1.2e-16, and so is its sine."""
+    plan = make_plan("rectangle-on-plane", "thesis", ("gravity_along",), ("gravity", "gamma"))
+    half = {"gravity": np.ones(1), "gamma": np.array([np.pi])}
+    (value,) = exact_values(plan, half)["gravity_along"]
+    assert float(value) == pytest.approx(1.2246467991473532e-16, rel=1e-15)
+
+
 def test_an_equation_that_rounds_has_no_value_rather_than_a_wrong_one():
     """The screws of this scene are made in floats."""
     sweep = prepare_content(read_content(ROOT / "configs/cylinder-rolling.toml"))
