@@ -45,6 +45,7 @@ def write_report(
         If something cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
+    facts = machine()  # before the first measurement adds to the load
     command = shlex.join(["vibrafeed", "report", *map(str, prepared), "-o", str(folder)])
     command += "".join(f" --only {name}" for name in only)
     sections: list[Section] = []
@@ -57,7 +58,7 @@ def write_report(
                 study, name=str(path), watch=Watch(advance, stopped), seconds=seconds, only=only
             )
         target = folder / f"accuracy-{path.stem}.nc"
-        write_netcdf(part.table, target, history=f"{machine()['date']} {command}")
+        write_netcdf(part.table, target, history=f"{facts['date']} {command}")
         families = [one.family for one in part.measured if one.curves]
         pictures = _draw(target, folder, path.stem, families)
         written += [target, *pictures.values()]
@@ -65,7 +66,7 @@ def write_report(
         sections += sections_of(part, names)
     page = folder / PAGE
     page.write_text(
-        write_page("Accuracy", head_of(machine(), command), [*sections, *more]), encoding="utf-8"
+        write_page("Accuracy", head_of(facts, command), [*sections, *more]), encoding="utf-8"
     )
     return [*written, page]
 

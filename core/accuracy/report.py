@@ -138,7 +138,7 @@ def machine() -> dict[str, str]:
     """Return what the numbers depend on besides the program: machine, date, versions."""
     libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
     return {
-        "machine": f"{_processor()}, {os.cpu_count()} cores, {platform.system()}",
+        "machine": f"{_processor()}, {os.cpu_count()} cores, {platform.system()}{_load()}",
         "date": datetime.now(UTC).date().isoformat(),
         "versions": f"vibrafeed {core.__version__}, Python {platform.python_version()}, "
         f"{libraries}",
@@ -154,6 +154,13 @@ def _processor() -> str:
     except OSError:
         pass
     return platform.processor() or platform.machine()
+
+
+def _load() -> str:
+    """Return how many other processes compete for the cores, where the system tells."""
+    if not hasattr(os, "getloadavg"):
+        return ""
+    return f", load {os.getloadavg()[0]:.1f} over the last minute"
 
 
 def _measure(family: str, prepared: Any, watch: Watch, seconds: float) -> Measured | None:

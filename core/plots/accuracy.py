@@ -67,7 +67,7 @@ def _closed_forms(points: xarray.Dataset, title: str) -> Figure | None:
                   ha="right", va="top", fontsize=8, color=QUIET)  # fmt: skip
     left.set_ylabel("Error, share of the value")
     right.set_ylabel("Largest error, ulps")
-    left.set_title("median (mark) to largest (line's end)", loc="left", fontsize=9)
+    left.set_title("median (mark) to largest (bar)", loc="left", fontsize=9)
     right.set_title("open: as it is; full: over the condition number", loc="left", fontsize=9)
     for axes in (left, right):
         axes.set_xlabel("Time of a cell [ns]")
@@ -103,7 +103,7 @@ def _motion(points: xarray.Dataset, title: str) -> Figure | None:
                   fontsize=8, transform=axes.get_yaxis_transform(), color=QUIET)  # fmt: skip
         axes.set_yscale("log")
         axes.set_xlabel("Time of a cell [ms]")
-        axes.set_title(f"{words(subject)}: median (mark) to largest", loc="left", fontsize=9)
+        axes.set_title(f"{words(subject)}: median (mark) to largest (bar)", loc="left", fontsize=9)
     low, high = (end(axes.get_ylim()[k] for axes in sheets) for k, end in ((0, min), (1, max)))
     for axes in sheets:
         axes.set_ylim(max(low, 1e-14), high)
@@ -126,7 +126,7 @@ def _optimisers(points: xarray.Dataset, title: str) -> Figure | None:
                 COLOURS[number % len(COLOURS)], method, MARKERS[number % len(MARKERS)],
             )  # fmt: skip
         axes.set_xlabel(label)
-        axes.set_title("median (mark) to largest gap", loc="left", fontsize=9)
+        axes.set_title("median (mark) to largest (bar)", loc="left", fontsize=9)
     sheets[0].set_ylabel("Gap of the objective over its scale")
     _finish(figure, sheets[0], sheets)
     return figure
@@ -148,7 +148,7 @@ def _storage(points: xarray.Dataset, title: str) -> Figure | None:
         axes.set_xscale("linear")
         axes.set_xlim(0, None)
         axes.set_xlabel(label)
-        axes.set_title("median (mark) to largest", loc="left", fontsize=9)
+        axes.set_title("median (mark) to largest (bar)", loc="left", fontsize=9)
     sheets[0].set_ylabel("Error, share of the value")
     _finish(figure, sheets[0], sheets, log_cost=False)
     return figure
@@ -234,6 +234,7 @@ def _line(
     low = np.clip(np.where(np.isfinite(median), median, NO_ANSWER), floor, NO_ANSWER)
     high = np.clip(np.where(np.isfinite(largest), largest, NO_ANSWER), floor, NO_ANSWER)
     axes.vlines(cost, low, high, color=colour, lw=1.0)
+    axes.plot(cost, high, "_", color=colour, ms=7)
     axes.plot(cost, low, marker + "-", color=colour, ms=5, lw=1.2, label=words(label))
 
 

@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 import xarray
 from typer.testing import CliRunner
 
 from app.cli import app
+from core.accuracy.curves import FAMILIES
+from core.accuracy.report import families_of
+from core.kinds import prepare_content
+from core.study.load import read_content
+
+ROOT = Path(__file__).parents[2]
 
 STUDY = """
 kind = "sweep"
@@ -64,6 +71,19 @@ def test_the_page_goes_beside_the_study_and_names_a_command_that_does_what_it_sa
         return re.sub(r"[\d.]+ (ns|us|ms) ", "", text)
 
     assert without_times(again) == without_times(page)
+
+
+def test_the_page_of_the_documents_is_whole():
+    page = (ROOT / "docs/accuracy.md").read_text()
+    pictures = re.findall(r"!\[.*?\]\((.*?)\)", page)
+    assert len(pictures) >= 6
+    assert all((ROOT / "docs" / picture).exists() for picture in pictures)
+    commands = re.findall(r"^`vibrafeed report (\S+) --only (\S+)`$", page, re.MULTILINE)
+    assert len(commands) == len(re.findall("^## ", page, re.MULTILINE))
+    for study, family in commands:
+        families_of(prepare_content(read_content(ROOT / study)), [family])
+    # One of each family of the three kinds of study.
+    assert {family for _, family in commands} == set(FAMILIES)
 
 
 def test_every_problem_of_every_study_is_told(study, tmp_path):
