@@ -25,8 +25,11 @@ FAMILIES: dict[str, str] = {
 STEEP = -math.inf
 """The slope of a curve whose error falls while its cost hardly changes."""
 
-SAME_COST = 1.6
-"""Costs within this factor are taken as one: between two runs a machine differs as much."""
+STEEPEST = 10.0
+"""Where the error falls by more than this power of the factor between the costs, these are noise.
+
+No method here has such an order, and between two runs of one method a machine differs as much.
+"""
 
 
 @dataclass(frozen=True)
@@ -109,16 +112,18 @@ def numbers_of(point: Point, name: str) -> float:
 def fitted_slope(pairs: Sequence[tuple[float, float]], floor: float = 0.0) -> float:
     """Return the slope of log error over log cost by least squares.
 
-    `STEEP` where the error falls tenfold or more at one cost; NaN from fewer than two points above
-    the floor, or where neither changes.
+    `STEEP` where the error falls at what is one cost but for noise; NaN from fewer than two points
+    above the floor, or where neither changes.
     """
     used = [(cost, error) for cost, error in pairs if cost > 0 and error > floor]
     used = [pair for pair in used if all(map(math.isfinite, pair))]
     if len(used) < 2:
         return math.nan
     costs, errors = np.array(used).T
-    if costs.max() < SAME_COST * costs.min():
-        return STEEP if errors[-1] < errors[0] / 10 else math.nan
+    if math.log(errors[0] / errors[-1]) > STEEPEST * math.log(costs.max() / costs.min()):
+        return STEEP
+    if costs.max() == costs.min():
+        return math.nan
     return float(np.polyfit(np.log(costs), np.log(errors), 1)[0])
 
 

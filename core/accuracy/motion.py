@@ -35,6 +35,9 @@ OUTPUTS = (
     "velocity_scale",
     "motion_status",
 )
+SHARES = {"both": 0.59, "events": 0.06, "regularised": 0.35}
+"""Of the progress: candidates, reference and time stepping; and what not every scene has."""
+
 ROUNDING = 1e-15  # of the drive's speed: an error below this is rounding of either method
 OTHER_MOTION = 1e-6  # of the drive's speed: two exact methods that differ by more fell into two
 REFERENCE_ERROR = 1e-9  # of the drive's speed: more, and the reference is none
@@ -102,6 +105,9 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
         name: value for name, value in simulation.study.settings().items() if name == "most_periods"
     }
     exact = "events" if _is_planar(scene, grid) else None
+    parts = SHARES["both"] + (SHARES["events"] if exact else 0)
+    parts += SHARES["regularised"] if "regularised" in scene.variants else 0
+    watch = _shared(watch, 1 / parts)
     given = random_cells(grid, CANDIDATES * cells, [*grid.axes, *grid.fixed])
     given = {name: values for name, values in given.items() if _is_used(scene, name)}
     share = _shared(watch, 0.04)
