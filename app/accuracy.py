@@ -8,7 +8,7 @@ from pathlib import Path
 
 from app import report
 from core.accuracy.page import Section, head_of, sections_of, write_page
-from core.accuracy.report import machine, measure_study
+from core.accuracy.report import SECONDS, machine, measure_study
 from core.dataset.netcdf import write_netcdf
 from core.sweep.prepare import Prepared
 from core.watch import Watch
@@ -48,6 +48,7 @@ def write_report(
     facts = machine()  # before the first measurement adds to the load
     command = shlex.join(["vibrafeed", "report", *map(str, prepared), "-o", str(folder)])
     command += "".join(f" --only {name}" for name in only)
+    command += "" if seconds == SECONDS else f" --seconds {seconds:g}"
     sections: list[Section] = []
     written: list[Path] = []
     for path, study in prepared.items():

@@ -209,12 +209,6 @@ def tabulate_curves(measured: Sequence[Measured], attributes: Mapping[str, str])
     return Table(coordinates, variables, attributes)
 
 
-def flag_words(variable: Variable) -> list[str]:
-    """Return the words of a flag variable, one a point."""
-    meanings = str(variable.attributes["flag_meanings"]).split()
-    return [meanings[value] for value in variable.values]
-
-
 def single(values: Array | NDArray[np.int8], label: str, unit: str, **extra: Any) -> Variable:
     """Return values of single cells, labelled."""
     return Variable(("cell",), values, {"long_name": label, "units": unit, **extra})

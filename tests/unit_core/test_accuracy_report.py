@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray
 
-from core.accuracy import closed_forms, curves, model, motion, optimisers, storage
+from core.accuracy import closed_forms, model, motion, optimisers, storage
 from core.accuracy.cells import random_cells
 from core.accuracy.curves import STEEP, Curve, Measured, Point, fitted_slope, tabulate_curves
 from core.accuracy.page import Section, head_of, sections_of, write_page
@@ -404,4 +404,4 @@ def test_words_of_flags_have_no_blanks():
     point = Point("800 steps, twice", 800.0, 1e-3, 1e-2, 1e-3, 4)
     one = Measured("motion", (Curve("motion", "hopping cells", "time-stepping", (point,)),))
     table = tabulate_curves([one], {})
-    assert curves.flag_words(table.coordinates["setting"]) == ["800_steps_twice"]
+    assert table.coordinates["setting"].attributes["flag_meanings"] == "800_steps_twice"
