@@ -1,184 +1,225 @@
-"""Textbook formulas in many digits, and what an error of the inputs does to them.
-
-They share nothing with `core.mechanics`: no rearranged forms, no limits taken, no scaling; the
-digits make up for the cancellation. Inputs are in the units of studies, angles in degrees.
-"""
+"""Closed forms in floats of two sizes, against the same equations to 50 digits."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
-DIGITS = 700
-"""Enough for 1 - exp(-s) at s = 1e-300."""
+import numpy as np
+from numpy.typing import NDArray
 
-EPSILON = 2.0**-52
+from core.accuracy.cells import REPEATS, median_seconds, random_cells
+from core.accuracy.curves import Curve, Measured, Point
+from core.accuracy.precise import CONTEXT, exact_values, sensitivities
+from core.mechanics.arrays import Array
+from core.motion.run import run_equations
+from core.sweep.evaluate import BLOCK_CELLS
+from core.sweep.plan import Plan
+from core.sweep.prepare import Sweep
+from core.watch import Watch
 
-BAR = 8
-"""Roundings that an output may be off by, each as large as one of every input."""
+CELLS = 200
+PIECE = 20  # cells at a time, between two looks at the watch
+TYPES: dict[str, Any] = {"float32": np.float32, "float64": np.float64}
+VANISHES = 1e-35  # SI units: what 50 digits leave of a value that is 0 by law
 
-Formula = Callable[..., Any]
 
+@dataclass(frozen=True)
+class Errors:
+    """Errors of one output over some cells; arrays of shape (cells,).
 
-class Answer(NamedTuple):
-    """What is right, and by how much a result may miss it.
+    NaN where the exact value is 0 and the float is not: rounding of 0 by law has no scale.
 
     Attributes
     ----------
-    value : float or ndarray
-        The right value, in the unit of the output.
-    error : float or ndarray
-        The largest error that is still right.
-    source : str
-        Where the value comes from, and why the error is that large.
+    relative : ndarray
+        Over the exact value.
+    ulps : ndarray
+        In units in the last place of the exact value.
+    conditioned : ndarray
+        In the same units times the condition number, which is at least 1.
+    condition : ndarray
+        Sum of |x dF/dx|/|F| over the parameters, at least 1.
     """
 
-    value: Any
-    error: Any
-    source: str
+    relative: Array
+    ulps: Array
+    conditioned: Array
+    condition: Array
 
 
-def exact(formula: Formula, **given: float) -> Callable[[], Answer]:
-    """Return what gives the exact value of a formula, with an error of 8 kappa ulp.
+def measure(sweep: Sweep, watch: Watch, cells: int = CELLS) -> Measured:
+    """Return error and time of every output of a sweep, in each type of float.
 
-    kappa = sum |x dF/dx|/|F| over the inputs: what one rounding of each of them does to the value.
+    Cells are added, some at a time, until there are so many or the watch stops it.
     """
-
-    def answer() -> Answer:
-        from mpmath import mp, mpf  # the reference only; no result needs it
-
-        with mp.workdps(DIGITS):
-            inputs = {name: mpf(value) for name, value in given.items()}
-            value = formula(**inputs)
-            total = abs(value)
-            for name, number in inputs.items():
-                step = abs(number) * mpf(10) ** -20
-                if step:
-                    after = formula(**(inputs | {name: number + step}))
-                    before = formula(**(inputs | {name: number - step}))
-                    total += abs(after - before) / 2 / mpf(10) ** -20
-            # A value in the subnormal range has an absolute rounding.
-            error = BAR * float(total) * EPSILON + BAR * 5e-324
-            return Answer(float(value), error, "closed form in 700 digits; 8 kappa ulp")
-
-    return answer
-
-
-def _radians(degrees: Any) -> Any:
-    from mpmath import mp
-
-    return degrees * mp.pi / 180
-
-
-def _sin_cos(degrees: Any) -> tuple[Any, Any]:
-    from mpmath import mp
-
-    angle = _radians(degrees)
-    return mp.sin(angle), mp.cos(angle)
-
-
-def drive(*, frequency: Any, amplitude: Any) -> Any:
-    """Return P = A0 (2 pi f)^2 [m s-2]."""
-    from mpmath import mp
-
-    return amplitude * (2 * mp.pi * frequency) ** 2
-
-
-def throw_number(*, frequency: Any, amplitude: Any, beta: Any, gravity: Any, gamma: Any = 0) -> Any:
-    """Return P sin(beta)/(g cos(gamma)), theory 13.2 [1]."""
-    P = drive(frequency=frequency, amplitude=amplitude)
-    return P * _sin_cos(beta)[0] / (gravity * _sin_cos(gamma)[1])
+    plan = sweep.plan
+    given = random_cells(sweep.grid, cells, plan.parameters)
+    pieces: list[_Known] = []
+    share = replace(watch, progress=lambda done: watch.advance(0.9 * done / cells))
+    for start in range(0, cells, PIECE):
+        if pieces and watch.stopped():
+            break
+        piece = {name: values[start : start + PIECE] for name, values in given.items()}
+        pieces.append(_known(plan, piece, share))
+    done = min(cells, len(pieces) * PIECE)
+    given = {name: values[:done] for name, values in given.items()}
+    curves, left_out, vanishing = [], [], []
+    for name in plan.outputs:
+        if name not in pieces[0].moved:
+            left_out.append(name)
+            continue
+        curve = _curve(plan, name, given, _joined(pieces, name))
+        if curve is None:
+            vanishing.append(name)
+        else:
+            curves.append(curve)
+        watch.advance(0.1 / len(plan.outputs))
+    notes = [
+        f"{done} random cells of the grid (seed 2004); the reference is the plan's own equations "
+        "to 50 digits, at the parameters as each type of float holds them.",
+        "Error: share of the exact value. An ulp is a unit in the last place of the exact value; "
+        "kappa is the sum of |x dF/dx| over |F| for the parameters, at least 1: what rounding of "
+        "the parameters alone does to the value.",
+        f"Time: wall time of one thread for one cell, blocks of {BLOCK_CELLS:,} cells in which "
+        f"every parameter differs, with all that the output and its regime need; median of "
+        f"{REPEATS} repeats after a warm-up.",
+        "Slope: of log(error in ulps over kappa) over log(unit roundoff of the type); 0 is flat: "
+        "the error is rounding, whatever the type.",
+    ]
+    if vanishing:
+        notes.append(f"Zero by law, without a relative error: {', '.join(vanishing)}.")
+    if left_out:
+        notes.append(f"Not known to 50 digits, since an equation rounds: {', '.join(left_out)}.")
+    return Measured("closed_forms", tuple(curves), tuple(notes))
 
 
-def along(*, frequency: Any, amplitude: Any, alpha: Any, beta: Any) -> Any:
-    """Return P cos(beta) cos(alpha) [m s-2]."""
-    P = drive(frequency=frequency, amplitude=amplitude)
-    return P * _sin_cos(beta)[1] * _sin_cos(alpha)[1]
+def errors_of(
+    got: Array, exact: NDArray[np.object_], moved: NDArray[np.object_], dtype: Any
+) -> Errors:
+    """Return the errors of values in floats of a type.
+
+    Parameters
+    ----------
+    got : ndarray, shape (n,)
+        What the floats gave.
+    exact : ndarray of object, shape (n,)
+        Exact values, numbers of mpmath.
+    moved : ndarray of object, shape (n,)
+        Sum of |x dF/dx| over the parameters, likewise.
+    """
+    count = len(exact)
+    relative, ulps, conditioned, condition = (np.full(count, np.nan) for _ in range(4))
+    for cell in range(count):
+        value, number = exact[cell], float(got[cell])
+        if not CONTEXT.isfinite(value) or not np.isfinite(dtype(float(value))):
+            # The right infinity, or no value where there is none, is no error.
+            same = number == float(value) or (CONTEXT.isnan(value) and np.isnan(number))
+            errors = (0.0, 0.0, 0.0) if same else (np.inf, np.inf, np.inf)
+            relative[cell], ulps[cell], conditioned[cell] = errors
+            continue
+        if abs(value) < VANISHES:
+            if number == 0:
+                relative[cell] = ulps[cell] = conditioned[cell] = 0.0
+            continue
+        error = abs(CONTEXT.mpf(number) - value) if np.isfinite(number) else CONTEXT.inf
+        unit = CONTEXT.mpf(float(np.spacing(np.abs(dtype(float(value))))))
+        size = abs(value)
+        kappa = CONTEXT.one
+        if CONTEXT.isfinite(moved[cell]):
+            kappa = max(kappa, moved[cell] / size)
+        relative[cell] = float(error / size)
+        ulps[cell] = float(error / unit)
+        conditioned[cell] = float(error / unit / kappa)
+        condition[cell] = float(kappa)
+    return Errors(relative, ulps, conditioned, condition)
 
 
-def starting_acceleration(
-    *, frequency: Any, amplitude: Any, alpha: Any, beta: Any, gamma: Any, delta: Any, gravity: Any,
-    friction: Any,
-) -> Any:  # fmt: skip
-    """Return K of theory 4.2 [m s-2]."""
-    P = drive(frequency=frequency, amplitude=amplitude)
-    (sa, ca), (_, cb) = _sin_cos(alpha), _sin_cos(beta)
-    (sg, cg), (sd, _) = _sin_cos(gamma), _sin_cos(delta)
-    return P * cb * (ca + friction * sa) - gravity * (sg + friction * cg * sd)
+@dataclass(frozen=True)
+class _Known:
+    """Exact values of some cells by type of float, and how the parameters move them."""
+
+    exact: Mapping[str, Mapping[str, NDArray[np.object_]]]
+    moved: Mapping[str, NDArray[np.object_]]
 
 
-def velocity_after(*, radius: Any, distance: Any, friction: Any, **drive: Any) -> Any:
-    """Return v(x) from rest, theory 4.5 [m s-1]."""
-    from mpmath import mp
-
-    K = starting_acceleration(friction=friction, **drive)
-    if K <= 0:
-        return mp.zero
-    if friction == 0:
-        return mp.sqrt(2 * K * distance)
-    return mp.sqrt(K * radius / friction * -mp.expm1(-2 * friction * distance / radius))
-
-
-def time_over(*, radius: Any, distance: Any, friction: Any, **drive: Any) -> Any:
-    """Return t(x) from rest, theory 4.5 [s]."""
-    from mpmath import mp
-
-    K = starting_acceleration(friction=friction, **drive)
-    if friction == 0:
-        return mp.sqrt(2 * distance / K)
-    k = mp.sqrt(friction * K / radius)
-    s = friction * distance / radius
-    # acosh(exp(s)) with the exponential taken out, lest it fill the memory.
-    return (s + mp.log1p(mp.sqrt(-mp.expm1(-2 * s)))) / k
+def _known(plan: Plan, cells: Mapping[str, Array], watch: Watch) -> _Known:
+    """Return what is known to 50 digits at cells, all outputs at once."""
+    count = max((values.size for values in cells.values()), default=1)
+    share = replace(watch, progress=lambda done: watch.advance(done * count / (len(TYPES) + 1)))
+    exact = {
+        title: exact_values(
+            _with_defaults(plan, dtype),
+            {name: values.astype(dtype) for name, values in cells.items()},
+            partial=True,
+            watch=share,
+        )
+        for title, dtype in TYPES.items()
+    }
+    return _Known(exact, sensitivities(plan, cells, partial=True, watch=share))
 
 
-def velocity_at(*, radius: Any, time: Any, friction: Any, **drive: Any) -> Any:
-    """Return v(t) from rest, theory 4.5 [m s-1]."""
-    from mpmath import mp
-
-    K = starting_acceleration(friction=friction, **drive)
-    return mp.sqrt(K * radius / friction) * mp.tanh(time * mp.sqrt(friction * K / radius))
+def _joined(pieces: Sequence[_Known], name: str) -> _Known:
+    """Return what is known of one output at the cells of all pieces."""
+    exact = {t: {name: np.concatenate([p.exact[t][name] for p in pieces])} for t in TYPES}
+    return _Known(exact, {name: np.concatenate([p.moved[name] for p in pieces])})
 
 
-def distance_at(*, radius: Any, time: Any, friction: Any, **drive: Any) -> Any:
-    """Return x(t) from rest, theory 4.5 [m]."""
-    from mpmath import mp
-
-    K = starting_acceleration(friction=friction, **drive)
-    u = time * mp.sqrt(friction * K / radius)
-    return radius / friction * (u + mp.log1p(mp.exp(-2 * u)) - mp.log(2))
-
-
-def chord_cosine(*, length: Any, radius: Any) -> Any:
-    """Return sqrt(1 - (h/2R)^2), theory 4.1 [1]."""
-    from mpmath import mp
-
-    return mp.sqrt(1 - (length / (2 * radius)) ** 2)
-
-
-def normal_response(*, height: Any, length: Any, pitch: Any, friction: Any) -> Any:
-    """Return m tau in slip to the right, theory 2.2 [1]."""
-    from mpmath import mp
-
-    s = mp.atan2(height, length) + _radians(pitch)
-    return 1 + 3 * mp.cos(s) * (mp.cos(s) - friction * mp.sin(s))
-
-
-def contact_acceleration(
-    *, height: Any, length: Any, pitch: Any, friction: Any, pitch_rate: Any, gravity: Any
-) -> Any:
-    """Return -chi/(m tau) of a corner that slips to the right, theory 2.2, 2.3 [m s-2]."""
-    from mpmath import mp
-
-    s = mp.atan2(height, length) + _radians(pitch)
-    rho = mp.hypot(height, length) / 2
-    chi = rho * pitch_rate**2 * mp.sin(s) - gravity
-    response = normal_response(height=height, length=length, pitch=pitch, friction=friction)
-    return -chi / response
+def _curve(plan: Plan, name: str, given: Mapping[str, Array], known: _Known) -> Curve | None:
+    """Return the errors and times of one output, None if it is 0 by law."""
+    plan = plan.only(name)
+    points = []
+    for title, dtype in TYPES.items():
+        held = {key: given[key].astype(dtype) for key in plan.parameters}
+        got = _evaluate(plan, held, dtype)[name]
+        count = known.moved[name].size
+        errors = errors_of(
+            np.broadcast_to(got, count), known.exact[title][name], known.moved[name], dtype
+        )
+        if all(abs(value) < VANISHES for value in known.exact[title][name]):
+            return None
+        block = {key: np.resize(values, BLOCK_CELLS) for key, values in held.items()}
+        seconds = median_seconds(lambda b=block, d=dtype: _evaluate(plan, b, d))  # type: ignore[misc]
+        points.append(_point(title, dtype, errors, seconds / BLOCK_CELLS))
+    return Curve(
+        "closed_forms",
+        name,
+        "equations",
+        tuple(points),
+        "0: flat at rounding",
+        0.0,
+        cost="unit_roundoff",
+        of="conditioned_ulps",
+    )
 
 
-def hop_after_hop(*, frequency: Any, beta: Any, gamma: Any, gravity: Any) -> Any:
-    """Return the mean velocity of one hop a period that ends where the next begins, theory 13.8."""
-    from mpmath import mp
+def _point(title: str, dtype: Any, errors: Errors, seconds: float) -> Point:
+    return Point(
+        title,
+        float(np.finfo(dtype).bits),
+        float(np.nanmedian(errors.relative)),
+        float(np.nanmax(errors.relative)),
+        seconds,
+        int(np.isfinite(errors.relative).sum()),
+        {
+            "ulps": float(np.nanmax(errors.ulps)),
+            "conditioned_ulps": float(np.nanmax(errors.conditioned)),
+            "condition": float(np.nanmax(errors.condition, initial=1.0)),
+            "unit_roundoff": float(np.finfo(dtype).eps),
+        },
+    )
 
-    return gravity * mp.cos(_radians(beta + gamma)) / (2 * frequency * _sin_cos(beta)[0])
+
+def _with_defaults(plan: Plan, dtype: Any) -> Plan:
+    """Return the plan with its defaults as a type of float holds them."""
+    return replace(plan, defaults={name: float(dtype(v)) for name, v in plan.defaults.items()})
+
+
+def _evaluate(plan: Plan, cells: Mapping[str, Any], dtype: Any) -> dict[str, Any]:
+    """Return every quantity at cells in floats of a type."""
+    defaults = {name: np.asarray(value, dtype=dtype) for name, value in plan.defaults.items()}
+    size = max((values.size for values in cells.values()), default=1)
+    with np.errstate(all="ignore"):  # what overflows in a short float is told as an error
+        known = run_equations(plan, {**defaults, **cells})
+    return {name: np.broadcast_to(known[name], size) for name in plan.outputs}

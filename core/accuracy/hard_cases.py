@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from core import kinds
-from core.accuracy import closed_forms as forms
-from core.accuracy.closed_forms import EPSILON, Answer, exact
+from core.accuracy import textbook as forms
+from core.accuracy.textbook import EPSILON, Answer, exact
 from core.dataset.table import Table
 from core.watch import Watch
 

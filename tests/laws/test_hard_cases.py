@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from core.accuracy import extremes
-from core.accuracy.closed_forms import Answer, exact
 from core.accuracy.extremes import (
     run_case,
     run_catalogue,
@@ -19,6 +18,7 @@ from core.accuracy.extremes import (
     worst_of_families,
 )
 from core.accuracy.hard_cases import HARD_CASES, HardCase
+from core.accuracy.textbook import Answer, exact
 from core.watch import Watch
 
 BY_NAME = {case.name: case for case in HARD_CASES}
