@@ -61,7 +61,7 @@ def write_report(
         target = folder / f"accuracy-{path.stem}.nc"
         write_netcdf(part.table, target, history=f"{facts['date']} {command}")
         families = [one.family for one in part.measured if one.curves]
-        pictures = _draw(target, folder, path.stem, families)
+        pictures = draw(target, folder, path.stem, families)
         written += [target, *pictures.values()]
         names = {family: picture.name for family, picture in pictures.items()}
         sections += sections_of(part, names)
@@ -72,7 +72,7 @@ def write_report(
     return [*written, page]
 
 
-def _draw(file: Path, folder: Path, stem: str, families: Sequence[str]) -> dict[str, Path]:
+def draw(file: Path, folder: Path, stem: str, families: Sequence[str]) -> dict[str, Path]:
     """Draw the families of a written dataset; nothing where matplotlib is not installed."""
     try:
         from core.plots.accuracy import draw_accuracy

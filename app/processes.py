@@ -1,17 +1,18 @@
-"""The processes that the service offers: one for each kind of study."""
+"""The processes that the service offers: one for each kind of study, and the accuracy of any."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
-
-from pydantic import BaseModel
 
 from core.errors import Problem, StudyError
 from core.optimise.exact import OPTIMUM_STATUSES
 from core.quantities import MOTION_STATUSES
 from core.study import OptimiseStudy, SimulateStudy, SweepStudy
+from core.study.models import STUDIES
+
+ACCURACY = "accuracy"
 
 
 @dataclass(frozen=True)
@@ -22,8 +23,8 @@ class Process:
     ----------
     title, description : str
         What a list shows.
-    study : type
-        The model of its studies.
+    schema : callable
+        Returns the JSON Schema of its studies.
     status : str
         The variable that tells of each cell whether it was computed; empty if all are.
     not_computed : int
@@ -32,7 +33,7 @@ class Process:
 
     title: str
     description: str
-    study: type[BaseModel]
+    schema: Callable[[], dict[str, Any]]
     status: str = ""
     not_computed: int = 0
 
@@ -41,21 +42,32 @@ PROCESSES: dict[str, Process] = {
     "sweep": Process(
         "Sweep closed-form equations",
         "Evaluates the closed-form equations of a scene over a grid of parameters.",
-        SweepStudy,
+        SweepStudy.model_json_schema,
     ),
     "simulate": Process(
         "Simulate the motion in time",
         "Follows parts in time, with stick, slide and hop, over a grid of parameters.",
-        SimulateStudy,
+        SimulateStudy.model_json_schema,
         "motion_status",
         MOTION_STATUSES["not_computed"].value,
     ),
     "optimise": Process(
         "Find the best drive",
         "Finds the best angles, or other parameters, of a drive for each of many designs.",
-        OptimiseStudy,
+        OptimiseStudy.model_json_schema,
         "optimum_status",
         OPTIMUM_STATUSES["not_computed"].value,
+    ),
+    ACCURACY: Process(
+        "Measure error against run time",
+        "Measures for a study of any kind what each method costs and how wrong it is; takes up to "
+        "some minutes, and is always a job.",
+        lambda: {
+            "type": "object",
+            "description": "A study of any kind; GET /schema tells more.",
+            "required": ["kind", "scene", "parameters"],
+            "properties": {"kind": {"enum": list(STUDIES)}},
+        },
     ),
 }
 """Every process, by its identifier."""
@@ -100,6 +112,8 @@ def read_execution(content: object, kind: str) -> Execution:
             raise StudyError([Problem("inputs.study", "there is no study", fix)])
         content = study
     if not isinstance(content, Mapping):
+        return Execution(content, as_document)
+    if kind == ACCURACY:
         return Execution(content, as_document)
     named = content.get("kind", kind)
     if named != kind:

@@ -17,7 +17,7 @@ import re
 import shutil
 import time
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -163,9 +163,21 @@ class Store:
         return Manifest(**json.loads(content))
 
     def finish(
-        self, key: str, table: Table, *, process: str, cells: int, blocks: int, seconds: float
+        self,
+        key: str,
+        table: Table,
+        *,
+        process: str,
+        cells: int,
+        blocks: int,
+        seconds: float,
+        more: Callable[[Path], Iterable[str]] | None = None,
     ) -> Manifest:
-        """Write a result and, last, its manifest; its blocks are needed no more."""
+        """Write a result and, last, its manifest; its blocks are needed no more.
+
+        `more` writes further files into the folder, beside the NetCDF file, and returns their
+        names.
+        """
         folder = self.folder(key)
         write_netcdf(table, folder / NETCDF)
         files = {NETCDF: _fingerprint(folder / NETCDF)}
@@ -176,6 +188,8 @@ class Store:
             with _whole(folder / JSON) as temporary:
                 temporary.write_bytes(content)
             files[JSON] = _fingerprint(folder / JSON)
+        for name in more(folder) if more is not None else ():
+            files[name] = _fingerprint(folder / name)
         manifest = Manifest(key, process, core.__version__, cells, blocks, seconds, files)
         with _whole(folder / "manifest.json") as temporary:
             temporary.write_text(json.dumps(asdict(manifest), indent=1), encoding="utf-8")

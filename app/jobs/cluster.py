@@ -79,13 +79,21 @@ async def _local(distributed: Any, workers: int) -> LocalCluster:
     import dask
 
     # A worker may be killed for reasons that are not its block's.
-    dask.config.set({"distributed.scheduler.allowed-failures": MOST_FAILURES})
+    dask.config.set(
+        {
+            "distributed.scheduler.allowed-failures": MOST_FAILURES,
+            # No pages beside ours.
+            "distributed.scheduler.http.routes": [],
+            "distributed.worker.http.routes": [],
+        }
+    )
     return await distributed.LocalCluster(
         n_workers=workers,
         threads_per_worker=1,
         processes=True,
         host="127.0.0.1",
-        dashboard_address=None,
+        dashboard_address="127.0.0.1:0",
+        worker_dashboard_address="127.0.0.1:0",
         # Blocks have a known size, and results one below VIBRAFEED_MAX_BYTES.
         memory_limit=0,
         asynchronous=True,

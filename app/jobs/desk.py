@@ -12,10 +12,12 @@ from app.jobs import work
 from app.jobs.ledger import Job, Ledger
 from app.settings import Settings
 from app.store import Store, identifier
+from core.kinds import KINDS
 from core.sweep.pieces import Cut
 from core.sweep.prepare import Prepared
 
 DAY = 86_400.0
+REPORT_BYTES = 10_000_000  # of an accuracy report
 SPARE = 0.01  # of the disk, left to others
 MOST_SPARE = 100_000_000  # bytes
 
@@ -53,15 +55,16 @@ class Desk:
         manifest = self.store.manifest(key)
         if manifest is None:
             # Blocks and the result are there at the same time, for a moment.
-            self.make_room(2 * prepared.bytes)
+            self.make_room(2 * prepared.bytes if process in KINDS else REPORT_BYTES)
         self.store.add(prepared.study, process)
         block_cells = work.block_cells(prepared, self._settings.block_seconds)
+        blocks = len(Cut(prepared, block_cells)) if process in KINDS else 0
         job = self.ledger.post(
             key,
             process,
             cells=prepared.cells,
             block_cells=block_cells,
-            blocks=len(Cut(prepared, block_cells)),
+            blocks=blocks,
             finished_seconds=None if manifest is None else manifest.seconds,
             most_waiting=self._settings.max_queue,
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from datetime import UTC, datetime
+from pathlib import PurePath
 from typing import Any, Literal
 
 from pydantic import BaseModel, Field
@@ -11,7 +12,7 @@ from pydantic import BaseModel, Field
 import core
 from app.jobs.ledger import ACTIVE, Job
 from app.processes import PROCESSES, Process
-from app.store import Manifest
+from app.store import JSON, NETCDF, Manifest
 
 RESULTS = "http://www.opengis.net/def/rel/ogc/1.0/results"
 EXECUTE = "http://www.opengis.net/def/rel/ogc/1.0/execute"
@@ -116,6 +117,9 @@ class Results(BaseModel):
     """What a job gave."""
 
     dataset: ResultFile
+    files: list[Link] | None = Field(
+        default=None, description="Further files: of an accuracy report its page and pictures."
+    )
 
 
 def summary(name: str, process: Process) -> dict[str, Any]:
@@ -149,8 +153,8 @@ def description(name: str, process: Process) -> dict[str, Any]:
         "inputs": {
             "study": {
                 "title": "The study",
-                "description": f"A study of kind '{name}', as in a file of the command line.",
-                "schema": process.study.model_json_schema(),
+                "description": "A study, as in a file of the command line.",
+                "schema": process.schema(),
             }
         },
         "outputs": {
@@ -170,7 +174,7 @@ def description(name: str, process: Process) -> dict[str, Any]:
 
 def status_info(job: Job) -> dict[str, Any]:
     """Return how a job stands."""
-    share = job.done / job.blocks
+    share = job.done / job.blocks if job.blocks else 0.0
     # The last percent is the writing of the result.
     progress = 100 if job.state == "successful" else min(99, int(100 * share))
     left = None
@@ -198,7 +202,7 @@ def status_info(job: Job) -> dict[str, Any]:
         "updated": _time(job.finished or time.time()),
         "progress": progress,
         "cells": job.cells,
-        "cellsDone": int(job.cells * share),
+        "cellsDone": job.cells if job.state == "successful" else int(job.cells * share),
         "secondsLeft": left,
         "elapsedSeconds": job.seconds,
         "study": job.key,
@@ -207,18 +211,32 @@ def status_info(job: Job) -> dict[str, Any]:
     return {name: value for name, value in found.items() if value is not None}
 
 
-def results(job: Job, manifest: Manifest, size: int) -> dict[str, Any]:
-    """Return what a job gave: the file, and what it cost."""
-    return {
+def results(job: Job, manifest: Manifest) -> dict[str, Any]:
+    """Return what a job gave: its files, and what they cost."""
+    here = f"/jobs/{job.id}/results"
+    others = [name for name in manifest.files if name not in (NETCDF, JSON)]
+    found: dict[str, Any] = {
         "dataset": {
-            "href": f"/jobs/{job.id}/results/dataset",
+            "href": f"{here}/dataset",
             "type": NETCDF_TYPE,
             "title": "The dataset as a CF-1.11 NetCDF-4 file",
-            "length": size,
+            "length": manifest.files[NETCDF]["bytes"],
             "elapsedSeconds": manifest.seconds,
             "cellsPerSecond": manifest.cells / max(manifest.seconds, 1e-9),
         }
     }
+    if others:
+        found["files"] = [
+            _link(f"{here}/files/{name}", "item", name, media_type_of(name)) for name in others
+        ]
+    return found
+
+
+def media_type_of(name: str) -> str:
+    """Return the media type of a file of a result."""
+    return {".md": "text/markdown", ".png": "image/png", ".nc": NETCDF_TYPE}.get(
+        PurePath(name).suffix, "application/octet-stream"
+    )
 
 
 def _message(job: Job) -> str:
@@ -231,7 +249,7 @@ def _message(job: Job) -> str:
         }.get(job.state, "It failed.")
     if job.state == "accepted":
         return "It waits for its turn."
-    return f"{job.done:,} of {job.blocks:,} blocks are done."
+    return f"{job.done:,} of {job.blocks:,} blocks are done." if job.blocks else "It is measured."
 
 
 def _time(seconds: float | None) -> str | None:

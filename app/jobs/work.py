@@ -10,7 +10,7 @@ import time
 from functools import lru_cache
 from pathlib import Path
 
-from app.store import Store
+from app.store import NETCDF, Store
 from core.kinds import KINDS
 from core.sweep.pieces import Cut, join
 from core.sweep.prepare import Prepared
@@ -54,12 +54,41 @@ def write_result(directory: str, key: str, cells: int, process: str, seconds: fl
     store = Store(Path(directory))
     if store.manifest(key) is None:
         prepared, pieces = _study(directory, key, cells)
+        if process not in KINDS:
+            _write_report(store, key, prepared, process)
+            return time.perf_counter() - started
         count = len(pieces)
         parts = ((pieces.box(index), store.read_block(key, cells, index)) for index in range(count))
         table = KINDS[prepared.study.kind].label(prepared, join(prepared, parts))
         spent = seconds + time.perf_counter() - started
         store.finish(key, table, process=process, cells=prepared.cells, blocks=count, seconds=spent)
     return time.perf_counter() - started
+
+
+def _write_report(store: Store, key: str, prepared: Prepared, process: str) -> None:
+    """Measure the accuracy of a study and write the report."""
+    from app.accuracy import PAGE, draw
+    from core.accuracy.page import head_of, sections_of, write_page
+    from core.accuracy.report import machine, measure_study
+
+    started, facts = time.perf_counter(), machine()
+    part = measure_study(prepared, name="study.json")
+
+    def more(folder: Path) -> list[str]:
+        families = [one.family for one in part.measured if one.curves]
+        pictures = {
+            family: path.name
+            for family, path in draw(folder / NETCDF, folder, "study", families).items()
+        }
+        head = head_of(facts, "vibrafeed report study.json")
+        page = write_page("Accuracy", head, list(sections_of(part, pictures)))
+        (folder / PAGE).write_text(page, encoding="utf-8")
+        return [PAGE, *pictures.values()]
+
+    seconds = time.perf_counter() - started
+    store.finish(
+        key, part.table, process=process, cells=prepared.cells, blocks=0, seconds=seconds, more=more
+    )
 
 
 @lru_cache(maxsize=16)

@@ -16,7 +16,15 @@ from app.downloads import file_reply
 from app.errors import problem_document
 from app.exceptions import NoSuchJobError, NotFoundError, NotReadyError
 from app.jobs.desk import Desk
-from app.jobs.documents import NETCDF_TYPE, JobList, Results, StatusInfo, results, status_info
+from app.jobs.documents import (
+    NETCDF_TYPE,
+    JobList,
+    Results,
+    StatusInfo,
+    media_type_of,
+    results,
+    status_info,
+)
 from app.jobs.ledger import ACTIVE, STATES, Job
 from app.processes import PROCESSES
 from app.routes import json_reply, problems
@@ -162,12 +170,64 @@ def get_dataset(
     )
 
 
+@router.get(
+    "/{number}/results/files/{name}",
+    summary="Download a further file of a job",
+    response_class=Response,
+    responses={
+        200: {
+            "content": {
+                "text/markdown": {"schema": {"type": "string"}},
+                "image/png": {"schema": {"type": "string", "format": "binary"}},
+            },
+            "description": "The file",
+            "headers": {"ETag": {"schema": {"type": "string"}}},
+        },
+        206: {
+            "content": {
+                "text/markdown": {"schema": {"type": "string"}},
+                "image/png": {"schema": {"type": "string", "format": "binary"}},
+            },
+            "description": "The range of it that was asked for",
+            "headers": {"Content-Range": {"schema": {"type": "string"}}},
+        },
+        304: {"description": "The client has it: its ETag stands in If-None-Match"},
+        **NO_RESULT,
+        **problems(
+            s412="It is not the file that If-Match names",
+            s416="The range holds no byte of the file",
+        ),
+    },
+)
+def get_file(
+    request: Request,
+    number: Number,
+    name: Annotated[str, Path(description="As the results name it.", max_length=100)],
+    desk: DeskOf,
+) -> Response:
+    """Return a page or a picture that the results name."""
+    job = _job(desk, number)
+    manifest = _manifest(desk, job)
+    if isinstance(manifest, Response):
+        return manifest
+    # Only names that the manifest holds reach the disk.
+    if name not in manifest.files:
+        raise NotFoundError(f"The job has no file '{name[:80]}'; its results name those it has.")
+    return file_reply(
+        request,
+        desk.store.folder(job.key) / name,
+        digest=manifest.files[name]["sha256"],
+        media_type=media_type_of(name),
+        filename=name,
+    )
+
+
 def results_reply(desk: Desk, job: Job) -> Response:
     """Return the results of a job, or why there are none."""
     manifest = _manifest(desk, job)
     if isinstance(manifest, Response):
         return manifest
-    return json_reply(results(job, manifest, manifest.files[NETCDF]["bytes"]))
+    return json_reply(results(job, manifest))
 
 
 def _manifest(desk: Desk, job: Job) -> Manifest | Response:

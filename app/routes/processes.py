@@ -26,7 +26,7 @@ from app.jobs.documents import (
 )
 from app.jobs.ledger import ACTIVE, Job
 from app.prefer import Preferences, preferences
-from app.processes import PROCESSES, Execution, Process, read_execution
+from app.processes import ACCURACY, PROCESSES, Execution, Process, read_execution
 from app.routes import json_reply, problems
 from app.routes.jobs import results_reply
 from app.settings import Settings
@@ -102,7 +102,7 @@ async def execute(
     """Carry out the study in a body at once, or as a job."""
     wishes = preferences(request.headers.getlist("prefer"))
     asked, prepared = await asyncio.to_thread(_read, name, body, settings)
-    if is_small(prepared, settings) and not wishes.respond_async:
+    if name != ACCURACY and is_small(prepared, settings) and not wishes.respond_async:
         return await asyncio.to_thread(_carry_out, name, asked, prepared, settings)
     job = await asyncio.to_thread(desk.post, prepared, name)
     if wishes.wait is not None:
@@ -122,7 +122,8 @@ def _read(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepar
     """Return what a body asks for, and its study; raise if it cannot be carried out."""
     asked = read_execution(read_json(body), name)
     prepared = prepare_content(asked.study)
-    prepared.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
+    if name != ACCURACY:  # a report takes some cells of a grid of any size
+        prepared.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
     return asked, prepared
 
 
@@ -172,7 +173,7 @@ def _applied(wishes: Preferences) -> str:
 
 def _body(process: Process) -> dict[str, Any]:
     """Return the body of a process in OpenAPI: the study, or an execute request with it."""
-    schema = process.study.model_json_schema()
+    schema = process.schema()
     request = {
         "type": "object",
         "required": ["inputs"],
