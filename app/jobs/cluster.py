@@ -94,6 +94,7 @@ async def _local(distributed: Any, workers: int) -> LocalCluster:
         host="127.0.0.1",
         dashboard_address="127.0.0.1:0",
         worker_dashboard_address="127.0.0.1:0",
+        security=True,  # keys of its own: other users of the machine cannot give it work
         # Blocks have a known size, and results one below VIBRAFEED_MAX_BYTES.
         memory_limit=0,
         asynchronous=True,
