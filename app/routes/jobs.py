@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from typing import Annotated, Literal
+from urllib.parse import urlencode
 
 import orjson
 from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response, StreamingResponse
 
-from app.dependencies import DeskOf
+from app.dependencies import BaseOf, DeskOf
 from app.downloads import file_reply
 from app.errors import problem_document
 from app.exceptions import NoSuchJobError, NotFoundError, NotReadyError
 from app.jobs.desk import Desk
 from app.jobs.documents import NETCDF_TYPE, JobList, Results, StatusInfo, results, status_info
 from app.jobs.ledger import ACTIVE, STATES, Job
-from app.processes import PROCESSES
 from app.routes import json_reply, problems
 from app.store import JSON, NETCDF, Manifest
 
@@ -43,6 +43,7 @@ NO_RESULT = problems(
 @router.get("", summary="List jobs", response_model=JobList, responses=problems(s422="Bad query"))
 def list_jobs(
     desk: DeskOf,
+    base: BaseOf,
     process: Annotated[
         str | None, Query(alias="processID", max_length=100, description="Of this process only.")
     ] = None,
@@ -52,32 +53,33 @@ def list_jobs(
 ) -> Response:
     """Return jobs, the latest first."""
     found = desk.ledger.jobs(process=process, state=status, limit=limit + 1, offset=offset)
-    links = [{"href": "/jobs", "rel": "self", "type": "application/json"}]
+    wishes = {"processID": process, "status": status, "limit": limit}
+    pages = {"self": offset}
     if len(found) > limit:
-        wishes = {"processID": process, "status": status, "limit": limit, "offset": offset + limit}
-        query = "&".join(f"{k}={v}" for k, v in wishes.items() if v is not None and _plain(v))
-        links.append({"href": f"/jobs?{query}", "rel": "next", "type": "application/json"})
-    return json_reply({"jobs": [status_info(job) for job in found[:limit]], "links": links})
-
-
-def _plain(value: str | int) -> bool:
-    return isinstance(value, int) or value in PROCESSES or value in STATES
+        pages["next"] = offset + limit
+    if offset:
+        pages["prev"] = max(0, offset - limit)
+    links = []
+    for rel, start in pages.items():
+        query = urlencode({k: v for k, v in {**wishes, "offset": start}.items() if v is not None})
+        links.append({"href": f"{base}/jobs?{query}", "rel": rel, "type": "application/json"})
+    return json_reply({"jobs": [status_info(job, base) for job in found[:limit]], "links": links})
 
 
 @router.get("/{number}", summary="Tell how a job stands", response_model=StatusInfo,
             responses=NO_JOB)  # fmt: skip
-def get_job(number: Number, desk: DeskOf) -> Response:
+def get_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
     """Return the state of a job, its progress, and the time that is left."""
-    return json_reply(status_info(_job(desk, number)))
+    return json_reply(status_info(_job(desk, number), base))
 
 
 @router.delete("/{number}", summary="Dismiss a job", response_model=StatusInfo, responses=NO_JOB)
-def dismiss_job(number: Number, desk: DeskOf) -> Response:
+def dismiss_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
     """Dismiss a job; what is computed for it alone is stopped at the next block."""
     job = desk.dismiss(number)
     if job is None:
         raise _missing(number)
-    return json_reply(status_info(job))
+    return json_reply(status_info(job, base))
 
 
 @router.get(
@@ -93,10 +95,10 @@ def dismiss_job(number: Number, desk: DeskOf) -> Response:
         **NO_JOB,
     },
 )
-async def follow_job(request: Request, number: Number, desk: DeskOf) -> Response:
+async def follow_job(request: Request, number: Number, desk: DeskOf, base: BaseOf) -> Response:
     """Return the changes of a job's state and progress as server-sent events."""
     await asyncio.to_thread(_job, desk, number)
-    events = _events(desk, number, request.app.state.stopping.is_set)
+    events = _events(desk, number, base, request.app.state.stopping.is_set)
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     return StreamingResponse(events, media_type="text/event-stream", headers=headers)
 
@@ -104,9 +106,9 @@ async def follow_job(request: Request, number: Number, desk: DeskOf) -> Response
 @router.get(
     "/{number}/results", summary="Tell what a job gave", response_model=Results, responses=NO_RESULT
 )
-def get_results(number: Number, desk: DeskOf) -> Response:
+def get_results(number: Number, desk: DeskOf, base: BaseOf) -> Response:
     """Return where the dataset is, how large it is, and what it cost."""
-    return results_reply(desk, _job(desk, number))
+    return results_reply(desk, _job(desk, number), base)
 
 
 @router.get(
@@ -162,12 +164,12 @@ def get_dataset(
     )
 
 
-def results_reply(desk: Desk, job: Job) -> Response:
+def results_reply(desk: Desk, job: Job, base: str) -> Response:
     """Return the results of a job, or why there are none."""
     manifest = _manifest(desk, job)
     if isinstance(manifest, Response):
         return manifest
-    return json_reply(results(job, manifest, manifest.files[NETCDF]["bytes"]))
+    return json_reply(results(job, manifest, manifest.files[NETCDF]["bytes"], base))
 
 
 def _manifest(desk: Desk, job: Job) -> Manifest | Response:
@@ -193,8 +195,9 @@ def _missing(number: str) -> NoSuchJobError:
     return NoSuchJobError(f"There is no job '{number[:80]}'. GET /jobs lists them.")
 
 
-async def _events(desk: Desk, number: str, stopping: object) -> AsyncIterator[bytes]:
-    assert callable(stopping)
+async def _events(
+    desk: Desk, number: str, base: str, stopping: Callable[[], bool]
+) -> AsyncIterator[bytes]:
     told, at = None, time.monotonic()
     while not stopping():
         job = await asyncio.to_thread(desk.ledger.job, number)
@@ -202,7 +205,7 @@ async def _events(desk: Desk, number: str, stopping: object) -> AsyncIterator[by
             return
         if (job.state, job.done) != told:
             told, at = (job.state, job.done), time.monotonic()
-            yield b"event: status\ndata: " + orjson.dumps(status_info(job)) + b"\n\n"
+            yield b"event: status\ndata: " + orjson.dumps(status_info(job, base)) + b"\n\n"
             if job.state not in ACTIVE:
                 return
         elif time.monotonic() - at > SIGN_OF_LIFE:

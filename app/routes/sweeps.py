@@ -11,7 +11,7 @@ from fastapi.responses import Response
 
 from app.dependencies import Body, SettingsOf, StoreOf, WriterOf
 from app.downloads import FOR_EVER, content_reply, etag_of, file_reply, not_modified
-from app.routes import json_reply, problems
+from app.routes import component, json_reply, problems
 from app.settings import Settings
 from app.store import NETCDF
 from core.errors import LimitError
@@ -32,7 +32,7 @@ NUMPY = orjson.OPT_SERIALIZE_NUMPY
 STUDY_BODY = {
     "requestBody": {
         "required": True,
-        "content": {"application/json": {"schema": SweepStudy.model_json_schema()}},
+        "content": {"application/json": {"schema": component(SweepStudy.__name__)}},
     }
 }
 AXIS_VALUES = {
