@@ -1,4 +1,4 @@
-"""A server of its own, and clients that are not ours: xarray with zarr, curl, bare sockets."""
+"""Clients that are not ours: xarray with zarr, curl, bare sockets."""
 
 from __future__ import annotations
 
@@ -6,16 +6,13 @@ import hashlib
 import http.client
 import json
 import os
-import shutil
-import socket
 import subprocess
 import sys
 import time
 import urllib.request
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,8 +20,6 @@ import pytest
 from core.sweep import prepare_content, tabulate
 from core.sweep.zarr_view import ZarrView
 
-ROOT = Path(__file__).parents[2]
-REQUIRED = "VIBRAFEED_REQUIRE_TOOLS"
 ENDS = {"frequency": (20, 120), "amplitude": (1e-4, 1e-3), "alpha": (0, 90), "beta": (0, 90)}
 FIXED = {"friction": 0.3, "radius": "0.8 m", "distance": "0.2 mm"}
 
@@ -49,46 +44,6 @@ TRILLION = sized(
 )  # fmt: skip
 LONG = sized(["transport_velocity"], frequency=10**6, amplitude=10**6)
 LONG["parameters"] |= {"alpha": 10, "beta": 30}
-
-
-def absent(reason: str) -> NoReturn:
-    """Skip, or fail where the tools must be there."""
-    if os.environ.get(REQUIRED) == "1":
-        pytest.fail(f"{reason}, and {REQUIRED}=1 asks for it")
-    pytest.skip(reason)
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Run the service as its users do; give its address."""
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
-    folder = tmp_path_factory.mktemp("service")
-    serve = "from app.cli import main; main()"  # as `vibrafeed` does, from this source tree
-    command = [sys.executable, "-c", serve, "serve", "--port", str(port)]
-    with (folder / "log").open("wb") as log:
-        process = subprocess.Popen(
-            command,
-            cwd=ROOT,
-            env={**os.environ, "VIBRAFEED_DATA_DIRECTORY": str(folder / "data")},
-            stdout=log,
-            stderr=log,
-        )
-    address = f"http://127.0.0.1:{port}"
-    try:
-        for _ in range(300):
-            try:
-                urllib.request.urlopen(f"{address}/healthz", timeout=1).close()
-                break
-            except OSError:
-                assert process.poll() is None, (folder / "log").read_text()
-                time.sleep(0.1)
-        else:
-            pytest.fail("the service does not answer\n" + (folder / "log").read_text())
-        yield address
-    finally:
-        process.terminate()
-        process.wait(20)
 
 
 def post(server: str, content: dict[str, Any]) -> str:
@@ -206,14 +161,6 @@ def test_a_head_is_followed_by_nothing(server):
         (told, nothing), (told_again, length) = lengths
         assert (told, nothing, told_again) == (str(length), 0, str(length))
     connection.close()
-
-
-@pytest.fixture(scope="module")
-def curl() -> str:
-    tool = shutil.which("curl")
-    if tool is None:
-        absent("curl is not installed")
-    return tool
 
 
 @pytest.fixture(scope="module")
