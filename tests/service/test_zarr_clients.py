@@ -193,6 +193,32 @@ class TestCurl:
         assert f'"{hashlib.sha256(file.read_bytes()).hexdigest()}"' == etag
         assert file.stat().st_size == size
 
+    def test_a_job_s_file_is_resumed_after_the_server_was_killed(self, curl, serve, tmp_path):
+        service = serve(workers=1)
+        content = sized(
+            ["acceleration_x", "transport_velocity"], frequency=50, amplitude=10, alpha=50, beta=80
+        )
+        study = tmp_path / "study.json"
+        study.write_text(json.dumps(content))
+        execution = f"{service.address}/processes/sweep/execution"
+        wait = ["-H", "Prefer: respond-async, wait=50", "-H", "Content-Type: application/json"]
+        told = self.run(curl, *wait, "-d", f"@{study}", execution)
+        result = json.loads(told.stdout)["dataset"]
+        whole, file = tmp_path / "whole.nc", tmp_path / "x.nc"
+        assert self.run(curl, "-o", whole, result["href"]).returncode == 0
+        assert whole.stat().st_size == result["length"]
+        slow = [curl, "--silent", "--noproxy", "*", "--limit-rate", "1M", "-o", file]
+        with subprocess.Popen([*slow, result["href"]]) as broken:
+            time.sleep(1)
+            service.kill()
+            assert broken.wait(20) == 18  # a part of the file
+        partial = file.stat().st_size
+        assert 0 < partial < result["length"]
+        service.start()
+        resumed = self.run(curl, "-C", "-", "-w", "%{http_code}", "-o", file, result["href"])
+        assert (resumed.returncode, resumed.stdout) == (0, "206"), resumed.stderr
+        assert file.read_bytes() == whole.read_bytes()
+
     def test_what_is_complete_is_not_sent_again(self, curl, download, tmp_path):
         file, kept = tmp_path / "x.nc", tmp_path / "etag"
         assert self.run(curl, "-o", file, "--etag-save", kept, download).returncode == 0
