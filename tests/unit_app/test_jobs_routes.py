@@ -81,6 +81,12 @@ def running(client: TestClient) -> Iterator[dict[str, Any]]:
     client.delete(f"/jobs/{job['jobID']}")
 
 
+@pytest.fixture(scope="module")
+def job(client: TestClient) -> dict[str, Any]:
+    """Give a job that has been carried out."""
+    return waited(client, client.post(PATH, json=study(), headers=ASYNC).json()["jobID"])
+
+
 def problem(reply: Any, status: int) -> dict[str, Any]:
     assert reply.status_code == status, reply.text
     assert reply.headers["content-type"] == "application/problem+json"
@@ -153,10 +159,6 @@ class TestPrefer:
 
 
 class TestResults:
-    @pytest.fixture(scope="class")
-    def job(self, client: TestClient) -> dict[str, Any]:
-        return waited(client, client.post(PATH, json=study(), headers=ASYNC).json()["jobID"])
-
     def test_status(self, job):
         assert job["status"] == "successful"
         assert (job["progress"], job["cells"], job["cellsDone"]) == (100, 12, 12)
