@@ -5,12 +5,14 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import AsyncIterator, Callable
+from datetime import datetime
 from typing import Annotated, Literal
 from urllib.parse import urlencode
 
 import orjson
 from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response, StreamingResponse
+from pydantic import AfterValidator
 
 from app.dependencies import BaseOf, DeskOf
 from app.downloads import file_reply
@@ -18,7 +20,7 @@ from app.errors import problem_document
 from app.exceptions import NoSuchJobError, NotFoundError, NotReadyError
 from app.jobs.desk import Desk
 from app.jobs.documents import NETCDF_TYPE, JobList, Results, StatusInfo, results, status_info
-from app.jobs.ledger import ACTIVE, STATES, Job
+from app.jobs.ledger import ACTIVE, STATES, Job, Wanted
 from app.routes import json_reply, problems
 from app.store import JSON, NETCDF, Manifest
 
@@ -40,20 +42,75 @@ NO_RESULT = problems(
 )
 
 
+def interval(text: str | None) -> tuple[float | None, float | None]:
+    """Return start and end [s since the epoch] of a time or an interval; None for an open one.
+
+    Raises
+    ------
+    ValueError
+        If it is neither.
+    """
+    if text is None:
+        return None, None
+    words = text.split("/")
+    if len(words) > 2 or set(words) <= {"", ".."}:
+        raise ValueError("it is neither a time nor an interval START/END")
+    ends: list[float | None] = []
+    for word in words:
+        time_ = None if word in ("", "..") else datetime.fromisoformat(word)
+        if time_ is not None and time_.tzinfo is None:
+            raise ValueError(f"{word[:40]!r} has no time zone, as in 2026-01-01T00:00:00Z")
+        ends.append(None if time_ is None else time_.timestamp())
+    return ends[0], ends[-1]
+
+
+def checked(text: str | None) -> str | None:
+    """Return a time or an interval as it is; raise `ValueError` if it is neither."""
+    interval(text)
+    return text
+
+
 @router.get("", summary="List jobs", response_model=JobList, responses=problems(s422="Bad query"))
 def list_jobs(
     desk: DeskOf,
     base: BaseOf,
     process: Annotated[
-        str | None, Query(alias="processID", max_length=100, description="Of this process only.")
+        list[str], Query(alias="processID", max_length=20, description="Of these processes only.")
+    ] = [],  # noqa: B006 - not changed; None would make the schema nullable
+    status: Annotated[list[State], Query(max_length=20, description="In these states only.")] = [],  # noqa: B006
+    kind: Annotated[
+        list[str], Query(alias="type", max_length=20, description="All jobs are of type process.")
+    ] = [],  # noqa: B006
+    created: Annotated[
+        str | None,
+        Query(
+            alias="datetime",
+            max_length=100,
+            description="Made at a time (RFC 3339), or between two, as in "
+            "`2026-01-01T00:00:00Z/..`.",
+        ),
+        AfterValidator(checked),
     ] = None,
-    status: Annotated[State | None, Query(description="In this state only.")] = None,
+    least: Annotated[
+        int | None,
+        Query(alias="minDuration", ge=0, le=10**9, description="Ran so many seconds or longer."),
+    ] = None,
+    longest: Annotated[
+        int | None,
+        Query(alias="maxDuration", ge=0, le=10**9, description="Ran so many seconds or shorter."),
+    ] = None,
     limit: Annotated[int, Query(ge=1, le=MOST_LISTED)] = 100,
     offset: Annotated[int, Query(ge=0, le=10**9)] = 0,
 ) -> Response:
     """Return jobs, the latest first."""
-    found = desk.ledger.jobs(process=process, state=status, limit=limit + 1, offset=offset)
-    wishes = {"processID": process, "status": status, "limit": limit}
+    wanted = Wanted(tuple(process), tuple(status), interval(created), (least, longest))
+    found = []
+    if not kind or "process" in kind:
+        found = desk.ledger.jobs(wanted, limit=limit + 1, offset=offset)
+    wishes = {
+        "processID": process, "status": status, "type": kind, "datetime": created,
+        "minDuration": least, "maxDuration": longest, "limit": limit,
+    }  # fmt: skip
     pages = {"self": offset}
     if len(found) > limit:
         pages["next"] = offset + limit
@@ -61,8 +118,9 @@ def list_jobs(
         pages["prev"] = max(0, offset - limit)
     links = []
     for rel, start in pages.items():
-        query = urlencode({k: v for k, v in {**wishes, "offset": start}.items() if v is not None})
-        links.append({"href": f"{base}/jobs?{query}", "rel": rel, "type": "application/json"})
+        asked = {k: v for k, v in {**wishes, "offset": start}.items() if v is not None}
+        href = f"{base}/jobs?{urlencode(asked, doseq=True)}"
+        links.append({"href": href, "rel": rel, "type": "application/json"})
     return json_reply({"jobs": [status_info(job, base) for job in found[:limit]], "links": links})
 
 

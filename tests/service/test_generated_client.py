@@ -89,7 +89,7 @@ job = call("execute_simulate", body=motion, prefer="respond-async")
 assert "event: status" in call("follow_job", job.job_id)
 job = call("get_job", job.job_id)
 assert (job.status.value, job.progress) == ("successful", 100), job
-assert job.job_id in {listed.job_id for listed in call("list_jobs", process_id="simulate").jobs}
+assert job.job_id in {listed.job_id for listed in call("list_jobs", process_id=["simulate"]).jobs}
 results = call("get_results", job.job_id)
 content = call("get_dataset", job.job_id).payload.read()
 assert len(content) == results.dataset.length

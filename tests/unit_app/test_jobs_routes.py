@@ -324,6 +324,32 @@ class TestList:
         links = client.get("/jobs", params={"limit": 1000}).json()["links"]
         assert [link["rel"] for link in links] == ["self"]
 
-    @pytest.mark.parametrize("query", ["limit=0", "limit=1001", "offset=-1", "status=lost"])
+    def test_times_durations_and_several_values(self, client, job, running):
+        def listed(**query: Any) -> set[str]:
+            page = client.get("/jobs", params={"limit": 1000, **query}).json()
+            return {one["jobID"] for one in page["jobs"]}
+
+        both = {job["jobID"], running["jobID"]}
+        assert both <= listed()
+        assert both <= listed(status=["successful", "running", "accepted"])
+        assert both <= listed(processID=["sweep", "simulate"], type="process")
+        assert listed(type="thing") == set()
+        at = job["created"]
+        assert job["jobID"] in listed(datetime=at)
+        assert running["jobID"] not in listed(datetime=at)
+        assert both <= listed(datetime=f"{at}/..")
+        assert both & listed(datetime=f"/{at}") == {job["jobID"]}
+        assert both & listed(datetime=f"{at}/{running['created']}") == both
+        assert job["jobID"] not in listed(minDuration=1000)
+        assert job["jobID"] in listed(maxDuration=1000)
+        waiting = [one for one in listed() if one not in listed(minDuration=0)]
+        for number in waiting:  # what has not begun has no duration
+            assert "started" not in client.get(f"/jobs/{number}").json()
+
+    @pytest.mark.parametrize(
+        "query",
+        ["limit=0", "limit=1001", "offset=-1", "status=lost", "minDuration=-1", "datetime=today",
+         "datetime=2026-01-01T00:00:00", "datetime=../..", "datetime=1/2/3", "datetime="],
+    )  # fmt: skip
     def test_bad_queries(self, client, query):
         problem(client.get(f"/jobs?{query}"), 422)
