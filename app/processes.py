@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import BaseModel, Field, RootModel
 
 from core.errors import Problem, StudyError
 from core.optimise.exact import OPTIMUM_STATUSES
 from core.quantities import MOTION_STATUSES
 from core.study import OptimiseStudy, SimulateStudy, SweepStudy
-from core.study.models import STUDIES
 
 ACCURACY = "accuracy"
+
+
+class AnyStudy(
+    RootModel[Annotated[SweepStudy | SimulateStudy | OptimiseStudy, Field(discriminator="kind")]]
+):
+    """A study of any kind."""
 
 
 @dataclass(frozen=True)
@@ -23,8 +30,8 @@ class Process:
     ----------
     title, description : str
         What a list shows.
-    schema : callable
-        Returns the JSON Schema of its studies.
+    study : type
+        The model of its studies.
     status : str
         The variable that tells of each cell whether it was computed; empty if all are.
     not_computed : int
@@ -33,7 +40,7 @@ class Process:
 
     title: str
     description: str
-    schema: Callable[[], dict[str, Any]]
+    study: type[BaseModel]
     status: str = ""
     not_computed: int = 0
 
@@ -42,19 +49,19 @@ PROCESSES: dict[str, Process] = {
     "sweep": Process(
         "Sweep closed-form equations",
         "Evaluates the closed-form equations of a scene over a grid of parameters.",
-        SweepStudy.model_json_schema,
+        SweepStudy,
     ),
     "simulate": Process(
         "Simulate the motion in time",
         "Follows parts in time, with stick, slide and hop, over a grid of parameters.",
-        SimulateStudy.model_json_schema,
+        SimulateStudy,
         "motion_status",
         MOTION_STATUSES["not_computed"].value,
     ),
     "optimise": Process(
         "Find the best drive",
         "Finds the best angles, or other parameters, of a drive for each of many designs.",
-        OptimiseStudy.model_json_schema,
+        OptimiseStudy,
         "optimum_status",
         OPTIMUM_STATUSES["not_computed"].value,
     ),
@@ -62,12 +69,7 @@ PROCESSES: dict[str, Process] = {
         "Measure error against run time",
         "Measures for a study of any kind what each method costs and how wrong it is; takes up to "
         "some minutes, and is always a job.",
-        lambda: {
-            "type": "object",
-            "description": "A study of any kind; GET /schema tells more.",
-            "required": ["kind", "scene", "parameters"],
-            "properties": {"kind": {"enum": list(STUDIES)}},
-        },
+        AnyStudy,
     ),
 }
 """Every process, by its identifier."""

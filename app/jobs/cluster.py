@@ -92,6 +92,7 @@ async def _local(distributed: Any, workers: int) -> LocalCluster:
         threads_per_worker=1,
         processes=True,
         host="127.0.0.1",
+        # They serve no pages; what listens does so on loopback only.
         dashboard_address="127.0.0.1:0",
         worker_dashboard_address="127.0.0.1:0",
         security=True,  # keys of its own: other users of the machine cannot give it work
