@@ -13,7 +13,7 @@ from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
 import core
-from app import errors, guard
+from app import errors, guard, openapi
 from app.jobs.cluster import Cluster
 from app.jobs.desk import Desk
 from app.jobs.ledger import STATES, Ledger
@@ -73,6 +73,7 @@ def create_app(settings: Settings) -> FastAPI:
     errors.install(app)
     for part in (health, metrics, scenes, sweeps, zarr, processes, jobs):
         app.include_router(part.router)
+    openapi.install(app)
     guard.install(app, settings)
     app.add_middleware(Observe, metrics=app.state.metrics)
     app.add_middleware(guard.SafeHeaders)

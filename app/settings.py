@@ -16,7 +16,11 @@ from core.errors import Problem, suggestion
 
 PREFIX = "VIBRAFEED_"
 # Read by the tests only; whoever runs them may serve with the same environment.
-TEST_SWITCHES = ("VIBRAFEED_REQUIRE_TOOLS", "VIBRAFEED_COMPLIANCE_CHECKER")
+TEST_SWITCHES = (
+    "VIBRAFEED_REQUIRE_TOOLS",
+    "VIBRAFEED_COMPLIANCE_CHECKER",
+    "VIBRAFEED_FUZZ_CASES",
+)
 
 _DIGEST = re.compile(r"[0-9a-fA-F]{64}")
 _ORIGIN = re.compile(r"https?://([a-z0-9.-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")

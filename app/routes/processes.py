@@ -26,11 +26,12 @@ from app.jobs.documents import (
 )
 from app.jobs.ledger import ACTIVE, Job
 from app.prefer import Preferences, preferences
-from app.processes import PROCESSES, Execution, Process, read_execution
+from app.processes import PROCESSES, Execution, read_execution
 from app.routes import json_reply, problems
 from app.routes.jobs import results_reply
 from app.settings import Settings
 from app.store import MOST_JSON_VALUES
+from core.catalogue import kind_schema
 from core.dataset.document import to_document
 from core.kinds import prepare_content, tabulate
 from core.study.load import read_json
@@ -170,9 +171,9 @@ def _applied(wishes: Preferences) -> str:
     return ", ".join(words)
 
 
-def _body(process: Process) -> dict[str, Any]:
+def _body(name: str) -> dict[str, Any]:
     """Return the body of a process in OpenAPI: the study, or an execute request with it."""
-    schema = process.study.model_json_schema()
+    schema = kind_schema(name)
     request = {
         "type": "object",
         "required": ["inputs"],
@@ -237,7 +238,7 @@ for _name, _process in PROCESSES.items():
                 s507="There is no room for the result",
             ),
         },
-        openapi_extra=_body(_process),
+        openapi_extra=_body(_name),
     )
 
 

@@ -14,9 +14,9 @@ from app.downloads import FOR_EVER, content_reply, etag_of, file_reply, not_modi
 from app.routes import json_reply, problems
 from app.settings import Settings
 from app.store import NETCDF
+from core.catalogue import kind_schema
 from core.errors import LimitError
 from core.quantities import QUANTITIES
-from core.study import SweepStudy
 from core.study.load import read_json
 from core.study.models import PARAMETERS
 from core.sweep import Sweep, prepare_content
@@ -32,7 +32,7 @@ NUMPY = orjson.OPT_SERIALIZE_NUMPY
 STUDY_BODY = {
     "requestBody": {
         "required": True,
-        "content": {"application/json": {"schema": SweepStudy.model_json_schema()}},
+        "content": {"application/json": {"schema": kind_schema("sweep")}},
     }
 }
 AXIS_VALUES = {

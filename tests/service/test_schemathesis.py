@@ -1,0 +1,152 @@
+"""What schemathesis makes of the OpenAPI document, sent to a server of its own: no reply surprises.
+
+Few cases here; `VIBRAFEED_FUZZ_CASES=500 pytest tests/service/test_schemathesis.py -s` is the long
+run.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.guard import new_key
+
+ROOT = Path(__file__).parents[2]
+CASES = int(os.environ.get("VIBRAFEED_FUZZ_CASES", "12"))
+SEEDS = (1, 2, 3) if CASES > 100 else (1,)
+KEY, HASH = new_key()
+STUDY = {
+    "kind": "sweep",
+    "scene": "rectangle-on-plane",
+    "outputs": ["throw_number"],
+    "parameters": {"frequency": 50, "amplitude": [0.0005, 0.001], "beta": [0, 10, 20]},
+}
+# Small, so that no case takes long; three studies at most wait for the one worker.
+LIMITS = {
+    "MAX_CELLS": "2000",
+    "MAX_SLICE_CELLS": "2000",
+    "MAX_SYNCHRONOUS_SECONDS": "0.05",
+    "MAX_EXECUTION_SECONDS": "0.5",
+    "MAX_JOB_SECONDS": "2",
+    "MAX_WAIT_SECONDS": "0.1",
+    "MAX_QUEUE": "3",
+    "WORKERS": "1",
+}
+# A schema says what a study looks like, not what is physical: whether a scene has an output, needs
+# a parameter, or has a value on its axis is told by 422 and a problem document, as documented.
+CONFIGURATION = """
+[checks.positive_data_acceptance]
+expected-statuses = ["2xx", "3xx", 401, 404, 422, 429]
+
+[auth.openapi.bearer]
+bearer = "{key}"
+
+[phases.coverage]
+unexpected-methods = ["GET", "PUT", "POST", "DELETE", "OPTIONS", "PATCH", "TRACE"]
+
+[parameters]
+"path.name" = {{ dictionary = "scenes", probability = 0.8 }}
+"path.process" = {{ dictionary = "processes", probability = 0.8 }}
+"path.key" = {{ dictionary = "sweeps", probability = 0.9 }}
+"path.path" = {{ dictionary = "zarr", probability = 0.8 }}
+"query.output" = {{ dictionary = "outputs", probability = 0.9 }}
+"query.axes" = {{ dictionary = "axes", probability = 0.9 }}
+"query.amplitude" = {{ dictionary = "amplitudes", probability = 0.9 }}
+"query.beta" = {{ dictionary = "angles", probability = 0.9 }}
+
+# Not for DELETE: the job is to stay.
+[[operations]]
+include-path-regex = "^/jobs/"
+include-method = "GET"
+parameters = {{ "path.number" = {{ dictionary = "jobs", probability = 0.8 }} }}
+
+[dictionaries]
+scenes = {{ values = ["rectangle-on-plane", "cylinder-rolling"] }}
+processes = {{ values = ["sweep", "simulate", "optimise"] }}
+sweeps = {{ values = ["{sweep}"] }}
+jobs = {{ values = ["{job}"] }}
+zarr = {{ values = ["zarr.json", "throw_number/zarr.json", "throw_number/c/0/0"] }}
+outputs = {{ values = ["throw_number"] }}
+axes = {{ values = ["beta", "amplitude,beta"] }}
+amplitudes = {{ values = ["0.0005", "1 mm"] }}
+angles = {{ values = ["10", "20 deg"] }}
+"""
+
+
+@contextmanager
+def server(folder: Path) -> Iterator[str]:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    values = {"DATA_DIRECTORY": str(folder / "data"), "API_KEY_HASHES": HASH, **LIMITS}
+    settings = {f"VIBRAFEED_{name}": value for name, value in values.items()}
+    command = [sys.executable, "-c", "from app.cli import main; main()", "serve"]
+    with (folder / "log").open("wb") as log:
+        process = subprocess.Popen(
+            [*command, "--port", str(port)], cwd=ROOT, stderr=log, env={**os.environ, **settings}
+        )
+        try:
+            address = f"http://127.0.0.1:{port}"
+            for _ in range(300):
+                try:
+                    asked(f"{address}/healthz")
+                    break
+                except OSError:
+                    time.sleep(0.1)
+            yield address
+        finally:
+            process.terminate()
+            process.wait(30)
+
+
+def asked(address: str, content: Any = None, **headers: str) -> Any:
+    body = None if content is None else json.dumps(content).encode()
+    request = urllib.request.Request(
+        address, body, {"X-API-Key": KEY, "Content-Type": "application/json", **headers}
+    )
+    with urllib.request.urlopen(request, timeout=30) as reply:
+        return json.load(reply)
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory) -> Iterator[tuple[str, Path]]:
+    """The address of a server that has a sweep and a finished job, and how to talk about them."""
+    folder = tmp_path_factory.mktemp("fuzzed")
+    with server(folder) as address:
+        sweep = asked(f"{address}/sweeps", STUDY)["id"]
+        job = asked(f"{address}/processes/sweep/execution", STUDY, Prefer="respond-async")["jobID"]
+        for _ in range(300):
+            if asked(f"{address}/jobs/{job}")["status"] == "successful":
+                break
+            time.sleep(0.1)
+        configuration = folder / "schemathesis.toml"
+        configuration.write_text(CONFIGURATION.format(key=KEY, sweep=sweep, job=job))
+        yield address, configuration
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_every_check_holds_on_every_route(served, seed, tmp_path):
+    address, configuration = served
+    report = tmp_path / "report.ndjson"
+    command = [
+        str(Path(sys.executable).with_name("schemathesis")),
+        *("--config-file", configuration, "run", f"{address}/openapi.json", "--checks", "all"),
+        *("--max-examples", CASES, "--seed", seed, "--continue-on-failure", "--no-shrink"),
+        *("--report", "ndjson", "--report-ndjson-path", report),
+    ]
+    done = subprocess.run(
+        [str(word) for word in command], capture_output=True, text=True, cwd=tmp_path
+    )
+    print(done.stdout)
+    assert done.returncode == 0, done.stdout + done.stderr
