@@ -81,6 +81,12 @@ class Settings(BaseSettings):
     max_job_seconds: float = Field(
         default=86_400.0, gt=0, description="Longest run of a job; what is done by then is kept."
     )
+    block_seconds: float = Field(
+        default=1.0,
+        gt=0,
+        le=3600,
+        description="What a block of a job takes, roughly: what a kill or a dismissal loses.",
+    )
     max_queue: int = Field(
         default=100, gt=0, description="Most different studies that are computed or wait for it."
     )

@@ -124,21 +124,21 @@ class Store:
 
     # --- blocks
 
-    def has_block(self, key: str, index: int) -> bool:
-        """Return whether a block has been computed."""
-        return self._block(key, index).exists()
+    def has_block(self, key: str, cells: int, index: int) -> bool:
+        """Return whether a block of a study cut into pieces of so many cells is there."""
+        return self._block(key, cells, index).exists()
 
-    def write_block(self, key: str, index: int, computed: Computed) -> None:
+    def write_block(self, key: str, cells: int, index: int, computed: Computed) -> None:
         """Keep what was computed of a piece."""
-        path = self._block(key, index)
-        path.parent.mkdir(exist_ok=True)
+        path = self._block(key, cells, index)
+        path.parent.mkdir(parents=True, exist_ok=True)
         notes = np.frombuffer(json.dumps(dict(computed.notes)).encode(), np.uint8)
         with _whole(path) as temporary, temporary.open("wb") as file:
             np.savez(file, allow_pickle=False, **{_NOTES: notes}, **computed.arrays)
 
-    def read_block(self, key: str, index: int) -> Computed:
+    def read_block(self, key: str, cells: int, index: int) -> Computed:
         """Return what was computed of a piece; raise `TornBlockError` if it cannot be read."""
-        path = self._block(key, index)
+        path = self._block(key, cells, index)
         try:
             with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as file:
                 arrays = dict(file)
@@ -148,8 +148,9 @@ class Store:
             raise TornBlockError(f"block {index} of {key} cannot be read: {error}") from error
         return Computed(arrays, notes)
 
-    def _block(self, key: str, index: int) -> Path:
-        return self.folder(key) / "blocks" / f"{index:06d}.npz"
+    def _block(self, key: str, cells: int, index: int) -> Path:
+        # Blocks of another size, left by a job that was given up, are never taken for these.
+        return self.folder(key) / "blocks" / str(cells) / f"{index:06d}.npz"
 
     # --- results
 

@@ -12,6 +12,7 @@ from app.jobs import work
 from app.jobs.ledger import Job, Ledger
 from app.settings import Settings
 from app.store import Store, identifier
+from core.sweep.pieces import Cut
 from core.sweep.prepare import Prepared
 
 DAY = 86_400.0
@@ -53,11 +54,13 @@ class Desk:
             # Blocks and the result are there at the same time, for a moment.
             self.make_room(2 * prepared.bytes)
         self.store.add(prepared.study, process)
+        block_cells = work.block_cells(prepared, self._settings.block_seconds)
         job = self.ledger.post(
             key,
             process,
             cells=prepared.cells,
-            blocks=len(work.cut(prepared)),
+            block_cells=block_cells,
+            blocks=len(Cut(prepared, block_cells)),
             finished_seconds=None if manifest is None else manifest.seconds,
             most_waiting=self._settings.max_queue,
         )

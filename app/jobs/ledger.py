@@ -29,6 +29,7 @@ CREATE TABLE IF NOT EXISTS work (
     key TEXT PRIMARY KEY,
     process TEXT NOT NULL,
     cells INTEGER NOT NULL,
+    block_cells INTEGER NOT NULL,
     blocks INTEGER NOT NULL,
     done INTEGER NOT NULL DEFAULT 0,
     seconds REAL NOT NULL DEFAULT 0,
@@ -93,7 +94,7 @@ class Work:
 
     key: str
     process: str
-    cells: int
+    block_cells: int
     blocks: int
     seconds: float
 
@@ -163,6 +164,7 @@ class Ledger:
         process: str,
         *,
         cells: int,
+        block_cells: int,
         blocks: int,
         finished_seconds: float | None,
         most_waiting: int,
@@ -187,7 +189,9 @@ class Ledger:
         finished: float | None
         with self._changing() as database:
             if finished_seconds is None:
-                known = database.execute("SELECT owner FROM work WHERE key = ?", (key,)).fetchone()
+                known = database.execute(
+                    "SELECT owner, blocks FROM work WHERE key = ?", (key,)
+                ).fetchone()
                 if known is None:
                     [waiting] = database.execute("SELECT count(*) FROM work").fetchone()
                     if waiting >= most_waiting:
@@ -196,14 +200,16 @@ class Ledger:
                             "taken before one is done."
                         )
                     database.execute(
-                        "INSERT INTO work (key, process, cells, blocks, created) "
-                        "VALUES (?, ?, ?, ?, ?)",
-                        (key, process, cells, blocks, now),
+                        "INSERT INTO work (key, process, cells, block_cells, blocks, created) "
+                        "VALUES (?, ?, ?, ?, ?, ?)",
+                        (key, process, cells, block_cells, blocks, now),
                     )
                 at_work = known is not None and known["owner"] is not None
                 state, started, finished = "accepted", None, None
                 if at_work:
                     state, started = "running", now
+                if known is not None:  # it may have been cut when blocks were of another size
+                    blocks = known["blocks"]
             else:
                 state, started, finished = "successful", now, now
             database.execute(
@@ -276,7 +282,7 @@ class Ledger:
                 "WHERE key = ? AND state = 'accepted'",
                 (now, row["key"]),
             )
-        return Work(*(row[name] for name in ("key", "process", "cells", "blocks", "seconds")))
+        return Work(*(row[name] for name in ("key", "process", "block_cells", "blocks", "seconds")))
 
     def renew(self, key: str, owner: str, lease_seconds: float) -> bool:
         """Renew a lease; False if it has been lost, or the work is wanted no more."""

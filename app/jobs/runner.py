@@ -182,11 +182,15 @@ class Runner:
         spent = item.seconds
         while True:
             missing = await asyncio.to_thread(
-                lambda: [i for i in range(item.blocks) if not store.has_block(key, i)]
+                lambda: [
+                    index
+                    for index in range(item.blocks)
+                    if not store.has_block(key, item.block_cells, index)
+                ]
             )
             spent += await self._compute(item, missing, deadline)
             try:
-                await self._on_worker(work.write_result, key, item.process, spent)
+                await self._on_worker(work.write_result, key, item.block_cells, item.process, spent)
             except TornBlockError as error:
                 logger.warning("a block is computed again: %s", error, extra={"key": key})
             else:
@@ -206,7 +210,7 @@ class Runner:
         try:
             while True:
                 for index in waiting:
-                    block = self._on_worker(work.compute_block, item.key, index)
+                    block = self._on_worker(work.compute_block, item.key, item.block_cells, index)
                     running.add(asyncio.create_task(block))
                     if len(running) >= most:
                         break

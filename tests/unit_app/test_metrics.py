@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import errno
+import os
+import tempfile
 import threading
+from collections.abc import Iterator
 from pathlib import Path
+from typing import NoReturn
 
 import pytest
 from fastapi.testclient import TestClient
@@ -95,14 +100,34 @@ def test_parts_add_gauges_and_apps_share_nothing(client, tmp_path):
 
 
 class TestReadiness:
+    @pytest.fixture
+    def client(self, client: TestClient) -> Iterator[TestClient]:
+        with client:  # what is not started is not ready
+            yield client
+
     def test_ready(self, client, tmp_path):
+        assert client.get("/readyz").status_code == 200
+        before = {path.name for path in (tmp_path / "data").iterdir()}
         reply = client.get("/readyz")
-        assert reply.status_code == 200
-        assert reply.json() == {"status": "ready", "checks": ["stopping", "data_directory"]}
-        assert list((tmp_path / "data").iterdir()) == []  # it leaves nothing behind
+        assert reply.json()["status"] == "ready"
+        assert reply.json()["checks"][:2] == ["stopping", "data_directory"]
+        assert {path.name for path in (tmp_path / "data").iterdir()} == before
+
+    def test_a_full_disk(self, client, monkeypatch):
+        def full(dir: Path) -> NoReturn:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+        monkeypatch.setattr(tempfile, "TemporaryFile", full)
+        reply = client.get("/readyz")
+        assert reply.status_code == 503
+        assert os.strerror(errno.ENOSPC) in reply.text
 
     def test_a_data_directory_that_cannot_be_written(self, client, tmp_path):
-        (tmp_path / "data").write_text("a file")
+        (tmp_path / "file").write_text("")
+        elsewhere = client.app.state.settings.model_copy(
+            update={"data_directory": tmp_path / "file"}
+        )
+        client.app.state.settings = elsewhere
         reply = client.get("/readyz")
         assert reply.status_code == 503
         assert reply.headers["retry-after"]

@@ -1,0 +1,168 @@
+"""The ledger of jobs: what several servers and threads see of it."""
+
+import sqlite3
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from app.exceptions import QueueFullError
+from app.jobs.ledger import ACTIVE, Ledger
+
+LEASE = 60.0
+
+
+@pytest.fixture
+def ledgers(tmp_path):
+    """Two servers' views of one ledger."""
+    pair = [Ledger(tmp_path / "jobs.sqlite3") for _ in range(2)]
+    yield pair
+    for ledger in pair:
+        ledger.close()
+
+
+def post(ledger, key="k", *, seconds=None, most=100):
+    return ledger.post(
+        key,
+        "simulate",
+        cells=100,
+        block_cells=10,
+        blocks=10,
+        finished_seconds=seconds,
+        most_waiting=most,
+    )
+
+
+def test_a_job_goes_its_way(ledgers):
+    here, there = ledgers
+    job = post(here)
+    assert there.job(job.id) == job
+    assert (job.state, job.done, job.started, job.problem) == ("accepted", 0, None, None)
+    work = there.claim("b", LEASE)
+    assert (work.key, work.block_cells, work.blocks) == ("k", 10, 10)
+    assert here.claim("a", LEASE) is None
+    there.advance("k", "b", done=4, seconds=1.5)
+    there.advance("k", "b", done=5, seconds=0.5)
+    running = here.job(job.id)
+    assert (running.state, running.done, running.seconds) == ("running", 5, 2.0)
+    there.succeed("k", "b")
+    done = here.job(job.id)
+    assert (done.state, done.done, done.seconds) == ("successful", 10, 2.0)
+    assert done.created <= done.started <= done.finished
+    assert here.wanted() == set()
+
+
+def test_equal_studies_are_computed_once(ledgers):
+    here, there = ledgers
+    jobs = [post(here), post(there)]
+    assert here.claim("a", LEASE).key == "k"
+    assert there.claim("b", LEASE) is None
+    late = post(there)
+    assert late.state == "running"
+    here.succeed("k", "a")
+    states = {there.job(job.id).state for job in (*jobs, late)}
+    assert states == {"successful"}
+    at_once = post(here, seconds=3.0)
+    assert (at_once.state, at_once.seconds, at_once.done) == ("successful", 3.0, 10)
+    assert here.wanted() == set()
+
+
+def test_a_lease_that_runs_out_is_taken_over_and_its_owner_has_no_say_any_more(ledgers):
+    here, there = ledgers
+    job = post(here)
+    here.claim("a", 0.05)
+    assert here.renew("k", "a", 0.05)
+    time.sleep(0.1)
+    assert there.claim("b", LEASE).key == "k"
+    assert not here.renew("k", "a", LEASE)
+    here.advance("k", "a", done=9, seconds=9.0)
+    here.fail("k", "a", {"status": 500, "kind": "x", "title": "x", "detail": "x"})
+    assert (there.job(job.id).state, there.job(job.id).done) == ("running", 0)
+
+
+def test_leases_are_given_up(ledgers):
+    here, there = ledgers
+    post(here, "k"), post(here, "l")
+    here.claim("a", LEASE), here.claim("a", LEASE)
+    here.release_one("k", "a")
+    assert there.claim("b", LEASE).key == "k"
+    here.release("a")
+    assert there.claim("b", LEASE).key == "l"
+    here.release(None)
+    assert {here.claim("a", LEASE).key, here.claim("a", LEASE).key} == {"k", "l"}
+
+
+def test_a_failure_is_told_to_every_job_of_the_study_and_a_new_one_tries_again(ledgers):
+    here, _ = ledgers
+    first = post(here)
+    here.claim("a", LEASE)
+    problem = {"status": 507, "kind": "storage", "title": "No", "detail": "Full."}
+    here.fail("k", "a", problem)
+    assert here.job(first.id).problem == problem
+    again = post(here)
+    assert (again.state, here.job(first.id).state) == ("accepted", "failed")
+
+
+def test_work_is_given_up_when_its_last_job_is_dismissed(ledgers):
+    here, there = ledgers
+    one, other = post(here), post(there)
+    here.claim("a", LEASE)
+    assert there.dismiss(one.id).state == "dismissed"
+    assert here.renew("k", "a", LEASE)
+    there.dismiss(other.id)
+    assert not here.renew("k", "a", LEASE)
+    assert here.counts()["dismissed"] == 2
+    assert here.dismiss("nobody") is None
+    assert here.job("nobody") is None
+
+
+def test_the_queue_is_bounded_by_different_studies(ledgers):
+    here, _ = ledgers
+    post(here, "k", most=2), post(here, "l", most=2)
+    with pytest.raises(QueueFullError, match="2 studies"):
+        post(here, "m", most=2)
+    post(here, "k", most=2)  # costs nothing
+    post(here, "m", seconds=1.0, most=2)  # is there already
+    assert sum(here.counts().values()) == 4
+
+
+def test_lists(ledgers):
+    here, _ = ledgers
+    jobs = [post(here, str(number)) for number in range(5)]
+    assert [job.id for job in here.jobs(limit=3)] == [job.id for job in jobs[:1:-1]]
+    assert [job.id for job in here.jobs(limit=3, offset=3)] == [jobs[1].id, jobs[0].id]
+    here.dismiss(jobs[0].id)
+    assert [job.id for job in here.jobs(state="dismissed", limit=9)] == [jobs[0].id]
+    assert here.jobs(process="sweep", limit=9) == []
+    here.forget(time.time() + 1)
+    assert len(here.jobs(limit=9)) == 4  # those that are active stay
+
+
+def test_many_threads_of_two_servers_lose_nothing(ledgers):
+    """With a plain BEGIN most of these would fail at once: a read that turns into a write."""
+    taken, lock = [], threading.Lock()
+
+    def work(number):
+        ledger = ledgers[number % 2]
+        job = post(ledger, str(number), most=10_000)
+        item = ledger.claim(f"owner {number}", LEASE)
+        with lock:
+            taken.append(item.key)
+        ledger.succeed(item.key, f"owner {number}")
+        return job.id
+
+    with ThreadPoolExecutor(16) as pool:
+        numbers = list(pool.map(work, range(200)))
+    assert sorted(taken) == sorted(map(str, range(200)))
+    assert {ledgers[0].job(number).state for number in numbers} == {"successful"}
+    assert not any(ledgers[0].counts()[state] for state in ACTIVE)
+
+
+def test_a_change_that_fails_changes_nothing(ledgers):
+    here, there = ledgers
+    job = post(here)
+    with pytest.raises(sqlite3.Error):
+        here.claim(object(), LEASE)  # not a value that the database takes
+    assert there.job(job.id).state == "accepted"
+    assert there.claim("b", LEASE).key == "k"
