@@ -120,7 +120,8 @@ class Runner:
 
     async def _keep(self, item: Work) -> None:
         """Carry out an item for as long as its lease is ours."""
-        about = {"key": item.key, "process": item.process, "blocks": item.blocks}
+        # A record of the log has a "process" of its own, and refuses another.
+        about = {"key": item.key, "kind": item.process, "blocks": item.blocks}
         logger.info("work started", extra=about)
         carrying = asyncio.create_task(self._carry_out(item))
         try:

@@ -8,6 +8,7 @@ from collections.abc import Awaitable, Callable
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Request
+from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
 from app.dependencies import Body, DeskOf, SettingsOf
@@ -102,9 +103,9 @@ async def execute(
 ) -> Response:
     """Carry out the study in a body at once, or as a job."""
     wishes = preferences(request.headers.getlist("prefer"))
-    asked, prepared = await asyncio.to_thread(_read, name, body, settings)
+    asked, prepared = await run_in_threadpool(_read, name, body, settings)
     if is_small(prepared, settings) and not wishes.respond_async:
-        return await asyncio.to_thread(_carry_out, name, asked, prepared, settings)
+        return await run_in_threadpool(_carry_out, name, asked, prepared, settings)
     job = await asyncio.to_thread(desk.post, prepared, name)
     if wishes.wait is not None:
         job = await _waited(desk, job, min(wishes.wait, settings.max_wait_seconds))

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import orjson
 from fastapi import APIRouter, Path, Query, Request
+from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
 from app.dependencies import Body, SettingsOf, StoreOf, WriterOf
@@ -161,7 +162,7 @@ def get_slice(
     },
 )
 @router.head("/{key}/netcdf", include_in_schema=False)
-def get_netcdf(
+async def get_netcdf(
     request: Request, key: Key, store: StoreOf, writer: WriterOf, settings: SettingsOf
 ) -> Response:
     """Return the whole sweep as a CF-1.11 NetCDF-4 file; the first request computes it.
@@ -169,9 +170,9 @@ def get_netcdf(
     One range of bytes can be asked for, so that a broken download resumes. The ETag is the SHA-256
     of the file.
     """
-    sweep = store.sweep(key)
+    sweep = await run_in_threadpool(store.sweep, key)
     sweep.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
-    manifest = writer.result(key, sweep)
+    manifest = await writer.result(key, sweep)
     return file_reply(
         request,
         store.folder(key) / NETCDF,
