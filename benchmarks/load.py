@@ -73,9 +73,11 @@ class Crowd:
         until = time.monotonic() + seconds
         connector = aiohttp.TCPConnector(limit=0)
         whole = aiohttp.ClientTimeout(total=300)
-        async with aiohttp.ClientSession(self._address, connector=connector, timeout=whole) as http_:
+        async with aiohttp.ClientSession(
+            self._address, connector=connector, timeout=whole
+        ) as session:
             await asyncio.gather(
-                *(self._client(http_, number, until) for number in range(clients))
+                *(self._client(session, number, until) for number in range(clients))
             )
 
     async def _client(self, session: aiohttp.ClientSession, number: int, until: float) -> None:
@@ -136,14 +138,14 @@ def probe(address: str, seconds: float, sending: Connection) -> None:
     due = time.monotonic()
     until = due + seconds
     while due < until:
-        # A late probe is not sent twice as often to catch up; its own lateness does not count.
+        # One that was late is not made up for: the next is due 20 ms after it.
         time.sleep(max(0.0, due - time.monotonic()))
         started = time.monotonic()
         connection.request("GET", "/healthz")
         reply = connection.getresponse()
         reply.read()
         times.append(time.monotonic() - started if reply.status == 200 else float("inf"))
-        due = max(due + EVERY, time.monotonic())
+        due = max(due, started) + EVERY
     sending.send(times)
 
 
@@ -185,13 +187,9 @@ def measure(clients: int, seconds: float, tell: Callable[[str], object]) -> list
     tell(f"{clients} clients, {seconds:g} s, {os.cpu_count()} cores for all; the job: "
          f"{state['status']}, {state['cellsDone']:,} cells")  # fmt: skip
     for kind, times in sorted(taken.seconds.items()):
-        tell(
-            f"{kind:10} {len(times):7,} {len(times) / seconds:7.1f}/s   p50 "
-            f"{1e3 * percentile(times, 0.5):8.1f} ms   p99 {1e3 * percentile(times, 0.99):8.1f} ms"
-        )
-    half, most = percentile(health, 0.5), percentile(health, 0.99)
-    tell(f"{'/healthz':10} {len(health):7,} {len(health) / seconds:7.1f}/s   p50 "
-         f"{1e3 * half:8.1f} ms   p99 {1e3 * most:8.1f} ms   max {1e3 * max(health):.1f} ms")  # fmt: skip
+        tell(line(kind, times, seconds))
+    most = percentile(health, 0.99)
+    tell(line("/healthz", health, seconds) + f"   max {1e3 * max(health):.1f} ms")
     tell(f"received {taken.bytes / 1e6 / seconds:,.0f} MB/s")
     tell("memory " + ", ".join(f"{size / 1e6:.0f} MB" for size in sizes) + " (start, half, end)")
     tell(f"errors {dict(taken.statuses) or 'none'}")
@@ -200,11 +198,19 @@ def measure(clients: int, seconds: float, tell: Callable[[str], object]) -> list
         missed.append(f"/healthz: {1e3 * most:.0f} ms at the 99th percentile")
     if max(sizes) > MOST_MEMORY:
         missed.append(f"memory: {max(sizes) / 1e6:.0f} MB")
-    if sizes[2] > MOST_GROWTH * sizes[1]:
+    # In the first seconds threads and caches still get their first memory.
+    if seconds >= 60 and sizes[2] > MOST_GROWTH * sizes[1]:
         missed.append(f"memory grows from {sizes[1] / 1e6:.0f} to {sizes[2] / 1e6:.0f} MB")
     if state["status"] != "running":
         missed.append(f"the job was {state['status']} and no load any more")
     return missed
+
+
+def line(kind: str, times: list[float], seconds: float) -> str:
+    """Return how often something was asked for, and how long that took."""
+    half, most = (1e3 * percentile(times, share) for share in (0.5, 0.99))
+    rate = len(times) / seconds
+    return f"{kind:10} {len(times):7,} {rate:7.1f}/s   p50 {half:8.1f} ms   p99 {most:8.1f} ms"
 
 
 def main() -> None:
@@ -214,8 +220,8 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=SECONDS)
     wanted = parser.parse_args()
     missed = measure(wanted.clients, wanted.seconds, print)
-    for line in missed:
-        print("MISSED", line)
+    for what in missed:
+        print("MISSED", what)
     raise SystemExit(bool(missed))
 
 

@@ -111,7 +111,9 @@ def requests(server: Served, pairs: int) -> None:
 
     taken = piece()
     assert np.size(taken["values"]["data"]) == 100_000
-    print(f"{'milliseconds':22} {'req/s':>7} {'p50':>8} {'p99':>8} {'core':>8} {'written':>8} added")
+    print(
+        f"{'milliseconds':22} {'req/s':>7} {'p50':>8} {'p99':>8} {'core':>8} {'written':>8} added"
+    )
     compare(
         "slice, JSON",
         lambda: client.ask("GET", f"{path}&format=json"),
@@ -185,9 +187,7 @@ def _send_for_ever(listener: socket.socket, path: str) -> None:
             connection.sendall(b"HTTP/1.1 200 OK\r\nContent-Length: 1000000000\r\n\r\n")
             offset = 0
             while offset < GIGABYTE:
-                offset += os.sendfile(
-                    connection.fileno(), file.fileno(), offset, GIGABYTE - offset
-                )
+                offset += os.sendfile(connection.fileno(), file.fileno(), offset, GIGABYTE - offset)
 
 
 def main() -> None:

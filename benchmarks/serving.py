@@ -68,8 +68,8 @@ def served(**settings: object) -> Iterator[Served]:
         port = probe.getsockname()[1]
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder) / "data"
-        given = {"DATA_DIRECTORY": data, **{name.upper(): value for name, value in settings.items()}}
-        environment = {f"VIBRAFEED_{name}": str(value) for name, value in given.items()}
+        given = {"data_directory": data, **settings}
+        environment = {f"VIBRAFEED_{name.upper()}": str(value) for name, value in given.items()}
         command = [sys.executable, "-c", "from app.cli import main; main()", "serve"]
         with (Path(folder) / "log").open("wb") as log:
             process = subprocess.Popen(

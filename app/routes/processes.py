@@ -192,7 +192,8 @@ def _body(name: str) -> dict[str, Any]:
             "response": {"enum": ["raw", "document"], "default": "raw"},
         },
     }
-    content = {"application/json": {"schema": {"anyOf": [schema, request]}}}
+    example = PROCESSES[name].example
+    content = {"application/json": {"schema": {"anyOf": [schema, request]}, "example": example}}
     prefer = {
         "name": "Prefer",
         "in": "header",

@@ -12,6 +12,7 @@ from fastapi.responses import Response
 
 from app.dependencies import Body, SettingsOf, StoreOf, WriterOf
 from app.downloads import FOR_EVER, content_reply, etag_of, file_reply, not_modified
+from app.processes import PROCESSES
 from app.routes import json_reply, problems
 from app.settings import Settings
 from app.store import NETCDF
@@ -33,7 +34,12 @@ NUMPY = orjson.OPT_SERIALIZE_NUMPY
 STUDY_BODY = {
     "requestBody": {
         "required": True,
-        "content": {"application/json": {"schema": kind_schema("sweep")}},
+        "content": {
+            "application/json": {
+                "schema": kind_schema("sweep"),
+                "example": PROCESSES["sweep"].example,
+            }
+        },
     }
 }
 AXIS_VALUES = {
