@@ -42,6 +42,11 @@ async def views_of(request: Request) -> ZarrViews:
     return cast(ZarrViews, request.app.state.views)
 
 
+async def base_of(request: Request) -> str:
+    """Return the address of the service as the client calls it, without a slash at its end."""
+    return str(request.base_url).rstrip("/")
+
+
 async def body_of(request: Request) -> bytes:
     """Return the body; raise `TooLargeError` as soon as it outgrows the limit."""
     limit = (await settings_of(request)).max_body_bytes
@@ -59,4 +64,5 @@ StoreOf = Annotated[Store, Depends(store_of)]
 WriterOf = Annotated[Writer, Depends(writer_of)]
 DeskOf = Annotated[Desk, Depends(desk_of)]
 ViewsOf = Annotated[ZarrViews, Depends(views_of)]
+BaseOf = Annotated[str, Depends(base_of)]
 Body = Annotated[bytes, Depends(body_of)]

@@ -62,6 +62,7 @@ def create_app(settings: Settings) -> FastAPI:
         version=core.__version__,
         description="Parameter sweeps and motion in time of parts on vibratory feeder tracks.",
         lifespan=lifespan,
+        generate_unique_id_function=openapi.operation_id,
     )
     app.state.settings = settings
     app.state.store = store

@@ -1,52 +1,64 @@
-"""The OpenAPI document: schemas that models bring along stand where references find them."""
+"""The OpenAPI document: names that generated clients can live with, and models told once."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from fastapi import FastAPI
+from fastapi.routing import APIRoute
+from pydantic import BaseModel
+from pydantic.json_schema import models_json_schema
 
-_OWN, _SHARED = "#/$defs/", "#/components/schemas/"
+from app.processes import PROCESSES
+from app.routes import ProblemDocument, component, execution_name
+
+
+def operation_id(route: APIRoute) -> str:
+    """Return the name of a route's function: short, and stable while its path may change."""
+    return route.name
 
 
 def install(app: FastAPI) -> None:
-    """Have the document's schemas moved to its components, where it is made."""
+    """Add to the document the models that routes refer to."""
     plain = app.openapi
 
     def openapi() -> dict[str, Any]:
-        if app.openapi_schema is None:
-            share_schemas(plain())
-        return plain()
+        is_new = app.openapi_schema is None
+        document = plain()
+        if is_new:
+            document["components"]["schemas"].update(_components())
+        return document
 
     app.openapi = openapi  # type: ignore[method-assign]
 
 
-def share_schemas(document: dict[str, Any]) -> None:
-    """Move what stands under ``$defs`` in any schema to the components of the document.
-
-    Pydantic writes references from the root of a model's schema; within a larger document they
-    would point nowhere.
-
-    Raises
-    ------
-    ValueError
-        If two different schemas have one name.
-    """
-    shared = document.setdefault("components", {}).setdefault("schemas", {})
-
-    def walk(node: Any) -> None:
-        if isinstance(node, list):
-            for item in node:
-                walk(item)
-        elif isinstance(node, dict):
-            own = node.pop("$defs", {})
-            for item in (*own.values(), *node.values()):
-                walk(item)
-            for name, value in node.items():
-                if isinstance(value, str):  # a reference, or one in a discriminator's mapping
-                    node[name] = value.replace(_OWN, _SHARED, 1) if value[:8] == _OWN else value
-            for name, schema in own.items():
-                if shared.setdefault(name, schema) != schema:
-                    raise ValueError(f"two schemas are called {name}")
-
-    walk(document)
+def _components() -> dict[str, Any]:
+    """Return the schemas of problem documents, studies, and execute requests."""
+    models: list[type[BaseModel]] = [ProblemDocument]
+    models += [process.study for process in PROCESSES.values()]
+    _, schemas = models_json_schema(
+        [(model, "validation") for model in models], ref_template=component("{model}")["$ref"]
+    )
+    requests = {
+        execution_name(process.study): {
+            "type": "object",
+            "description": "An execute request of OGC API - Processes.",
+            "required": ["inputs"],
+            "properties": {
+                "inputs": {
+                    "type": "object",
+                    "required": ["study"],
+                    "properties": {"study": component(process.study.__name__)},
+                },
+                "outputs": {
+                    "type": "object",
+                    "properties": {"dataset": {"type": "object"}},
+                    "additionalProperties": False,
+                },
+                "response": {"enum": ["raw", "document"], "type": "string", "default": "raw"},
+            },
+        }
+        for process in PROCESSES.values()
+    }
+    found: dict[str, Any] = schemas["$defs"]
+    return found | requests

@@ -24,7 +24,9 @@ class Writer:
         waits.
         """
         known = await asyncio.to_thread(self._store.manifest, key)
-        return known or await asyncio.wrap_future(self._thread.submit(self._write, key, sweep))
+        if known is not None:
+            return known
+        return await asyncio.wrap_future(self._thread.submit(self._write, key, sweep))
 
     def close(self) -> None:
         """Finish the write under way, and take no more."""

@@ -86,6 +86,8 @@ async def _local(distributed: Any, workers: int) -> LocalCluster:
         processes=True,
         host="127.0.0.1",
         dashboard_address=None,
+        # Its figures are served even so: on any port that is free, not on 8787.
+        scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
         # Blocks have a known size, and results one below VIBRAFEED_MAX_BYTES.
         memory_limit=0,
         asynchronous=True,

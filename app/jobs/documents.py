@@ -1,4 +1,8 @@
-"""What the service says of processes and jobs: the documents of OGC API - Processes, part 1."""
+"""What the service says of processes and jobs: the documents of OGC API - Processes, part 1.
+
+Links are whole addresses, because clients of the standard fetch them as they stand; `base` is the
+address of the service.
+"""
 
 from __future__ import annotations
 
@@ -118,7 +122,7 @@ class Results(BaseModel):
     dataset: ResultFile
 
 
-def summary(name: str, process: Process) -> dict[str, Any]:
+def summary(name: str, process: Process, base: str) -> dict[str, Any]:
     """Return a process as the list shows it."""
     return {
         "id": name,
@@ -128,24 +132,24 @@ def summary(name: str, process: Process) -> dict[str, Any]:
         "jobControlOptions": MODES,
         "outputTransmission": ["value", "reference"],
         "links": [
-            _link(f"/processes/{name}", "self", "The description of the process"),
-            _link(f"/processes/{name}/execution", EXECUTE, "Where studies are posted"),
+            _link(f"{base}/processes/{name}", "self", "The description of the process"),
+            _link(f"{base}/processes/{name}/execution", EXECUTE, "Where studies are posted"),
         ],
     }
 
 
-def process_list() -> dict[str, Any]:
+def process_list(base: str) -> dict[str, Any]:
     """Return all processes."""
     return {
-        "processes": [summary(name, process) for name, process in PROCESSES.items()],
-        "links": [_link("/processes", "self", "The processes")],
+        "processes": [summary(name, process, base) for name, process in PROCESSES.items()],
+        "links": [_link(f"{base}/processes", "self", "The processes")],
     }
 
 
-def description(name: str, process: Process) -> dict[str, Any]:
+def description(name: str, process: Process, base: str) -> dict[str, Any]:
     """Return a process with the schemas of what it takes and gives."""
     return {
-        **summary(name, process),
+        **summary(name, process, base),
         "inputs": {
             "study": {
                 "title": "The study",
@@ -168,7 +172,7 @@ def description(name: str, process: Process) -> dict[str, Any]:
     }
 
 
-def status_info(job: Job) -> dict[str, Any]:
+def status_info(job: Job, base: str) -> dict[str, Any]:
     """Return how a job stands."""
     share = job.done / job.blocks
     # The last percent is the writing of the result.
@@ -177,7 +181,7 @@ def status_info(job: Job) -> dict[str, Any]:
     if job.state == "running" and job.done and job.started is not None:
         # After a restart the pace is that of before, too: it tends to the truth.
         left = round((time.time() - job.started) * (1 - share) / share, 1)
-    here = f"/jobs/{job.id}"
+    here = f"{base}/jobs/{job.id}"
     links = [
         _link(here, "self", "This document"),
         _link(f"{here}/events", "monitor", "The same as a stream of events", "text/event-stream"),
@@ -185,7 +189,9 @@ def status_info(job: Job) -> dict[str, Any]:
     if job.state == "successful":
         links.append(_link(f"{here}/results", RESULTS, "The results"))
     if job.process == "sweep":
-        links.append(_link(f"/sweeps/{job.key}", "related", "The sweep, to be read in slices"))
+        links.append(
+            _link(f"{base}/sweeps/{job.key}", "related", "The sweep, to be read in slices")
+        )
     found = {
         "processID": job.process,
         "type": "process",
@@ -207,11 +213,11 @@ def status_info(job: Job) -> dict[str, Any]:
     return {name: value for name, value in found.items() if value is not None}
 
 
-def results(job: Job, manifest: Manifest, size: int) -> dict[str, Any]:
+def results(job: Job, manifest: Manifest, size: int, base: str) -> dict[str, Any]:
     """Return what a job gave: the file, and what it cost."""
     return {
         "dataset": {
-            "href": f"/jobs/{job.id}/results/dataset",
+            "href": f"{base}/jobs/{job.id}/results/dataset",
             "type": NETCDF_TYPE,
             "title": "The dataset as a CF-1.11 NetCDF-4 file",
             "length": size,

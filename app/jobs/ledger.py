@@ -59,6 +59,36 @@ SELECT jobs.*, coalesce(work.done, 0) AS done, coalesce(work.seconds, 0) AS spen
 FROM jobs LEFT JOIN work ON work.key = jobs.key
 """
 
+# Times are compared as they are told, to the millisecond. What has not begun has no duration.
+_WANTED = """
+WHERE (?1 = '[]' OR jobs.process IN (SELECT value FROM json_each(?1)))
+AND (?2 = '[]' OR jobs.state IN (SELECT value FROM json_each(?2)))
+AND (?3 IS NULL OR CAST(round(jobs.created * 1e6) AS INTEGER) / 1000 >= round(?3 * 1000))
+AND (?4 IS NULL OR CAST(round(jobs.created * 1e6) AS INTEGER) / 1000 <= round(?4 * 1000))
+AND (?6 IS NULL OR coalesce(jobs.finished, ?5) - jobs.started >= ?6)
+AND (?7 IS NULL OR coalesce(jobs.finished, ?5) - jobs.started <= ?7)
+"""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Which jobs a list is to hold; what is empty or None chooses nothing.
+
+    Attributes
+    ----------
+    processes, states : tuple
+        One of these.
+    created : pair of float or None
+        Entered between these times [s since the epoch].
+    seconds : pair of int or None
+        Least and longest time from their beginning to their end, or until now.
+    """
+
+    processes: tuple[str, ...] = ()
+    states: tuple[str, ...] = ()
+    created: tuple[float | None, float | None] = (None, None)
+    seconds: tuple[int | None, int | None] = (None, None)
+
 
 @dataclass(frozen=True)
 class Job:
@@ -227,14 +257,13 @@ class Ledger:
         rows = self._read(f"{_JOB} WHERE jobs.id = ?", number)
         return _job(rows[0]) if rows else None
 
-    def jobs(
-        self, *, process: str | None = None, state: str | None = None, limit: int, offset: int = 0
-    ) -> list[Job]:
+    def jobs(self, wanted: Wanted | None = None, *, limit: int, offset: int = 0) -> list[Job]:
         """Return jobs, the latest first."""
+        wanted = wanted or Wanted()
         rows = self._read(
-            f"{_JOB} WHERE (?1 IS NULL OR jobs.process = ?1) AND (?2 IS NULL OR jobs.state = ?2) "
-            "ORDER BY jobs.created DESC, jobs.id LIMIT ?3 OFFSET ?4",
-            process, state, limit, offset,
+            f"{_JOB} {_WANTED} ORDER BY jobs.created DESC, jobs.id LIMIT ?8 OFFSET ?9",
+            json.dumps(wanted.processes), json.dumps(wanted.states), *wanted.created,
+            time.time(), *wanted.seconds, limit, offset,
         )  # fmt: skip
         return [_job(row) for row in rows]
 

@@ -6,35 +6,40 @@ from typing import Any
 
 import orjson
 from fastapi.responses import Response
+from pydantic import BaseModel
+
+
+class ProblemItem(BaseModel):
+    """One of several problems."""
+
+    place: str
+    message: str
+    fix: str
+
+
+class ProblemDocument(BaseModel):
+    """What went wrong (RFC 9457)."""
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    instance: str | None = None
+    errors: list[ProblemItem] | None = None
+
+
+def component(name: str) -> dict[str, Any]:
+    """Return a reference to a schema that `app.openapi` adds to the document."""
+    return {"$ref": f"#/components/schemas/{name}"}
+
+
+def execution_name(study: type[BaseModel]) -> str:
+    """Return the name of the schema of an execute request with a study."""
+    return f"{study.__name__}Execution"
+
 
 PROBLEM: dict[str, Any] = {
-    "content": {
-        "application/problem+json": {
-            "schema": {
-                "type": "object",
-                "required": ["type", "title", "status", "detail"],
-                "properties": {
-                    "type": {"type": "string"},
-                    "title": {"type": "string"},
-                    "status": {"type": "integer"},
-                    "detail": {"type": "string"},
-                    "instance": {"type": "string"},
-                    "errors": {
-                        "type": "array",
-                        "items": {
-                            "type": "object",
-                            "required": ["place", "message", "fix"],
-                            "properties": {
-                                "place": {"type": "string"},
-                                "message": {"type": "string"},
-                                "fix": {"type": "string"},
-                            },
-                        },
-                    },
-                },
-            }
-        }
-    }
+    "content": {"application/problem+json": {"schema": component(ProblemDocument.__name__)}}
 }
 
 

@@ -6,10 +6,10 @@ import logging
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
+from pydantic import BaseModel
 
 import core
 from app.dependencies import SettingsOf
@@ -22,7 +22,21 @@ logger = logging.getLogger("vibrafeed")
 router = APIRouter(tags=["service"])
 
 
-@router.get("/healthz", summary="Alive", response_model=dict[str, Any])
+class Health(BaseModel):
+    """The service is alive."""
+
+    status: str
+    version: str
+
+
+class Readiness(BaseModel):
+    """The service takes work; what has been looked at."""
+
+    status: str
+    checks: list[str]
+
+
+@router.get("/healthz", summary="Alive", response_model=Health)
 async def healthz() -> Response:
     """Return ``ok`` and the version; touches neither disk nor store."""
     return json_reply({"status": "ok", "version": core.__version__})
@@ -31,7 +45,7 @@ async def healthz() -> Response:
 @router.get(
     "/readyz",
     summary="Ready for work",
-    response_model=dict[str, Any],
+    response_model=Readiness,
     responses=problems(s503="It is not ready; errors names what fails"),
 )
 def readyz(request: Request, settings: SettingsOf) -> Response:

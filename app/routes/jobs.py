@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
+from datetime import datetime
 from typing import Annotated, Literal
+from urllib.parse import urlencode
 
 import orjson
 from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response, StreamingResponse
+from pydantic import AfterValidator
 
-from app.dependencies import DeskOf
+from app.dependencies import BaseOf, DeskOf
 from app.downloads import file_reply
 from app.errors import problem_document
 from app.exceptions import NoSuchJobError, NotFoundError, NotReadyError
 from app.jobs.desk import Desk
 from app.jobs.documents import NETCDF_TYPE, JobList, Results, StatusInfo, results, status_info
-from app.jobs.ledger import ACTIVE, STATES, Job
-from app.processes import PROCESSES
+from app.jobs.ledger import ACTIVE, STATES, Job, Wanted
 from app.routes import json_reply, problems
 from app.store import JSON, NETCDF, Manifest
 
@@ -40,44 +42,102 @@ NO_RESULT = problems(
 )
 
 
+def interval(text: str | None) -> tuple[float | None, float | None]:
+    """Return start and end [s since the epoch] of a time or an interval; None for an open one.
+
+    Raises
+    ------
+    ValueError
+        If it is neither.
+    """
+    if text is None:
+        return None, None
+    words = text.split("/")
+    if len(words) > 2 or set(words) <= {"", ".."}:
+        raise ValueError("it is neither a time nor an interval START/END")
+    ends: list[float | None] = []
+    for word in words:
+        time_ = None if word in ("", "..") else datetime.fromisoformat(word)
+        if time_ is not None and time_.tzinfo is None:
+            raise ValueError(f"{word[:40]!r} has no time zone, as in 2026-01-01T00:00:00Z")
+        ends.append(None if time_ is None else time_.timestamp())
+    return ends[0], ends[-1]
+
+
+def checked(text: str | None) -> str | None:
+    """Return a time or an interval as it is; raise `ValueError` if it is neither."""
+    interval(text)
+    return text
+
+
 @router.get("", summary="List jobs", response_model=JobList, responses=problems(s422="Bad query"))
 def list_jobs(
     desk: DeskOf,
+    base: BaseOf,
     process: Annotated[
-        str | None, Query(alias="processID", max_length=100, description="Of this process only.")
+        list[str], Query(alias="processID", max_length=20, description="Of these processes only.")
+    ] = [],  # noqa: B006 - not changed; None would make the schema nullable
+    status: Annotated[list[State], Query(max_length=20, description="In these states only.")] = [],  # noqa: B006
+    kind: Annotated[
+        list[str], Query(alias="type", max_length=20, description="All jobs are of type process.")
+    ] = [],  # noqa: B006
+    created: Annotated[
+        str | None,
+        Query(
+            alias="datetime",
+            max_length=100,
+            description="Made at a time (RFC 3339), or between two, as in "
+            "`2026-01-01T00:00:00Z/..`.",
+        ),
+        AfterValidator(checked),
     ] = None,
-    status: Annotated[State | None, Query(description="In this state only.")] = None,
+    least: Annotated[
+        int | None,
+        Query(alias="minDuration", ge=0, le=10**9, description="Ran so many seconds or longer."),
+    ] = None,
+    longest: Annotated[
+        int | None,
+        Query(alias="maxDuration", ge=0, le=10**9, description="Ran so many seconds or shorter."),
+    ] = None,
     limit: Annotated[int, Query(ge=1, le=MOST_LISTED)] = 100,
     offset: Annotated[int, Query(ge=0, le=10**9)] = 0,
 ) -> Response:
     """Return jobs, the latest first."""
-    found = desk.ledger.jobs(process=process, state=status, limit=limit + 1, offset=offset)
-    links = [{"href": "/jobs", "rel": "self", "type": "application/json"}]
+    wanted = Wanted(tuple(process), tuple(status), interval(created), (least, longest))
+    found = []
+    if not kind or "process" in kind:
+        found = desk.ledger.jobs(wanted, limit=limit + 1, offset=offset)
+    wishes = {
+        "processID": process, "status": status, "type": kind, "datetime": created,
+        "minDuration": least, "maxDuration": longest, "limit": limit,
+    }  # fmt: skip
+    pages = {"self": offset}
     if len(found) > limit:
-        wishes = {"processID": process, "status": status, "limit": limit, "offset": offset + limit}
-        query = "&".join(f"{k}={v}" for k, v in wishes.items() if v is not None and _plain(v))
-        links.append({"href": f"/jobs?{query}", "rel": "next", "type": "application/json"})
-    return json_reply({"jobs": [status_info(job) for job in found[:limit]], "links": links})
-
-
-def _plain(value: str | int) -> bool:
-    return isinstance(value, int) or value in PROCESSES or value in STATES
+        pages["next"] = offset + limit
+    if offset:
+        pages["prev"] = max(0, offset - limit)
+    links = []
+    for rel, start in pages.items():
+        asked = {k: v for k, v in {**wishes, "offset": start}.items() if v is not None}
+        href = f"{base}/jobs?{urlencode(asked, doseq=True)}"
+        links.append({"href": href, "rel": rel, "type": "application/json"})
+    return json_reply({"jobs": [status_info(job, base) for job in found[:limit]], "links": links})
 
 
 @router.get("/{number}", summary="Tell how a job stands", response_model=StatusInfo,
             responses=NO_JOB)  # fmt: skip
-def get_job(number: Number, desk: DeskOf) -> Response:
+def get_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
     """Return the state of a job, its progress, and the time that is left."""
-    return json_reply(status_info(_job(desk, number)))
+    return json_reply(status_info(_job(desk, number), base))
 
 
 @router.delete("/{number}", summary="Dismiss a job", response_model=StatusInfo, responses=NO_JOB)
-def dismiss_job(number: Number, desk: DeskOf) -> Response:
+def dismiss_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
     """Dismiss a job; what is computed for it alone is stopped at the next block."""
     job = desk.dismiss(number)
     if job is None:
         raise _missing(number)
-    return json_reply(status_info(job))
+    return json_reply(status_info(job, base))
 
 
 @router.get(
@@ -93,10 +153,10 @@ def dismiss_job(number: Number, desk: DeskOf) -> Response:
         **NO_JOB,
     },
 )
-async def follow_job(request: Request, number: Number, desk: DeskOf) -> Response:
+async def follow_job(request: Request, number: Number, desk: DeskOf, base: BaseOf) -> Response:
     """Return the changes of a job's state and progress as server-sent events."""
     await asyncio.to_thread(_job, desk, number)
-    events = _events(desk, number, request.app.state.stopping.is_set)
+    events = _events(desk, number, base, request.app.state.stopping.is_set)
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     return StreamingResponse(events, media_type="text/event-stream", headers=headers)
 
@@ -104,9 +164,9 @@ async def follow_job(request: Request, number: Number, desk: DeskOf) -> Response
 @router.get(
     "/{number}/results", summary="Tell what a job gave", response_model=Results, responses=NO_RESULT
 )
-def get_results(number: Number, desk: DeskOf) -> Response:
+def get_results(number: Number, desk: DeskOf, base: BaseOf) -> Response:
     """Return where the dataset is, how large it is, and what it cost."""
-    return results_reply(desk, _job(desk, number))
+    return results_reply(desk, _job(desk, number), base)
 
 
 @router.get(
@@ -162,12 +222,12 @@ def get_dataset(
     )
 
 
-def results_reply(desk: Desk, job: Job) -> Response:
+def results_reply(desk: Desk, job: Job, base: str) -> Response:
     """Return the results of a job, or why there are none."""
     manifest = _manifest(desk, job)
     if isinstance(manifest, Response):
         return manifest
-    return json_reply(results(job, manifest, manifest.files[NETCDF]["bytes"]))
+    return json_reply(results(job, manifest, manifest.files[NETCDF]["bytes"], base))
 
 
 def _manifest(desk: Desk, job: Job) -> Manifest | Response:
@@ -193,8 +253,9 @@ def _missing(number: str) -> NoSuchJobError:
     return NoSuchJobError(f"There is no job '{number[:80]}'. GET /jobs lists them.")
 
 
-async def _events(desk: Desk, number: str, stopping: object) -> AsyncIterator[bytes]:
-    assert callable(stopping)
+async def _events(
+    desk: Desk, number: str, base: str, stopping: Callable[[], bool]
+) -> AsyncIterator[bytes]:
     told, at = None, time.monotonic()
     while not stopping():
         job = await asyncio.to_thread(desk.ledger.job, number)
@@ -202,7 +263,7 @@ async def _events(desk: Desk, number: str, stopping: object) -> AsyncIterator[by
             return
         if (job.state, job.done) != told:
             told, at = (job.state, job.done), time.monotonic()
-            yield b"event: status\ndata: " + orjson.dumps(status_info(job)) + b"\n\n"
+            yield b"event: status\ndata: " + orjson.dumps(status_info(job, base)) + b"\n\n"
             if job.state not in ACTIVE:
                 return
         elif time.monotonic() - at > SIGN_OF_LIFE:

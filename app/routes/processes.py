@@ -11,7 +11,7 @@ from fastapi import APIRouter, Path, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
-from app.dependencies import Body, DeskOf, SettingsOf
+from app.dependencies import BaseOf, Body, DeskOf, SettingsOf, base_of
 from app.exceptions import NoSuchProcessError
 from app.jobs.desk import Desk
 from app.jobs.documents import (
@@ -27,12 +27,11 @@ from app.jobs.documents import (
 )
 from app.jobs.ledger import ACTIVE, Job
 from app.prefer import Preferences, preferences
-from app.processes import PROCESSES, Execution, read_execution
-from app.routes import json_reply, problems
+from app.processes import PROCESSES, Execution, Process, read_execution
+from app.routes import component, execution_name, json_reply, problems
 from app.routes.jobs import results_reply
 from app.settings import Settings
 from app.store import MOST_JSON_VALUES
-from core.catalogue import kind_schema
 from core.dataset.document import to_document
 from core.kinds import prepare_content, tabulate
 from core.study.load import read_json
@@ -41,33 +40,31 @@ from core.watch import Watch
 
 router = APIRouter(tags=["processes"])
 
+REL = "http://www.opengis.net/def/rel/ogc/1.0/"
+JSON = "application/json"
+OPENAPI = "application/vnd.oai.openapi+json;version=3.1"
 LOOK = 0.05  # s between looks at a job that a client waits for
 
 
 @router.get("/", summary="Landing page", response_model=LandingPage)
-def landing_page() -> Response:
+def landing_page(base: BaseOf) -> Response:
     """Return links to what the service offers."""
     links = [
-        ("/", "self", "This document"),
-        ("/openapi.json", "service-desc", "The OpenAPI document"),
-        ("/docs", "service-doc", "Its pages"),
-        ("/conformance", "http://www.opengis.net/def/rel/ogc/1.0/conformance", "Conformance"),
-        ("/processes", "http://www.opengis.net/def/rel/ogc/1.0/processes", "The processes"),
-        ("/jobs", "http://www.opengis.net/def/rel/ogc/1.0/job-list", "The jobs"),
-        ("/scenes", "related", "The scenes"),
+        ("/", "self", "This document", JSON),
+        ("/openapi.json", "service-desc", "The OpenAPI document", OPENAPI),
+        ("/docs", "service-doc", "Its pages", "text/html"),
+        ("/conformance", f"{REL}conformance", "Conformance", JSON),
+        ("/processes", f"{REL}processes", "The processes", JSON),
+        ("/jobs", f"{REL}job-list", "The jobs", JSON),
+        ("/scenes", "related", "The scenes", JSON),
     ]
     return json_reply(
         {
             "title": "vibrafeed",
             "description": "Sweeps, motion in time and best drives of parts on feeder tracks.",
             "links": [
-                {
-                    "href": href,
-                    "rel": rel,
-                    "title": title,
-                    "type": "text/html" if href == "/docs" else "application/json",
-                }
-                for href, rel, title in links
+                {"href": f"{base}{path}", "rel": rel, "title": title, "type": type_}
+                for path, rel, title, type_ in links
             ],
         }
     )
@@ -80,9 +77,9 @@ def conformance() -> Response:
 
 
 @router.get("/processes", summary="List the processes", response_model=ProcessList)
-def list_processes() -> Response:
+def list_processes(base: BaseOf) -> Response:
     """Return the processes: one for each kind of study."""
-    return json_reply(process_list())
+    return json_reply(process_list(base))
 
 
 @router.get(
@@ -91,17 +88,18 @@ def list_processes() -> Response:
     response_model=ProcessDescription,
     responses=problems(s404="No such process", s422="The identifier is malformed"),
 )
-def describe_process(process: Annotated[str, Path(max_length=100)]) -> Response:
+def describe_process(process: Annotated[str, Path(max_length=100)], base: BaseOf) -> Response:
     """Return a process with the schemas of what it takes and gives."""
     if process not in PROCESSES:
         raise _missing(process)
-    return json_reply(description(process, PROCESSES[process]))
+    return json_reply(description(process, PROCESSES[process], base))
 
 
 async def execute(
     request: Request, name: str, body: bytes, settings: Settings, desk: Desk
 ) -> Response:
     """Carry out the study in a body at once, or as a job."""
+    base = await base_of(request)
     wishes = preferences(request.headers.getlist("prefer"))
     asked, prepared = await run_in_threadpool(_read, name, body, settings)
     if is_small(prepared, settings) and not wishes.respond_async:
@@ -110,10 +108,10 @@ async def execute(
     if wishes.wait is not None:
         job = await _waited(desk, job, min(wishes.wait, settings.max_wait_seconds))
     if job.state in ACTIVE or wishes.wait is None:
-        reply = json_reply(status_info(job), 201)
+        reply = json_reply(status_info(job, base), 201)
     else:
-        reply = await asyncio.to_thread(results_reply, desk, job)
-    reply.headers["Location"] = str(request.url_for("get_job", number=job.id))
+        reply = await asyncio.to_thread(results_reply, desk, job, base)
+    reply.headers["Location"] = f"{base}/jobs/{job.id}"
     applied = _applied(wishes)
     if applied:
         reply.headers["Preference-Applied"] = applied
@@ -172,28 +170,10 @@ def _applied(wishes: Preferences) -> str:
     return ", ".join(words)
 
 
-def _body(name: str) -> dict[str, Any]:
+def _body(process: Process) -> dict[str, Any]:
     """Return the body of a process in OpenAPI: the study, or an execute request with it."""
-    schema = kind_schema(name)
-    request = {
-        "type": "object",
-        "required": ["inputs"],
-        "properties": {
-            "inputs": {
-                "type": "object",
-                "required": ["study"],
-                "properties": {"study": schema},
-            },
-            "outputs": {
-                "type": "object",
-                "properties": {"dataset": {"type": "object"}},
-                "additionalProperties": False,
-            },
-            "response": {"enum": ["raw", "document"], "default": "raw"},
-        },
-    }
-    example = PROCESSES[name].example
-    content = {"application/json": {"schema": {"anyOf": [schema, request]}, "example": example}}
+    schemas = [component(process.study.__name__), component(execution_name(process.study))]
+    content = {"application/json": {"schema": {"anyOf": schemas}, "example": process.example}}
     prefer = {
         "name": "Prefer",
         "in": "header",
@@ -240,7 +220,7 @@ for _name, _process in PROCESSES.items():
                 s507="There is no room for the result",
             ),
         },
-        openapi_extra=_body(_name),
+        openapi_extra=_body(_process),
     )
 
 

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Query
 from fastapi.responses import Response
+from pydantic import BaseModel
 
 from app.exceptions import NotFoundError
 from app.routes import json_reply, problems
@@ -15,7 +16,18 @@ from core.scenes import SCENES
 router = APIRouter(tags=["scenes"])
 
 
-@router.get("/scenes", summary="List the scenes", response_model=list[dict[str, Any]])
+class SceneLine(BaseModel):
+    """One scene in the list."""
+
+    name: str
+    title: str
+    source: str
+    variants: list[str]
+    default_variant: str
+    methods: list[str]
+
+
+@router.get("/scenes", summary="List the scenes", response_model=list[SceneLine])
 def list_scenes() -> Response:
     """Return one line for each scene: name, title, source, variants."""
     return json_reply(describe_all())

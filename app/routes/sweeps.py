@@ -9,16 +9,17 @@ import orjson
 from fastapi import APIRouter, Path, Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
+from pydantic import BaseModel
 
 from app.dependencies import Body, SettingsOf, StoreOf, WriterOf
 from app.downloads import FOR_EVER, content_reply, etag_of, file_reply, not_modified
 from app.processes import PROCESSES
-from app.routes import json_reply, problems
+from app.routes import component, json_reply, problems
 from app.settings import Settings
 from app.store import NETCDF
-from core.catalogue import kind_schema
 from core.errors import LimitError
 from core.quantities import QUANTITIES
+from core.study import SweepStudy
 from core.study.load import read_json
 from core.study.models import PARAMETERS
 from core.sweep import Sweep, prepare_content
@@ -36,7 +37,7 @@ STUDY_BODY = {
         "required": True,
         "content": {
             "application/json": {
-                "schema": kind_schema("sweep"),
+                "schema": component(SweepStudy.__name__),
                 "example": PROCESSES["sweep"].example,
             }
         },
@@ -56,13 +57,47 @@ AXIS_VALUES = {
 }
 
 
+class SweepAxis(BaseModel):
+    """An axis of a sweep."""
+
+    name: str
+    unit: str
+    size: int
+
+
+class SweepOutput(BaseModel):
+    """An output of a sweep, with the axes that it depends on."""
+
+    name: str
+    unit: str
+    label: str
+    dims: list[str]
+    source: str | None
+
+
+class SweepDescription(BaseModel):
+    """What the service says of a sweep."""
+
+    id: str
+    study: dict[str, Any]
+    scene: str
+    variant: str
+    validity: str
+    cells: int
+    bytes: int
+    axes: list[SweepAxis]
+    outputs: list[SweepOutput]
+    regimes: list[str]
+    links: dict[str, str]
+
+
 @router.post(
     "",
     summary="Post a sweep study",
     status_code=201,
-    response_model=dict[str, Any],
+    response_model=SweepDescription,
     responses={
-        200: {"description": "The same study was there already"},
+        200: {"model": SweepDescription, "description": "The same study was there already"},
         **problems(s413="The body is too large", s422="The study cannot be carried out"),
     },
     openapi_extra=STUDY_BODY,
@@ -84,7 +119,7 @@ def post_sweep(request: Request, body: Body, settings: SettingsOf, store: StoreO
 @router.get(
     "/{key}",
     summary="Describe a sweep",
-    response_model=dict[str, Any],
+    response_model=SweepDescription,
     responses=problems(s404="No such sweep", s422="The identifier is malformed"),
 )
 def get_sweep(key: Key, store: StoreOf) -> Response:

@@ -34,8 +34,9 @@ ZarrKey = Annotated[
     responses={
         200: {
             "content": {
-                "application/json": {"schema": {"type": "object"}},
+                # Bytes first: generated clients take the first for all.
                 "application/octet-stream": {"schema": {"type": "string", "format": "binary"}},
+                "application/json": {"schema": {"type": "object"}},
             },
             "description": "A document, or the values of a chunk, little-endian, not compressed",
             "headers": {"ETag": {"schema": {"type": "string"}}},

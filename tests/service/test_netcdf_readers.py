@@ -10,8 +10,9 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import pytest
 
@@ -19,7 +20,6 @@ ROOT = Path(__file__).parents[2]
 STUDIES = sorted((ROOT / "configs").rglob("*.toml"))
 NAMES = sorted(study.stem for study in STUDIES)
 CHECKER = "VIBRAFEED_COMPLIANCE_CHECKER"
-REQUIRED = "VIBRAFEED_REQUIRE_TOOLS"
 
 OPEN_ALL = """
 import json, sys
@@ -54,13 +54,6 @@ def run(*command: str | Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-def absent(reason: str) -> NoReturn:
-    """Skip, or fail where the tools must be there."""
-    if os.environ.get(REQUIRED) == "1":
-        pytest.fail(f"{reason}, and {REQUIRED}=1 asks for it")
-    pytest.skip(reason)
-
-
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """Return the file of each study, all written by one run of the command line."""
@@ -74,22 +67,16 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 @pytest.fixture(scope="module")
-def ncdump() -> str:
-    tool = shutil.which("ncdump")
-    if tool is None:
-        absent("ncdump is not installed (Debian package netcdf-bin)")
-    return tool
+def ncdump(find_tool: Callable[[str | Path, str], str]) -> str:
+    return find_tool("ncdump", "ncdump is not installed (Debian package netcdf-bin)")
 
 
 @pytest.fixture(scope="module")
-def compliance_checker() -> str:
+def compliance_checker(find_tool: Callable[[str | Path, str], str]) -> str:
     """Return the checker, which needs an environment of its own."""
     default = ROOT / ".venv-cf" / "bin" / "compliance-checker"
     wanted = os.environ.get(CHECKER) or str(default)
-    tool = shutil.which(wanted)
-    if tool is None:
-        absent(f"no compliance-checker: neither {CHECKER} nor .venv-cf names one")
-    return tool
+    return find_tool(wanted, f"no compliance-checker: neither {CHECKER} nor .venv-cf names one")
 
 
 @pytest.fixture(scope="module")

@@ -8,21 +8,19 @@ from __future__ import annotations
 
 import json
 import os
-import socket
 import subprocess
 import sys
 import time
 import urllib.request
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from app.guard import new_key
+from benchmarks import serving
 
-ROOT = Path(__file__).parents[2]
 CASES = int(os.environ.get("VIBRAFEED_FUZZ_CASES", "12"))
 SEEDS = (1, 2, 3) if CASES > 100 else (1,)
 KEY, HASH = new_key()
@@ -34,14 +32,14 @@ STUDY = {
 }
 # Small, so that no case takes long; three studies at most wait for the one worker.
 LIMITS = {
-    "MAX_CELLS": "2000",
-    "MAX_SLICE_CELLS": "2000",
-    "MAX_SYNCHRONOUS_SECONDS": "0.05",
-    "MAX_EXECUTION_SECONDS": "0.5",
-    "MAX_JOB_SECONDS": "30",
-    "MAX_WAIT_SECONDS": "0.1",
-    "MAX_QUEUE": "3",
-    "WORKERS": "1",
+    "max_cells": 2000,
+    "max_slice_cells": 2000,
+    "max_synchronous_seconds": 0.05,
+    "max_execution_seconds": 0.5,
+    "max_job_seconds": 30,
+    "max_wait_seconds": 0.1,
+    "max_queue": 3,
+    "workers": 1,
 }
 # A schema says what a study looks like, not what is physical: whether a scene has an output, needs
 # a parameter, or has a value on its axis is told by 422 and a problem document, as documented.
@@ -95,32 +93,6 @@ angles = {{ values = ["10", "20 deg"] }}
 """
 
 
-@contextmanager
-def server(folder: Path) -> Iterator[str]:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    values = {"DATA_DIRECTORY": str(folder / "data"), "API_KEY_HASHES": HASH, **LIMITS}
-    settings = {f"VIBRAFEED_{name}": value for name, value in values.items()}
-    command = [sys.executable, "-c", "from app.cli import main; main()", "serve"]
-    with (folder / "log").open("wb") as log:
-        process = subprocess.Popen(
-            [*command, "--port", str(port)], cwd=ROOT, stderr=log, env={**os.environ, **settings}
-        )
-        try:
-            address = f"http://127.0.0.1:{port}"
-            for _ in range(300):
-                try:
-                    asked(f"{address}/healthz")
-                    break
-                except OSError:
-                    time.sleep(0.1)
-            yield address
-        finally:
-            process.terminate()
-            process.wait(30)
-
-
 def asked(address: str, content: Any = None, **headers: str) -> Any:
     body = None if content is None else json.dumps(content).encode()
     request = urllib.request.Request(
@@ -134,7 +106,8 @@ def asked(address: str, content: Any = None, **headers: str) -> Any:
 def served(tmp_path_factory) -> Iterator[tuple[str, Path]]:
     """The address of a server that has a sweep and a finished job, and how to talk about them."""
     folder = tmp_path_factory.mktemp("fuzzed")
-    with server(folder) as address:
+    with serving.served(api_key_hashes=HASH, **LIMITS) as server:
+        address = server.address
         sweep = asked(f"{address}/sweeps", STUDY)["id"]
         job = asked(f"{address}/processes/sweep/execution", STUDY, Prefer="respond-async")["jobID"]
         for _ in range(300):

@@ -1,4 +1,4 @@
-"""A server of its own, and clients that are not ours: xarray with zarr, curl, bare sockets."""
+"""Clients that are not ours: xarray with zarr, curl, bare sockets."""
 
 from __future__ import annotations
 
@@ -6,16 +6,13 @@ import hashlib
 import http.client
 import json
 import os
-import shutil
-import socket
 import subprocess
 import sys
 import time
 import urllib.request
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,8 +20,6 @@ import pytest
 from core.sweep import prepare_content, tabulate
 from core.sweep.zarr_view import ZarrView
 
-ROOT = Path(__file__).parents[2]
-REQUIRED = "VIBRAFEED_REQUIRE_TOOLS"
 ENDS = {"frequency": (20, 120), "amplitude": (1e-4, 1e-3), "alpha": (0, 90), "beta": (0, 90)}
 FIXED = {"friction": 0.3, "radius": "0.8 m", "distance": "0.2 mm"}
 
@@ -49,46 +44,6 @@ TRILLION = sized(
 )  # fmt: skip
 LONG = sized(["transport_velocity"], frequency=10**6, amplitude=10**6)
 LONG["parameters"] |= {"alpha": 10, "beta": 30}
-
-
-def absent(reason: str) -> NoReturn:
-    """Skip, or fail where the tools must be there."""
-    if os.environ.get(REQUIRED) == "1":
-        pytest.fail(f"{reason}, and {REQUIRED}=1 asks for it")
-    pytest.skip(reason)
-
-
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Run the service as its users do; give its address."""
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
-    folder = tmp_path_factory.mktemp("service")
-    serve = "from app.cli import main; main()"  # as `vibrafeed` does, from this source tree
-    command = [sys.executable, "-c", serve, "serve", "--port", str(port)]
-    with (folder / "log").open("wb") as log:
-        process = subprocess.Popen(
-            command,
-            cwd=ROOT,
-            env={**os.environ, "VIBRAFEED_DATA_DIRECTORY": str(folder / "data")},
-            stdout=log,
-            stderr=log,
-        )
-    address = f"http://127.0.0.1:{port}"
-    try:
-        for _ in range(300):
-            try:
-                urllib.request.urlopen(f"{address}/healthz", timeout=1).close()
-                break
-            except OSError:
-                assert process.poll() is None, (folder / "log").read_text()
-                time.sleep(0.1)
-        else:
-            pytest.fail("the service does not answer\n" + (folder / "log").read_text())
-        yield address
-    finally:
-        process.terminate()
-        process.wait(20)
 
 
 def post(server: str, content: dict[str, Any]) -> str:
@@ -209,14 +164,6 @@ def test_a_head_is_followed_by_nothing(server):
 
 
 @pytest.fixture(scope="module")
-def curl() -> str:
-    tool = shutil.which("curl")
-    if tool is None:
-        absent("curl is not installed")
-    return tool
-
-
-@pytest.fixture(scope="module")
 def download(server) -> str:
     """Return the address of a file of several megabytes."""
     outputs = ["acceleration_x", "transport_velocity"]
@@ -245,6 +192,32 @@ class TestCurl:
         assert f"content-range: bytes {partial}-{size - 1}/{size}" in text
         assert f'"{hashlib.sha256(file.read_bytes()).hexdigest()}"' == etag
         assert file.stat().st_size == size
+
+    def test_a_job_s_file_is_resumed_after_the_server_was_killed(self, curl, serve, tmp_path):
+        service = serve(workers=1)
+        content = sized(
+            ["acceleration_x", "transport_velocity"], frequency=50, amplitude=10, alpha=50, beta=80
+        )
+        study = tmp_path / "study.json"
+        study.write_text(json.dumps(content))
+        execution = f"{service.address}/processes/sweep/execution"
+        wait = ["-H", "Prefer: respond-async, wait=50", "-H", "Content-Type: application/json"]
+        told = self.run(curl, *wait, "-d", f"@{study}", execution)
+        result = json.loads(told.stdout)["dataset"]
+        whole, file = tmp_path / "whole.nc", tmp_path / "x.nc"
+        assert self.run(curl, "-o", whole, result["href"]).returncode == 0
+        assert whole.stat().st_size == result["length"]
+        slow = [curl, "--silent", "--noproxy", "*", "--limit-rate", "1M", "-o", file]
+        with subprocess.Popen([*slow, result["href"]]) as broken:
+            time.sleep(1)
+            service.kill()
+            assert broken.wait(20) == 18  # a part of the file
+        partial = file.stat().st_size
+        assert 0 < partial < result["length"]
+        service.start()
+        resumed = self.run(curl, "-C", "-", "-w", "%{http_code}", "-o", file, result["href"])
+        assert (resumed.returncode, resumed.stdout) == (0, "206"), resumed.stderr
+        assert file.read_bytes() == whole.read_bytes()
 
     def test_what_is_complete_is_not_sent_again(self, curl, download, tmp_path):
         file, kept = tmp_path / "x.nc", tmp_path / "etag"

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from app.exceptions import QueueFullError
-from app.jobs.ledger import ACTIVE, Ledger
+from app.jobs.ledger import ACTIVE, Ledger, Wanted
 
 LEASE = 60.0
 
@@ -133,8 +133,8 @@ def test_lists(ledgers):
     assert [job.id for job in here.jobs(limit=3)] == [job.id for job in jobs[:1:-1]]
     assert [job.id for job in here.jobs(limit=3, offset=3)] == [jobs[1].id, jobs[0].id]
     here.dismiss(jobs[0].id)
-    assert [job.id for job in here.jobs(state="dismissed", limit=9)] == [jobs[0].id]
-    assert here.jobs(process="sweep", limit=9) == []
+    assert [job.id for job in here.jobs(Wanted(states=("dismissed",)), limit=9)] == [jobs[0].id]
+    assert here.jobs(Wanted(processes=("sweep",)), limit=9) == []
     here.forget(time.time() + 1)
     assert len(here.jobs(limit=9)) == 4  # those that are active stay
 

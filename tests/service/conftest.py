@@ -1,0 +1,105 @@
+"""A server of one's own, run as users run it, and the tools that are not ours."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NoReturn
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+REQUIRED = "VIBRAFEED_REQUIRE_TOOLS"
+
+
+def absent(reason: str) -> NoReturn:
+    """Skip, or fail where the tools must be there."""
+    if os.environ.get(REQUIRED) == "1":
+        pytest.fail(f"{reason}, and {REQUIRED}=1 asks for it")
+    pytest.skip(reason)
+
+
+@pytest.fixture(scope="session")
+def find_tool() -> Callable[[str | Path, str], str]:
+    """Return a function that finds a program, or skips with a reason."""
+
+    def find(program: str | Path, reason: str) -> str:
+        return shutil.which(program) or absent(reason)
+
+    return find
+
+
+@pytest.fixture(scope="session")
+def curl(find_tool: Callable[[str | Path, str], str]) -> str:
+    return find_tool("curl", "curl is not installed")
+
+
+class Service:
+    """`vibrafeed serve` on a folder; it can be killed and started again, on the same port."""
+
+    def __init__(self, folder: Path, **settings: Any):
+        self.folder = folder
+        with socket.create_server(("127.0.0.1", 0)) as free:
+            self.port = free.getsockname()[1]
+        self.address = f"http://127.0.0.1:{self.port}"
+        self._environment = {**os.environ, "VIBRAFEED_DATA_DIRECTORY": str(folder / "data")}
+        for name, value in settings.items():
+            self._environment[f"VIBRAFEED_{name.upper()}"] = str(value)
+        self._process: subprocess.Popen[bytes] | None = None
+
+    def start(self) -> None:
+        serve = "from app.cli import main; main()"  # as `vibrafeed` does, from this source tree
+        command = [sys.executable, "-c", serve, "serve", "--port", str(self.port)]
+        log = self.folder / "log"
+        with log.open("ab") as file:
+            self._process = subprocess.Popen(
+                command, cwd=ROOT, env=self._environment, stdout=file, stderr=file
+            )
+        for _ in range(300):
+            try:
+                urllib.request.urlopen(f"{self.address}/healthz", timeout=1).close()
+                return
+            except OSError:
+                assert self._process.poll() is None, log.read_text()
+                time.sleep(0.1)
+        pytest.fail("the service does not answer\n" + log.read_text())
+
+    def kill(self) -> None:
+        """Kill it, as a power cut would."""
+        assert self._process is not None
+        self._process.kill()
+        self._process.wait(20)
+
+    def stop(self) -> None:
+        assert self._process is not None
+        self._process.terminate()
+        self._process.wait(20)
+
+
+@pytest.fixture(scope="module")
+def serve(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Service]]:
+    """Return a function that starts a service with settings; all of them stop in the end."""
+    started: list[Service] = []
+
+    def start(**settings: Any) -> Service:
+        service = Service(tmp_path_factory.mktemp("service"), **settings)
+        started.append(service)
+        service.start()
+        return service
+
+    yield start
+    for service in started:
+        service.stop()
+
+
+@pytest.fixture(scope="module")
+def server(serve: Callable[..., Service]) -> str:
+    """Return the address of a service."""
+    return serve(workers=2).address

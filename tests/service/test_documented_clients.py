@@ -1,0 +1,84 @@
+"""The clients that the documents show do what they say, against a real server."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+def blocks(path: str, language: str, after: str) -> list[str]:
+    """Return the blocks of a language after a heading, up to the next one."""
+    text = (ROOT / path).read_text().partition(f"\n{after}\n")[2].partition("\n## ")[0]
+    return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with the README's studies as JSON."""
+    folder = tmp_path_factory.mktemp("client")
+    for name, text in zip(
+        ("study", "motion"), blocks("README.md", "toml", "## What next"), strict=True
+    ):
+        (folder / f"{name}.json").write_text(json.dumps(tomllib.loads(text)))
+    return folder
+
+
+def run(code: str, folder: Path) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, timeout=150,
+        check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_the_five_lines_of_the_readme(server, folder):
+    (code,) = (code for code in blocks("README.md", "python", "## What next") if "httpx2" in code)
+    assert len([line for line in code.splitlines() if line]) <= 5
+    assert float(run(code.replace("http://localhost:8000", server), folder)) > 0
+
+
+def test_the_clients_of_the_page_on_the_interface(server, folder):
+    code = "\n".join(blocks("docs/api.md", "python", "## Clients"))
+    assert code.count("http://127.0.0.1:8000") == 3
+    code = code.replace("http://127.0.0.1:8000", server)
+    code += """
+assert dict(dataset.sizes) == {"amplitude": 71, "beta": 56}
+assert sweep.acceleration_x.size == 101 * 3 * 21 * 41
+print(json.dumps([reply.status_code, sorted(answer), job["type"]]))
+"""
+    status, answered, kind = json.loads(run(code, folder))
+    assert status == 200
+    assert kind == "process"
+    # At once as a document, or as a job: what this machine is thought to take decides.
+    assert answered == ["dataset"] or "jobID" in answered
+
+
+def test_the_curl_lines_of_the_page(curl, server, folder):
+    (lines,) = (b for b in blocks("docs/api.md", "sh", "## Clients") if "curl" in b)
+    posting, *others = lines.replace("http://127.0.0.1:8000", server).strip().splitlines()
+
+    def shell(line: str) -> str:
+        line = line.replace("curl ", f"{curl} --silent --show-error --fail --noproxy '*' ", 1)
+        done = subprocess.run(
+            line, shell=True, cwd=folder, capture_output=True, text=True, timeout=90, check=False
+        )
+        assert done.returncode == 0, (line, done.stderr)
+        return done.stdout
+
+    href = json.loads(shell(posting))["dataset"]["href"]
+    number = href.split("/")[-3]
+    events, download, dismissal = (line.replace("NUMBER", number) for line in others)
+    assert '"status":"successful"' in shell(events)
+    (folder / "motion.nc").unlink(missing_ok=True)
+    shell(download)
+    assert (folder / "motion.nc").read_bytes()[:4] == b"\x89HDF"
+    assert json.loads(shell(dismissal))["status"] == "dismissed"
