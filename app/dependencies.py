@@ -1,4 +1,7 @@
-"""What routes take from a request: settings, the store, the body within its limit."""
+"""What routes take from a request: settings, the store, the body within its limit.
+
+All are coroutines: FastAPI would send a plain function to a thread, and that takes longer than it.
+"""
 
 from __future__ import annotations
 
@@ -14,39 +17,39 @@ from app.writer import Writer
 from app.zarr_views import ZarrViews
 
 
-def settings_of(request: Request) -> Settings:
+async def settings_of(request: Request) -> Settings:
     """Return the settings that the app was made with."""
     return cast(Settings, request.app.state.settings)
 
 
-def store_of(request: Request) -> Store:
+async def store_of(request: Request) -> Store:
     """Return the app's store."""
     return cast(Store, request.app.state.store)
 
 
-def writer_of(request: Request) -> Writer:
+async def writer_of(request: Request) -> Writer:
     """Return what writes the app's files."""
     return cast(Writer, request.app.state.writer)
 
 
-def desk_of(request: Request) -> Desk:
+async def desk_of(request: Request) -> Desk:
     """Return where the app's jobs are handed in."""
     return cast(Desk, request.app.state.desk)
 
 
-def views_of(request: Request) -> ZarrViews:
+async def views_of(request: Request) -> ZarrViews:
     """Return the app's views of sweeps as Zarr groups."""
     return cast(ZarrViews, request.app.state.views)
 
 
-def base_of(request: Request) -> str:
+async def base_of(request: Request) -> str:
     """Return the address of the service as the client calls it, without a slash at its end."""
     return str(request.base_url).rstrip("/")
 
 
 async def body_of(request: Request) -> bytes:
     """Return the body; raise `TooLargeError` as soon as it outgrows the limit."""
-    limit = settings_of(request).max_body_bytes
+    limit = (await settings_of(request)).max_body_bytes
     pieces, size = [], 0
     async for piece in request.stream():
         size += len(piece)

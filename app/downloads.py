@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import base64
 import hashlib
 import re
-from collections.abc import Iterator
+from collections.abc import AsyncIterator
 from pathlib import Path
 
 from fastapi import Request
@@ -83,12 +84,15 @@ def file_reply(
     return StreamingResponse(_pieces(path, start, stop), status, headers, media_type)
 
 
-def _pieces(path: Path, start: int, stop: int) -> Iterator[bytes]:
-    """Yield the bytes from `start` to `stop`; threads of the pool run it, a piece at a time."""
-    with path.open("rb", buffering=0) as file:
+async def _pieces(path: Path, start: int, stop: int) -> AsyncIterator[bytes]:
+    """Yield the bytes from `start` to `stop`.
+
+    Threads of the event loop's own pool read them, which wait for no computing.
+    """
+    with await asyncio.to_thread(path.open, "rb", buffering=0) as file:
         file.seek(start)
         while start < stop:
-            piece = file.read(min(PIECE, stop - start))
+            piece = await asyncio.to_thread(file.read, min(PIECE, stop - start))
             if not piece:
                 raise EOFError(f"{path.name} has been cut short while it was read")
             start += len(piece)

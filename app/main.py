@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import os
 import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from functools import partial
 
+from anyio.to_thread import current_default_thread_limiter
 from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
@@ -28,6 +30,9 @@ from app.zarr_views import ZarrViews
 
 logger = logging.getLogger("vibrafeed")
 
+# Threads that routes run in. More would not compute more, and each that computes makes the event
+# loop wait its turn for the interpreter; some are waiting for the disk or the ledger.
+THREADS = 2 + (os.cpu_count() or 1)
 TIDY = 3600.0  # s between looks for what nobody has used for long
 
 
@@ -41,6 +46,7 @@ def create_app(settings: Settings) -> FastAPI:
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        current_default_thread_limiter().total_tokens = THREADS
         await runner.start()
         tidying = asyncio.create_task(_tidy(desk))
         yield

@@ -32,6 +32,8 @@ class Process:
         What a list shows.
     study : type
         The model of its studies.
+    example : mapping
+        A short study.
     status : str
         The variable that tells of each cell whether it was computed; empty if all are.
     not_computed : int
@@ -41,6 +43,7 @@ class Process:
     title: str
     description: str
     study: type[BaseModel]
+    example: Mapping[str, Any]
     status: str = ""
     not_computed: int = 0
 
@@ -50,11 +53,31 @@ PROCESSES: dict[str, Process] = {
         "Sweep closed-form equations",
         "Evaluates the closed-form equations of a scene over a grid of parameters.",
         SweepStudy,
+        {
+            "kind": "sweep",
+            "scene": "rectangle-on-plane",
+            "outputs": ["throw_number"],
+            "parameters": {
+                "frequency": "50 Hz",
+                "amplitude": ["0.5 mm", "1 mm"],
+                "beta": {"start": 0, "stop": 60, "num": 7},
+            },
+        },
     ),
     "simulate": Process(
         "Simulate the motion in time",
         "Follows parts in time, with stick, slide and hop, over a grid of parameters.",
         SimulateStudy,
+        {
+            "kind": "simulate",
+            "scene": "rectangle-on-plane",
+            "parameters": {
+                "frequency": "50 Hz",
+                "amplitude": "0.5 mm",
+                "beta": 30,
+                "friction": [0.2, 0.4],
+            },
+        },
         "motion_status",
         MOTION_STATUSES["not_computed"].value,
     ),
@@ -62,6 +85,12 @@ PROCESSES: dict[str, Process] = {
         "Find the best drive",
         "Finds the best angles, or other parameters, of a drive for each of many designs.",
         OptimiseStudy,
+        {
+            "kind": "optimise",
+            "scene": "rectangle-on-plane",
+            "criterion": {"kind": "maximise", "output": "acceleration_x"},
+            "parameters": {"frequency": "50 Hz", "amplitude": "0.5 mm", "friction": 0.3},
+        },
         "optimum_status",
         OPTIMUM_STATUSES["not_computed"].value,
     ),

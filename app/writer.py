@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from concurrent.futures import ThreadPoolExecutor
 
 from app.store import Manifest, Store
@@ -16,12 +17,16 @@ class Writer:
         self._store = store
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="netcdf")
 
-    def result(self, key: str, sweep: Sweep) -> Manifest:
+    async def result(self, key: str, sweep: Sweep) -> Manifest:
         """Return the manifest of the result of a sweep; the first call computes and writes it.
 
-        A result that is there does not wait for what is being written.
+        A result that is there does not wait for what is being written, and no thread of the routes
+        waits.
         """
-        return self._store.manifest(key) or self._thread.submit(self._write, key, sweep).result()
+        known = await asyncio.to_thread(self._store.manifest, key)
+        if known is not None:
+            return known
+        return await asyncio.wrap_future(self._thread.submit(self._write, key, sweep))
 
     def close(self) -> None:
         """Finish the write under way, and take no more."""

@@ -125,7 +125,7 @@ class Runner:
 
     async def _keep(self, item: Work) -> None:
         """Carry out an item for as long as its lease is ours."""
-        about = {"key": item.key, "process_id": item.process, "blocks": item.blocks}
+        about = {"key": item.key, "kind": item.process, "blocks": item.blocks}
         carrying = asyncio.create_task(self._carry_out(item))
         try:
             logger.info("work started", extra=about)

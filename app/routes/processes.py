@@ -8,6 +8,7 @@ from collections.abc import Awaitable, Callable
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Request
+from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
 from app.dependencies import BaseOf, Body, DeskOf, SettingsOf, base_of
@@ -98,11 +99,11 @@ async def execute(
     request: Request, name: str, body: bytes, settings: Settings, desk: Desk
 ) -> Response:
     """Carry out the study in a body at once, or as a job."""
-    base = base_of(request)
+    base = await base_of(request)
     wishes = preferences(request.headers.getlist("prefer"))
-    asked, prepared = await asyncio.to_thread(_read, name, body, settings)
+    asked, prepared = await run_in_threadpool(_read, name, body, settings)
     if name != ACCURACY and is_small(prepared, settings) and not wishes.respond_async:
-        return await asyncio.to_thread(_carry_out, name, asked, prepared, settings)
+        return await run_in_threadpool(_carry_out, name, asked, prepared, settings)
     job = await asyncio.to_thread(desk.post, prepared, name)
     if wishes.wait is not None:
         job = await _waited(desk, job, min(wishes.wait, settings.max_wait_seconds))
@@ -173,7 +174,7 @@ def _applied(wishes: Preferences) -> str:
 def _body(process: Process) -> dict[str, Any]:
     """Return the body of a process in OpenAPI: the study, or an execute request with it."""
     schemas = [component(process.study.__name__), component(execution_name(process.study))]
-    content = {"application/json": {"schema": {"anyOf": schemas}}}
+    content = {"application/json": {"schema": {"anyOf": schemas}, "example": process.example}}
     prefer = {
         "name": "Prefer",
         "in": "header",

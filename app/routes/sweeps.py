@@ -7,11 +7,13 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import orjson
 from fastapi import APIRouter, Path, Query, Request
+from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 from pydantic import BaseModel
 
 from app.dependencies import Body, SettingsOf, StoreOf, WriterOf
 from app.downloads import FOR_EVER, content_reply, etag_of, file_reply, not_modified
+from app.processes import PROCESSES
 from app.routes import component, json_reply, problems
 from app.settings import Settings
 from app.store import NETCDF
@@ -33,7 +35,12 @@ NUMPY = orjson.OPT_SERIALIZE_NUMPY
 STUDY_BODY = {
     "requestBody": {
         "required": True,
-        "content": {"application/json": {"schema": component(SweepStudy.__name__)}},
+        "content": {
+            "application/json": {
+                "schema": component(SweepStudy.__name__),
+                "example": PROCESSES["sweep"].example,
+            }
+        },
     }
 }
 AXIS_VALUES = {
@@ -196,7 +203,7 @@ def get_slice(
     },
 )
 @router.head("/{key}/netcdf", include_in_schema=False)
-def get_netcdf(
+async def get_netcdf(
     request: Request, key: Key, store: StoreOf, writer: WriterOf, settings: SettingsOf
 ) -> Response:
     """Return the whole sweep as a CF-1.11 NetCDF-4 file; the first request computes it.
@@ -204,9 +211,9 @@ def get_netcdf(
     One range of bytes can be asked for, so that a broken download resumes. The ETag is the SHA-256
     of the file.
     """
-    sweep = store.sweep(key)
+    sweep = await run_in_threadpool(store.sweep, key)
     sweep.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
-    manifest = writer.result(key, sweep)
+    manifest = await writer.result(key, sweep)
     return file_reply(
         request,
         store.folder(key) / NETCDF,

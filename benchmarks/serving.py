@@ -1,0 +1,103 @@
+"""A server of its own for a benchmark: `vibrafeed serve` on a free port and an empty directory."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from app.store import NETCDF, Store
+
+
+@dataclass(frozen=True)
+class Served:
+    """A running server: its address, its process, its data directory."""
+
+    address: str
+    pid: int
+    data: Path
+
+    def get(self, path: str) -> Any:
+        """Return the JSON of a path."""
+        with urllib.request.urlopen(f"{self.address}{path}", timeout=60) as reply:
+            return json.load(reply)
+
+    def post(self, path: str, content: Any, **headers: str) -> Any:
+        """Return the JSON of the reply to a JSON body."""
+        request = urllib.request.Request(
+            f"{self.address}{path}",
+            json.dumps(content).encode(),
+            {"Content-Type": "application/json", **headers},
+        )
+        with urllib.request.urlopen(request, timeout=60) as reply:
+            return json.load(reply)
+
+    def file_of(self, study: Any, size: int) -> str:
+        """Return the path of a download of `size` random bytes: the result of a study, swapped."""
+        key = self.post("/sweeps", study)["id"]
+        path = f"/sweeps/{key}/netcdf"
+        with urllib.request.urlopen(f"{self.address}{path}", timeout=60) as reply:
+            reply.read()
+        block = os.urandom(1 << 20)
+        with (Store(self.data).folder(key) / NETCDF).open("wb") as file:
+            for start in range(0, size, len(block)):
+                file.write(block[: size - start])
+        return path
+
+    def memory(self) -> int:
+        """Return the resident memory of the server itself in bytes, without its workers."""
+        fields = Path(f"/proc/{self.pid}/statm").read_text().split()
+        return int(fields[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+@contextmanager
+def served(**settings: object) -> Iterator[Served]:
+    """Yield a server with these settings; stop it at the end."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    with tempfile.TemporaryDirectory() as folder:
+        data = Path(folder) / "data"
+        given = {"data_directory": data, **settings}
+        environment = {f"VIBRAFEED_{name.upper()}": str(value) for name, value in given.items()}
+        command = [sys.executable, "-c", "from app.cli import main; main()", "serve"]
+        with (Path(folder) / "log").open("wb") as log:
+            process = subprocess.Popen(
+                [*command, "--port", str(port)], stderr=log, env={**os.environ, **environment}
+            )
+            try:
+                found = Served(f"http://127.0.0.1:{port}", process.pid, data)
+                _wait_for(found)
+                yield found
+            finally:
+                process.terminate()
+                process.wait(60)
+
+
+def _wait_for(server: Served) -> None:
+    until = time.monotonic() + 60
+    while True:
+        try:
+            server.get("/healthz")
+        except OSError:
+            if time.monotonic() > until:
+                raise
+            time.sleep(0.05)
+        else:
+            return
+
+
+def percentile(values: list[float], share: float) -> float:
+    """Return the value below which a share of the values lies."""
+    ordered = sorted(values)
+    return ordered[min(len(ordered) - 1, int(share * len(ordered)))] if ordered else float("nan")

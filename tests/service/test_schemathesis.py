@@ -1,0 +1,150 @@
+"""What schemathesis makes of the OpenAPI document, sent to a server of its own: no reply surprises.
+
+Few cases here; `VIBRAFEED_FUZZ_CASES=500 pytest tests/service/test_schemathesis.py -s` is the long
+run.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.guard import new_key
+from benchmarks import serving
+
+CASES = int(os.environ.get("VIBRAFEED_FUZZ_CASES", "12"))
+SEEDS = (1, 2, 3) if CASES > 100 else (1,)
+KEY, HASH = new_key()
+STUDY = {
+    "kind": "sweep",
+    "scene": "rectangle-on-plane",
+    "outputs": ["throw_number"],
+    "parameters": {"frequency": 50, "amplitude": [0.0005, 0.001], "beta": [0, 10, 20]},
+}
+# Small, so that no case takes long; three studies at most wait for the one worker.
+LIMITS = {
+    "max_cells": 2000,
+    "max_slice_cells": 2000,
+    "max_synchronous_seconds": 0.05,
+    "max_execution_seconds": 0.5,
+    "max_job_seconds": 30,
+    "max_wait_seconds": 0.1,
+    "max_queue": 3,
+    "workers": 1,
+}
+# A schema says what a study looks like, not what is physical: whether a scene has an output, needs
+# a parameter, or has a value on its axis is told by 422 and a problem document, as documented.
+CONFIGURATION = """
+[checks.positive_data_acceptance]
+expected-statuses = ["2xx", "3xx", 401, 404, 422, 429]
+
+[auth.openapi.bearer]
+bearer = "{key}"
+
+[phases.coverage]
+unexpected-methods = ["GET", "PUT", "POST", "DELETE", "OPTIONS", "PATCH", "TRACE"]
+
+[parameters]
+"path.name" = {{ dictionary = "scenes", probability = 0.8 }}
+"path.process" = {{ dictionary = "processes", probability = 0.8 }}
+"path.key" = {{ dictionary = "sweeps", probability = 0.9 }}
+"path.path" = {{ dictionary = "zarr", probability = 0.8 }}
+"query.output" = {{ dictionary = "outputs", probability = 0.9 }}
+"query.axes" = {{ dictionary = "axes", probability = 0.9 }}
+"query.amplitude" = {{ dictionary = "amplitudes", probability = 0.9 }}
+"query.beta" = {{ dictionary = "angles", probability = 0.9 }}
+
+# A study has so many places that all their borders take minutes a route: they are tried once, and
+# only in the long run.
+[[operations]]
+include-path-regex = "execution$"
+phases.coverage.enabled = false
+
+[[operations]]
+include-path = "/sweeps"
+include-method = "POST"
+phases.coverage.enabled = {long}
+
+# Not for DELETE: the job is to stay.
+[[operations]]
+include-path-regex = "^/jobs/"
+include-method = "GET"
+parameters = {{ "path.number" = {{ dictionary = "jobs", probability = 0.8 }} }}
+
+[dictionaries]
+scenes = {{ values = ["rectangle-on-plane", "cylinder-rolling"] }}
+processes = {{ values = ["sweep", "simulate", "optimise"] }}
+sweeps = {{ values = ["{sweep}"] }}
+jobs = {{ values = ["{job}"] }}
+zarr = {{ values = ["zarr.json", "throw_number/zarr.json", "throw_number/c/0/0"] }}
+outputs = {{ values = ["throw_number"] }}
+axes = {{ values = ["beta", "amplitude,beta"] }}
+amplitudes = {{ values = ["0.0005", "1 mm"] }}
+angles = {{ values = ["10", "20 deg"] }}
+"""
+
+
+def asked(address: str, content: Any = None, **headers: str) -> Any:
+    body = None if content is None else json.dumps(content).encode()
+    request = urllib.request.Request(
+        address, body, {"X-API-Key": KEY, "Content-Type": "application/json", **headers}
+    )
+    with urllib.request.urlopen(request, timeout=30) as reply:
+        return json.load(reply)
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory) -> Iterator[tuple[str, Path]]:
+    """The address of a server that has a sweep and a finished job, and how to talk about them."""
+    folder = tmp_path_factory.mktemp("fuzzed")
+    with serving.served(api_key_hashes=HASH, **LIMITS) as server:
+        address = server.address
+        sweep = asked(f"{address}/sweeps", STUDY)["id"]
+        job = asked(f"{address}/processes/sweep/execution", STUDY, Prefer="respond-async")["jobID"]
+        for _ in range(300):
+            status = asked(f"{address}/jobs/{job}")["status"]
+            if status == "successful":
+                break
+            time.sleep(0.1)
+        assert status == "successful"
+        configuration = folder / "schemathesis.toml"
+        content = CONFIGURATION.format(
+            key=KEY, sweep=sweep, job=job, long="true" if CASES > 100 else "false"
+        )
+        configuration.write_text(content)
+        yield address, configuration
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_every_check_holds_on_every_route(served, seed, tmp_path):
+    address, configuration = served
+    command = [
+        str(Path(sys.executable).with_name("schemathesis")),
+        *("--config-file", configuration, "run", f"{address}/openapi.json", "--checks", "all"),
+        *("--max-examples", CASES, "--seed", seed, "--continue-on-failure", "--no-shrink"),
+    ]
+    done = subprocess.run(
+        [str(word) for word in command], capture_output=True, text=True, cwd=tmp_path
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_examples_of_bodies_are_carried_out(served):
+    # All that is made up above is refused for its physics; these reach the computing.
+    address, _ = served
+    posted = 0
+    for path, operations in asked(f"{address}/openapi.json")["paths"].items():
+        if "requestBody" in operations.get("post", {}):
+            example = operations["post"]["requestBody"]["content"]["application/json"]["example"]
+            assert asked(f"{address}{path}", example)
+            posted += 1
+    assert posted == 4
