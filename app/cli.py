@@ -1,4 +1,4 @@
-"""The command line: run, plot, scenes, schema, serve, key.
+"""The command line: run, plot, report, scenes, schema, serve, key.
 
 Every command imports what it needs when it runs: `vibrafeed scenes` loads no NetCDF library.
 """
@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -159,6 +160,57 @@ def plot(
         raise typer.Exit(FAILED) from None
     for target in targets:
         typer.echo(f"wrote {target}")
+
+
+@app.command("report")
+def report_accuracy(
+    files: Annotated[list[Path], typer.Argument(help="Studies, TOML or JSON.", show_default=False)],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Folder; `accuracy` beside the study if left out."),
+    ] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="A family of measurements: closed_forms, model, motion, storage or optimisers; "
+            "all that a study has if left out."
+        ),
+    ] = None,
+    seconds: Annotated[
+        float, typer.Option(help="Seconds after which a family starts nothing new.", min=0)
+    ] = 60.0,
+) -> None:
+    """Measure error against run time for studies: a page, its pictures, and datasets.
+
+    Closed forms against 50 digits, methods of motion, optimisers and files, each on random cells
+    of the study. Exit code 2 means that a file is wrong, 1 that a result could not be written, or
+    that it was stopped by Ctrl-C: what was measured by then is written.
+    """
+    from app.accuracy import write_report
+    from core.accuracy.report import families_of
+
+    prepared = _prepare_all(files, cells=sys.maxsize, bytes_=sys.maxsize)
+    wrong = {}
+    for path, study in prepared.items():
+        try:
+            families_of(study, only or ())
+        except StudyError as error:
+            wrong[path] = error.problems
+    if wrong:
+        _refuse(wrong)
+    folder = output or files[0].parent / "accuracy"
+    with _interruption("report") as interrupted:
+        try:
+            written = write_report(prepared, folder, only or (), seconds, interrupted)
+        except OSError as error:
+            from app import report
+
+            report.fail(f"{error.filename or folder}: {error.strerror or error}.")
+            raise typer.Exit(FAILED) from None
+    for path in written:
+        typer.echo(f"wrote {path}")
+    if interrupted():
+        raise typer.Exit(FAILED)
 
 
 @app.command()

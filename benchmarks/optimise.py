@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from core.accuracy.optimisers import answer
 from core.mechanics.arrays import Array
 from core.optimise import METHODS, optimise
 from core.optimise.methods import refusal
@@ -82,18 +83,9 @@ def compared(content: Mapping[str, Any]) -> dict[str, tuple[Array, float, Array]
             continue
         design = chosen_cells(designs_of(problem, prepared.designs), moves)
         scales = problem.scales(design)
-        solve = METHODS[name].solve
-        first = slice(0, 1)  # loads and compiles
-        solve(problem, chosen_cells(design, first), chosen_cells(scales, first), Watch())
-        start = time.perf_counter()
-        found = solve(problem, design, scales, Watch())
-        seconds = (time.perf_counter() - start) / moves.sum()
-        x = np.where(np.isnan(found.x), problem.lower[:, None], found.x)
-        value = problem.objective(problem.known(x, design))
-        value = np.where(np.isnan(found.x).any(axis=0), -np.inf, value)
-        error = np.abs(exact[moves] - value) / problem.scale(scales)
-        used = np.broadcast_to(found.evaluations, moves.sum())
-        results[name] = error, seconds, used
+        found = answer(name, problem, design, scales, Watch())
+        error = np.abs(exact[moves] - found.value) / problem.scale(scales)
+        results[name] = error, found.seconds, found.evaluations
     return results
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from core.accuracy.curves import fitted_slope
 from core.motion.reference import reference_motion
 from core.motion.stepping import planar_stepped_motion, stepped_motion, stepped_path
 
@@ -33,7 +34,7 @@ WORKED = {
 def show(name: str, error: Callable[[int], float], steps: tuple[int, ...] = STEPS) -> None:
     """Print errors over steps and the slope of their logarithms."""
     errors = [error(n) for n in steps]
-    slope = -np.polyfit(np.log(steps), np.log(np.maximum(errors, 1e-300)), 1)[0]
+    slope = -fitted_slope(list(zip(steps, errors, strict=True)))
     print(f"{name:24} slope {slope:4.2f}  " + "  ".join(f"{e:.1e}" for e in errors))
 
 

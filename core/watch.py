@@ -19,11 +19,14 @@ class Watch:
         Returns True if no further cell is to be started.
     deadline : float, optional
         The `time.monotonic` at which no further cell is started.
+    threads : int, optional
+        Most threads among which cells are shared out; one a core if left out.
     """
 
     progress: Callable[[float], object] | None = None
     stop: Callable[[], bool] | None = None
     deadline: float | None = None
+    threads: int | None = None
 
     def stopped(self) -> bool:
         """Return whether no further cell is to be started."""

@@ -16,7 +16,8 @@ from core.sweep.pieces import Cut
 from core.sweep.prepare import Prepared
 
 DAY = 86_400.0
-SPARE = 100_000_000  # bytes of the disk that are left to others
+SPARE = 0.01  # of the disk, left to others
+MOST_SPARE = 100_000_000  # bytes
 
 
 class Desk:
@@ -97,10 +98,10 @@ class Desk:
                 f"{taken:,} are taken by work under way."
             )
         with contextlib.suppress(FileNotFoundError):
-            free = shutil.disk_usage(self._settings.data_directory).free
-            if needed + SPARE > free:
+            disk = shutil.disk_usage(self._settings.data_directory)
+            if needed + min(SPARE * disk.total, MOST_SPARE) > disk.free:
                 raise NoRoomError(
-                    f"The study needs up to {needed:,} bytes; the disk has {free:,} left."
+                    f"The study needs up to {needed:,} bytes; the disk has {disk.free:,} left."
                 )
 
     def tidy(self) -> None:

@@ -67,9 +67,14 @@ class Runner:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
-        await asyncio.to_thread(self._ledger.release, self._owner)
-        with contextlib.suppress(Exception):
+        try:
+            await asyncio.to_thread(self._ledger.release, self._owner)
+        except Exception:  # such as a full disk: the leases run out
+            logger.exception("leases cannot be given up")
+        try:
             await self._cluster.close()
+        except Exception:
+            logger.exception("the cluster did not close")
         if self._alone is not None:
             self._alone.close()
 
@@ -120,10 +125,10 @@ class Runner:
 
     async def _keep(self, item: Work) -> None:
         """Carry out an item for as long as its lease is ours."""
-        about = {"key": item.key, "process_id": item.process, "blocks": item.blocks}
-        logger.info("work started", extra=about)
+        about = {"key": item.key, "kind": item.process, "blocks": item.blocks}
         carrying = asyncio.create_task(self._carry_out(item))
         try:
+            logger.info("work started", extra=about)
             while not carrying.done():
                 await asyncio.wait([carrying], timeout=self._settings.lease_seconds / 4)
                 if not carrying.done() and not await self._renewed(item):

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from core.dataset.table import Table, Variable
 
@@ -23,7 +25,13 @@ COMPRESSION_LEVEL: Final = 1  # higher levels take up to three times as long to 
 
 
 def write_netcdf(
-    table: Table, path: Path, *, history: str | None = None, compression: bool = True
+    table: Table,
+    path: Path,
+    *,
+    history: str | None = None,
+    compression: bool = True,
+    level: int = COMPRESSION_LEVEL,
+    significant_bits: int | None = None,
 ) -> None:
     """Write a table as a CF NetCDF-4 file, all of it or nothing.
 
@@ -40,6 +48,11 @@ def write_netcdf(
         The CF history attribute, such as a date and a command; brings the table's price along.
     compression : bool
         Deflate with shuffle, which every reader opens; otherwise plain.
+    level : int
+        Of the compression, 1 to 9.
+    significant_bits : int, optional
+        Binary digits of the fraction that floats are rounded to; all if left out. What is cut off
+        compresses to nothing.
 
     Raises
     ------
@@ -53,7 +66,7 @@ def write_netcdf(
         # The library reports a missing folder as a refused permission: let the system speak first.
         temporary.touch(exist_ok=True)
         with netCDF4.Dataset(temporary, "w", format="NETCDF4") as file:
-            _fill(file, table, history, compression)
+            _fill(file, table, history, _Storage(compression, level, significant_bits))
         with temporary.open("rb") as written:
             os.fsync(written.fileno())
         temporary.replace(path)
@@ -61,21 +74,44 @@ def write_netcdf(
         temporary.unlink(missing_ok=True)
 
 
-def _fill(file: netCDF4.Dataset, table: Table, history: str | None, compression: bool) -> None:
+@dataclass(frozen=True)
+class _Storage:
+    """How a variable is stored."""
+
+    compression: bool
+    level: int = COMPRESSION_LEVEL
+    significant_bits: int | None = None
+
+    def of(self, values: NDArray[Any]) -> dict[str, Any]:
+        """Return the library's arguments for an array."""
+        settings: dict[str, Any] = {}
+        if self.compression and values.ndim:
+            settings = {"compression": "zlib", "complevel": self.level}
+        if self.significant_bits is not None and values.ndim and values.dtype.kind == "f":
+            settings |= {"significant_digits": self.significant_bits, "quantize_mode": "BitRound"}
+        return settings
+
+
+PLAIN = _Storage(compression=False)
+
+
+def _fill(file: netCDF4.Dataset, table: Table, history: str | None, storage: _Storage) -> None:
     file.setncatts(_attributes(table.attributes))
     if history is not None:
         file.setncatts({"history": history, **_attributes(table.price)})
-    axes = [name for name, coordinate in table.coordinates.items() if coordinate.dims]
+    axes = [name for name, one in table.coordinates.items() if one.dims == (name,)]
     for name in axes:
         file.createDimension(name, table.coordinates[name].values.size)
-    scalars = " ".join(name for name in table.coordinates if name not in axes)
+    others = [name for name in table.coordinates if name not in axes]
+    regime = table.variables.get("regime")
     for name, coordinate in table.coordinates.items():
-        _add(file, name, coordinate, {}, compression=False)
+        _add(file, name, coordinate, {}, PLAIN)
     for name, variable in table.variables.items():
-        links = {"coordinates": scalars} if scalars else {}
-        if name != "regime" and set(table.variables["regime"].dims) <= set(variable.dims):
+        near = [n for n in others if set(table.coordinates[n].dims) <= set(variable.dims)]
+        links = {"coordinates": " ".join(near)} if near else {}
+        if regime is not None and name != "regime" and set(regime.dims) <= set(variable.dims):
             links["ancillary_variables"] = "regime"
-        _add(file, name, variable, links, compression=compression)
+        _add(file, name, variable, links, storage)
 
 
 def _add(
@@ -83,8 +119,7 @@ def _add(
     name: str,
     variable: Variable,
     links: Mapping[str, str],
-    *,
-    compression: bool,
+    storage: _Storage,
 ) -> None:
     # CF forbids fill values in coordinates, and in flags they would turn integers into floats.
     created = file.createVariable(
@@ -92,10 +127,9 @@ def _add(
         variable.values.dtype,
         variable.dims,
         fill_value=False,
-        compression="zlib" if compression and variable.dims else None,
-        complevel=COMPRESSION_LEVEL,
         shuffle=True,
         chunksizes=_chunks(variable.values.shape),
+        **storage.of(variable.values),
     )
     created.setncatts({**_attributes(variable.attributes), **links})
     created[...] = variable.values

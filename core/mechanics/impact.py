@@ -13,6 +13,8 @@ import numpy as np
 
 from core.mechanics.arrays import Array, Mask
 
+EPSILON = float(np.finfo(np.float64).eps)
+
 
 class Impulse(NamedTuple):
     """The impulse of one planar contact, on body 1.
@@ -72,7 +74,7 @@ def _arrest(
     """
     arrest = -u_N / G_NN
     coupling = G_NT / G_NN
-    sticking = -(u_T + G_NT * arrest) / (G_TT - G_NT * coupling)
+    sticking = -(u_T + G_NT * arrest) / _positive(G_TT - G_NT * coupling, G_TT)
     forward, backward = 1 - friction * coupling, 1 + friction * coupling  # s = +1, s = -1
     lowest = np.where(
         forward > 0, -friction * arrest / np.where(forward > 0, forward, 1.0), -np.inf
@@ -131,6 +133,15 @@ def pfeiffer_glocker(
     # Without expansion the compression has the last word.
     sticks = np.where(normal > 0, np.abs(wanted) <= limit, first.sticks)
     return Impulse(first.normal + normal, first.tangential + tangential, sticks)
+
+
+def _positive(difference: Array, term: Array) -> Array:
+    """Return a difference that is positive in exact numbers, no less than the rounding of its term.
+
+    With lever arms of 1e8 times a body's size, as of bodies far apart, all digits cancel: any value
+    within the rounding is then as good as another, but 0 divides and a negative one turns signs.
+    """
+    return np.maximum(difference, EPSILON * term)
 
 
 def _met(u_N: Array, u_T: Array) -> Array:
@@ -193,7 +204,7 @@ def _in_cone(
     S_11, S_12, S_22 = stiffness
     mean, difference = (S_11 + S_22) / 2, (S_11 - S_22) / 2
     s_1 = mean + np.hypot(difference, S_12)
-    s_2 = (S_11 * S_22 - S_12 * S_12) / s_1
+    s_2 = _positive((S_11 * S_22 - S_12 * S_12) / s_1, s_1)
     turn = np.arctan2(S_12, difference) / 2
     cosine, sine = np.cos(turn), np.sin(turn)
     c_1, c_2 = cosine * c[0] + sine * c[1], cosine * c[1] - sine * c[0]
@@ -237,7 +248,11 @@ def _arrest_in_space(
 ) -> SpatialImpulse:
     """Return the impulse that brings u_N to 0 with Coulomb friction on a disc; u_N <= 0."""
     a, b = -u_N / G.NN, (G.N1 / G.NN, G.N2 / G.NN)
-    stiffness = (G.T11 - G.N1 * b[0], G.T12 - G.N1 * b[1], G.T22 - G.N2 * b[1])
+    stiffness = (
+        _positive(G.T11 - G.N1 * b[0], G.T11),
+        G.T12 - G.N1 * b[1],
+        _positive(G.T22 - G.N2 * b[1], G.T22),
+    )
     tangential, sticks = _in_cone(stiffness, (u[0] + G.N1 * a, u[1] + G.N2 * a), a, b, friction)
     along = a - b[0] * tangential[0] - b[1] * tangential[1]
     over = np.where(friction > 0, friction, 1.0)

@@ -317,6 +317,11 @@ def never_stops(*, stopping_distance: Array) -> Mask:
     return np.isinf(stopping_distance)
 
 
+def never_arrives(*, travel_time: Array) -> Mask:
+    """Return where the part takes longer to cover the distance than a float holds."""
+    return np.isinf(travel_time)
+
+
 def never_reaches_track_speed(*, distance_bound: Array) -> Mask:
     """Return where (3.18) never reaches the largest speed of the track."""
     return np.isinf(distance_bound)

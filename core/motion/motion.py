@@ -102,7 +102,7 @@ def run_cells(
     cells = different.shape[0]
     table = np.full((cells, columns), np.nan)
     status = np.full(cells, STATUS["not_computed"], dtype=np.int8)
-    threads = os.cpu_count() or 1
+    threads = watch.threads or os.cpu_count() or 1
     piece = max(1, min(piece, cells // (4 * threads)))
 
     def run(start: int) -> int:

@@ -46,6 +46,9 @@ COARSER, SOFTER = 4.0, 16.0
 LOOSER = 10.0
 """Factor of the tolerance for the estimate of the integrator's error."""
 
+MOST_RESTARTS = 20
+"""Pieces of one period, each with a time of its own."""
+
 STEPS = 50
 """Fewest steps a period: none may leap over a whole hop or slip."""
 
@@ -76,6 +79,17 @@ class Laws:
     stiffness: float
     damping: float
 
+    @property
+    def onset(self) -> float:
+        """Force of the spring, over the weight, at which the damper has set in.
+
+        It sets in over the depth to which the weight presses the spring. If it set in at once, the
+        force would jump at a landing, and integrators end there: the step that their tolerance asks
+        for is below the spacing of floating numbers. On floors stiffer than 1e8 that depth itself
+        is passed in so short a time; there it is 1e-4 of the depth to which an impact at g/w goes.
+        """
+        return max(1.0, 1e-4 * math.sqrt(self.stiffness))
+
     def friction(self, speed: float) -> tuple[float, float]:
         """Return force/(normal force x speed), and its derivative by speed over speed.
 
@@ -99,14 +113,9 @@ class Laws:
         return value, slope
 
     def unclamped(self, height: float, velocity: float) -> float:
-        """Return the force of spring and damper over the weight, which may pull (Kelvin-Voigt).
-
-        The damper sets in over the depth to which the weight presses the spring. If it set in at
-        once, the force would jump at a landing, and integrators end there: the step that their
-        tolerance asks for is below the spacing of floating numbers.
-        """
+        """Return the force of spring and damper over the weight, which may pull (Kelvin-Voigt)."""
         spring = -self.stiffness * height
-        return spring - self.damping * min(1.0, spring) * velocity
+        return spring - self.damping * min(1.0, spring / self.onset) * velocity
 
     def normal(self, height: float, velocity: float) -> tuple[float, float, float]:
         """Return the force of the floor over the weight, and its derivatives; it never pulls."""
@@ -115,9 +124,9 @@ class Laws:
             return 0.0, 0.0, 0.0
         spring = -self.stiffness * height
         by_height = -self.stiffness
-        if spring < 1:
-            by_height += self.damping * self.stiffness * velocity
-        return force, by_height, -self.damping * min(1.0, spring)
+        if spring < self.onset:
+            by_height += self.damping * self.stiffness * velocity / self.onset
+        return force, by_height, -self.damping * min(1.0, spring / self.onset)
 
 
 def damping_ratio(restitution: float, stiffness: float) -> float:
@@ -224,6 +233,36 @@ class Cell:
         return matrix
 
 
+@dataclass(frozen=True)
+class _Piece:
+    """A stretch of a period: the phase that it begins at, and scipy's solution since then."""
+
+    phase: float
+    found: Any
+
+
+@dataclass(frozen=True)
+class _Period:
+    """One period of motion, in the pieces that the integrator needed."""
+
+    pieces: tuple[_Piece, ...]
+
+    @property
+    def end(self) -> Array:
+        """State at the end."""
+        return self.pieces[-1].found.y[:, -1]
+
+    @property
+    def phases(self) -> Array:
+        """Phases of the steps, ascending; some may be equal."""
+        return np.concatenate([piece.phase + piece.found.t for piece in self.pieces])
+
+    def at(self, phase: float) -> Array:
+        """Return the state at a phase; the options must have asked for dense output."""
+        piece = next(p for p in reversed(self.pieces) if p.phase <= phase)
+        return piece.found.sol(phase - piece.phase)
+
+
 class _Run:
     """Integration of a cell, period by period, with an account of the evaluations."""
 
@@ -250,16 +289,31 @@ class _Run:
         self.left -= 1
         return self.cell.rate(phase, state)
 
-    def period(self, state: Array) -> Any:
-        """Return scipy's solution over one period from the state, the position set back to 0."""
-        from scipy.integrate import solve_ivp
+    def period(self, state: Array) -> _Period:
+        """Return the motion over one period from the state, the position set back to 0.
 
+        A step may have to be shorter than ten spacings of the phase, where an integrator ends; it
+        then goes on with the time counted from there, whose spacings are as short as need be.
+        """
         start = state.copy()
         start[: self.cell.coordinates - 1] = 0.0
-        found = solve_ivp(self.rate, (0.0, PERIOD), start, **self.options)
-        if not found.success:
-            raise _SpentError
-        return found
+        phase, pieces = 0.0, []
+        for _ in range(MOST_RESTARTS):
+            found = self._from(phase, start)
+            pieces.append(_Piece(phase, found))
+            if found.success:
+                return _Period(tuple(pieces))
+            phase, start = phase + float(found.t[-1]), found.y[:, -1]
+        raise _SpentError
+
+    def _from(self, phase: float, start: Array) -> Any:
+        """Return scipy's solution from a phase to the end of the period, or to where it ends."""
+        from scipy.integrate import solve_ivp
+
+        def rate(since: float, state: Array) -> list[float]:
+            return self.rate(phase + since, state)
+
+        return solve_ivp(rate, (0.0, PERIOD - phase), start, **self.options)
 
 
 @dataclass
@@ -289,7 +343,7 @@ def _orbit(run: _Run, state: Array, most_periods: int, closeness: float) -> _Orb
 
     try:
         for done in range(1, most_periods + 1):
-            states.append(run.period(states[-1]).y[:, -1])
+            states.append(run.period(states[-1]).end)
             # The first state has no travel of its own, and the rate takes one period more.
             for multiple in range(1, min(LARGEST_MULTIPLE, done - 2) + 1):
                 now, before = gap(-1, multiple), gap(-2, multiple)
@@ -353,8 +407,8 @@ def _measures(run: _Run, orbit: _Orbit) -> dict[str, float]:
     state = orbit.states[0]
     for _ in range(periods):
         found = run.period(state)
-        at = found.sol
-        phases = np.sort(np.concatenate([found.t, (found.t[1:] + found.t[:-1]) / 2]))
+        at, steps = found.at, found.phases
+        phases = np.sort(np.concatenate([steps, (steps[1:] + steps[:-1]) / 2]))
         cuts = {
             function: _crossings(function, at, phases) for function in (release, slip, along, climb)
         }
@@ -375,7 +429,7 @@ def _measures(run: _Run, orbit: _Orbit) -> dict[str, float]:
                 impacts += 1
                 landing = max(landing, -climb(at(phase)))
         hop = max([hop, *(at(phase)[n - 1] for phase in cuts[climb])])
-        state = found.y[:, -1]
+        state = found.end
     return {**share, "impacts": impacts / periods, "landing_speed": landing, "hop_height": hop}
 
 

@@ -67,8 +67,9 @@ def stepped_motion(
     not extrapolated over the step: landings fall within steps at places that differ from run to
     run, so that the error, though of first order, is no smooth function of the step, and an
     extrapolation would amplify its irregular part. For the same reason there is a third run, with
-    n steps from half a step earlier. `error` is twice the largest of the differences of the
-    velocity to both coarser runs, the doubt about the transient's end, and `spread`.
+    n steps from half a step earlier. `error` is three times the largest of the differences of the
+    velocity to both coarser runs, the doubt about the transient's end, and `spread`; with hops a
+    seventh of what a step changes is added, since all runs may agree by chance (theory 13.9).
 
     The motion is `periodic` if it comes back exactly, or over 16 periods to within a small part of
     what one step changes, or, after four times as many, to within what one step changes. A

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import xarray
+from matplotlib.figure import Figure
 
 from core.plots.draw import draw
 from core.plots.fixed import read_fixed
@@ -54,10 +55,15 @@ def draw_file(
     held = read_fixed(at or {})
     figure = draw(_read(file), variable=variable, axes=axes, at=held, kind=kind)
     for target in targets:
-        name = FORMATS[target.suffix.lower()]
-        picture = io.BytesIO()
-        figure.savefig(picture, format=name, dpi=DPI, metadata=METADATA[name])
-        _write(target, picture.getvalue())
+        save(figure, target)
+
+
+def save(figure: Figure, target: Path) -> None:
+    """Write a figure as PNG or SVG, by the suffix of its name; all of it or nothing."""
+    name = FORMATS[target.suffix.lower()]
+    picture = io.BytesIO()
+    figure.savefig(picture, format=name, dpi=DPI, metadata=METADATA[name])
+    _write(target, picture.getvalue())
 
 
 def _read(file: Path) -> xarray.Dataset:

@@ -111,6 +111,7 @@ LEFT_WALL = Condition("wall_lost", wall.has_left_wall, WALL, otherwise="contact"
 BEYOND = (
     Condition("unbounded", travel.grows_without_bound, frozenset(("terminal_velocity",))),
     Condition("unbounded", travel.never_stops, frozenset(("stopping_distance", "stopping_time"))),
+    Condition("unbounded", travel.never_arrives, frozenset(("travel_time",))),
     Condition("unbounded", travel.never_reaches_track_speed, frozenset(("distance_bound",))),
     *(
         Condition("faster_than_track", function, frozenset((velocity,)))

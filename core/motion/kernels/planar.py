@@ -56,7 +56,8 @@ SHARE_SETTLING = 0.2  # of an aperiodic run, before its mean is taken
 HOPS_PER_PERIOD = 16  # of an aperiodic run, on average; more end it
 FEWEST_PERIODS = 8  # of a run that a limit ended, for its mean to be given as that of the motion
 SETTLED = 1e-13  # rebound times remaining time, below which a run of shrinking hops ends
-ROUNDING = 1e-14  # of a mean velocity, per unit of the drive
+ROUNDING = 4e-14  # of a mean velocity, per unit of the drive and of friction's impulses
+SURE = 5.41  # standard deviations of a mean of 8 runs that hold 99.9 % (Student, 7 degrees)
 SETTLED_ROUGHLY = 1e-8  # the same in an aperiodic run, whose mean has a spread of 1e-3 at best
 SETTLED_TIME = 1e-3  # its remaining time, as a share of the time to lift-off
 
@@ -443,6 +444,43 @@ def normal_cycle(s, gn, e, most_periods, rows):
     return count, (0 if total > TURN * FEWEST_PERIODS else -1)
 
 
+@compiled
+def _doubt(rows, count, s, gn, e):
+    """Return by how much roundings may move a phase of the cycle.
+
+    They grow along a chain of hops until the part rests on the floor; where it never does, the
+    cycle is known the less, the nearer its map is to one that has it twice.
+    """
+    a, b, c, d = 1.0, 0.0, 0.0, 1.0
+    least, growth, never_rests = 2.0, 1.0, True
+    for row in range(count):
+        tau, span, w, speed = rows[row, 0], rows[row, 1], rows[row, 2], rows[row, 3]
+        if w < 0 or speed <= 0:
+            a, b, c, d, least = 1.0, 0.0, 0.0, 1.0, 2.0
+            never_rests = never_rests and w >= 0
+            continue
+        n0, n1 = gn - s * math.sin(tau), gn - s * math.sin(tau + span)
+        tt, tw = (span * n0 - w) / speed, span / speed
+        wt, ww = -e * (n0 - n1 * tt), -e * (1 - n1 * tw)
+        a, b, c, d = tt * a + tw * c, tt * b + tw * d, wt * a + ww * c, wt * b + ww * d
+        size = abs(a) + abs(b) + abs(c) + abs(d)
+        if not 1e-100 < size < 1e100:
+            a, b, c, d, size, least = 1.0, 0.0, 0.0, 1.0, 2.0, 2.0
+        least = min(least, size)
+        growth = max(growth, size / least)
+    rounding = EPSILON * (TURN + s)
+    if never_rests:
+        # Of a cycle that has just doubled one half may have been kept: it does not quite close.
+        last = count - 1
+        apart = (rows[last, 0] + rows[last, 1] - rows[0, 0]) / TURN
+        open_by = abs(apart - round(apart)) * TURN + abs(e * rows[last, 3] - rows[0, 2])
+        determinant = abs((a - 1) * (d - 1) - b * c)
+        return (rounding + open_by) * max(
+            growth, (2 + abs(a) + abs(b) + abs(c) + abs(d)) / max(1e-9, determinant)
+        )
+    return rounding * growth
+
+
 # --- the motion along the track
 
 
@@ -758,11 +796,17 @@ def _two_sided(drive):
 
 
 @compiled
-def _long_run(tau, periods, hops, drive, e, sums):
-    """Run from rest on the floor at tau; fill `sums` and return time, impacts, speed, height.
+def _long_run(tau, periods, hops, drive, e, guess, sums):
+    """Run from rest on the floor at tau; fill `sums`.
 
-    The first part of the run is dropped. `sums` is as in `_contact`. A time of 0 means that the
-    hops allowed did not reach beyond that part.
+    The first part of the run is dropped. `sums` is as in `_contact`.
+
+    Returns
+    -------
+    tuple
+        Time, 0 if the hops allowed did not reach beyond the first part; impacts, largest landing
+        speed and height; how far the part strayed from a steady travel at the velocity `guess`;
+        and whether it slid downhill all the time, gaining speed.
     """
     c, s, gs, gn, mu_k = drive.c, drive.s, drive.gs, drive.gn, drive.mu_k
     up_at = math.asin(gn / s)
@@ -772,6 +816,8 @@ def _long_run(tau, periods, hops, drive, e, sums):
     settling_hops = int(hops * SHARE_SETTLING)
     sums[:] = 0.0
     u, w = 0.0, 0.0
+    ahead, behind = 0.0, 0.0
+    u_began, slips_down = 0.0, mu_k * gn < abs(gs)
     if s * math.sin(tau) < gn:
         span = _ahead(up_at, tau)
         u = _contact(tau, span, u, drive, sums, no_log, 0)[0]
@@ -780,6 +826,7 @@ def _long_run(tau, periods, hops, drive, e, sums):
         if began == math.inf and (total >= settling or hop >= settling_hops):
             began, impacts, fastest, highest = total, 0, 0.0, 0.0
             sums[:] = 0.0
+            u_began = u
         if total - began >= periods * TURN - settling:
             break
         span = landing(w, s, gn, tau)
@@ -801,23 +848,38 @@ def _long_run(tau, periods, hops, drive, e, sums):
             span = _ahead(up_at, tau)
             u = _contact(tau, span, u, drive, sums, no_log, 0)[0]
             tau, w, total = up_at, 0.0, total + span
-    return max(0.0, total - began), impacts, fastest, highest
+        if began < math.inf:
+            strayed = sums[0] - guess * (total - began)
+            ahead, behind = max(ahead, strayed), min(behind, strayed)
+            slips_down = slips_down and u * gs < 0
+    uphill = sums[1 + (FORWARD if gs > 0 else BACKWARD)] + sums[1 + STICK]
+    runs_away = slips_down and uphill == 0 and abs(u) > abs(u_began)
+    return max(0.0, total - began), impacts, fastest, highest, ahead - behind, runs_away
 
 
 @compiled
 def _from_phases(phase, drive, e, most_periods, result):
-    """Fill the result of an aperiodic motion: means over runs that start at several phases."""
+    """Fill the result of an aperiodic motion: means over runs from several phases; return a status.
+
+    The error of the mean is of two kinds: the scatter of the runs, and what all have alike, since
+    each ends somewhere in a motion that may nearly repeat. Of the second the runs tell nothing; it
+    is at most how far a part strays from a steady travel, over the time.
+    """
     sums = np.empty(5)
     periods = max(1, most_periods // PHASES)
     mean, square, time, impacts, fastest, highest = 0.0, 0.0, 0.0, 0, 0.0, 0.0
     shares = np.zeros(4)
+    common, away = 0.0, 0
     for run in range(PHASES):
         start = (phase + TURN * run / PHASES) % TURN
-        span, hits, speed, height = _long_run(
-            start, periods, HOPS_PER_PERIOD * periods + FIRST_LOOK, drive, e, sums
+        span, hits, speed, height, strayed, runs_away = _long_run(
+            start, periods, HOPS_PER_PERIOD * periods + FIRST_LOOK, drive, e, mean, sums
         )
         if span <= 0:
-            return False
+            return LIMIT_REACHED
+        away += 1 if runs_away else 0
+        if run > 0:  # the first has no velocity to stray from
+            common = max(common, strayed / span)
         velocity = sums[0] / span
         deviation = velocity - mean
         mean += deviation / (run + 1)
@@ -826,12 +888,15 @@ def _from_phases(phase, drive, e, most_periods, result):
         fastest, highest = max(fastest, speed), max(highest, height)
         for mode in range(4):
             shares[mode] += sums[1 + mode]
+    if away == PHASES:
+        return RUNAWAY
     spread = math.sqrt(square / (PHASES - 1))
-    result[0], result[1], result[2] = mean, spread, spread / math.sqrt(PHASES)
+    result[0], result[1] = mean, spread
+    result[2] = SURE * spread / math.sqrt(PHASES) + common
     for mode in range(4):
         result[3 + mode] = shares[mode] / time
     result[7], result[8], result[9], result[10] = impacts * TURN / time, fastest, highest, 0.0
-    return True
+    return APERIODIC
 
 
 @compiled
@@ -873,11 +938,13 @@ def _solve(group, rows, sums, log, result):
     tolerance, most_periods = group[7], int(group[8])
     drive = Drive(c, s, gs, gn, mu_s, mu_k)
     result[:] = math.nan
-    if not (math.isfinite(c + s + gs + gn + mu_s + mu_k + e) and gn > LEAST_GRAVITY):
+    if not math.isfinite(c + s + gs + gn + mu_s + mu_k + e):
         return LIMIT_REACHED, 0, 0.0, 0
     if abs(gs) > mu_s * gn:
         # Friction gives no more than mu_s times the mean normal force, which is gravity's.
         return RUNAWAY, 0, 0.0, 0
+    if gn <= LEAST_GRAVITY:
+        return LIMIT_REACHED, 0, 0.0, 0
     least, largest, _ = _stick_range(c, s, gs, gn, mu_s)
     if s <= gn and least <= -1 and largest >= 1:
         result[:] = 0.0
@@ -889,17 +956,21 @@ def _solve(group, rows, sums, log, result):
     velocity, forward = _two_sided(drive)
     if forward > 0 and log.shape[0] == 0:
         result[:] = 0.0
-        result[0], result[2] = way * velocity, ROUNDING * (abs(c) + abs(gs))
+        result[0] = way * velocity
+        result[2] = ROUNDING * (abs(c) + abs(gs) + mu_k * (s + gn))
         result[4], result[5] = (forward, 1 - forward) if way > 0 else (1 - forward, forward)
         result[10] = 1.0
         return PERIODIC, 0, 0.0, 1
     count, periods = normal_cycle(s, gn, e, most_periods, rows)
     if periods < 1:
-        if periods == 0 and _from_phases(phase, drive, e, most_periods, result):
+        status = LIMIT_REACHED
+        if periods == 0:
+            status = _from_phases(phase, drive, e, most_periods, result)
+        if status == APERIODIC:
             _turn_round(result, way)
-            return APERIODIC, 0, 0.0, 0
-        result[:] = math.nan
-        return LIMIT_REACHED, 0, 0.0, 0
+        else:
+            result[:] = math.nan
+        return status, 0, 0.0, 0
     u = _start(drive, phase, rows, count)
     error, cycles, status = 0.0, 1, NEUTRAL
     if mu_s == 0:
@@ -927,7 +998,8 @@ def _solve(group, rows, sums, log, result):
         sums[:] = total
     time = periods * cycles * TURN
     result[0], result[1] = sums[0] / time, 0.0
-    result[2] = error + ROUNDING * (abs(c) + abs(gs))
+    doubt = ROUNDING + (_doubt(rows, count, s, gn, e) if s > gn else 0.0)
+    result[2] = error + doubt * (abs(c) + abs(gs) + mu_k * (s + gn))
     for mode in range(4):
         result[3 + mode] = sums[1 + mode] / time
     impacts, fastest, highest = 0, 0.0, 0.0

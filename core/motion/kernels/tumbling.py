@@ -48,6 +48,7 @@ EVENTS, EVENTS_A_STEP = 20_000, 20  # at most: so many, and so many more a step
 MOST_STEPS, STEPS_MORE = 20_000_000, 50  # STEPS_MORE times as many where the part turns fast
 MOST_SWEEPS = 500
 HALVINGS = 60
+TOP_HALVINGS = 40  # of the time of a hop's top: its height is then off by a rounding
 LARGEST_TURN = 0.1  # rad a step: a corner that swings down and up again is not stepped over
 
 
@@ -143,6 +144,16 @@ def lowest_gap(cell: Cell, state: Array) -> float:
     for corner in range(1, corner_count(cell)):
         least = min(least, gap_of(cell, state, corner))
     return least
+
+
+@compiled
+def lowest_rate(cell: Cell, state: Array) -> float:
+    """Return the velocity off the plane of the lowest corner."""
+    lowest = 0
+    for corner in range(1, corner_count(cell)):
+        if gap_of(cell, state, corner) < gap_of(cell, state, lowest):
+            lowest = corner
+    return gap_rate_of(cell, state, lowest)
 
 
 @compiled
@@ -681,6 +692,25 @@ def side_of(cell: Cell, support: int, pitch: float) -> int:
 
 
 @compiled
+def top_of(
+    cell: Cell, support: int, state: Array, after: Array, time: float, step: float, trial: Array
+) -> float:  # fmt: skip
+    """Return the largest height of the lowest corner in a step, found where it ceases to rise."""
+    top = max(lowest_gap(cell, state), lowest_gap(cell, after))
+    if support != FREE or lowest_rate(cell, state) <= 0.0 or lowest_rate(cell, after) >= 0.0:
+        return top
+    low, high = 0.0, step
+    for _ in range(TOP_HALVINGS):
+        middle = (low + high) / 2
+        carry(cell, support, 0, state, time, middle, trial)
+        if lowest_rate(cell, trial) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return max(top, lowest_gap(cell, trial))
+
+
+@compiled
 def dips(
     cell: Cell, support: int, sigma: int, state: Array, time: float, step: float, after: Array,
     trial: Array,
@@ -783,14 +813,16 @@ def run_events(cell: Cell, state: Array, times: Array, rows: NDArray[np.float64]
         carry(cell, support, sigma, state, time, step, after)
         part = dips(cell, support, sigma, state, time, step, after, trial)
         if part == step and holds(cell, support, sigma, after, end):
+            if impacts > 0:
+                bounce = max(bounce, top_of(cell, support, state, after, time, step, trial))
             state[:] = after
             time = end
-            if impacts > 0:
-                bounce = max(bounce, lowest_gap(cell, state))
             continue
         if part != step:
             carry(cell, support, sigma, state, time, part, after)
         part = first_misfit(cell, support, sigma, state, time, part, after, trial)
+        if impacts > 0:
+            bounce = max(bounce, top_of(cell, support, state, after, time, part, trial))
         state[:] = after
         time = end if part == step else time + part
         events += 1

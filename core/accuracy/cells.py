@@ -1,0 +1,59 @@
+"""Random cells of a study's grid, and how long they take."""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.sweep.grid import Grid, axis_values, to_si
+
+SEED = 2004
+REPEATS = 5
+LEAST_SECONDS = 2e-3  # of one repeat: the clock and the start of a call do not matter then
+
+
+def random_cells(
+    grid: Grid, count: int, names: Iterable[str], seed: int = SEED
+) -> dict[str, Array]:
+    """Return parameters of random cells of a grid, SI units, shape (count,); the same each time.
+
+    No axis is made as a whole: it may have a hundred million values.
+    """
+    random = np.random.default_rng(seed)
+    places = {name: random.integers(0, axis.size, count) for name, axis in grid.axes.items()}
+    wanted = set(names)
+    cells = {
+        name: np.concatenate([axis_values(axis, int(k), int(k) + 1) for k in places[name]])
+        for name, axis in grid.axes.items()
+        if name in wanted
+    }
+    cells |= {name: np.full(count, v) for name, v in grid.fixed.items() if name in wanted}
+    return {name: to_si(name, values) for name, values in cells.items()}
+
+
+def median_seconds(
+    run: Callable[[], object], repeats: int = REPEATS, least: float = LEAST_SECONDS
+) -> float:
+    """Return the median wall time of a call, after one that warms up.
+
+    A repeat is as many calls as take `least` seconds.
+    """
+    started = time.perf_counter()
+    run()
+    first = time.perf_counter() - started
+    started = time.perf_counter()
+    run()
+    second = min(first, time.perf_counter() - started)
+    calls = max(1, int(least / max(second, 1e-7)))
+
+    def repeat() -> float:
+        started = time.perf_counter()
+        for _ in range(calls):
+            run()
+        return (time.perf_counter() - started) / calls
+
+    return statistics.median(repeat() for _ in range(repeats))

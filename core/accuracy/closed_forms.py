@@ -1,0 +1,225 @@
+"""Closed forms in floats of two sizes, against the same equations to 50 digits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.accuracy.cells import REPEATS, median_seconds, random_cells
+from core.accuracy.curves import Curve, Measured, Point
+from core.accuracy.precise import CONTEXT, exact_values, sensitivities
+from core.mechanics.arrays import Array
+from core.motion.run import run_equations
+from core.sweep.evaluate import BLOCK_CELLS
+from core.sweep.plan import Plan
+from core.sweep.prepare import Sweep
+from core.watch import Watch
+
+CELLS = 200
+PIECE = 20  # cells at a time, between two looks at the watch
+TYPES: dict[str, Any] = {"float32": np.float32, "float64": np.float64}
+VANISHES = 1e-35  # SI units: what 50 digits leave of a value that is 0 by law
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Errors of one output over some cells; arrays of shape (cells,).
+
+    NaN where the exact value is 0 and the float is not: rounding of 0 by law has no scale.
+
+    Attributes
+    ----------
+    relative : ndarray
+        Over the exact value.
+    ulps : ndarray
+        In units in the last place of the exact value.
+    conditioned : ndarray
+        In the same units times the condition number, which is at least 1.
+    condition : ndarray
+        Sum of |x dF/dx|/|F| over the parameters, at least 1.
+    """
+
+    relative: Array
+    ulps: Array
+    conditioned: Array
+    condition: Array
+
+
+def measure(sweep: Sweep, watch: Watch, cells: int = CELLS) -> Measured:
+    """Return error and time of every output of a sweep, in each type of float.
+
+    Cells are added, some at a time, until there are so many or the watch stops it.
+    """
+    plan = sweep.plan
+    given = random_cells(sweep.grid, cells, plan.parameters)
+    pieces: list[_Known] = []
+    share = replace(watch, progress=lambda done: watch.advance(0.9 * done / cells))
+    for start in range(0, cells, PIECE):
+        if pieces and watch.stopped():
+            break
+        piece = {name: values[start : start + PIECE] for name, values in given.items()}
+        pieces.append(_known(plan, piece, share))
+    done = min(cells, len(pieces) * PIECE)
+    given = {name: values[:done] for name, values in given.items()}
+    curves, left_out, vanishing = [], [], []
+    for name in plan.outputs:
+        if name not in pieces[0].moved:
+            left_out.append(name)
+            continue
+        curve = _curve(plan, name, given, _joined(pieces, name))
+        if curve is None:
+            vanishing.append(name)
+        else:
+            curves.append(curve)
+        watch.advance(0.1 / len(plan.outputs))
+    notes = [
+        f"{done} random cells of the grid (seed 2004); the reference is the plan's own equations "
+        "to 50 digits, at the parameters as each type of float holds them.",
+        "Error: share of the exact value. An ulp is a unit in the last place of the exact value; "
+        "kappa is the sum of |x dF/dx| over |F| for the parameters, at least 1: what rounding of "
+        "the parameters alone does to the value.",
+        f"Time: wall time of one thread for one cell, blocks of {BLOCK_CELLS:,} cells in which "
+        f"every parameter differs, with all that the output and its regime need; median of "
+        f"{REPEATS} repeats after a warm-up.",
+        "Slope: of log(error in ulps over kappa) over log(unit roundoff of the type); 0 is flat: "
+        "the error is rounding, whatever the type.",
+    ]
+    if vanishing:
+        notes.append(f"Zero by law, without a relative error: {', '.join(vanishing)}.")
+    if left_out:
+        notes.append(f"Not known to 50 digits, since an equation rounds: {', '.join(left_out)}.")
+    return Measured("closed_forms", tuple(curves), tuple(notes))
+
+
+def errors_of(
+    got: Array, exact: NDArray[np.object_], moved: NDArray[np.object_], dtype: Any
+) -> Errors:
+    """Return the errors of values in floats of a type.
+
+    Parameters
+    ----------
+    got : ndarray, shape (n,)
+        What the floats gave.
+    exact : ndarray of object, shape (n,)
+        Exact values, numbers of mpmath.
+    moved : ndarray of object, shape (n,)
+        Sum of |x dF/dx| over the parameters, likewise.
+    """
+    count = len(exact)
+    relative, ulps, conditioned, condition = (np.full(count, np.nan) for _ in range(4))
+    for cell in range(count):
+        value, number = exact[cell], float(got[cell])
+        if not CONTEXT.isfinite(value) or not np.isfinite(dtype(float(value))):
+            # The right infinity, or no value where there is none, is no error.
+            same = number == float(value) or (CONTEXT.isnan(value) and np.isnan(number))
+            errors = (0.0, 0.0, 0.0) if same else (np.inf, np.inf, np.inf)
+            relative[cell], ulps[cell], conditioned[cell] = errors
+            continue
+        if abs(value) < VANISHES:
+            if number == 0:
+                relative[cell] = ulps[cell] = conditioned[cell] = 0.0
+            continue
+        error = abs(CONTEXT.mpf(number) - value) if np.isfinite(number) else CONTEXT.inf
+        unit = CONTEXT.mpf(float(np.spacing(np.abs(dtype(float(value))))))
+        size = abs(value)
+        kappa = CONTEXT.one
+        if CONTEXT.isfinite(moved[cell]):
+            kappa = max(kappa, moved[cell] / size)
+        relative[cell] = float(error / size)
+        ulps[cell] = float(error / unit)
+        conditioned[cell] = float(error / unit / kappa)
+        condition[cell] = float(kappa)
+    return Errors(relative, ulps, conditioned, condition)
+
+
+@dataclass(frozen=True)
+class _Known:
+    """Exact values of some cells by type of float, and how the parameters move them."""
+
+    exact: Mapping[str, Mapping[str, NDArray[np.object_]]]
+    moved: Mapping[str, NDArray[np.object_]]
+
+
+def _known(plan: Plan, cells: Mapping[str, Array], watch: Watch) -> _Known:
+    """Return what is known to 50 digits at cells, all outputs at once."""
+    count = max((values.size for values in cells.values()), default=1)
+    share = replace(watch, progress=lambda done: watch.advance(done * count / (len(TYPES) + 1)))
+    exact = {
+        title: exact_values(
+            _with_defaults(plan, dtype),
+            {name: values.astype(dtype) for name, values in cells.items()},
+            partial=True,
+            watch=share,
+        )
+        for title, dtype in TYPES.items()
+    }
+    return _Known(exact, sensitivities(plan, cells, partial=True, watch=share))
+
+
+def _joined(pieces: Sequence[_Known], name: str) -> _Known:
+    """Return what is known of one output at the cells of all pieces."""
+    exact = {t: {name: np.concatenate([p.exact[t][name] for p in pieces])} for t in TYPES}
+    return _Known(exact, {name: np.concatenate([p.moved[name] for p in pieces])})
+
+
+def _curve(plan: Plan, name: str, given: Mapping[str, Array], known: _Known) -> Curve | None:
+    """Return the errors and times of one output, None if it is 0 by law."""
+    plan = plan.only(name)
+    points = []
+    for title, dtype in TYPES.items():
+        held = {key: given[key].astype(dtype) for key in plan.parameters}
+        got = _evaluate(plan, held, dtype)[name]
+        count = known.moved[name].size
+        errors = errors_of(
+            np.broadcast_to(got, count), known.exact[title][name], known.moved[name], dtype
+        )
+        if all(abs(value) < VANISHES for value in known.exact[title][name]):
+            return None
+        block = {key: np.resize(values, BLOCK_CELLS) for key, values in held.items()}
+        seconds = median_seconds(lambda b=block, d=dtype: _evaluate(plan, b, d))  # type: ignore[misc]
+        points.append(_point(title, dtype, errors, seconds / BLOCK_CELLS))
+    return Curve(
+        "closed_forms",
+        name,
+        "equations",
+        tuple(points),
+        "0: flat at rounding",
+        0.0,
+        cost="unit_roundoff",
+        of="conditioned_ulps",
+    )
+
+
+def _point(title: str, dtype: Any, errors: Errors, seconds: float) -> Point:
+    return Point(
+        title,
+        float(np.finfo(dtype).bits),
+        float(np.nanmedian(errors.relative)),
+        float(np.nanmax(errors.relative)),
+        seconds,
+        int(np.isfinite(errors.relative).sum()),
+        {
+            "ulps": float(np.nanmax(errors.ulps)),
+            "conditioned_ulps": float(np.nanmax(errors.conditioned)),
+            "condition": float(np.nanmax(errors.condition, initial=1.0)),
+            "unit_roundoff": float(np.finfo(dtype).eps),
+        },
+    )
+
+
+def _with_defaults(plan: Plan, dtype: Any) -> Plan:
+    """Return the plan with its defaults as a type of float holds them."""
+    return replace(plan, defaults={name: float(dtype(v)) for name, v in plan.defaults.items()})
+
+
+def _evaluate(plan: Plan, cells: Mapping[str, Any], dtype: Any) -> dict[str, Any]:
+    """Return every quantity at cells in floats of a type."""
+    defaults = {name: np.asarray(value, dtype=dtype) for name, value in plan.defaults.items()}
+    size = max((values.size for values in cells.values()), default=1)
+    with np.errstate(all="ignore"):  # what overflows in a short float is told as an error
+        known = run_equations(plan, {**defaults, **cells})
+    return {name: np.broadcast_to(known[name], size) for name in plan.outputs}

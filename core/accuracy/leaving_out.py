@@ -1,0 +1,294 @@
+"""What is left out, measured: equations, dimensions, memory, coordinates and modules of a study.
+
+Leaving out is a matter of structure (a plan holds what its outputs pull, and nothing else); here it
+is counted while studies run, not read off the plan.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tracemalloc
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import wraps
+from typing import Any
+
+import numpy as np
+
+from core import kinds
+from core.catalogue import needed_parameters
+from core.dataset.table import CONVENTIONS, Table, Variable
+from core.errors import StudyError
+from core.motion.systems import SYSTEMS
+from core.scenes import ALIASES, SCENES, Scene
+from core.sweep.plan import scene_parameters
+from core.sweep.prepare import Prepared
+
+TYPICAL: dict[str, Any] = {
+    "frequency": [40.0, 50.0, 60.0], "amplitude": [1e-4, 2e-4, 3e-4], "beta": [10.0, 20.0, 30.0],
+    "alpha": 10.0, "gamma": 3.0, "delta": 2.0, "yaw": 5.0, "radius": 0.5, "gravity": 9.8,
+    "friction": [0.3, 0.4, 0.5], "width": 0.008, "height": 0.0015, "length": 0.05,
+    "diameter": 0.008, "mass": 0.01, "speed": 0.1, "distance": 2e-4, "time": 1e-3, "axis_yaw": 5.0,
+    "spin_rate": 40.0, "yaw_rate": 2.0, "drilling_moment": 1e-4, "pitch": [10.0, 25.0, 40.0],
+    "pitch_rate": 2.0, "centre_along": 0.01, "centre_height": 0.02, "velocity_along": 0.1,
+    "velocity_upward": 0.0, "duration": 0.05, "drop_height": 0.002,
+    # two bodies that touch, nearly, and approach
+    "position_x_1": 0.005, "position_y_1": 0.02097, "angle_1": 30.0, "velocity_x_1": 0.1,
+    "velocity_y_1": -0.2, "spin_1": 3.0, "length_1": 0.05, "width_1": 0.008, "mass_1": 0.01,
+    "position_x_2": 0.0, "position_y_2": 0.0, "angle_2": 0.0, "velocity_x_2": 0.0,
+    "velocity_y_2": 0.1, "spin_2": -1.0, "length_2": 0.04, "width_2": 0.01, "mass_2": 0.02,
+    "restitution": [0.0, 0.3, 0.5], "contact_tolerance": 0.1, "position_z_1": 0.0,
+    "azimuth_1": 90.0, "elevation_1": 20.0, "velocity_z_1": -0.3, "spin_x_1": 1.0, "spin_y_1": 2.0,
+    "spin_z_1": 3.0, "diameter_1": 0.02, "position_z_2": -0.0285, "azimuth_2": 20.0,
+    "elevation_2": 0.0, "velocity_z_2": 0.2, "spin_x_2": -1.0, "spin_y_2": 2.0, "spin_z_2": 1.0,
+    "diameter_2": 0.02,
+}  # fmt: skip
+"""A value, or three, of every parameter; together they make sense in every scene."""
+
+SETTINGS: dict[str, dict[str, Any]] = {
+    "events": {"most_periods": 50},
+    "time-stepping": {"steps_per_period": 50, "most_periods": 20},
+}
+"""Settings of methods of motion, so that a count takes no long; other methods are not measured."""
+
+CARRIED: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "planar": (("along", "normal"), ("floor",)),
+    "on a plane": (("along", "across", "normal", "spin"), ("floor",)),
+    "on a track": (("along", "from the wall", "normal"), ("floor", "wall")),
+    "tumbling": (("along", "upward", "pitch"), ("corner 1 to 4",)),
+}
+"""Coordinates and contacts that a motion carries."""
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """What one study of one output costs.
+
+    Attributes
+    ----------
+    scene, kind, variant, output : str
+        The study; `variant` is the method of a simulation.
+    equations, of : int
+        Equations run, and equations that the variant has.
+    calls : int
+        Calls of equations; more than `equations` where blocks are computed in turn.
+    dimensions, axes : int
+        Dimensions that the output keeps, and those of the grid.
+    bytes : int
+        Largest memory that was allocated at a time while it ran (tracemalloc) [B].
+    coordinates, contacts : tuple of str
+        What a motion carries; empty for closed forms.
+    modules : int
+        Modules of this project and of others imported in a fresh process; -1 if not measured.
+    heavy : tuple of str
+        Libraries among them that take long to load.
+    """
+
+    scene: str
+    kind: str
+    variant: str
+    output: str
+    equations: int
+    of: int
+    calls: int
+    dimensions: int
+    axes: int
+    bytes: int
+    coordinates: tuple[str, ...]
+    contacts: tuple[str, ...]
+    modules: int
+    heavy: tuple[str, ...]
+
+
+HEAVY = ("matplotlib", "netCDF4", "numba", "pandas", "pint", "scipy", "xarray")
+
+
+def counted(prepared: Prepared) -> tuple[Prepared, Counter[str]]:
+    """Return the same study, and a count of the calls of each of its equations as it runs.
+
+    The count is by the quantity that an equation gives; conditions count by their regime, in
+    brackets.
+    """
+    calls: Counter[str] = Counter()
+
+    def count(name: str, function: Any) -> Any:
+        @wraps(function)  # the signature tells what it needs
+        def calling(**arguments: Any) -> Any:
+            calls[name] += 1
+            return function(**arguments)
+
+        return calling
+
+    plan = prepared.plan
+    equations = tuple(replace(e, function=count(e.gives, e.function)) for e in plan.equations)
+    conditions = tuple(
+        replace(c, function=count(f"[{c.regime}]", c.function)) for c in plan.conditions
+    )
+    counting = replace(plan, equations=equations, conditions=conditions)
+    return replace(prepared, plan=counting), calls
+
+
+def study_of(scene: Scene, variant: str, output: str, *, ranged: bool = True) -> dict[str, Any]:
+    """Return a study of one output with the parameters that it can use, and no others.
+
+    Parameters
+    ----------
+    scene, variant
+        The scene or system.
+    output : str
+        The only output.
+    ranged : bool
+        Whether parameters have three values where `TYPICAL` has.
+    """
+    kind = "simulate" if scene.choice == "method" else "sweep"
+    names = [n for n in scene_parameters(scene, variant) if n in TYPICAL]
+    values = {n: TYPICAL[n] for n in names}
+    if not ranged or kind == "simulate":
+        values = {n: v[1] if isinstance(v, list) else v for n, v in values.items()}
+    if kind == "simulate" and variant == "events":
+        values.pop("alpha", None)
+    content: dict[str, Any] = {
+        "kind": kind, "scene": scene.name, scene.choice: variant, "outputs": [output],
+        "parameters": values,
+    }  # fmt: skip
+    if kind == "simulate" and "motion" in scene.producers(variant):
+        content |= SETTINGS[variant]
+    try:
+        kinds.prepare_content(content)
+    except StudyError as error:
+        unused = {p.place.removeprefix("parameters.") for p in error.problems}
+        content["parameters"] = {n: v for n, v in values.items() if n not in unused}
+    return content
+
+
+def measure(scene: Scene, variant: str, output: str, *, modules: bool = False) -> Footprint:
+    """Return what the study of one output costs; `modules` starts a process to count them."""
+    content = study_of(scene, variant, output)
+    prepared, calls = counted(kinds.prepare_content(content))
+    kinds.tabulate(prepared)  # kernels are loaded, or compiled, before memory counts
+    calls.clear()
+    tracemalloc.start()
+    try:
+        table = kinds.tabulate(prepared)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    run = {name for name in calls if not name.startswith("[")}
+    known = {alias.gives for alias in ALIASES}
+    coordinates, contacts = carried(scene, content["parameters"])
+    imported, heavy = _imports(content) if modules else (-1, ())
+    return Footprint(
+        scene.name, content["kind"], variant, output, len(run),
+        len(scene.variants[variant]) + len(run & known - set(scene.producers(variant))),
+        sum(calls[name] for name in run), len(table.variables[output].dims),
+        len(prepared.grid.axes), peak, coordinates, contacts, imported, heavy,
+    )  # fmt: skip
+
+
+def carried(scene: Scene, parameters: Mapping[str, Any]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the coordinates and contacts that the motion of a study carries; none if it has none.
+
+    A part driven along the track only has nothing across; a block on a plane has no spin.
+    """
+    if scene.choice != "method":
+        return (), ()
+    if scene.name.endswith("isolated"):
+        return CARRIED["tumbling"]
+    if scene.name.endswith("track"):
+        return CARRIED["on a track"]
+    if parameters.get("alpha", 0.0) == 0.0:
+        return CARRIED["planar"]
+    coordinates, contacts = CARRIED["on a plane"]
+    if scene.name.startswith("rectangle"):
+        coordinates = tuple(name for name in coordinates if name != "spin")
+    return coordinates, contacts
+
+
+def _imports(content: Mapping[str, Any]) -> tuple[int, tuple[str, ...]]:
+    """Return how many modules a study imports in a fresh process, and the heavy libraries."""
+    code = (
+        "import json, sys; before = set(sys.modules)\n"
+        "from core.kinds import prepare_content, tabulate\n"
+        "tabulate(prepare_content(json.loads(sys.argv[1])))\n"
+        "print(json.dumps(sorted(set(sys.modules) - before)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, json.dumps(content)],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    imported = json.loads(done.stdout.splitlines()[-1])
+    return len(imported), tuple(name for name in HEAVY if name in imported)
+
+
+def measured_output(scene: Scene, variant: str) -> str:
+    """Return the output of a variant that needs most parameters: the most that one may cost."""
+    outputs = [name for name in scene.outputs(variant) if name != "regime"]
+    return max(outputs, key=lambda name: len(needed_parameters(scene, variant, name)))
+
+
+def footprints(*, modules: bool = True) -> list[Footprint]:
+    """Return, for each scene and each kind of study, the cost of its dearest output and least."""
+    rows = []
+    for scene in (*SCENES.values(), *SYSTEMS.values()):
+        for variant in scene.variants:
+            if scene.choice == "method" and variant not in SETTINGS:
+                continue  # single points, in seconds each
+            if scene.choice != "method" and variant != scene.default_variant:
+                continue
+            dearest = measured_output(scene, variant)
+            for output in dict.fromkeys((cheapest(scene, variant), dearest)):
+                rows.append(measure(scene, variant, output, modules=modules))
+    return rows
+
+
+def cheapest(scene: Scene, variant: str) -> str:
+    """Return the output of a variant that needs fewest parameters."""
+    outputs = [name for name in scene.outputs(variant) if name != "regime"]
+    return min(outputs, key=lambda name: len(needed_parameters(scene, variant, name)))
+
+
+def to_table(rows: Sequence[Footprint]) -> Table:
+    """Return the footprints as variables over the dimension `study`."""
+    labels = {
+        "kind": "Kind of study", "variant": "Variant or method", "output": "The only output",
+        "equations": "Equations run", "of": "Equations of the variant", "calls": "Calls",
+        "dimensions": "Dimensions kept", "axes": "Axes of the grid",
+        "bytes": "Most memory allocated at a time", "coordinates": "Coordinates carried",
+        "contacts": "Contacts carried", "modules": "Modules imported", "heavy": "Heavy libraries",
+    }  # fmt: skip
+    variables = {}
+    for name, label in labels.items():
+        values = [getattr(row, name) for row in rows]
+        is_number = isinstance(values[0], int) if values else False
+        array = np.array(values) if is_number else np.array([_text(v) for v in values], object)
+        units = {"units": "byte" if name == "bytes" else "1"} if is_number else {}
+        variables[name] = Variable(("study",), array, {"long_name": label, **units})
+    scenes = np.array([row.scene for row in rows], dtype=object)
+    return Table(
+        {"study": Variable(("study",), scenes, {"long_name": "Scene"})}, variables,
+        {"Conventions": CONVENTIONS, "title": "What is left out"},
+    )  # fmt: skip
+
+
+def _text(value: Any) -> str:
+    return ", ".join(value) if isinstance(value, tuple) else str(value)
+
+
+def to_markdown(rows: Sequence[Footprint]) -> str:
+    """Return the footprints as a Markdown table."""
+    lines = [
+        "| scene | kind | variant | output | equations | dimensions | KiB | coordinates | contacts "
+        "| modules | heavy |",
+        "| --- " * 11 + "|",
+    ]
+    for row in rows:
+        cells = (
+            row.scene, row.kind, row.variant, row.output, f"{row.equations} of {row.of}",
+            f"{row.dimensions} of {row.axes}", f"{row.bytes / 1024:.1f}", _text(row.coordinates),
+            _text(row.contacts), str(row.modules) if row.modules >= 0 else "", _text(row.heavy),
+        )  # fmt: skip
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join([*lines, ""])

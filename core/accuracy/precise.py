@@ -1,0 +1,371 @@
+"""The outputs of a plan to 50 digits: its own equations, run on numbers of that precision.
+
+The equations are written for arrays and do not ask what stands in them. Arrays of `Number` run
+them with mpmath; where a step would round to a float it fails instead, so that a result has all
+its digits or there is none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import mpmath
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import VibrafeedError
+from core.mechanics.arrays import Array
+from core.sweep.plan import Plan
+from core.watch import Watch
+
+DIGITS = 50
+
+CONTEXT = mpmath.MPContext()
+"""A context of its own: nothing here changes the precision that others work with."""
+CONTEXT.dps = DIGITS
+
+CONSTANTS = {
+    math.pi: +CONTEXT.pi,
+    2 * math.pi: 2 * CONTEXT.pi,
+    1 / 3: CONTEXT.mpf(1) / 3,
+    2 / 3: CONTEXT.mpf(2) / 3,
+}
+"""What floats that stand in equations mean; all others, and parameters, are what they are."""
+
+STEP = CONTEXT.mpf(10) ** -20
+"""Relative step of the differences behind a condition number."""
+
+PIECE = 64  # cells at a time, between two looks at the watch
+
+
+class NotPreciseError(VibrafeedError):
+    """An equation rounds to floats on its way, so that its value to 50 digits is not known."""
+
+
+def _mpf(value: Any) -> Any:
+    if isinstance(value, Number):
+        return value.value
+    if isinstance(value, float | np.floating):
+        plain = float(value)
+        return CONSTANTS.get(plain) or CONTEXT.mpf(plain)
+    return CONTEXT.mpf(int(value))
+
+
+def _real(value: Any) -> Any:
+    """Return a result as floats would have it: NaN where it is complex."""
+    return CONTEXT.nan if isinstance(value, CONTEXT.mpc) else value
+
+
+class Number:
+    """A real number of 50 digits that behaves as a float does: no exceptions, NaN and infinities.
+
+    It has no `__float__`: what would round it by the way fails.
+    """
+
+    __slots__ = ("value",)
+
+    def __init__(self, value: Any):
+        self.value = _mpf(value) if not isinstance(value, CONTEXT.mpf) else value
+
+    def __repr__(self) -> str:
+        return f"Number({CONTEXT.nstr(self.value, 20)})"
+
+    def __add__(self, other: Any) -> Number:
+        return Number(self.value + _mpf(other))
+
+    def __sub__(self, other: Any) -> Number:
+        return Number(self.value - _mpf(other))
+
+    def __rsub__(self, other: Any) -> Number:
+        return Number(_mpf(other) - self.value)
+
+    def __mul__(self, other: Any) -> Number:
+        return Number(self.value * _mpf(other))
+
+    def __truediv__(self, other: Any) -> Number:
+        return Number(_divided(self.value, _mpf(other)))
+
+    def __rtruediv__(self, other: Any) -> Number:
+        return Number(_divided(_mpf(other), self.value))
+
+    def __pow__(self, other: Any) -> Number:
+        base, power = self.value, _mpf(other)
+        if base == 0 and power < 0:
+            return Number(CONTEXT.inf)
+        return Number(_real(base**power))
+
+    def __rpow__(self, other: Any) -> Number:
+        return Number(other) ** self
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __neg__(self) -> Number:
+        return Number(-self.value)
+
+    def __pos__(self) -> Number:
+        return self
+
+    def __abs__(self) -> Number:
+        return Number(abs(self.value))
+
+    def __bool__(self) -> bool:
+        return bool(self.value != 0)
+
+    def __eq__(self, other: object) -> bool:
+        return bool(self.value == _mpf(other))
+
+    def __lt__(self, other: Any) -> bool:
+        return bool(self.value < _mpf(other))
+
+    def __le__(self, other: Any) -> bool:
+        return bool(self.value <= _mpf(other))
+
+    def __gt__(self, other: Any) -> bool:
+        return bool(self.value > _mpf(other))
+
+    def __ge__(self, other: Any) -> bool:
+        return bool(self.value >= _mpf(other))
+
+    def __hash__(self) -> int:
+        return hash(self.value)
+
+
+def _divided(above: Any, below: Any) -> Any:
+    if below == 0:
+        return CONTEXT.nan if above == 0 or CONTEXT.isnan(above) else CONTEXT.sign(above) * math.inf
+    return above / below
+
+
+def _logarithm(x: Any) -> Any:
+    return -CONTEXT.inf if x == 0 else CONTEXT.log(x)
+
+
+def _log1p(x: Any) -> Any:
+    return -CONTEXT.inf if x == -1 else CONTEXT.log1p(x)
+
+
+def _arctanh(x: Any) -> Any:
+    return CONTEXT.sign(x) * CONTEXT.inf if abs(x) == 1 else CONTEXT.atanh(x)
+
+
+def _hypot(x: Any, y: Any) -> Any:
+    return CONTEXT.sqrt(x * x + y * y)
+
+
+def _larger(x: Any, y: Any) -> Any:
+    return x if x >= y or CONTEXT.isnan(x) else y
+
+
+def _smaller(x: Any, y: Any) -> Any:
+    return x if x <= y or CONTEXT.isnan(x) else y
+
+
+def _sign(x: Any) -> Any:
+    return x if CONTEXT.isnan(x) else CONTEXT.sign(x)
+
+
+Elementwise = Callable[..., Any]
+
+REAL: dict[np.ufunc, Elementwise] = {
+    np.sin: CONTEXT.sin,
+    np.cos: CONTEXT.cos,
+    np.tan: CONTEXT.tan,
+    np.sinh: CONTEXT.sinh,
+    np.tanh: CONTEXT.tanh,
+    np.arctan: CONTEXT.atan,
+    np.arctan2: CONTEXT.atan2,
+    np.arctanh: _arctanh,
+    np.sqrt: CONTEXT.sqrt,
+    np.exp: CONTEXT.exp,
+    np.expm1: CONTEXT.expm1,
+    np.log: _logarithm,
+    np.log1p: _log1p,
+    np.hypot: _hypot,
+    np.maximum: _larger,
+    np.minimum: _smaller,
+    np.sign: _sign,
+    np.ldexp: CONTEXT.ldexp,
+}
+"""The functions that equations call on arrays, as mpmath has them."""
+
+TESTS: dict[np.ufunc, Elementwise] = {
+    np.isnan: CONTEXT.isnan,
+    np.isinf: CONTEXT.isinf,
+    np.isfinite: CONTEXT.isfinite,
+}
+
+
+class Precise(np.ndarray[Any, np.dtype[np.object_]]):
+    """An array of `Number`; functions of numpy on it give such arrays, or arrays of truth."""
+
+    def __array_ufunc__(
+        self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **settings: Any
+    ) -> Any:
+        """Apply a function of numpy with 50 digits."""
+        plain = [_numbers(one) for one in inputs]
+        if out is not None:
+            settings["out"] = tuple(np.asarray(one) for one in out)
+        if method == "__call__" and (ufunc in REAL or ufunc in TESTS):
+            return _applied(ufunc, plain)
+        return _labelled(getattr(ufunc, method)(*plain, **settings))
+
+    def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
+        """Rearrange numbers, as `np.where` does; what it gives are such arrays again."""
+        return _labelled(super().__array_function__(func, types, args, kwargs))
+
+
+def _applied(ufunc: np.ufunc, inputs: Sequence[Any]) -> Any:
+    if ufunc in TESTS:
+        test = TESTS[ufunc]
+        return np.frompyfunc(lambda x: bool(test(_mpf(x))), 1, 1)(*inputs).astype(np.bool_)
+    function = REAL[ufunc]
+    if ufunc is np.ldexp:
+        inputs = [inputs[0], np.asarray(inputs[1]).astype(object)]
+
+    def apply(*numbers: Any) -> Number:
+        return Number(_real(function(*map(_mpf, numbers))))
+
+    return _labelled(np.frompyfunc(apply, ufunc.nin, 1)(*inputs))
+
+
+def _numbers(values: Any) -> Any:
+    """Return what a function is given with numbers for floats; truth values and counts stay."""
+    array = np.asarray(values)
+    if array.dtype.kind == "b" or array.dtype.kind in "iu":
+        return array
+    return np.asarray(_AS_NUMBERS(array), dtype=object)
+
+
+def _as_number(value: Any) -> Any:
+    return value if isinstance(value, Number | bool | np.bool_) else Number(value)
+
+
+_AS_NUMBERS = np.frompyfunc(_as_number, 1, 1)
+
+
+def _labelled(result: Any) -> Any:
+    """Return arrays of objects as `Precise`, also within lists and tuples."""
+    if isinstance(result, np.ndarray):
+        return result.view(Precise) if result.dtype == object else result
+    if isinstance(result, tuple):
+        make = getattr(result, "_make", tuple)
+        return make(_labelled(one) for one in result)
+    if isinstance(result, list):
+        return [_labelled(one) for one in result]
+    return result
+
+
+def exact_values(
+    plan: Plan, cells: Mapping[str, Array], *, partial: bool = False, watch: Watch | None = None
+) -> dict[str, NDArray[np.object_]]:
+    """Return the outputs of a plan of closed forms at given cells, to 50 digits.
+
+    Parameters
+    ----------
+    plan : Plan
+        What to compute; every parameter of it is among the cells.
+    cells : mapping of str to ndarray, shape (n,)
+        The parameters, SI units; each float is taken as it is, to its last bit.
+    partial : bool
+        Leave out what an equation rounds on its way to, instead of an error.
+    watch : Watch, optional
+        Told of progress.
+
+    Returns
+    -------
+    dict of str to ndarray of object, shape (n,)
+        Numbers of `mpmath`, SI units.
+
+    Raises
+    ------
+    NotPreciseError
+        If an equation rounds on its way; not if `partial`.
+    """
+    columns, size = _columns(cells)
+    return _outputs(plan, columns, size, partial, watch or Watch())
+
+
+def sensitivities(
+    plan: Plan, cells: Mapping[str, Array], *, partial: bool = False, watch: Watch | None = None
+) -> dict[str, NDArray[np.object_]]:
+    """Return sum |x dF/dx| of each output over the parameters; as `exact_values`.
+
+    Over |F| it is the condition number: a change of every parameter by a share h moves the output
+    by up to that share times it. Central differences.
+    """
+    watch = watch or Watch()
+    columns, size = _columns(cells)
+    names = [name for name in columns if name in plan.parameters]
+    share = replace(watch, progress=lambda done: watch.advance(done / max(1, 2 * len(names))))
+    moved: dict[str, Any] = dict.fromkeys(plan.outputs, np.full(size, CONTEXT.zero))
+    for name in names:
+        up, down = (
+            _outputs(
+                plan,
+                {**columns, name: columns[name] * Number(1 + way * STEP)},
+                size,
+                partial,
+                share,
+            )
+            for way in (1, -1)
+        )
+        moved = {
+            output: total + abs(up[output] - down[output]) / (2 * STEP)
+            for output, total in moved.items()
+            if output in up
+        }
+    return moved
+
+
+def _columns(cells: Mapping[str, Array]) -> tuple[dict[str, Any], int]:
+    """Return the cells as numbers, all of one length, and that length.
+
+    A parameter is the float that it is: of 180 degrees the sine is not 0.
+    """
+    columns = {name: _AS_GIVEN(np.atleast_1d(values)) for name, values in cells.items()}
+    size = max((column.size for column in columns.values()), default=1)
+    return {name: np.broadcast_to(column, size) for name, column in columns.items()}, size
+
+
+_AS_GIVEN = np.frompyfunc(lambda value: Number(CONTEXT.mpf(float(value))), 1, 1)
+
+
+def _outputs(
+    plan: Plan, columns: Mapping[str, Any], size: int, partial: bool, watch: Watch
+) -> dict[str, NDArray[np.object_]]:
+    rounds: dict[str, str] = {}
+    found = {name: np.empty(size, dtype=object) for name in plan.outputs}
+    for start in range(0, size, PIECE):
+        piece = slice(start, min(start + PIECE, size))
+        count = piece.stop - piece.start
+        # Defaults as columns too: numpy turns arrays without dimension into bare elements.
+        known: dict[str, Any] = {
+            name: _labelled(_AS_GIVEN(np.full(count, value)))
+            for name, value in plan.defaults.items()
+        }
+        known |= {name: _labelled(columns[name][piece]) for name in plan.parameters}
+        for equation in plan.equations:
+            lost = [name for name in equation.inputs if name in rounds]
+            if lost:
+                rounds[equation.gives] = rounds[lost[0]]
+                continue
+            inputs = {name: known[name] for name in equation.inputs}
+            try:
+                with np.errstate(all="ignore"):  # of NaN on its way into a number
+                    known[equation.gives] = _labelled(equation.function(**inputs))
+            except TypeError as error:
+                rounds[equation.gives] = f"{equation.gives} of {plan.scene.name}: {error}"
+        for name in plan.outputs:
+            if name not in rounds:
+                with np.errstate(all="ignore"):
+                    values = np.broadcast_to(_numbers(known[name]), count)
+                found[name][piece] = [number.value for number in values]
+        watch.advance(count / size)
+    for name in rounds:
+        if name in found and not partial:
+            raise NotPreciseError(rounds[name])
+        found.pop(name, None)
+    return found

@@ -1,0 +1,225 @@
+"""All measurements of one study, and the dataset of them."""
+
+from __future__ import annotations
+
+import math
+import os
+import platform
+import time
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import core
+from core import motion as motion_package
+from core import sweep
+from core.accuracy import closed_forms, model, motion, optimisers, storage
+from core.accuracy.curves import FAMILIES, Measured, tabulate_curves
+from core.dataset.table import Table
+from core.errors import Problem, StudyError
+from core.kinds import tabulate
+from core.study.values import Points
+from core.sweep.grid import Grid, axis_values
+from core.sweep.prepare import Prepared
+from core.sweep.run import global_attributes
+from core.watch import Watch
+
+SECONDS = 60.0  # of one family; what is fast takes less
+MOST_CELLS = 400_000  # of a result that is stored; a larger grid is thinned
+MOST_CELLS_MOTION = 2_000  # of one whose cells take milliseconds
+LIBRARIES = ("numpy", "numba", "scipy", "mpmath", "netCDF4")
+
+ORDER = {
+    "sweep": ("closed_forms", "model", "motion", "storage"),
+    "simulate": ("motion", "storage"),
+    "optimise": ("optimisers",),
+}
+"""The families of each kind of study, in the order of the page."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """The measurements of one study.
+
+    Attributes
+    ----------
+    name : str
+        The study as the user named it: the path of its file.
+    title, scene : str
+        Its title, and its scene with variant or method.
+    measured : tuple of Measured
+        One a family.
+    table : Table
+        All points as one dataset.
+    """
+
+    name: str
+    title: str
+    scene: str
+    measured: tuple[Measured, ...]
+    table: Table
+
+
+def families_of(prepared: Prepared, only: Collection[str] = ()) -> tuple[str, ...]:
+    """Return the families that a study has, in order.
+
+    Raises
+    ------
+    StudyError
+        If `only` names one that there is not, or that this kind of study has not.
+    """
+    known = ORDER[prepared.study.kind]
+    wrong = [name for name in only if name not in known]
+    if wrong:
+        kind = prepared.study.kind
+        what = "is no family of measurements" if wrong[0] not in FAMILIES else f"is not for {kind}"
+        raise StudyError([Problem("only", f"'{wrong[0]}' {what}", f"Known: {', '.join(known)}")])
+    return tuple(name for name in known if not only or name in only)
+
+
+def measure_study(
+    prepared: Prepared,
+    *,
+    name: str,
+    watch: Watch | None = None,
+    seconds: float = SECONDS,
+    only: Collection[str] = (),
+) -> Part:
+    """Return the measurements of a study.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        The study.
+    name : str
+        What to call it; the page prints it within commands.
+    watch : Watch, optional
+        Told of progress; may stop it early: what is measured by then is kept.
+    seconds : float
+        After which a family starts nothing new.
+    only : collection of str
+        The families to measure; all that the study has if empty.
+
+    Raises
+    ------
+    StudyError
+        If `only` names a family that the study has not.
+    """
+    watch = watch or Watch()
+    families = families_of(prepared, only)
+    measured = []
+    for family in families:
+        if watch.stopped():
+            break
+        ends = time.monotonic() + seconds
+        mine = Watch(
+            lambda done: watch.advance(done / len(families)),
+            watch.stop,
+            min(ends, watch.deadline or math.inf),
+        )
+        found = _measure(family, prepared, mine, seconds)
+        if found is not None:
+            measured.append(found)
+    plan = prepared.plan
+    return Part(
+        name,
+        prepared.study.title or plan.scene.title,
+        f"{plan.scene.name}, {plan.scene.choice} {plan.variant}",
+        tuple(measured),
+        tabulate_curves(measured, {**global_attributes(prepared, "accuracy report"), **machine()}),
+    )
+
+
+def machine() -> dict[str, str]:
+    """Return what the numbers depend on besides the program: machine, date, versions."""
+    libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
+    return {
+        "machine": f"{_processor()}, {os.cpu_count()} cores, {platform.system()}{_load()}",
+        "date": datetime.now(UTC).date().isoformat(),
+        "versions": f"vibrafeed {core.__version__}, Python {platform.python_version()}, "
+        f"{libraries}",
+    }
+
+
+def _processor() -> str:
+    """Return the name of the processor as the system has it."""
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()
+
+
+def _load() -> str:
+    """Return how many other processes compete for the cores, where the system tells."""
+    if not hasattr(os, "getloadavg"):
+        return ""
+    return f", load {os.getloadavg()[0]:.1f} over the last minute"
+
+
+def _measure(family: str, prepared: Any, watch: Watch, seconds: float) -> Measured | None:
+    measures: dict[str, Callable[[], Measured | None]] = {
+        "closed_forms": lambda: closed_forms.measure(prepared, watch),
+        "model": lambda: _model(prepared, watch),
+        "motion": lambda: _motion(prepared, watch),
+        "optimisers": lambda: optimisers.measure(prepared, watch, seconds),
+        "storage": lambda: _storage(prepared, watch),
+    }
+    return measures[family]()
+
+
+def _model(prepared: sweep.Sweep, watch: Watch) -> Measured | None:
+    moving = model.motion_of_sweep(prepared)
+    if moving is None:
+        note = "Scene and parameters of this sweep do not tell a motion in time."
+        return Measured("model", (), (note,))
+    return model.measure(prepared, moving, watch)
+
+
+def _motion(prepared: Prepared, watch: Watch) -> Measured | None:
+    moving: motion_package.Simulation | None
+    if isinstance(prepared, motion_package.Simulation):
+        moving = prepared
+        if not motion.is_point_part(prepared.plan.scene):
+            note = "A tumbling part has no mean velocity to compare."
+            return Measured("motion", (), (note,))
+    else:
+        assert isinstance(prepared, sweep.Sweep)
+        moving = model.motion_of_sweep(prepared)
+    return None if moving is None else motion.measure(moving, watch)
+
+
+def _storage(prepared: Prepared, watch: Watch) -> Measured:
+    is_fast = isinstance(prepared, sweep.Sweep) or prepared.plan.variant == "events"
+    most = MOST_CELLS if is_fast else MOST_CELLS_MOTION
+    half = replace(watch, progress=lambda done: watch.advance(done / 2))
+    smaller = replace(prepared, grid=thinned(prepared.grid, most))
+    measured = storage.measure(tabulate(smaller, half), half)
+    if smaller.cells == prepared.cells:
+        return measured
+    note = f"{smaller.cells:,} of the study's {prepared.cells:,} cells: axes are thinned evenly."
+    return replace(measured, notes=(note, *measured.notes))
+
+
+def thinned(grid: Grid, most: int) -> Grid:
+    """Return a grid of at most so many cells: fewer values of the longest axes, evenly chosen."""
+    sizes = dict(grid.shape)
+    while math.prod(sizes.values()) > most:
+        longest = max(sizes, key=lambda name: sizes[name])
+        others = math.prod(sizes.values()) // sizes[longest]
+        second = max((size for name, size in sizes.items() if name != longest), default=1)
+        sizes[longest] = max(1, most // others, min(second, sizes[longest] - 1))
+    axes = {}
+    for name, axis in grid.axes.items():
+        if sizes[name] == axis.size:
+            axes[name] = axis
+            continue
+        places = {round(k * (axis.size - 1) / max(1, sizes[name] - 1)) for k in range(sizes[name])}
+        values = (float(axis_values(axis, k, k + 1)[0]) for k in sorted(places))
+        axes[name] = Points(tuple(values))
+    return Grid(axes, grid.fixed)

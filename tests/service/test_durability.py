@@ -1,0 +1,341 @@
+"""Jobs survive what kills a server or its workers, and run on any Dask cluster.
+
+``KILLS=20 pytest tests/service/test_durability.py`` is the long run.
+"""
+
+import contextlib
+import json
+import os
+import random
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import netCDF4
+import pytest
+
+from core.dataset.netcdf import write_netcdf
+from core.kinds import prepare_content, tabulate
+
+KILLS = int(os.environ.get("KILLS", "4"))
+JOBS = 8
+QUICK = {"VIBRAFEED_LEASE_SECONDS": "3", "VIBRAFEED_BLOCK_SECONDS": "0.3"}
+
+
+def simulation(number):
+    """Return a study of some seconds, in some tens of blocks."""
+    return {
+        "kind": "simulate",
+        "scene": "rectangle-on-plane",
+        "outputs": ["conveying_velocity", "flight_fraction"],
+        "parameters": {
+            "frequency": 40 + number,
+            "amplitude": {"start": "0.05 mm", "stop": "0.75 mm", "num": 61},
+            "beta": {"start": 5, "stop": 60, "num": 61},
+            "friction": 0.4,
+            "restitution": 0.3,
+        },
+    }
+
+
+def free_port():
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        return found.getsockname()[1]
+
+
+class Server:
+    """A server that can be killed and started again."""
+
+    def __init__(self, folder, **environment):
+        self.port, self.folder = free_port(), folder
+        self.environment = {
+            **{k: v for k, v in os.environ.items() if not k.startswith("VIBRAFEED_")},
+            "VIBRAFEED_DATA_DIRECTORY": str(folder / "data"),
+            **environment,
+        }
+        self.log = (folder / "log").open("ab")
+        self.start()
+
+    def start(self):
+        self.process = subprocess.Popen(
+            [Path(sys.executable).with_name("vibrafeed"), "serve", "--port", str(self.port)],
+            env=self.environment, stderr=self.log, stdout=self.log,
+        )  # fmt: skip
+
+    def ask(self, path, content=None, method=None, headers=(), patience=60.0):
+        """Return a reply's content; a server that is being started again is waited for."""
+        until = time.monotonic() + patience
+        body = None if content is None else json.dumps(content).encode()
+        while True:
+            request = urllib.request.Request(
+                f"http://127.0.0.1:{self.port}{path}", body, dict(headers), method=method
+            )
+            try:
+                with urllib.request.urlopen(request, timeout=30) as reply:
+                    return reply.read()
+            except urllib.error.HTTPError:
+                raise
+            except OSError:
+                if time.monotonic() > until:
+                    raise
+                time.sleep(0.1)
+
+    def job(self, number):
+        return json.loads(self.ask(f"/jobs/{number}"))
+
+    def post(self, study):
+        path = f"/processes/{study['kind']}/execution"
+        return json.loads(self.ask(path, study, headers=[("Prefer", "respond-async")]))["jobID"]
+
+    def finished(self, number, seconds=150.0):
+        until = time.monotonic() + seconds
+        while (job := self.job(number))["status"] in ("accepted", "running"):
+            assert time.monotonic() < until, job
+            time.sleep(0.3)
+        return job
+
+    def workers(self):
+        return descendants(self.process.pid)
+
+    def stop(self):
+        if self.process.poll() is None:
+            self.process.terminate()
+            self.process.wait(30)
+        self.log.close()
+
+
+def descendants(parent):
+    """Return the processes below one, deepest last."""
+    done = subprocess.run(
+        ["ps", "-eo", "pid=,ppid=,args="], capture_output=True, text=True, check=True
+    )
+    children = {}
+    for line in done.stdout.splitlines():
+        pid, ppid, args = line.split(None, 2)
+        if "resource_tracker" not in args and "defunct" not in args:
+            children.setdefault(int(ppid), []).append(int(pid))
+    found = [*children.get(parent, [])]
+    for pid in found:
+        found += children.get(pid, [])
+    return found
+
+
+@contextlib.contextmanager
+def serving(folder, **environment):
+    server = Server(folder, **environment)
+    try:
+        yield server
+    finally:
+        server.stop()
+
+
+def expected(study, path):
+    write_netcdf(tabulate(prepare_content(study)), path)
+    return path.read_bytes()
+
+
+def test_jobs_survive_kills_of_server_and_workers(tmp_path):
+    """No job is lost or wrong, no file is torn, nothing is left behind."""
+    chance = random.Random(7)
+    studies = [simulation(number) for number in range(JOBS)]
+    with serving(tmp_path, **QUICK) as server:
+        with ThreadPoolExecutor(JOBS) as pool:
+            numbers = list(pool.map(server.post, studies))
+        for kill in range(KILLS):
+            time.sleep(chance.uniform(0.2, 3.0))
+            workers = server.workers()
+            if kill % 2 and workers:
+                os.kill(chance.choice(workers), signal.SIGKILL)
+            else:
+                server.process.kill()
+                server.process.wait()
+                server.start()
+        before = [server.job(number) for number in numbers]
+        assert any(job["status"] in ("accepted", "running") for job in before) or KILLS > 8
+        jobs = [server.finished(number) for number in numbers]
+        assert [job["status"] for job in jobs] == ["successful"] * JOBS, jobs
+        contents = [server.ask(f"/jobs/{number}/results/dataset") for number in numbers]
+        server.process.kill()
+        server.process.wait()
+        server.start()
+        server.ask("/healthz")
+        assert len(json.loads(server.ask("/jobs"))["jobs"]) == JOBS
+        left = [path for path in (tmp_path / "data").rglob("*") if path.suffix in (".part", ".npz")]
+        assert left == []
+    for study, content in zip(studies, contents, strict=True):
+        assert content == expected(study, tmp_path / "whole.nc")
+    with netCDF4.Dataset("x", memory=contents[0]) as file:
+        assert file.variables["conveying_velocity"].shape == (61, 61)
+
+
+def test_a_block_that_is_done_is_not_computed_again(tmp_path):
+    study = simulation(0)
+    with serving(tmp_path, **QUICK) as server:
+        number = server.post(study)
+        while server.job(number)["cellsDone"] == 0:
+            time.sleep(0.1)
+        folder = tmp_path / "data" / "studies" / server.job(number)["study"]
+        server.process.kill()
+        server.process.wait()
+        time.sleep(2)  # for its workers to see that they are alone
+        done = {path: path.stat().st_mtime_ns for path in folder.rglob("*.npz")}
+        assert done
+        server.start()
+        while True:
+            job = server.job(number)
+            for path, stamp in done.items():
+                if path.exists():
+                    assert path.stat().st_mtime_ns == stamp
+            if job["status"] == "successful":
+                break
+            time.sleep(0.1)
+
+
+def test_a_stopped_server_hands_its_work_on_at_once(tmp_path):
+    """SIGTERM gives leases back: the next server need not wait for them to run out."""
+    patient = {**QUICK, "VIBRAFEED_LEASE_SECONDS": "600"}
+    with serving(tmp_path, **patient) as server:
+        number = server.post(simulation(0))
+        while server.job(number)["status"] == "accepted":
+            time.sleep(0.1)
+        started = time.monotonic()
+        server.process.terminate()
+        assert server.process.wait(30) in (0, -signal.SIGTERM)
+        assert time.monotonic() - started < 25
+        server.start()
+        assert server.finished(number, 60)["status"] == "successful"
+
+
+def test_a_dismissed_job_stops(tmp_path):
+    with serving(tmp_path, **QUICK) as server:
+        numbers = [server.post(simulation(number)) for number in range(2)]
+        while server.job(numbers[0])["cellsDone"] == 0:
+            time.sleep(0.1)
+        assert (
+            json.loads(server.ask(f"/jobs/{numbers[0]}", method="DELETE"))["status"] == "dismissed"
+        )
+        assert server.finished(numbers[1])["status"] == "successful"
+        assert server.job(numbers[0])["status"] == "dismissed"
+        assert server.job(numbers[0])["cellsDone"] < 61 * 61
+
+
+def test_work_on_a_scheduler_elsewhere(tmp_path):
+    """A scheduler and two workers as processes of their own; the service starts none."""
+    address = f"tcp://127.0.0.1:{free_port()}"
+    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler"]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    port = address.rpartition(":")[2]
+    cluster = [
+        subprocess.Popen(
+            [*dask, "--port", port, "--host", "127.0.0.1", "--no-dashboard", "--no-show"],
+            cwd=tmp_path, **quiet,
+        )
+    ]  # fmt: skip
+    for _ in range(2):
+        cluster.append(
+            subprocess.Popen(
+                [sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "1",
+                 "--no-dashboard", "--no-nanny", "--local-directory", str(tmp_path)],
+                cwd=tmp_path, **quiet,
+            )
+        )  # fmt: skip
+    try:
+        with serving(tmp_path, **QUICK, VIBRAFEED_SCHEDULER=address) as server:
+            study = simulation(3)
+            number = server.post(study)
+            # Of its two workers one dies on the way.
+            while server.job(number)["cellsDone"] == 0:
+                time.sleep(0.1)
+            cluster[-1].kill()
+            assert server.finished(number)["status"] == "successful"
+            assert server.workers() == []
+            content = server.ask(f"/jobs/{number}/results/dataset")
+        assert content == expected(study, tmp_path / "whole.nc")
+    finally:
+        for process in cluster:
+            process.kill()
+            process.wait()
+
+
+def test_a_scheduler_that_is_not_there_is_told_and_waited_for(tmp_path):
+    address = f"tcp://127.0.0.1:{free_port()}"
+    with serving(tmp_path, **QUICK, VIBRAFEED_SCHEDULER=address) as server:
+        number = server.post(simulation(0))
+        until = time.monotonic() + 60
+        while True:
+            try:
+                server.ask("/readyz")
+            except urllib.error.HTTPError as refused:
+                text = refused.read().decode()
+                if "workers cannot be reached" in text:
+                    break
+            assert time.monotonic() < until
+            time.sleep(0.5)
+        assert server.job(number)["status"] in ("accepted", "running")
+
+
+@contextlib.contextmanager
+def small_disk(folder, megabytes):
+    """Mount a small disk in memory; skip where one may not."""
+    folder.mkdir()
+    size = f"size={megabytes}m"
+    mount = ["mount", "-t", "tmpfs", "-o", size, "none", str(folder)]
+    if shutil.which("mount") is None or subprocess.run(mount, capture_output=True).returncode:
+        pytest.skip("no disk can be mounted")
+    try:
+        yield
+    finally:
+        subprocess.run(["umount", "--lazy", str(folder)], check=True)
+
+
+def refusal(call):
+    with pytest.raises(urllib.error.HTTPError) as caught:
+        call()
+    assert caught.value.headers["content-type"] == "application/problem+json"
+    return json.loads(caught.value.read())
+
+
+def test_a_full_and_a_read_only_disk_are_told_and_lose_nothing(tmp_path):
+    data = tmp_path / "data"
+    small = {**simulation(0), "parameters": {**simulation(0)["parameters"], "beta": 30}}
+    with small_disk(data, 3), serving(tmp_path, **QUICK) as server:
+        first = server.post(small)
+        assert server.finished(first)["status"] == "successful"
+        kept = server.ask(f"/jobs/{first}/results/dataset")
+        # What would not fit is refused before anything is computed.
+        large = {**simulation(1)["parameters"], "gamma": {"start": 0, "stop": 5, "num": 30}}
+        told = refusal(lambda: server.post({**simulation(1), "parameters": large}))
+        assert (told["status"], told["type"]) == (507, "urn:vibrafeed:problem:storage")
+        # The disk fills up while a job is under way.
+        second = server.post({**small, "parameters": {**small["parameters"], "frequency": 77}})
+        with contextlib.suppress(OSError):
+            (data / "filler").write_bytes(bytes(10_000_000))
+        third = {**small, "parameters": {**small["parameters"], "frequency": 78}}
+        told = refusal(lambda: server.post(third))
+        assert (told["status"], told["type"]) == (507, "urn:vibrafeed:problem:storage")
+        assert refusal(lambda: server.ask("/readyz"))["status"] == 503
+        assert server.ask(f"/jobs/{first}/results/dataset") == kept
+        (data / "filler").unlink()
+        # It has failed and says why, or it has waited for room.
+        job = server.finished(second, 60)
+        assert job["status"] == "successful" or "The disk is full" in job["message"]
+        for study in (third, {**small, "parameters": {**small["parameters"], "frequency": 77}}):
+            assert server.finished(server.post(study), 60)["status"] == "successful"
+        # The disk itself is in use; a read-only view of it in the same place is not.
+        subprocess.run(["mount", "--bind", str(data), str(data)], check=True)
+        subprocess.run(["mount", "-o", "remount,bind,ro", str(data)], check=True)
+        fourth = {**small, "parameters": {**small["parameters"], "frequency": 79}}
+        told = refusal(lambda: server.post(fourth))
+        assert told["detail"].startswith("The data directory can only be read")
+        assert refusal(lambda: server.ask("/readyz"))["status"] == 503
+        assert server.ask(f"/jobs/{first}/results/dataset") == kept
+        subprocess.run(["umount", str(data)], check=True)
+        assert server.finished(server.post(fourth))["status"] == "successful"

@@ -1,0 +1,109 @@
+"""`vibrafeed report`, as a user runs it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+import xarray
+from typer.testing import CliRunner
+
+from app.cli import app
+from core.accuracy.curves import FAMILIES
+from core.accuracy.report import families_of
+from core.kinds import prepare_content
+from core.study.load import read_content
+
+ROOT = Path(__file__).parents[2]
+
+STUDY = """
+kind = "sweep"
+title = "A small sweep"
+scene = "rectangle-on-plane"
+outputs = ["acceleration_x", "throw_number"]
+
+[parameters]
+frequency = { start = "20 Hz", stop = "120 Hz", num = 11 }
+amplitude = "0.5 mm"
+beta = 20
+friction = 0.3
+"""
+
+
+def run(*arguments: object):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def study(tmp_path):
+    path = tmp_path / "small.toml"
+    path.write_text(STUDY)
+    return path
+
+
+def test_a_page_its_pictures_and_a_dataset_are_written(study, tmp_path):
+    folder = tmp_path / "out"
+    result = run("report", study, "-o", folder, "--only", "closed_forms", "--only", "storage")
+    assert result.exit_code == 0, result.output
+    page = (folder / "accuracy.md").read_text()
+    assert "A small sweep" in page
+    pictures = re.findall(r"!\[.*?\]\((.*?)\)", page)
+    assert pictures == ["accuracy-small-closed-forms.png", "accuracy-small-storage.png"]
+    names = {*pictures, "accuracy.md", "accuracy-small.nc"}
+    assert {path.name for path in folder.iterdir()} == names
+    assert all(f"wrote {folder / name}" in result.output for name in names)
+    for picture in pictures:
+        assert (folder / picture).read_bytes().startswith(b"\x89PNG")
+    with xarray.open_dataset(folder / "accuracy-small.nc", engine="netcdf4") as dataset:
+        assert set(dataset["family"].values.tolist()) == {0, 3}
+        assert "vibrafeed report" in dataset.attrs["history"]
+
+
+def test_the_page_goes_beside_the_study_and_names_a_command_that_does_what_it_says(study):
+    assert run("report", study, "--only", "closed_forms").exit_code == 0
+    page = (study.parent / "accuracy" / "accuracy.md").read_text()
+    (command,) = re.findall(r"^`vibrafeed (report .*)`$", page, re.MULTILINE)
+    assert run(*command.split()).exit_code == 0
+    again = (study.parent / "accuracy" / "accuracy.md").read_text()
+
+    def without_times(text: str) -> str:
+        return re.sub(r"[\d.]+ (ns|us|ms) ", "", text)
+
+    assert without_times(again) == without_times(page)
+
+
+def test_the_page_of_the_documents_is_whole():
+    page = (ROOT / "docs/accuracy.md").read_text()
+    pictures = re.findall(r"!\[.*?\]\((.*?)\)", page)
+    assert len(pictures) >= 6
+    assert all((ROOT / "docs" / picture).exists() for picture in pictures)
+    commands = re.findall(r"^`vibrafeed report (\S+) --only (\S+)`$", page, re.MULTILINE)
+    assert len(commands) == len(re.findall("^## ", page, re.MULTILINE))
+    for study, family in commands:
+        families_of(prepare_content(read_content(ROOT / study)), [family])
+    # One of each family of the three kinds of study.
+    assert {family for _, family in commands} == set(FAMILIES)
+
+
+def test_every_problem_of_every_study_is_told(study, tmp_path):
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text(STUDY.replace("throw_number", "throw_nmber").replace("0.5 mm", "0.5 s"))
+    result = run("report", study, wrong)
+    assert result.exit_code == 2
+    assert "2 problems" in result.output
+    assert "Did you mean 'throw_number'?" in result.output
+    assert not (tmp_path / "accuracy").exists()
+
+
+def test_a_family_that_is_not_there_is_told(study):
+    result = run("report", study, "--only", "optimisers")
+    assert result.exit_code == 2
+    assert "Known: closed_forms, model, motion, storage" in result.output
+
+
+def test_a_folder_that_cannot_be_made_is_told(study):
+    result = run("report", study, "-o", study / "below", "--only", "closed_forms")
+    assert result.exit_code == 1
+    assert "Traceback" not in result.output
+    assert str(study / "below") in result.output

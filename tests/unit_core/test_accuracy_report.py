@@ -1,0 +1,407 @@
+"""The accuracy report: its numbers against direct computations, its curves against the theory."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+import xarray
+
+from core.accuracy import closed_forms, model, motion, optimisers, storage
+from core.accuracy.cells import random_cells
+from core.accuracy.curves import STEEP, Curve, Measured, Point, fitted_slope, tabulate_curves
+from core.accuracy.page import Section, head_of, sections_of, write_page
+from core.accuracy.precise import (
+    CONTEXT,
+    DIGITS,
+    NotPreciseError,
+    Number,
+    exact_values,
+    sensitivities,
+)
+from core.accuracy.report import families_of, measure_study, thinned
+from core.dataset.netcdf import write_netcdf
+from core.dataset.table import Table, Variable
+from core.errors import StudyError
+from core.kinds import prepare_content
+from core.motion.run import run_equations
+from core.scenes import ALIASES, SCENES
+from core.study.load import read_content
+from core.study.values import Points, Span
+from core.sweep.grid import Grid
+from core.sweep.plan import make_plan, scene_parameters
+from core.watch import Watch
+
+ROOT = Path(__file__).parents[2]
+
+# Next to lift-off the normal acceleration is a difference of nearly equal numbers.
+NEAR = {"frequency": 50.0, "amplitude": 2e-4, "gravity": 9.81, "gamma": 0.0}
+PLANE = {
+    "kind": "sweep",
+    "scene": "rectangle-on-plane",
+    "variant": "thesis",
+    "outputs": ["acceleration_x", "throw_number"],
+    "parameters": {
+        "frequency": {"start": 20, "stop": 80, "num": 13},
+        "amplitude": "0.2 mm",
+        "beta": [10, 20, 30],
+        "friction": 0.3,
+    },
+}
+TRACK = {
+    "kind": "sweep",
+    "scene": "rectangle-on-track",
+    "variant": "derived",
+    "outputs": ["transport_velocity", "starting_acceleration"],
+    "parameters": {
+        "frequency": {"start": 20, "stop": 60, "num": 11},
+        "amplitude": "0.3 mm",
+        "beta": 25,
+        "friction": 0.3,
+        "radius": "1e6 m",
+        "distance": "0.15 mm",
+    },
+}
+MOTION = {
+    "kind": "simulate",
+    "scene": "rectangle-on-plane",
+    "parameters": {
+        "frequency": 50,
+        "amplitude": {"start": "0.1 mm", "stop": "0.3 mm", "num": 21},
+        "beta": {"start": 20, "stop": 30, "num": 11},
+        "friction": 0.4,
+    },
+}
+
+
+def ill_conditioned(count=40):
+    """Return cells whose drive lifts the part off to a share of 1e-6 to 1e-1."""
+    plan = make_plan("rectangle-on-plane", "thesis", ("normal_acceleration",), (*NEAR, "beta"))
+    drive = NEAR["amplitude"] * (2 * np.pi * NEAR["frequency"]) ** 2
+    share = 1 - np.logspace(-6, -1, count)
+    cells = {name: np.full(count, value) for name, value in NEAR.items()}
+    return plan, {**cells, "beta": np.arcsin(share * NEAR["gravity"] / drive)}
+
+
+def direct(cells, k):
+    """Return n0 = g cos(gamma) - A (2 pi f)^2 sin(beta) and |terms| of its slopes, 60 digits."""
+    with mpmath.workdps(60):
+        g, a, f, beta, gamma = (
+            mpmath.mpf(float(cells[name][k]))
+            for name in ("gravity", "amplitude", "frequency", "beta", "gamma")
+        )
+        weight = g * mpmath.cos(gamma)
+        p = a * (2 * mpmath.pi * f) ** 2
+        drive = p * mpmath.sin(beta)
+        # By g, by A, by f (a square), by beta; gamma is 0 and adds nothing.
+        moved = weight + drive + 2 * drive + abs(p * mpmath.cos(beta) * beta)
+        return weight - drive, moved
+
+
+def test_ulps_of_an_ill_conditioned_difference_agree_with_a_direct_computation():
+    plan, cells = ill_conditioned()
+    exact = exact_values(plan, cells)["normal_acceleration"]
+    moved = sensitivities(plan, cells)["normal_acceleration"]
+    got = run_equations(plan, cells)["normal_acceleration"]
+    errors = closed_forms.errors_of(got, exact, moved, np.float64)
+    for k in range(len(exact)):
+        value, slopes = direct(cells, k)
+        assert abs(exact[k] - value) < 1e-46 * 10  # 50 digits of terms near 10
+        assert abs(moved[k] / slopes - 1) < 1e-18  # differences over a step of 1e-20
+        ulps = abs(mpmath.mpf(float(got[k])) - value) / math.ulp(float(value))
+        assert errors.ulps[k] == pytest.approx(float(ulps), rel=1e-12)
+        assert errors.condition[k] == pytest.approx(float(slopes / value), rel=1e-12)
+    assert errors.ulps.max() > 1e4  # cancellation is seen ...
+    assert errors.conditioned.max() < 8  # ... and laid to the condition of the problem
+
+
+def test_a_wrong_digit_is_seen():
+    plan, cells = ill_conditioned(4)
+    exact = exact_values(plan, cells)["normal_acceleration"]
+    moved = sensitivities(plan, cells)["normal_acceleration"]
+    wrong = np.array([float(value) for value in exact]) * (1 + 1e-8)
+    assert closed_forms.errors_of(wrong, exact, moved, np.float64).relative == pytest.approx(
+        1e-8, rel=1e-6
+    )
+
+
+@pytest.mark.parametrize("variant", SCENES["rectangle-on-track"].variants)
+def test_every_output_of_the_track_is_known_to_fifty_digits(variant):
+    scene = SCENES["rectangle-on-track"]
+    others = {name for alias in ALIASES for name in alias.inputs}
+    names = [n for n in scene_parameters(scene, variant) if n not in others]
+    random = np.random.default_rng(1)
+    values = {name: random.uniform(0.2, 0.4, 3) for name in names}
+    values["friction_static"] = values["friction_kinetic"] + 0.1
+    plan = make_plan(scene.name, variant, scene.outputs(variant), names)
+    for name, exact in exact_values(plan, values).items():
+        floats = np.broadcast_to(run_equations(plan, values)[name], 3)
+        for value, got in zip(exact, floats, strict=True):
+            assert isinstance(value, CONTEXT.mpf), name
+            if CONTEXT.isfinite(value):
+                assert float(value) == pytest.approx(float(got), rel=1e-9, abs=1e-12), name
+
+
+def test_pi_in_the_equations_is_pi():
+    plan = make_plan(
+        "rectangle-on-plane", "thesis", ("vibration_acceleration",), ("frequency", "amplitude")
+    )
+    one = {"frequency": np.ones(1), "amplitude": np.ones(1)}
+    (value,) = exact_values(plan, one)["vibration_acceleration"]
+    with mpmath.workdps(DIGITS):
+        assert abs(value - 4 * mpmath.pi**2) < mpmath.mpf(10) ** -47
+
+
+def test_a_parameter_is_the_float_that_it_is():
+    """Half a turn in floats is short of pi by 1.2e-16, and so is its sine."""
+    plan = make_plan("rectangle-on-plane", "thesis", ("gravity_along",), ("gravity", "gamma"))
+    half = {"gravity": np.ones(1), "gamma": np.array([np.pi])}
+    (value,) = exact_values(plan, half)["gravity_along"]
+    assert float(value) == pytest.approx(1.2246467991473532e-16, rel=1e-15)
+
+
+def test_an_equation_that_rounds_has_no_value_rather_than_a_wrong_one():
+    """The screws of this scene are made in floats."""
+    sweep = prepare_content(read_content(ROOT / "configs/cylinder-rolling.toml"))
+    plan = sweep.plan.only("floor_pitch")
+    cells = random_cells(sweep.grid, 3, plan.parameters)
+    with pytest.raises(NotPreciseError, match="cylinder-rolling"):
+        exact_values(plan, cells)
+    measured = closed_forms.measure(sweep, Watch(), cells=3)
+    assert "floor_pitch" not in [curve.subject for curve in measured.curves]
+    assert "floor_pitch" in measured.notes[-1]
+
+
+def test_numbers_behave_as_floats_at_the_edges():
+    values = [0.0, -0.0, 1.0, -1.0, math.inf, -math.inf, math.nan]
+    for x in values:
+        for y in values:
+            with np.errstate(all="ignore"):
+                want = float(np.float64(x) / np.float64(y))
+            got = float((Number(x) / Number(y)).value)
+            # mpmath has one zero: the sign of 1/-0 is that of 1/0.
+            assert (math.isnan(got) and math.isnan(want)) or abs(got) == abs(want)
+            assert (Number(x) < Number(y)) == (x < y)
+
+
+def test_random_cells_lie_on_the_grid_whatever_its_size():
+    grid = Grid({"beta": Span(0.0, 90.0, 100_000_000), "friction": Points((0.1, 0.2))}, {"mass": 2})
+    cells = random_cells(grid, 50, ("beta", "friction", "mass"))
+    steps = np.degrees(cells["beta"]) / (90 / (100_000_000 - 1))
+    assert np.abs(steps - np.round(steps)).max() < 1e-6
+    assert set(cells["friction"]) == {0.1, 0.2}
+    again = random_cells(grid, 50, ("beta",))
+    assert np.array_equal(cells["beta"], again["beta"])
+
+
+def test_slopes():
+    cost = [1.0, 2.0, 4.0, 8.0]
+    assert fitted_slope([(c, 3 * c**-2) for c in cost]) == pytest.approx(-2)
+    assert fitted_slope([(1.0, 1e-2), (1.1, 1e-5), (1.0, 1e-9)]) == STEEP
+    # One run in a hundred took twice as long: still steep, and no positive slope.
+    assert fitted_slope([(1.0, 1e-2), (1.0, 1e-5), (2.0, 1e-9)]) == STEEP
+    assert math.isnan(fitted_slope([(1.0, 1e-9), (2.0, 1e-9)], floor=1e-8))
+    # What lies at the reference's error takes no part.
+    below = [*((c, 3 * c**-2) for c in cost), (16.0, 1e-3), (32.0, 1e-3)]
+    assert fitted_slope(below, floor=1e-2) == pytest.approx(-2)
+
+
+def test_closed_forms_are_flat_at_rounding():
+    measured = closed_forms.measure(prepare_content(TRACK), Watch(), cells=30)
+    assert [curve.subject for curve in measured.curves] == TRACK["outputs"]
+    for curve in measured.curves:
+        short, long = curve.points
+        assert (short.setting, long.setting) == ("float32", "float64")
+        assert 1e-10 < short.error < 1e-5
+        assert long.error < 1e-14
+        # The bar of the other accuracy tests; a slope of 0.1 would be a factor of 8 over 29 bits.
+        assert max(p.more["conditioned_ulps"] for p in curve.points) < 8
+        assert abs(curve.slope) < 0.1
+        assert all(point.seconds > 0 for point in curve.points)
+
+
+@pytest.fixture(scope="module")
+def methods() -> Measured:
+    return motion.measure(
+        prepare_content({**MOTION, "scene": "cylinder-on-plane"}), Watch(), cells=6
+    )
+
+
+def test_methods_of_motion_have_their_order(methods):
+    found = {(c.subject, c.method): c for c in methods.curves}
+    stepping = found["hopping cells", "time-stepping"]
+    # First order over 64-fold steps; landings within steps scatter each end by a factor of some.
+    assert -1.6 < stepping.slope < -0.7
+    assert found["hopping cells", "events"].points[-1].largest < 1e-8
+    assert found["hopping cells", "events"].points[0].seconds < stepping.points[0].seconds
+    (reference,) = found["sliding and hopping cells", "reference"].points
+    assert reference.largest < 1e-8
+
+
+def test_richardson_is_exact_for_an_error_that_is_a_power_of_the_step():
+    truth = np.array([0.3, -0.2])
+
+    def run(steps, order):
+        velocity = truth + np.array([5.0, -7.0]) / (2 * steps + 1) ** order
+        return motion.Means(velocity, np.zeros(2), truth > 0, truth > 0, 1e-3 * steps)
+
+    for order in (1, 2):
+        limit = motion._extrapolated(run(200, order), run(400, order), 400, order)
+        assert limit.velocity == pytest.approx(truth, rel=1e-12)
+        assert limit.seconds == pytest.approx(0.6)
+
+
+def test_richardson_gains_an_order_where_the_error_is_smooth():
+    """As where no event falls within a step."""
+    order = 1
+
+    def run(steps):
+        # v(h) = v + a h + b h^2, as a smooth error of first order has it.
+        h = 1 / (2 * steps + 1)
+        return motion.Means(np.array([1 + h + h * h]), np.zeros(1), np.ones(1, bool),
+                            np.ones(1, bool), float(steps))  # fmt: skip
+
+    pairs = []
+    for steps in (100, 200, 400, 800):
+        limit = motion._extrapolated(run(steps // 2), run(steps), steps, order)
+        pairs.append((limit.seconds, abs(float(limit.velocity[0]) - 1)))
+    assert fitted_slope(pairs) == pytest.approx(-2, abs=0.05)
+
+
+def result() -> Table:
+    values = np.random.default_rng(3).normal(size=5000) * 10.0 ** np.arange(5000).clip(0, 12)
+    place = np.arange(5000.0)
+    return Table(
+        {"beta": Variable(("beta",), place, {"units": "degree"})},
+        {
+            "throw_number": Variable(("beta",), values, {"units": "1"}),
+            "regime": Variable(("beta",), np.ones(5000, np.int8), {"long_name": "regime"}),
+        },
+        {"Conventions": "CF-1.11"},
+    )
+
+
+def test_what_is_stored_is_within_half_a_quantum():
+    measured = storage.measure(result(), Watch())
+    for curve in measured.curves:
+        for point in curve.points:
+            assert point.largest <= point.more["half_quantum"], point.setting
+            if curve.method != "compression":
+                # More than half of the bound: it is the quantum that is measured.
+                assert point.largest > 0.5 * point.more["half_quantum"], point.setting
+    sizes = {point.setting: point.more["bytes_per_value"] for point in measured.curves[2].points}
+    assert sizes["float64 8 bits level 1"] < sizes["float64 36 bits level 1"]
+
+
+def test_formulas_are_compared_with_the_motion_of_the_same_parameters():
+    content = {**TRACK, "outputs": ["velocity_bound"]}
+    content["parameters"] = {
+        name: value
+        for name, value in TRACK["parameters"].items()
+        if name not in ("radius", "distance")
+    } | {"alpha": 0}
+    content["parameters"].pop("friction")
+    assert model.motion_of_sweep(prepare_content(content)) is None  # no friction, no motion
+    sweep = prepare_content(TRACK)
+    moving = model.motion_of_sweep(sweep)
+    assert moving is not None
+    measured = model.measure(sweep, moving, Watch(), cells=40)
+    (speed, start) = measured.curves
+    assert speed.subject == "transport_velocity"
+    assert {"ratio", "within_tenth"} <= speed.points[0].more.keys()
+    assert "ratio" not in start.points[0].more  # an acceleration is no velocity
+    single = measured.cells["transport_velocity"].values / measured.cells["true_velocity"].values
+    assert speed.points[0].more["ratio"] == pytest.approx(float(np.median(single)))
+
+
+def test_rank_correlation():
+    x = np.array([1.0, 2.0, 3.0, 4.0])
+    assert model.rank_correlation(x, np.exp(x)) == pytest.approx(1)
+    assert model.rank_correlation(x, -x) == pytest.approx(-1)
+    # Ties have the mean rank; by hand: ranks 0, 1.5, 1.5, 3.
+    assert model.rank_correlation(x, np.array([1.0, 2, 2, 3])) == pytest.approx(0.9486832980505138)
+
+
+def test_optimisers_are_measured_against_the_closed_form():
+    content = {
+        "kind": "optimise",
+        "scene": "rectangle-on-plane",
+        "variant": "thesis",
+        "criterion": {"kind": "limit", "limit": 1.0},
+        "parameters": {"frequency": 60, "amplitude": "0.2 mm", "friction": [0.3, 0.4]},
+    }
+    methods = ("exact", "newton", "population")
+    measured = optimisers.measure(prepare_content(content), Watch(), 60.0, methods)
+    found = {curve.method: curve.points[0] for curve in measured.curves}
+    assert found["exact"].largest == 0
+    assert found["newton"].largest < 1e-10  # its tolerance
+    assert found["population"].largest < 1e-8  # likewise
+    assert found["population"].more["evaluations"] > found["exact"].more["evaluations"]
+
+
+def test_a_dataset_comes_back_as_it_was(tmp_path):
+    part = measure_study(prepare_content(PLANE), name="plane.toml", only=("closed_forms",))
+    path = tmp_path / "accuracy.nc"
+    write_netcdf(part.table, path)
+    with xarray.open_dataset(path, engine="netcdf4") as read:
+        (measured,) = part.measured
+        points = [(c, p) for c in measured.curves for p in c.points]
+        assert read.sizes["point"] == len(points) == 4
+        assert set(read["error"].coords) == {"point", "family", "subject", "method", "setting"} | {
+            name for name in read.coords if read[name].ndim == 0
+        }
+        subject = read["subject"]
+        words = str(subject.attrs["flag_meanings"]).split()
+        assert [words[v] for v in subject.values] == [c.subject for c, _ in points]
+        assert read["error_largest"].values.tolist() == [p.largest for _, p in points]
+        assert read["time_per_cell"].attrs["units"] == "s"
+        assert {"machine", "date", "versions", "study"} <= read.attrs.keys()
+
+
+def test_the_page_names_every_curve_and_its_command():
+    part = measure_study(
+        prepare_content(PLANE), name="configs/plane.toml", only=("closed_forms", "storage")
+    )
+    more = Section("Extremes", "What others add.")
+    sections = [*sections_of(part, {"storage": "files.png"}), more]
+    page = write_page("Accuracy", head_of(part.table.attributes, "vibrafeed report x"), sections)
+    for one in part.measured:
+        assert f"`vibrafeed report configs/plane.toml --only {one.family}`" in page
+        for curve in one.curves:
+            assert f"| {curve.subject if one.family == 'closed_forms' else curve.method} |" in page
+            for point in curve.points:
+                assert f"| {point.setting} |" in page
+    assert "![Files](files.png)" in page
+    assert str(part.table.attributes["machine"]) in page
+    assert page.endswith("## Extremes\n\nWhat others add.\n")
+
+
+def test_a_family_that_a_study_has_not_is_an_error():
+    with pytest.raises(StudyError, match="optimisers"):
+        families_of(prepare_content(PLANE), ["optimisers"])
+
+
+def test_a_large_grid_is_thinned_evenly():
+    grid = Grid({"beta": Span(0.0, 90.0, 901), "alpha": Span(0.0, 90.0, 10)}, {})
+    small = thinned(grid, 1000)
+    assert small.cells <= 1000
+    assert small.shape["alpha"] == 10
+    steps = np.diff(small.coordinate("beta"))
+    assert steps.max() - steps.min() < 0.11  # one step of the large grid
+    assert small.coordinate("beta")[[0, -1]].tolist() == [0.0, 90.0]
+
+
+def test_a_stop_keeps_what_was_measured():
+    part = measure_study(prepare_content(PLANE), name="plane.toml", watch=Watch(stop=lambda: True))
+    assert part.measured == ()
+    assert part.table.variables["error"].values.size == 0
+
+
+def test_words_of_flags_have_no_blanks():
+    point = Point("800 steps, twice", 800.0, 1e-3, 1e-2, 1e-3, 4)
+    one = Measured("motion", (Curve("motion", "hopping cells", "time-stepping", (point,)),))
+    table = tabulate_curves([one], {})
+    assert table.coordinates["setting"].attributes["flag_meanings"] == "800_steps_twice"
