@@ -209,10 +209,12 @@ class Store:
 
     def used(self, key: str) -> float:
         """Return when a study was last used [s since the epoch], to an hour; 0 if it is gone."""
-        try:
-            return (self.folder(key) / "study.json").stat().st_mtime
-        except FileNotFoundError:
-            return 0.0
+        folder = self.folder(key)
+        # A study that is just being added has its folder only: it is in use, too.
+        for path in (folder / "study.json", folder):
+            with contextlib.suppress(FileNotFoundError):
+                return path.stat().st_mtime
+        return 0.0
 
     def bytes(self, key: str | None = None) -> int:
         """Return how much the files of a study take, or those of all."""

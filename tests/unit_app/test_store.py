@@ -190,3 +190,10 @@ class TestDesk:
         os.utime(store.folder(key) / "study.json", (year_ago, year_ago))
         store.get(key)
         assert time.time() - store.used(key) < 60
+
+    def test_what_is_just_being_added_is_in_use(self, desk, store):
+        """Its folder is made before its file: tidying at that moment took it from the writer."""
+        folder = store.directory / ("0" * 64)
+        folder.mkdir(parents=True)
+        desk().tidy()
+        assert folder.exists()
