@@ -44,6 +44,8 @@ LIMITS = {
 # A schema says what a study looks like, not what is physical: whether a scene has an output, needs
 # a parameter, or has a value on its axis is told by 422 and a problem document, as documented.
 CONFIGURATION = """
+request-timeout = 60  # the first simulation may have to be compiled
+
 [checks.positive_data_acceptance]
 expected-statuses = ["2xx", "3xx", 401, 404, 422, 429]
 
@@ -73,6 +75,11 @@ phases.coverage.enabled = false
 include-path = "/sweeps"
 include-method = "POST"
 phases.coverage.enabled = {long}
+
+# A dismissed job still tells that it was dismissed, as the standard of OGC has it.
+[[operations]]
+include-path-regex = "^/jobs/[^/]+(/events)?$"
+checks.use_after_free.enabled = false
 
 # Not for DELETE: the job is to stay.
 [[operations]]
@@ -131,6 +138,8 @@ def test_every_check_holds_on_every_route(served, seed, tmp_path):
         str(Path(sys.executable).with_name("schemathesis")),
         *("--config-file", configuration, "run", f"{address}/openapi.json", "--checks", "all"),
         *("--max-examples", CASES, "--seed", seed, "--continue-on-failure", "--no-shrink"),
+        # The others do not depend on the seed.
+        *(() if seed == SEEDS[0] else ("--phases", "fuzzing,stateful")),
     ]
     done = subprocess.run(
         [str(word) for word in command], capture_output=True, text=True, cwd=tmp_path
