@@ -48,21 +48,23 @@ class Process:
     not_computed: int = 0
 
 
+SWEEP = {
+    "kind": "sweep",
+    "scene": "rectangle-on-plane",
+    "outputs": ["throw_number"],
+    "parameters": {
+        "frequency": "50 Hz",
+        "amplitude": ["0.5 mm", "1 mm"],
+        "beta": {"start": 0, "stop": 60, "num": 7},
+    },
+}
+
 PROCESSES: dict[str, Process] = {
     "sweep": Process(
         "Sweep closed-form equations",
         "Evaluates the closed-form equations of a scene over a grid of parameters.",
         SweepStudy,
-        {
-            "kind": "sweep",
-            "scene": "rectangle-on-plane",
-            "outputs": ["throw_number"],
-            "parameters": {
-                "frequency": "50 Hz",
-                "amplitude": ["0.5 mm", "1 mm"],
-                "beta": {"start": 0, "stop": 60, "num": 7},
-            },
-        },
+        SWEEP,
     ),
     "simulate": Process(
         "Simulate the motion in time",
@@ -99,6 +101,7 @@ PROCESSES: dict[str, Process] = {
         "Measures for a study of any kind what each method costs and how wrong it is; takes up to "
         "some minutes, and is always a job.",
         AnyStudy,
+        SWEEP,
     ),
 }
 """Every process, by its identifier."""
