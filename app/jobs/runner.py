@@ -212,6 +212,7 @@ class Runner:
             await self._client()
             most = 2 * await self._cluster.workers()
         running: set[asyncio.Task[float]] = set()
+        finished: set[asyncio.Task[float]] = set()
         try:
             while True:
                 for index in waiting:
@@ -235,7 +236,7 @@ class Runner:
         finally:
             for task in running:
                 task.cancel()
-            await asyncio.gather(*running, return_exceptions=True)
+            await asyncio.gather(*running, *finished, return_exceptions=True)
 
     async def _on_worker(self, function: Any, *arguments: Any) -> float:
         """Run a function of `app.jobs.work` on the cluster."""
