@@ -49,6 +49,10 @@ request-timeout = 60  # the first simulation may have to be compiled
 [checks.positive_data_acceptance]
 expected-statuses = ["2xx", "3xx", 401, 404, 422, 429]
 
+# A dismissed job still tells that it was dismissed, as the standard of OGC has it.
+[checks.use_after_free]
+enabled = false
+
 [auth.openapi.bearer]
 bearer = "{key}"
 
@@ -75,11 +79,6 @@ phases.coverage.enabled = false
 include-path = "/sweeps"
 include-method = "POST"
 phases.coverage.enabled = {long}
-
-# A dismissed job still tells that it was dismissed, as the standard of OGC has it.
-[[operations]]
-include-path-regex = "^/jobs/[^/]+(/events)?$"
-checks.use_after_free.enabled = false
 
 # Not for DELETE: the job is to stay.
 [[operations]]
