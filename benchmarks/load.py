@@ -38,14 +38,14 @@ PLANE = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["accelerati
 ANGLES = {"start": 0, "stop": 90, "num": 100}
 GRID = {"frequency": 50, "amplitude": [0.0005, 0.001], "alpha": 5, "friction": 0.3}
 SLICED = {**PLANE, "parameters": {**GRID, "beta": ANGLES, "gamma": {**ANGLES, "stop": 20}}}
-MOVED = {  # 10^7 points of some 10 us: longer than any run here
+MOVED = {  # 2 10^7 points, the most that are taken: longer than any run here
     "kind": "simulate",
     "scene": "rectangle-on-plane",
     "parameters": {
         "frequency": 50,
         "amplitude": {"start": "0.05 mm", "stop": "0.75 mm", "num": 400},
         "beta": {"start": 5, "stop": 60, "num": 500},
-        "friction": {"start": 0.1, "stop": 0.6, "num": 50},
+        "friction": {"start": 0.1, "stop": 0.6, "num": 100},
         "gamma": 2,
     },
 }

@@ -179,7 +179,7 @@ def _body(process: Process) -> dict[str, Any]:
         "name": "Prefer",
         "in": "header",
         "required": False,
-        "schema": {"type": "string", "maxLength": 200},
+        "schema": {"type": "string"},
         "description": "`respond-async` for a job in any case; `wait=10` to wait so many seconds "
         "for a job to end.",
     }
