@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -14,14 +14,32 @@ from core.scenes import Scene
 from core.study.load import parse_study
 from core.study.models import SimulateStudy
 from core.study.values import Fixed
+from core.sweep.grid import Grid
 from core.sweep.plan import choose_scene
-from core.sweep.prepare import Chosen, Prepared, further_problems, plan_study
+from core.sweep.prepare import (
+    Chosen,
+    Prepared,
+    broken_constraints,
+    further_problems,
+    plan_study,
+)
 
 DEFAULT_OUTPUTS = ("conveying_velocity",)
 TUMBLING = ("rectangle-isolated", "cylinder-isolated")
 PLANAR_METHOD = "events"
 SCALES = ("velocity_scale", "length_scale")
+ERROR = "conveying_velocity_error"
+OTHERS = {
+    "events": ("reference", "time-stepping"),
+    "time-stepping": ("events", "reference"),
+    "reference": ("events", "time-stepping"),
+    "regularised": ("events", "reference"),
+    "regularised-BDF": ("events", "reference"),
+    "regularised-LSODA": ("events", "reference"),
+}
+"""By what a method is verified: the most exact of the others that can follow the motion."""
 
+MOST_SECONDS_TO_VERIFY = 100.0
 
 SECONDS_A_CELL = {"events": 5e-6, "time-stepping": 1.5e-3, "reference": 0.5, "regularised": 2.0}
 SECONDS_A_BOUNCE = 3e-4  # of a point of `events` with restitution, and of a tumbling part
@@ -39,6 +57,39 @@ class Simulation(Prepared):
         if self.plan.variant == "events" and (bounces or self.plan.scene.name in TUMBLING):
             return SECONDS_A_BOUNCE
         return SECONDS_A_CELL[self.plan.variant]
+
+    @property
+    def seconds_to_verify(self) -> float:
+        """As in `Prepared`."""
+        other = other_method(self.plan.scene, self.plan.variant, self.grid)
+        return SECONDS_A_CELL[other] * min(self.study.verify or 0, self.cells) if other else 0.0
+
+
+def other_method(scene: Scene, method: str, grid: Grid, free: Collection[str] = ()) -> str | None:
+    """Return the method that verifies the motions of a grid by another one; None if there is none.
+
+    `free` are parameters that are not on the grid and take any value.
+    """
+    for other in OTHERS[method]:
+        concerned = [one for one in scene.constraints if one.variant == other]
+        held = not any(set(one.parameters) & set(free) for one in concerned)
+        if other in scene.variants and held and not [*broken_constraints(scene, other, grid)]:
+            return other
+    return None
+
+
+def wrong_verification(verify: int | None, other: str | None) -> list[Problem]:
+    """Return why so many cells cannot be verified by another method, if they cannot."""
+    if verify is None:
+        return []
+    if other is None:
+        message = "no other method follows this motion"
+        return [Problem("verify", message, "Leave it out")]
+    most = int(MOST_SECONDS_TO_VERIFY / SECONDS_A_CELL[other])
+    if verify <= most:
+        return []
+    message = f"the method {other}, which verifies, takes some {SECONDS_A_CELL[other]:g} s a cell"
+    return [Problem("verify", message, f"Give at most {most:,}")]
 
 
 def prepare(study: SimulateStudy) -> Simulation:
@@ -70,6 +121,7 @@ def prepare(study: SimulateStudy) -> Simulation:
         plan, grid = plan_study(study, asked, chosen)
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
+    problems += wrong_verification(study.verify, other_method(scene, method, grid))
     if problems:
         raise StudyError(problems)
     return Simulation(study, replace(plan, defaults={**plan.defaults, **settings}), grid)

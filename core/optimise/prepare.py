@@ -11,7 +11,7 @@ import numpy as np
 
 from core.errors import Problem as Wrong
 from core.errors import StudyError, suggestion
-from core.motion.prepare import find_system
+from core.motion.prepare import find_system, other_method, wrong_verification
 from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS, default_method, refusal
 from core.optimise.problem import CONTACTS, LIMIT, Kept, Problem, Variable
@@ -179,6 +179,11 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         grid = Grid({**designs.axes, FRONT: shares}, designs.fixed)
     else:
         grid = designs
+    if problem.is_motion:
+        other = other_method(plan.scene, plan.variant, designs, problem.names)
+        wrong = wrong_verification(study.verify, other)
+        if wrong:
+            raise StudyError(wrong)
     # What is chosen is no parameter of the result.
     return Optimisation(study, plan, grid, designs, problem, method)
 

@@ -22,6 +22,9 @@ Box = Mapping[str, tuple[int, int]]
 SECONDS_A_CELL = {"cylinder-pair-impact": 2e-5, "rectangle-pair-impact": 1e-6}
 """What a point of a sweep takes, where it is more than some array operations."""
 
+SECONDS_A_VERIFIED_CELL = 0.02
+"""What 50 digits take, with the condition number of some."""
+
 BYTES = {"regime": 1, "motion_status": 1}  # of one value; 8 for all others
 
 
@@ -67,6 +70,11 @@ class Prepared:
     def seconds_a_cell(self) -> float:
         """Roughly what a point takes on one core: enough to tell short from long."""
         raise NotImplementedError
+
+    @property
+    def seconds_to_verify(self) -> float:
+        """Roughly what verifying takes, if the study asks for it."""
+        return SECONDS_A_VERIFIED_CELL * min(self.study.verify or 0, self.cells)
 
     def check_limits(self, *, cells: int, bytes_: int) -> None:
         """Raise `LimitError` if the study has more cells or bytes than allowed."""
@@ -127,7 +135,7 @@ def plan_study(
     values = {**study.values(), **(more or {})}
     grid = Grid.of(values)
     scene, variant, problems = chosen
-    problems += _broken_constraints(scene, variant, grid)
+    problems += broken_constraints(scene, variant, grid)
     try:
         plan = plan_scene(scene, variant, tuple(outputs), values)
     except StudyError as error:
@@ -208,7 +216,7 @@ def _meant(name: str) -> str:
     return guess.split("'")[1] if guess.startswith("Did you mean") else ""
 
 
-def _broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:
+def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:
     """Yield the relations between given parameters that do not hold."""
     given = {*grid.axes, *grid.fixed}
     for constraint in scene.constraints:
