@@ -39,7 +39,6 @@ OTHERS = {
 }
 """By what a method is verified: the most exact of the others that can follow the motion."""
 
-MOST_SECONDS_TO_VERIFY = 100.0
 
 SECONDS_A_CELL = {"events": 5e-6, "time-stepping": 1.5e-3, "reference": 0.5, "regularised": 2.0}
 SECONDS_A_BOUNCE = 3e-4  # of a point of `events` with restitution, and of a tumbling part
@@ -59,10 +58,16 @@ class Simulation(Prepared):
         return SECONDS_A_CELL[self.plan.variant]
 
     @property
-    def seconds_to_verify(self) -> float:
+    def verified_by(self) -> str:
         """As in `Prepared`."""
         other = other_method(self.plan.scene, self.plan.variant, self.grid)
-        return SECONDS_A_CELL[other] * min(self.study.verify or 0, self.cells) if other else 0.0
+        return f"the method {other}" if other else ""
+
+    @property
+    def seconds_a_verified_cell(self) -> float:
+        """As in `Prepared`."""
+        other = other_method(self.plan.scene, self.plan.variant, self.grid)
+        return SECONDS_A_CELL[other] if other else 0.0
 
 
 def other_method(scene: Scene, method: str, grid: Grid, free: Collection[str] = ()) -> str | None:
@@ -76,20 +81,6 @@ def other_method(scene: Scene, method: str, grid: Grid, free: Collection[str] = 
         if other in scene.variants and held and not [*broken_constraints(scene, other, grid)]:
             return other
     return None
-
-
-def wrong_verification(verify: int | None, other: str | None) -> list[Problem]:
-    """Return why so many cells cannot be verified by another method, if they cannot."""
-    if verify is None:
-        return []
-    if other is None:
-        message = "no other method follows this motion"
-        return [Problem("verify", message, "Leave it out")]
-    most = int(MOST_SECONDS_TO_VERIFY / SECONDS_A_CELL[other])
-    if verify <= most:
-        return []
-    message = f"the method {other}, which verifies, takes some {SECONDS_A_CELL[other]:g} s a cell"
-    return [Problem("verify", message, f"Give at most {most:,}")]
 
 
 def prepare(study: SimulateStudy) -> Simulation:
@@ -121,10 +112,10 @@ def prepare(study: SimulateStudy) -> Simulation:
         plan, grid = plan_study(study, asked, chosen)
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
-    problems += wrong_verification(study.verify, other_method(scene, method, grid))
     if problems:
         raise StudyError(problems)
-    return Simulation(study, replace(plan, defaults={**plan.defaults, **settings}), grid)
+    plan = replace(plan, defaults={**plan.defaults, **settings})
+    return Simulation(study, plan, grid).check_verification()
 
 
 def prepare_content(content: object) -> Simulation:

@@ -20,6 +20,9 @@ from core.sweep.verify import at_places, chosen_places, place_in_words
 SOUND = [STATUS[name] for name in ("periodic", "at_rest", "neutral", "settled")]
 """Statuses of motions that two methods should agree on: the others are chance, or no answer."""
 
+NOT_COMPARED = (ERROR, "motion_status", "impacts_per_period", "impact_count")
+"""What each method has of its own: of shrinking hops each counts those that it resolves."""
+
 ERRORS = {
     "events": "rounding, where the motion repeats",
     "time-stepping": "of first order in the step; of second for a planar motion without hops",
@@ -69,7 +72,7 @@ class Comparison:
     def in_words(self, where: str) -> str:
         """Return one sentence; `where` is the place of the largest difference."""
         if not self.output:
-            return "none of the cells has a motion that repeats, rests or settles by both methods"
+            return "no cell has an output to compare and repeats, rests or settles by both methods"
         unit = QUANTITIES[self.output].unit
         unit = "" if unit == "1" else f" {unit}"
         text = (
@@ -103,8 +106,8 @@ def compare(
     """
     scene = plan.scene
     has = scene.outputs(method)
-    outputs = [name for name in got if name in has and name != "motion_status"]
-    told = [name for name in (ERROR, "motion_status") if name in has and name not in outputs]
+    outputs = [name for name in got if name in has and name not in NOT_COMPARED]
+    told = [name for name in (ERROR, "motion_status") if name in has]
     parameters = [n for n in cells if n in scene_parameters(scene, method)]
     other = plan_scene(scene, method, (*outputs, *told), parameters)
     known = run_equations(other, {name: cells[name] for name in other.parameters})
@@ -119,8 +122,6 @@ def compare(
         sound &= np.isin(got["motion_status"], SOUND)
     found = Comparison(method, int(sound.sum()))
     for name in outputs if sound.any() else ():
-        if name == ERROR:
-            continue  # each method has its own
         right = np.where(sound, theirs(name), 0.0)
         size = float(np.abs(right).max()) or 1.0
         error = np.where(sound, np.abs(got[name] - right), 0.0)
@@ -155,9 +156,7 @@ def verified(
     places, count = chosen_places(prepared)
     cells = prepared.grid.at(places, count, plan.parameters)
     got = {
-        name: np.broadcast_to(
-            np.asarray(from_si(name, at_places(arrays[name], prepared.dims[name], places))), count
-        )
+        name: np.asarray(from_si(name, at_places(arrays[name], prepared.dims[name], places, count)))
         for name in plan.outputs
     }
     method = other_method(plan.scene, plan.variant, prepared.grid)

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.motion.prepare import other_method
 from core.motion.verify import compare
 from core.optimise.exact import STATUS
 from core.optimise.methods import METHODS, refusal
@@ -42,7 +41,7 @@ def accuracy(gaps: Array) -> str:
         "below 0 where it finds less"
     )
     known = gaps[np.isfinite(gaps)]
-    return f"{text}; at most {known.max():.2g} here" if known.size else text
+    return f"{text}; the largest here is {known.max():.2g}" if known.size else text
 
 
 def verified(
@@ -61,7 +60,7 @@ def verified(
         return {}
     grid, dims = prepared.grid, tuple(prepared.grid.axes)
     places, count = chosen_places(prepared)
-    known = {name: at_places(arrays[name], dims, places) for name in prepared.units}
+    known = {name: at_places(arrays[name], dims, places, count) for name in prepared.units}
     x = np.stack([to_si(name, known[f"best_{name}"]) for name in prepared.problem.names])
     answered = np.flatnonzero(~np.isnan(x).any(axis=0))
     design = _design(prepared, places, count, known)
@@ -77,10 +76,10 @@ def verified(
         cell, better = _better(prepared, rival, design, known, answered)
         unit = QUANTITIES[prepared.problem.criterion.output].unit
         against.append(f"answers of the method {rival}")
-        words.append(
-            f"objective {place_in_words(grid, places, cell)}: {rival} finds "
-            f"{better:.2g}{'' if unit == '1' else f' {unit}'} more, and no more anywhere"
+        more = (
+            f"{better:.2g}{'' if unit == '1' else f' {unit}'} more" if better else "nothing better"
         )
+        words.append(f"objective {place_in_words(grid, places, cell)}: {rival} finds {more}")
     return {
         "verified_cells": count,
         "verified_against": " and ".join(against) or "nothing",
@@ -115,7 +114,7 @@ def _outputs(
     names = [name for name in plan.outputs if name in known]
     if problem.is_motion:
         got = {name: known[name][chosen] for name in names}
-        other = other_method(plan.scene, plan.variant, prepared.designs, problem.names)
+        other = prepared.other_motion
         assert other is not None  # the study would have been refused
         compared = compare(plan, cells, got, other)
         return f"the motion by the method {other}", int(chosen[compared.cell]), compared.in_words

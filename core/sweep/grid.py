@@ -107,8 +107,8 @@ class Grid:
     ) -> dict[str, NDArray[np.float64]]:
         """Return the named parameters of some cells, SI units, shape (count,).
 
-        `places` has the position on each axis, shape (count,). No axis is made as a whole: it may have
-        a hundred million values.
+        `places` has the position on each axis, shape (count,). No axis is made as a whole: it may
+        have a hundred million values.
         """
         wanted = set(names)
         cells = {

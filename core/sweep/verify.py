@@ -62,9 +62,12 @@ def chosen_places(prepared: Prepared) -> tuple[Places, int]:
     return places, len(chosen)
 
 
-def at_places(values: NDArray[np.generic], dims: Collection[str], places: Places) -> Array:
-    """Return an array over some axes of the grid at chosen cells."""
-    return np.asarray(values[tuple(places[name] for name in dims)], dtype=np.float64)
+def at_places(
+    values: NDArray[np.generic], dims: Collection[str], places: Places, count: int
+) -> Array:
+    """Return an array over some axes of the grid at chosen cells, shape (count,)."""
+    chosen = values[tuple(places[name] for name in dims)]
+    return np.broadcast_to(np.asarray(chosen, dtype=np.float64), count)
 
 
 def place_in_words(grid: Grid, places: Places, cell: int) -> str:
@@ -229,8 +232,7 @@ def verified(prepared: Prepared, arrays: Mapping[str, NDArray[np.generic]]) -> d
     places, count = chosen_places(prepared)
     cells = prepared.grid.at(places, count, plan.parameters)
     got = {
-        name: np.broadcast_to(at_places(arrays[name], prepared.dims[name], places), count)
-        for name in plan.outputs
+        name: at_places(arrays[name], prepared.dims[name], places, count) for name in plan.outputs
     }
     found = rounding_of(plan, cells, got)
     where = "" if found.worst is None else place_in_words(prepared.grid, places, found.worst.cell)

@@ -14,15 +14,6 @@ from core.accuracy import closed_forms, model, motion, optimisers, storage
 from core.accuracy.cells import random_cells
 from core.accuracy.curves import STEEP, Curve, Measured, Point, fitted_slope, tabulate_curves
 from core.accuracy.page import Section, head_of, sections_of, write_page
-from core.sweep.precise import (
-    CONTEXT,
-    DIGITS,
-    NotPreciseError,
-    Number,
-    errors_of,
-    exact_values,
-    sensitivities,
-)
 from core.accuracy.report import families_of, measure_study, thinned
 from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table, Variable
@@ -34,6 +25,15 @@ from core.study.load import read_content
 from core.study.values import Points, Span
 from core.sweep.grid import Grid
 from core.sweep.plan import make_plan, scene_parameters
+from core.sweep.precise import (
+    CONTEXT,
+    DIGITS,
+    NotPreciseError,
+    Number,
+    errors_of,
+    exact_values,
+    sensitivities,
+)
 from core.watch import Watch
 
 ROOT = Path(__file__).parents[2]
