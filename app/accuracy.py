@@ -10,6 +10,7 @@ from app import report
 from core.accuracy.page import Section, head_of, sections_of, write_page
 from core.accuracy.report import SECONDS, machine, measure_study
 from core.dataset.netcdf import write_netcdf
+from core.dataset.table import Table
 from core.sweep.prepare import Prepared
 from core.watch import Watch
 
@@ -22,9 +23,9 @@ def write_report(
     only: Sequence[str],
     seconds: float,
     stopped: Callable[[], bool],
-    more: Sequence[Section] = (),
-) -> list[Path]:
-    """Measure studies, write everything into a folder, and return the files.
+    extremes: bool = False,
+) -> tuple[list[Path], bool]:
+    """Measure studies, write everything into a folder; return the files, and whether all is right.
 
     Parameters
     ----------
@@ -36,8 +37,8 @@ def write_report(
         Of one family.
     stopped : callable
         Whether to stop.
-    more : sequence of Section
-        Further sections of the page, after those of the studies.
+    extremes : bool
+        Also try the hard cases, which may turn out wrong, and count what a scene leaves out.
 
     Raises
     ------
@@ -46,7 +47,8 @@ def write_report(
     """
     folder.mkdir(parents=True, exist_ok=True)
     facts = machine()  # before the first measurement adds to the load
-    command = shlex.join(["vibrafeed", "report", *map(str, prepared), "-o", str(folder)])
+    words = ["vibrafeed", "report", *map(str, prepared), *(["--extremes"] if extremes else [])]
+    command = shlex.join([*words, "-o", str(folder)])
     command += "".join(f" --only {name}" for name in only)
     command += "" if seconds == SECONDS else f" --seconds {seconds:g}"
     sections: list[Section] = []
@@ -65,11 +67,36 @@ def write_report(
         written += [target, *pictures.values()]
         names = {family: picture.name for family, picture in pictures.items()}
         sections += sections_of(part, names)
+    right = True
+    if extremes:
+        tables, more, right = _extremes(stopped)
+        for name, table in tables.items():
+            written.append(folder / f"accuracy-{name}.nc")
+            write_netcdf(table, written[-1], history=f"{facts['date']} {command}")
+        sections += more
     page = folder / PAGE
-    page.write_text(
-        write_page("Accuracy", head_of(facts, command), [*sections, *more]), encoding="utf-8"
-    )
-    return [*written, page]
+    page.write_text(write_page("Accuracy", head_of(facts, command), sections), encoding="utf-8")
+    return [*written, page], right
+
+
+def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[Section], bool]:
+    """Return the tables and sections of what is asked of no study, and whether all is right."""
+    from core.accuracy import extremes, leaving_out
+
+    with report.progress("hard cases") as advance:
+        outcomes = extremes.run_catalogue(Watch(advance, stopped))
+    with report.progress("what a scene leaves out") as advance:
+        rows = leaving_out.footprints(watch=Watch(advance, stopped))
+    by = "`vibrafeed report --extremes`\n\n"
+    tables: dict[str, Table] = {}
+    sections: list[Section] = []
+    if outcomes:
+        tables["extremes"] = extremes.to_table(outcomes)
+        sections.append(Section("Hard cases", by + extremes.to_markdown(outcomes)))
+    if rows:
+        tables["leaving-out"] = leaving_out.to_table(rows)
+        sections.append(Section("What a scene leaves out", by + leaving_out.to_markdown(rows)))
+    return tables, sections, all(outcome.passed for outcome in outcomes)
 
 
 def draw(file: Path, folder: Path, stem: str, families: Sequence[str]) -> dict[str, Path]:

@@ -164,7 +164,9 @@ def plot(
 
 @app.command("report")
 def report_accuracy(
-    files: Annotated[list[Path], typer.Argument(help="Studies, TOML or JSON.", show_default=False)],
+    files: Annotated[
+        list[Path] | None, typer.Argument(help="Studies, TOML or JSON.", show_default=False)
+    ] = None,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", help="Folder; `accuracy` beside the study if left out."),
@@ -176,6 +178,12 @@ def report_accuracy(
             "all that a study has if left out."
         ),
     ] = None,
+    extremes: Annotated[
+        bool,
+        typer.Option(
+            "--extremes", help="Also try some 200 hard cases, and count what each scene leaves out."
+        ),
+    ] = False,
     seconds: Annotated[
         float, typer.Option(help="Seconds after which a family starts nothing new.", min=0)
     ] = 60.0,
@@ -183,12 +191,17 @@ def report_accuracy(
     """Measure error against run time for studies: a page, its pictures, and datasets.
 
     Closed forms against 50 digits, methods of motion, optimisers and files, each on random cells
-    of the study. Exit code 2 means that a file is wrong, 1 that a result could not be written, or
-    that it was stopped by Ctrl-C: what was measured by then is written.
+    of the study. Exit code 2 means that a file is wrong, 1 that a result could not be written, that
+    a hard case came out wrong, or that it was stopped by Ctrl-C: what was measured by then is
+    written.
     """
     from app.accuracy import write_report
     from core.accuracy.report import families_of
 
+    files = files or []
+    if not files and not extremes:
+        fix = "Name studies, or add --extremes, which needs none"
+        _refuse({Path("report"): [Problem("files", "there is nothing to measure", fix)]})
     prepared = _prepare_all(files, cells=sys.maxsize, bytes_=sys.maxsize)
     wrong = {}
     for path, study in prepared.items():
@@ -198,10 +211,13 @@ def report_accuracy(
             wrong[path] = error.problems
     if wrong:
         _refuse(wrong)
-    folder = output or files[0].parent / "accuracy"
+    beside = files[0].parent if files else Path()
+    folder = output or beside / "accuracy"
     with _interruption("report") as interrupted:
         try:
-            written = write_report(prepared, folder, only or (), seconds, interrupted)
+            written, right = write_report(
+                prepared, folder, only or (), seconds, interrupted, extremes
+            )
         except OSError as error:
             from app import report
 
@@ -209,7 +225,7 @@ def report_accuracy(
             raise typer.Exit(FAILED) from None
     for path in written:
         typer.echo(f"wrote {path}")
-    if interrupted():
+    if interrupted() or not right:
         raise typer.Exit(FAILED)
 
 

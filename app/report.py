@@ -99,6 +99,11 @@ def show_table(
     if "message" in table.attributes:
         _say(f"  {table.attributes['criterion']}, method {table.attributes['method']}")
         _say(f"  {table.attributes['message']}")
+    if "verified_worst" in table.attributes:
+        against, count = (table.attributes[f"verified_{name}"] for name in ("against", "cells"))
+        _say(
+            f"  {count:,} cells verified by {against}; worst: {table.attributes['verified_worst']}"
+        )
     if beyond and "variant" not in table.attributes:
         _say(f"  {beyond:.1%} of the cells have no mean velocity.")
     elif beyond:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from core.mechanics.arrays import Array
-from core.sweep.grid import Grid, axis_values, to_si
+from core.sweep.grid import Grid
 
 SEED = 2004
 REPEATS = 5
@@ -19,20 +19,10 @@ LEAST_SECONDS = 2e-3  # of one repeat: the clock and the start of a call do not 
 def random_cells(
     grid: Grid, count: int, names: Iterable[str], seed: int = SEED
 ) -> dict[str, Array]:
-    """Return parameters of random cells of a grid, SI units, shape (count,); the same each time.
-
-    No axis is made as a whole: it may have a hundred million values.
-    """
+    """Return parameters of random cells of a grid, SI units, shape (count,); the same each time."""
     random = np.random.default_rng(seed)
     places = {name: random.integers(0, axis.size, count) for name, axis in grid.axes.items()}
-    wanted = set(names)
-    cells = {
-        name: np.concatenate([axis_values(axis, int(k), int(k) + 1) for k in places[name]])
-        for name, axis in grid.axes.items()
-        if name in wanted
-    }
-    cells |= {name: np.full(count, v) for name, v in grid.fixed.items() if name in wanted}
-    return {name: to_si(name, values) for name, values in cells.items()}
+    return grid.at(places, count, names)
 
 
 def median_seconds(

@@ -198,13 +198,19 @@ def to_markdown(outcomes: Sequence[Outcome]) -> str:
     took = sum(outcome.seconds for outcome in outcomes)
     return "\n".join(
         [
-            f"{len(outcomes)} hard cases, {failed} failed, {took:.1f} s.",
+            f"{len(outcomes)} hard cases in {took:.0f} s: {len(outcomes) - failed} right, "
+            f"{failed} wrong. Warnings count as wrong, and so does what is not finite if no status "
+            "says why.",
             "",
-            "## Worst of each family",
+            "Error: of the judged output, in its unit. Allowed: what is stated for it, by the "
+            "method itself or by the reference that the note names; where both are left out the "
+            "case is judged by its status, or has to be refused.",
+            "",
+            "### Worst of each family",
             "",
             *_rows(worst_of_families(outcomes), family=True),
             "",
-            "## All cases",
+            "### All cases",
             "",
             *_rows(outcomes, family=False),
             "",
@@ -215,7 +221,7 @@ def to_markdown(outcomes: Sequence[Outcome]) -> str:
 def _rows(outcomes: Sequence[Outcome], *, family: bool) -> list[str]:
     first = "| family " if family else ""
     rows = [
-        f"{first}| case | status | error | stated | seconds | | note |",
+        f"{first}| case | status | error | allowed | seconds | is | note |",
         "| --- " * (8 if family else 7) + "|",
     ]
     for outcome in outcomes:

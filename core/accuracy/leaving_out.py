@@ -26,6 +26,7 @@ from core.motion.systems import SYSTEMS
 from core.scenes import ALIASES, SCENES, Scene
 from core.sweep.plan import scene_parameters
 from core.sweep.prepare import Prepared
+from core.watch import Watch
 
 TYPICAL: dict[str, Any] = {
     "frequency": [40.0, 50.0, 60.0], "amplitude": [1e-4, 2e-4, 3e-4], "beta": [10.0, 20.0, 30.0],
@@ -229,18 +230,28 @@ def measured_output(scene: Scene, variant: str) -> str:
     return max(outputs, key=lambda name: len(needed_parameters(scene, variant, name)))
 
 
-def footprints(*, modules: bool = True) -> list[Footprint]:
-    """Return, for each scene and each kind of study, the cost of its dearest output and least."""
-    rows = []
+def footprints(*, modules: bool = True, watch: Watch | None = None) -> list[Footprint]:
+    """Return, for each scene and each kind of study, the cost of its dearest output and least.
+
+    Modules are counted for the dearest, in a process of its own: the other imports no more. What is
+    not begun when the watch stops it is left out.
+    """
+    watch = watch or Watch()
+    rows: list[Footprint] = []
+    each = 1 / sum(len(scene.variants) for scene in (*SCENES.values(), *SYSTEMS.values()))
     for scene in (*SCENES.values(), *SYSTEMS.values()):
         for variant in scene.variants:
+            watch.advance(each)
+            if watch.stopped():
+                return rows
             if scene.choice == "method" and variant not in SETTINGS:
                 continue  # single points, in seconds each
             if scene.choice != "method" and variant != scene.default_variant:
                 continue
             dearest = measured_output(scene, variant)
             for output in dict.fromkeys((cheapest(scene, variant), dearest)):
-                rows.append(measure(scene, variant, output, modules=modules))
+                counts = modules and output == dearest
+                rows.append(measure(scene, variant, output, modules=counts))
     return rows
 
 
@@ -278,16 +289,22 @@ def _text(value: Any) -> str:
 
 
 def to_markdown(rows: Sequence[Footprint]) -> str:
-    """Return the footprints as a Markdown table."""
+    """Return the footprints as Markdown: what the columns are, and a table."""
     lines = [
-        "| scene | kind | variant | output | equations | dimensions | KiB | coordinates | contacts "
+        "What a study of one output takes, counted while it runs: for each scene the output that "
+        "needs fewest parameters, and the one that needs most. Equations: those run, of those that "
+        "the variant has. KiB: the most memory allocated at a time. Coordinates and contacts: what "
+        "a motion carries. Modules: those that a fresh process imports, of this program and of "
+        "others, and the heavy libraries among them.",
+        "",
+        "| scene | kind | variant or method | output | equations | KiB | coordinates | contacts "
         "| modules | heavy |",
-        "| --- " * 11 + "|",
+        "| --- " * 10 + "|",
     ]
     for row in rows:
         cells = (
             row.scene, row.kind, row.variant, row.output, f"{row.equations} of {row.of}",
-            f"{row.dimensions} of {row.axes}", f"{row.bytes / 1024:.1f}", _text(row.coordinates),
+            f"{row.bytes / 1024:.1f}", _text(row.coordinates),
             _text(row.contacts), str(row.modules) if row.modules >= 0 else "", _text(row.heavy),
         )  # fmt: skip
         lines.append("| " + " | ".join(cells) + " |")

@@ -12,10 +12,10 @@ from core.accuracy.curves import Curve, Measured, Point, single
 from core.accuracy.motion import is_point_part
 from core.errors import StudyError
 from core.mechanics.arrays import Array
+from core.motion.equations import run_equations
 from core.motion.motion import ANSWERED, STATUS
 from core.motion.prepare import Simulation
 from core.motion.prepare import prepare as prepare_motion
-from core.motion.run import run_equations
 from core.motion.systems import SYSTEMS
 from core.quantities import QUANTITIES, REGIMES
 from core.study.load import parse_study

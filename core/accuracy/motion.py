@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from core.accuracy.cells import random_cells
 from core.accuracy.curves import STEEP, Curve, Measured, Point
 from core.mechanics.arrays import Array
+from core.motion.equations import run_equations
 from core.motion.motion import STATUS
 from core.motion.prepare import Simulation
-from core.motion.run import run_equations
 from core.scenes import Scene
 from core.sweep.grid import Grid
 from core.sweep.plan import plan_scene, scene_parameters

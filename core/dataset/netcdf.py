@@ -122,15 +122,18 @@ def _add(
     storage: _Storage,
 ) -> None:
     # CF forbids fill values in coordinates, and in flags they would turn integers into floats.
-    created = file.createVariable(
-        name,
-        variable.values.dtype,
-        variable.dims,
-        fill_value=False,
-        shuffle=True,
-        chunksizes=_chunks(variable.values.shape),
-        **storage.of(variable.values),
-    )
+    if variable.values.dtype == object:  # texts, of any length: the library compresses none
+        created = file.createVariable(name, str, variable.dims)
+    else:
+        created = file.createVariable(
+            name,
+            variable.values.dtype,
+            variable.dims,
+            fill_value=False,
+            shuffle=True,
+            chunksizes=_chunks(variable.values.shape),
+            **storage.of(variable.values),
+        )
     created.setncatts({**_attributes(variable.attributes), **links})
     created[...] = variable.values
 

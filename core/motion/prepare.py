@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -14,13 +14,30 @@ from core.scenes import Scene
 from core.study.load import parse_study
 from core.study.models import SimulateStudy
 from core.study.values import Fixed
+from core.sweep.grid import Grid
 from core.sweep.plan import choose_scene
-from core.sweep.prepare import Chosen, Prepared, further_problems, plan_study
+from core.sweep.prepare import (
+    Chosen,
+    Prepared,
+    broken_constraints,
+    further_problems,
+    plan_study,
+)
 
 DEFAULT_OUTPUTS = ("conveying_velocity",)
 TUMBLING = ("rectangle-isolated", "cylinder-isolated")
 PLANAR_METHOD = "events"
 SCALES = ("velocity_scale", "length_scale")
+ERROR = "conveying_velocity_error"
+OTHERS = {
+    "events": ("reference", "time-stepping"),
+    "time-stepping": ("events", "reference"),
+    "reference": ("events", "time-stepping"),
+    "regularised": ("events", "reference"),
+    "regularised-BDF": ("events", "reference"),
+    "regularised-LSODA": ("events", "reference"),
+}
+"""By what a method is verified: the most exact of the others that can follow the motion."""
 
 
 SECONDS_A_CELL = {"events": 5e-6, "time-stepping": 1.5e-3, "reference": 0.5, "regularised": 2.0}
@@ -39,6 +56,31 @@ class Simulation(Prepared):
         if self.plan.variant == "events" and (bounces or self.plan.scene.name in TUMBLING):
             return SECONDS_A_BOUNCE
         return SECONDS_A_CELL[self.plan.variant]
+
+    @property
+    def verified_by(self) -> str:
+        """As in `Prepared`."""
+        other = other_method(self.plan.scene, self.plan.variant, self.grid)
+        return f"the method {other}" if other else ""
+
+    @property
+    def seconds_a_verified_cell(self) -> float:
+        """As in `Prepared`."""
+        other = other_method(self.plan.scene, self.plan.variant, self.grid)
+        return SECONDS_A_CELL[other] if other else 0.0
+
+
+def other_method(scene: Scene, method: str, grid: Grid, free: Collection[str] = ()) -> str | None:
+    """Return the method that verifies the motions of a grid by another one; None if there is none.
+
+    `free` are parameters that are not on the grid and take any value.
+    """
+    for other in OTHERS[method]:
+        concerned = [one for one in scene.constraints if one.variant == other]
+        held = not any(set(one.parameters) & set(free) for one in concerned)
+        if other in scene.variants and held and not [*broken_constraints(scene, other, grid)]:
+            return other
+    return None
 
 
 def prepare(study: SimulateStudy) -> Simulation:
@@ -72,7 +114,8 @@ def prepare(study: SimulateStudy) -> Simulation:
         raise StudyError([*error.problems, *problems]) from None
     if problems:
         raise StudyError(problems)
-    return Simulation(study, replace(plan, defaults={**plan.defaults, **settings}), grid)
+    plan = replace(plan, defaults={**plan.defaults, **settings})
+    return Simulation(study, plan, grid).check_verification()
 
 
 def prepare_content(content: object) -> Simulation:

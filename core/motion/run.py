@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from core.dataset.table import (
@@ -17,11 +15,12 @@ from core.dataset.table import (
     regime_attributes,
 )
 from core.motion.course import COURSE_FLAGS, COURSES, Course
+from core.motion.equations import WATCHED, run_equations
 from core.motion.prepare import Simulation, prepare
+from core.motion.verify import accuracy, verified
 from core.quantities import MOTION_STATUSES
 from core.sweep.evaluate import regimes
 from core.sweep.pieces import Computed, carry_out
-from core.sweep.plan import Plan
 from core.sweep.run import coordinates_of, global_attributes, outputs_of
 from core.watch import Watch
 
@@ -29,9 +28,6 @@ if TYPE_CHECKING:
     import xarray
 
     from core.study import SimulateStudy
-
-WATCHED = ("motion", "tumble")
-"""What takes long, may be stopped, and has a course in time."""
 
 TIME = "cycle_time"
 """The axis of a course."""
@@ -91,11 +87,12 @@ def label(prepared: Simulation, computed: Computed) -> Table:
             variables[name] = Variable((TIME,), arrays[name], attributes)
         elif name not in variables:
             variables[name] = Variable((TIME,), arrays[name], quantity_attributes(name))
-    return Table(
-        coordinates,
-        variables,
-        global_attributes(prepared, f"motion in time, method {prepared.plan.variant}"),
-    )
+    attributes = {
+        **global_attributes(prepared, f"motion in time, method {plan.variant}"),
+        "accuracy": accuracy(plan),
+        **verified(prepared, arrays),
+    }
+    return Table(coordinates, variables, attributes)
 
 
 def _evaluate(prepared: Simulation, watch: Watch) -> dict[str, Any]:
@@ -106,23 +103,6 @@ def _evaluate(prepared: Simulation, watch: Watch) -> dict[str, Any]:
     """
     plan, given = prepared.plan, prepared.grid.si()
     return run_equations(plan, {name: given[name] for name in plan.parameters}, watch)
-
-
-def run_equations(
-    plan: Plan, given: Mapping[str, Any], watch: Watch | None = None
-) -> dict[str, Any]:
-    """Return every quantity of a plan on whole arrays, SI units: given, default and computed.
-
-    `given` holds the parameters; equations that take long ask the watch.
-    """
-    known: dict[str, Any] = {name: np.asarray(value) for name, value in plan.defaults.items()}
-    known |= given
-    for equation in plan.equations:
-        arguments = {name: known[name] for name in equation.inputs}
-        function: Callable[..., Any] = equation.function
-        watched = {"watch": watch} if equation.gives in WATCHED else {}
-        known[equation.gives] = function(**arguments, **watched)
-    return known
 
 
 def _course(prepared: Simulation, known: dict[str, Any]) -> Course:

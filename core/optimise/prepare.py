@@ -11,7 +11,7 @@ import numpy as np
 
 from core.errors import Problem as Wrong
 from core.errors import StudyError, suggestion
-from core.motion.prepare import find_system
+from core.motion.prepare import SECONDS_A_CELL, find_system, other_method
 from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS, default_method, refusal
 from core.optimise.problem import CONTACTS, LIMIT, Kept, Problem, Variable
@@ -36,6 +36,7 @@ ANGLES = {"alpha": Between(0.0, 90.0), "beta": Between(0.0, 90.0)}
 QUICK = ("exact", "newton")  # without a search
 QUICK_SECONDS, OTHER_SECONDS, MOTION_SECONDS = 2e-5, 0.05, 0.3
 """Roughly what a design takes."""
+RIVAL_SECONDS = 0.02  # roughly, of a design by the method that verifies
 
 MOST_VARIABLES = 4
 FRONT = "front"
@@ -95,6 +96,26 @@ class Optimisation(Prepared):
         if self.problem.is_motion:
             return MOTION_SECONDS
         return QUICK_SECONDS if self.method in QUICK else OTHER_SECONDS
+
+    @property
+    def other_motion(self) -> str | None:
+        """The method that follows the motions again, if the outputs are those of a motion."""
+        plan, names = self.plan, self.problem.names
+        return other_method(plan.scene, plan.variant, self.designs, names)
+
+    @property
+    def verified_by(self) -> str:
+        """As in `Prepared`."""
+        if not self.problem.is_motion:
+            return super().verified_by
+        return f"the method {self.other_motion}" if self.other_motion else ""
+
+    @property
+    def seconds_a_verified_cell(self) -> float:
+        """As in `Prepared`."""
+        if not self.problem.is_motion:
+            return super().seconds_a_verified_cell + RIVAL_SECONDS
+        return SECONDS_A_CELL[self.other_motion] if self.other_motion else 0.0
 
     @property
     def cut_axes(self) -> tuple[str, ...]:
@@ -180,7 +201,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     else:
         grid = designs
     # What is chosen is no parameter of the result.
-    return Optimisation(study, plan, grid, designs, problem, method)
+    return Optimisation(study, plan, grid, designs, problem, method).check_verification()
 
 
 def _variable(name: str, between: Between) -> Variable:

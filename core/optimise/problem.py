@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.motion.run import WATCHED, run_equations
+from core.motion.equations import WATCHED, run_equations
 from core.optimise.robust import nodes_over, over_nodes
 from core.study.models import Criterion, Limited, Minimise, Pareto, Weighted
 from core.sweep.evaluate import regimes
@@ -25,6 +25,9 @@ from core.watch import Watch
 
 LIMIT = "limit"
 """Name of the limit of a criterion, and of its value among the arrays of a design."""
+
+ROUNDING = 1e-15
+"""Of an output's scale."""
 
 Arrays = dict[str, Any]
 

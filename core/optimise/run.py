@@ -24,9 +24,10 @@ from core.optimise.front import find_front, knee
 from core.optimise.grid import dense_grid
 from core.optimise.methods import METHODS
 from core.optimise.prepare import Optimisation, prepare
-from core.optimise.problem import LIMIT, Problem, cells_of, chosen_cells
+from core.optimise.problem import LIMIT, ROUNDING, Problem, cells_of, chosen_cells
 from core.optimise.single import spread
 from core.optimise.slopes import sensitive, slopes
+from core.optimise.verify import accuracy, verified
 from core.quantities import QUANTITIES, REGIMES, Flag
 from core.study.models import Limited, Pareto, Weighted
 from core.sweep.grid import Grid, from_si
@@ -45,7 +46,6 @@ FORWARD = ("acceleration_x", "starting_acceleration", "conveying_velocity")
 BLOCK_CELLS = 65_536  # answers at a time: bounds the memory
 GAP_POINTS = 40_000  # of the grid that a design is compared with
 GAP_POINTS_MOTION = 1_600
-ROUNDING = 1e-15  # of an output's scale
 FLAT = 1e-14  # of the scale: what all choices differ by is rounding
 MISSED = 1e-6  # a gap above this is more than a method leaves
 AT_BOUND = 1e-9  # of a variable's range: it lies on its bound
@@ -104,7 +104,10 @@ def label(prepared: Optimisation, computed: Computed) -> Table:
     words = {
         **_global_attributes(prepared),
         "message": _message(prepared, arrays),
+        "accuracy": accuracy(arrays["optimum_gap"]),
+        "evaluations": float(arrays["evaluations"].sum()),
         **computed.notes,
+        **verified(prepared, arrays),
     }
     return Table(coordinates_of(prepared.plan, prepared.grid), variables, words)
 

@@ -153,6 +153,14 @@ class GridStudy(_Frozen):
     notes: str | None = Field(
         None, description="Remarks that go into the dataset.", max_length=5000
     )
+    verify: int | None = Field(
+        None,
+        description="Evaluate so many random cells again, with 50 digits or by another method, and "
+        "tell the worst of them.",
+        strict=True,
+        ge=1,
+        le=10_000,
+    )
 
     def values(self) -> dict[str, Values]:
         """Return the given parameters and their values, in the order of the declaration.

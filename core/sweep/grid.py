@@ -102,6 +102,23 @@ class Grid:
             known[name] = to_si(name, self.coordinate(name)).reshape(shape)
         return known
 
+    def at(
+        self, places: Mapping[str, NDArray[np.int64]], count: int, names: Iterable[str]
+    ) -> dict[str, NDArray[np.float64]]:
+        """Return the named parameters of some cells, SI units, shape (count,).
+
+        `places` has the position on each axis, shape (count,). No axis is made as a whole: it may
+        have a hundred million values.
+        """
+        wanted = set(names)
+        cells = {
+            name: np.array([axis_values(axis, int(k), int(k) + 1)[0] for k in places[name]])
+            for name, axis in self.axes.items()
+            if name in wanted
+        }
+        cells |= {name: np.full(count, v) for name, v in self.fixed.items() if name in wanted}
+        return {name: to_si(name, values) for name, values in cells.items()}
+
 
 def axis_values(axis: Points | Span, start: int, stop: int) -> NDArray[np.float64]:
     """Return the values `start` to `stop` of an axis, to the bit those that it has as a whole.

@@ -22,6 +22,11 @@ Box = Mapping[str, tuple[int, int]]
 SECONDS_A_CELL = {"cylinder-pair-impact": 2e-5, "rectangle-pair-impact": 1e-6}
 """What a point of a sweep takes, where it is more than some array operations."""
 
+SECONDS_A_VERIFIED_CELL = {"cylinder-pair-impact": 8.0, "rectangle-pair-impact": 0.4}
+"""What 50 digits take, with condition numbers; where it is more than 0.01 s."""
+
+MOST_SECONDS_TO_VERIFY = 100.0
+
 BYTES = {"regime": 1, "motion_status": 1}  # of one value; 8 for all others
 
 
@@ -68,6 +73,37 @@ class Prepared:
         """Roughly what a point takes on one core: enough to tell short from long."""
         raise NotImplementedError
 
+    @property
+    def verified_by(self) -> str:
+        """What random cells are evaluated by again if the study says so; empty if nothing can."""
+        return "50 digits"
+
+    @property
+    def seconds_a_verified_cell(self) -> float:
+        """Roughly what evaluating a point again takes."""
+        return SECONDS_A_VERIFIED_CELL.get(self.plan.scene.name, 0.01)
+
+    @property
+    def seconds_to_verify(self) -> float:
+        """Roughly what verifying takes, if the study asks for it."""
+        asked = min(self.study.verify or 0, self.cells)
+        return asked * self.seconds_a_verified_cell if asked else 0.0
+
+    def check_verification(self) -> Self:
+        """Return the study; raise `StudyError` if verifying it would take too long."""
+        if self.study.verify is None:
+            return self
+        if not self.verified_by:
+            message = "no other method follows this motion"
+            raise StudyError([Problem("verify", message, "Leave it out")])
+        if self.seconds_to_verify > MOST_SECONDS_TO_VERIFY:
+            each = self.seconds_a_verified_cell
+            most = int(MOST_SECONDS_TO_VERIFY / each)
+            message = f"{self.verified_by} take{'s' * self.verified_by.startswith('the')} some "
+            message += f"{each:g} s a cell"
+            raise StudyError([Problem("verify", message, f"Give at most {most:,}")])
+        return self
+
     def check_limits(self, *, cells: int, bytes_: int) -> None:
         """Raise `LimitError` if the study has more cells or bytes than allowed."""
         for limit, asked, allowed in (("cells", self.cells, cells), ("bytes", self.bytes, bytes_)):
@@ -111,7 +147,7 @@ def prepare(study: SweepStudy) -> Sweep:
         With every problem of scene, outputs and parameters.
     """
     plan, grid = plan_study(study, study.outputs, choose_scene(study.scene, study.variant))
-    return Sweep(study, plan, grid)
+    return Sweep(study, plan, grid).check_verification()
 
 
 def plan_study(
@@ -127,7 +163,7 @@ def plan_study(
     values = {**study.values(), **(more or {})}
     grid = Grid.of(values)
     scene, variant, problems = chosen
-    problems += _broken_constraints(scene, variant, grid)
+    problems += broken_constraints(scene, variant, grid)
     try:
         plan = plan_scene(scene, variant, tuple(outputs), values)
     except StudyError as error:
@@ -208,7 +244,7 @@ def _meant(name: str) -> str:
     return guess.split("'")[1] if guess.startswith("Did you mean") else ""
 
 
-def _broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:
+def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:
     """Yield the relations between given parameters that do not hold."""
     given = {*grid.axes, *grid.fixed}
     for constraint in scene.constraints:

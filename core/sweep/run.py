@@ -23,6 +23,7 @@ from core.sweep.grid import Grid, from_si
 from core.sweep.pieces import Computed, carry_out
 from core.sweep.plan import Plan
 from core.sweep.prepare import Prepared, Sweep, prepare
+from core.sweep.verify import accuracy, verified
 from core.watch import Watch
 
 if TYPE_CHECKING:
@@ -64,11 +65,12 @@ def label(prepared: Sweep, computed: Computed) -> Table:
     variables["regime"] = Variable(
         prepared.dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
     )
-    return Table(
-        coordinates_of(plan, prepared.grid),
-        variables,
-        global_attributes(prepared, "closed-form equations"),
-    )
+    attributes = {
+        **global_attributes(prepared, "closed-form equations"),
+        "accuracy": accuracy(plan.scene.name),
+        **verified(prepared, arrays),
+    }
+    return Table(coordinates_of(plan, prepared.grid), variables, attributes)
 
 
 def coordinates_of(plan: Plan, grid: Grid) -> dict[str, Variable]:

@@ -100,7 +100,7 @@ def test_the_report_has_the_worst_first_and_then_all() -> None:
     assert [outcome.name for outcome in worst_of_families(outcomes)] == ["bad", "beta = 1e300"]
     text = to_markdown(outcomes)
     assert text.startswith("3 hard cases, 1 failed")
-    assert text.index("bad") < text.index("## All cases")
+    assert text.index("bad") < text.index("### All cases")
     assert all(text.count(case.name) >= 1 for case in some)
     table = to_table(outcomes)
     assert table.variables["passed"].values.tolist() == [1, 1, 0]

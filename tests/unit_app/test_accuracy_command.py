@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from typer.testing import CliRunner
 from app.cli import app
 from core.accuracy.curves import FAMILIES
 from core.accuracy.report import families_of
+from core.accuracy.textbook import Answer
 from core.kinds import prepare_content
 from core.study.load import read_content
 
@@ -68,7 +70,7 @@ def test_the_page_goes_beside_the_study_and_names_a_command_that_does_what_it_sa
     again = (study.parent / "accuracy" / "accuracy.md").read_text()
 
     def without_times(text: str) -> str:
-        return re.sub(r"[\d.]+ (ns|us|ms) ", "", text)
+        return re.sub(r"[\d.]+ (ns|us|ms) |load [\d.]+", "", text)
 
     assert without_times(again) == without_times(page)
 
@@ -107,3 +109,58 @@ def test_a_folder_that_cannot_be_made_is_told(study):
     assert result.exit_code == 1
     assert "Traceback" not in result.output
     assert str(study / "below") in result.output
+
+
+@pytest.fixture
+def few_extremes(monkeypatch):
+    """Let the catalogue and the scenes be two cases and one scene."""
+    from core.accuracy import extremes, leaving_out
+    from core.accuracy.hard_cases import HARD_CASES
+
+    easy = next(case for case in HARD_CASES if case.name == "every axis of one value")
+    wrong = replace(easy, name="wrong", answer=lambda: Answer(-1.0, 1e-9, "made up"))
+    cases = [easy, wrong]
+    everything = extremes.run_catalogue
+    monkeypatch.setattr(extremes, "run_catalogue", lambda watch: everything(watch, cases))
+    monkeypatch.setattr(leaving_out, "SCENES", {"part": leaving_out.SCENES["rectangle-isolated"]})
+    monkeypatch.setattr(leaving_out, "SYSTEMS", {})
+    return cases
+
+
+def test_hard_cases_and_leaving_out_need_no_study(few_extremes, tmp_path):
+    result = run("report", "--extremes", "-o", tmp_path)
+    assert result.exit_code == 1  # a case is wrong
+    page = (tmp_path / "accuracy.md").read_text()
+    assert re.findall("^##+ (.*)$", page, re.MULTILINE) == [
+        "Hard cases",
+        "Worst of each family",
+        "All cases",
+        "What a scene leaves out",
+    ]
+    assert "1 right, 1 wrong" in page
+    assert page.count("`vibrafeed report --extremes`") == 2
+    assert f"vibrafeed report --extremes -o {tmp_path}" in page
+    assert page.index("**wrong**") < page.index("### All cases")
+    with xarray.open_dataset(tmp_path / "accuracy-extremes.nc", engine="netcdf4") as dataset:
+        assert dataset["passed"].values.tolist() == [1, 0]
+        assert dataset["case"].values.tolist() == [case.name for case in few_extremes]
+    with xarray.open_dataset(tmp_path / "accuracy-leaving-out.nc", engine="netcdf4") as dataset:
+        assert dataset.sizes == {"study": 2}
+        assert (dataset["equations"] < dataset["of"]).all()
+        # A process is started for the dearer output.
+        assert dataset["modules"].values[0] == -1
+        assert dataset["modules"].values[1] > 100
+
+
+def test_hard_cases_stand_after_the_studies_and_alone_decide(few_extremes, study, tmp_path):
+    del few_extremes[1]
+    result = run("report", study, "--extremes", "-o", tmp_path / "out", "--only", "storage")
+    assert result.exit_code == 0, result.output
+    page = (tmp_path / "out" / "accuracy.md").read_text()
+    assert page.index("## Files (small)") < page.index("## Hard cases")
+
+
+def test_nothing_to_measure_is_refused():
+    result = run("report")
+    assert result.exit_code == 2
+    assert "there is nothing to measure" in result.output

@@ -248,3 +248,15 @@ def test_pictures_of_motion(motion, tmp_path):
     result = run("plot", motion.with_suffix(".nc"), "-o", tmp_path / "course.png")
     assert result.exit_code == 0, result.output
     assert (tmp_path / "course.png").stat().st_size > 20_000
+
+
+def test_verification_is_told_in_one_line(study, tmp_path):
+    text = Path(study).read_text()
+    verified = tmp_path / "verified.toml"
+    verified.write_text("verify = 3\n" + text)
+    result = CliRunner().invoke(app, ["run", str(verified), "-o", str(tmp_path / "v.nc")])
+    assert result.exit_code == 0, result.output
+    lines = [line for line in result.output.splitlines() if "verified by" in line]
+    assert len(lines) == 1
+    assert "3 cells verified by the same equations with 50 digits; worst: " in lines[0]
+    assert "within the bound of 8" in lines[0]

@@ -14,25 +14,26 @@ from core.accuracy import closed_forms, model, motion, optimisers, storage
 from core.accuracy.cells import random_cells
 from core.accuracy.curves import STEEP, Curve, Measured, Point, fitted_slope, tabulate_curves
 from core.accuracy.page import Section, head_of, sections_of, write_page
-from core.accuracy.precise import (
-    CONTEXT,
-    DIGITS,
-    NotPreciseError,
-    Number,
-    exact_values,
-    sensitivities,
-)
 from core.accuracy.report import families_of, measure_study, thinned
 from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table, Variable
 from core.errors import StudyError
 from core.kinds import prepare_content
-from core.motion.run import run_equations
+from core.motion.equations import run_equations
 from core.scenes import ALIASES, SCENES
 from core.study.load import read_content
 from core.study.values import Points, Span
 from core.sweep.grid import Grid
 from core.sweep.plan import make_plan, scene_parameters
+from core.sweep.precise import (
+    CONTEXT,
+    DIGITS,
+    NotPreciseError,
+    Number,
+    errors_of,
+    exact_values,
+    sensitivities,
+)
 from core.watch import Watch
 
 ROOT = Path(__file__).parents[2]
@@ -106,7 +107,7 @@ def test_ulps_of_an_ill_conditioned_difference_agree_with_a_direct_computation()
     exact = exact_values(plan, cells)["normal_acceleration"]
     moved = sensitivities(plan, cells)["normal_acceleration"]
     got = run_equations(plan, cells)["normal_acceleration"]
-    errors = closed_forms.errors_of(got, exact, moved, np.float64)
+    errors = errors_of(got, exact, moved, np.float64)
     for k in range(len(exact)):
         value, slopes = direct(cells, k)
         assert abs(exact[k] - value) < 1e-46 * 10  # 50 digits of terms near 10
@@ -123,9 +124,7 @@ def test_a_wrong_digit_is_seen():
     exact = exact_values(plan, cells)["normal_acceleration"]
     moved = sensitivities(plan, cells)["normal_acceleration"]
     wrong = np.array([float(value) for value in exact]) * (1 + 1e-8)
-    assert closed_forms.errors_of(wrong, exact, moved, np.float64).relative == pytest.approx(
-        1e-8, rel=1e-6
-    )
+    assert errors_of(wrong, exact, moved, np.float64).relative == pytest.approx(1e-8, rel=1e-6)
 
 
 @pytest.mark.parametrize("variant", SCENES["rectangle-on-track"].variants)

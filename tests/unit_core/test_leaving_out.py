@@ -210,7 +210,7 @@ def test_the_report_has_a_row_for_each(monkeypatch):
         assert row.dimensions <= row.axes
         assert row.bytes > 0
     text = to_markdown(rows)
-    assert text.count("\n") == 2 + len(rows)
+    assert text.count("\n| ") == 2 + len(rows)
     table = to_table(rows)
     assert np.array_equal(table.variables["equations"].values, [row.equations for row in rows])
     assert table.to_xarray().sizes == {"study": len(rows)}

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import mpmath
@@ -37,6 +37,8 @@ CONSTANTS = {
 
 STEP = CONTEXT.mpf(10) ** -20
 """Relative step of the differences behind a condition number."""
+
+VANISHES = 1e-35  # SI units: what 50 digits leave of a value that is 0 by law
 
 PIECE = 64  # cells at a time, between two looks at the watch
 
@@ -369,3 +371,68 @@ def _outputs(
             raise NotPreciseError(rounds[name])
         found.pop(name, None)
     return found
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Errors of one output over some cells; arrays of shape (cells,).
+
+    NaN where the exact value is 0 and the float is not: rounding of 0 by law has no scale.
+
+    Attributes
+    ----------
+    relative : ndarray
+        Over the exact value.
+    ulps : ndarray
+        In units in the last place of the exact value.
+    conditioned : ndarray
+        In the same units times the condition number, which is at least 1.
+    condition : ndarray
+        Sum of |x dF/dx|/|F| over the parameters, at least 1.
+    """
+
+    relative: Array
+    ulps: Array
+    conditioned: Array
+    condition: Array
+
+
+def errors_of(
+    got: Array, exact: NDArray[np.object_], moved: NDArray[np.object_], dtype: Any
+) -> Errors:
+    """Return the errors of values in floats of a type.
+
+    Parameters
+    ----------
+    got : ndarray, shape (n,)
+        What the floats gave.
+    exact : ndarray of object, shape (n,)
+        Exact values, numbers of mpmath.
+    moved : ndarray of object, shape (n,)
+        Sum of |x dF/dx| over the parameters, likewise.
+    """
+    count = len(exact)
+    relative, ulps, conditioned, condition = (np.full(count, np.nan) for _ in range(4))
+    for cell in range(count):
+        value, number = exact[cell], float(got[cell])
+        if not CONTEXT.isfinite(value) or not np.isfinite(dtype(float(value))):
+            # The right infinity, or no value where there is none, is no error.
+            same = number == float(value) or (CONTEXT.isnan(value) and np.isnan(number))
+            errors = (0.0, 0.0, 0.0) if same else (np.inf, np.inf, np.inf)
+            relative[cell], ulps[cell], conditioned[cell] = errors
+            continue
+        if abs(value) < VANISHES:
+            if number == 0:
+                relative[cell] = ulps[cell] = conditioned[cell] = 0.0
+            continue
+        error = abs(CONTEXT.mpf(number) - value) if np.isfinite(number) else CONTEXT.inf
+        unit = CONTEXT.mpf(float(np.spacing(np.abs(dtype(float(value))))))
+        size = abs(value)
+        kappa = CONTEXT.one
+        if CONTEXT.isfinite(moved[cell]):
+            kappa = max(kappa, moved[cell] / size)
+        relative[cell] = float(error / size)
+        ulps[cell] = float(error / unit)
+        conditioned[cell] = float(error / unit / kappa)
+        condition[cell] = float(kappa)
+    return Errors(relative, ulps, conditioned, condition)

@@ -1,0 +1,170 @@
+"""Random cells of a motion followed again by another method: what `verify` in a study asks for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.mechanics.arrays import Array
+from core.motion.equations import run_equations
+from core.motion.motion import STATUS
+from core.motion.prepare import ERROR, Simulation, other_method
+from core.quantities import QUANTITIES
+from core.sweep.grid import from_si
+from core.sweep.plan import Plan, plan_scene, scene_parameters
+from core.sweep.verify import at_places, chosen_places, place_in_words
+
+SOUND = [STATUS[name] for name in ("periodic", "at_rest", "neutral", "settled")]
+"""Statuses of motions that two methods should agree on: the others are chance, or no answer."""
+
+NOT_COMPARED = (ERROR, "motion_status", "impacts_per_period", "impact_count")
+"""What each method has of its own: of shrinking hops each counts those that it resolves."""
+
+ERRORS = {
+    "events": "rounding, where the motion repeats",
+    "time-stepping": "of first order in the step; of second for a planar motion without hops",
+    "reference": "about ten digits, where the motion repeats",
+    "regularised": "falls with slip_speed and with the inverse of contact_stiffness",
+}
+
+
+def accuracy(plan: Plan) -> str:
+    """Return what is known of the error of a method, in words."""
+    text = ERRORS[plan.variant.partition("-B")[0].partition("-L")[0]]
+    if ERROR in plan.outputs:
+        return f"{text}; {ERROR} states it for each cell"
+    if ERROR in plan.scene.outputs(plan.variant):
+        return f"{text}; the output {ERROR}, if asked for, states it for each cell"
+    return text
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Outputs of some cells by two methods.
+
+    Attributes
+    ----------
+    method : str
+        The other method.
+    compared : int
+        Cells whose motion both methods found to repeat, rest or settle.
+    output : str
+        The output of largest difference, over the largest size of that output in these cells.
+    cell : int
+        Where it is.
+    error, share : float
+        The difference [unit of studies], and the same over that size.
+    stated : float
+        The other method's own estimate of its error there; NaN where it has none.
+    """
+
+    method: str
+    compared: int
+    output: str = ""
+    cell: int = -1
+    error: float = 0.0
+    share: float = 0.0
+    stated: float = np.nan
+
+    def in_words(self, where: str) -> str:
+        """Return one sentence; `where` is the place of the largest difference."""
+        if not self.output:
+            return "no cell has an output to compare and repeats, rests or settles by both methods"
+        unit = QUANTITIES[self.output].unit
+        unit = "" if unit == "1" else f" {unit}"
+        text = (
+            f"{self.output} {where}: difference {self.error:.2g}{unit}, {self.share:.2g} of its "
+            f"largest size in these cells; {self.compared} repeat, rest or settle by both methods "
+            "and are compared"
+        )
+        if np.isfinite(self.stated):
+            text += f"; the method {self.method} states an error of {self.stated:.2g}{unit} there"
+        return text
+
+
+def compare(
+    plan: Plan,
+    cells: Mapping[str, Array],
+    got: Mapping[str, Array],
+    method: str,
+) -> Comparison:
+    """Return how far outputs of a motion are from those of another method.
+
+    Parameters
+    ----------
+    plan : Plan
+        What computed them.
+    cells : mapping of str to ndarray, shape (n,)
+        The parameters, SI units.
+    got : mapping of str to ndarray, shape (n,)
+        The outputs, in the unit of studies; `motion_status` among them if it is known.
+    method : str
+        The other method.
+    """
+    scene = plan.scene
+    has = scene.outputs(method)
+    outputs = [name for name in got if name in has and name not in NOT_COMPARED]
+    told = [name for name in (ERROR, "motion_status") if name in has]
+    parameters = [n for n in cells if n in scene_parameters(scene, method)]
+    other = plan_scene(scene, method, (*outputs, *told), parameters)
+    known = run_equations(other, {name: cells[name] for name in other.parameters})
+    count = next(iter(got.values())).size
+
+    def theirs(name: str) -> Array:
+        values = from_si(name, np.asarray(known[name], dtype=np.float64))
+        return np.asarray(np.broadcast_to(values, count), dtype=np.float64)
+
+    sound = np.isin(theirs("motion_status"), SOUND)
+    if "motion_status" in got:
+        sound &= np.isin(got["motion_status"], SOUND)
+    found = Comparison(method, int(sound.sum()))
+    for name in outputs if sound.any() else ():
+        right = np.where(sound, theirs(name), 0.0)
+        size = float(np.abs(right).max()) or 1.0
+        error = np.where(sound, np.abs(got[name] - right), 0.0)
+        error = np.where(np.isnan(error), np.inf, error)  # a value that only one method has
+        cell = int(np.argmax(error))
+        share = float(error[cell]) / size
+        if not found.output or share > found.share:
+            stated = np.nan
+            if name == "conveying_velocity" and ERROR in known:
+                stated = float(theirs(ERROR)[cell])
+            found = Comparison(
+                method, found.compared, name, cell, float(error[cell]), share, stated
+            )
+    return found
+
+
+def verified(
+    prepared: Simulation, arrays: Mapping[str, NDArray[np.generic]]
+) -> dict[str, str | int]:
+    """Return what verifying found, as attributes of the result; nothing if not asked for.
+
+    Parameters
+    ----------
+    prepared : Simulation
+        The study.
+    arrays : mapping of str to ndarray
+        What was computed, SI units.
+    """
+    if prepared.study.verify is None:
+        return {}
+    plan = prepared.plan
+    places, count = chosen_places(prepared)
+    cells = prepared.grid.at(places, count, plan.parameters)
+    got = {
+        name: np.asarray(from_si(name, at_places(arrays[name], prepared.dims[name], places, count)))
+        for name in plan.outputs
+    }
+    method = other_method(plan.scene, plan.variant, prepared.grid)
+    assert method is not None  # the study would have been refused
+    found = compare(plan, cells, got, method)
+    where = place_in_words(prepared.grid, places, found.cell) if found.output else ""
+    return {
+        "verified_cells": count,
+        "verified_against": f"the method {method}",
+        "verified_worst": found.in_words(where),
+    }

@@ -1,0 +1,162 @@
+"""Random answers of an optimisation judged again: what `verify` in a study asks for.
+
+The outputs at an answer are evaluated with 50 digits (those of a motion by another method), and the
+answer itself is set against that of a global search.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.mechanics.arrays import Array
+from core.motion.verify import compare
+from core.optimise.exact import STATUS
+from core.optimise.methods import METHODS, refusal
+from core.optimise.prepare import Optimisation
+from core.optimise.problem import LIMIT, ROUNDING, chosen_cells
+from core.quantities import QUANTITIES
+from core.study.models import Limited, Pareto
+from core.sweep.grid import to_si
+from core.sweep.verify import (
+    AGAINST,
+    Places,
+    at_places,
+    chosen_places,
+    place_in_words,
+    rounding_of,
+)
+from core.watch import Watch
+
+RIVALS = ("population", "newton", "exact", "grid")
+"""Methods that verify, the first that is another one and can solve the problem."""
+
+
+def accuracy(gaps: Array) -> str:
+    """Return how good the answers of a result are, in words; `gaps` is its `optimum_gap`."""
+    text = (
+        "optimum_gap: what another method finds better, over the largest size of the objective; "
+        "below 0 where it finds less"
+    )
+    known = gaps[np.isfinite(gaps)]
+    return f"{text}; the largest here is {known.max():.2g}" if known.size else text
+
+
+def verified(
+    prepared: Optimisation, arrays: Mapping[str, NDArray[np.generic]]
+) -> dict[str, str | int]:
+    """Return what verifying found, as attributes of the result; nothing if not asked for.
+
+    Parameters
+    ----------
+    prepared : Optimisation
+        The study.
+    arrays : mapping of str to ndarray
+        What was computed, in the units of studies.
+    """
+    if prepared.study.verify is None:
+        return {}
+    grid, dims = prepared.grid, tuple(prepared.grid.axes)
+    places, count = chosen_places(prepared)
+    known = {name: at_places(arrays[name], dims, places, count) for name in prepared.units}
+    x = np.stack([to_si(name, known[f"best_{name}"]) for name in prepared.problem.names])
+    answered = np.flatnonzero(~np.isnan(x).any(axis=0))
+    design = _design(prepared, places, count, known)
+    against, words = [], []
+    # An edge of stick that is approached and never reached is a jump of the outputs.
+    smooth = answered[known["optimum_status"][answered] != STATUS["not_attained"]]
+    if smooth.size:
+        by, cell, tell = _outputs(prepared, design, x, known, smooth)
+        against.append(by)
+        words.append(tell(place_in_words(grid, places, cell)))
+    rival = _rival(prepared)
+    if rival and answered.size:
+        cell, better = _better(prepared, rival, design, known, answered)
+        unit = QUANTITIES[prepared.problem.criterion.output].unit
+        against.append(f"answers of the method {rival}")
+        more = (
+            f"{better:.2g}{'' if unit == '1' else f' {unit}'} more" if better else "nothing better"
+        )
+        words.append(f"objective {place_in_words(grid, places, cell)}: {rival} finds {more}")
+    return {
+        "verified_cells": count,
+        "verified_against": " and ".join(against) or "nothing",
+        "verified_worst": "; ".join(words) or "none of the cells has an answer",
+    }
+
+
+def _design(
+    prepared: Optimisation, places: Places, count: int, known: Mapping[str, Array]
+) -> dict[str, Array]:
+    """Return the designs of chosen cells, SI units, with the limit that each answer keeps."""
+    problem = prepared.problem
+    design = prepared.designs.at(places, count, prepared.plan.parameters)
+    criterion = problem.criterion
+    limit = np.full(count, criterion.limit if isinstance(criterion, Limited) else np.inf)
+    if isinstance(criterion, Pareto):
+        limit = np.abs(known[criterion.against])
+    return {**design, LIMIT: limit}
+
+
+def _outputs(
+    prepared: Optimisation,
+    design: Mapping[str, Array],
+    x: Array,
+    known: Mapping[str, Array],
+    chosen: NDArray[np.intp],
+) -> tuple[str, int, Callable[[str], str]]:
+    """Return what the outputs at answers are set against, the worst cell, and what to say of it."""
+    problem, plan = prepared.problem, prepared.plan
+    given = dict(zip(problem.names, x, strict=True))
+    cells = {name: (given | dict(design))[name][chosen] for name in plan.parameters}
+    names = [name for name in plan.outputs if name in known]
+    if problem.is_motion:
+        got = {name: known[name][chosen] for name in names}
+        other = prepared.other_motion
+        assert other is not None  # the study would have been refused
+        compared = compare(plan, cells, got, other)
+        return f"the motion by the method {other}", int(chosen[compared.cell]), compared.in_words
+    values = {name: np.asarray(to_si(name, known[name][chosen])) for name in names}
+    found = rounding_of(plan, cells, values)
+    worst = 0 if found.worst is None else found.worst.cell
+    return AGAINST, int(chosen[worst]), found.in_words
+
+
+def _rival(prepared: Optimisation) -> str | None:
+    """Return the method that verifies the answers; None for motions, each point of which is dear.
+
+    Of those the gap to a grid, `optimum_gap`, is known in any case.
+    """
+    if prepared.problem.is_motion:
+        return None
+    can = (name for name in RIVALS if refusal(name, prepared.problem) is None)
+    return next((name for name in can if name != prepared.method), None)
+
+
+def _better(
+    prepared: Optimisation,
+    rival: str,
+    design: Mapping[str, Array],
+    known: Mapping[str, Array],
+    chosen: NDArray[np.intp],
+) -> tuple[int, float]:
+    """Return where the rival's objective is furthest above ours, and by how much."""
+    problem = prepared.problem
+    here = chosen_cells(design, chosen)
+    scales = problem.scales(here)
+    if isinstance(problem.criterion, Pareto):
+        problem = problem.limited()
+    if LIMIT in (kept.name for kept in problem.kept) and problem.against:
+        # A limit of nothing, which rounding may just break, would leave no answer.
+        here[LIMIT] = here[LIMIT] + ROUNDING * scales[problem.against]
+    found = METHODS[rival].solve(problem, here, scales, Watch())
+    lost = np.isnan(found.x).any(axis=0)
+    x = np.where(lost, problem.lower[:, None], found.x)
+    theirs, beyond = problem.judged(x, here, scales)
+    sound = ~lost & (beyond <= METHODS[rival].tolerance)
+    ours = problem.sign * known["objective"][chosen]
+    more = np.where(sound, theirs - ours, -np.inf)
+    worst = int(np.argmax(more))
+    return int(chosen[worst]), float(max(more[worst], 0.0))
