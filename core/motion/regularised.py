@@ -43,12 +43,11 @@ COARSER, SOFTER = 4.0, 16.0
 4^(2/3) and 16^(1/3) are 2.5: at the slowest orders the difference is 1.5 times the error.
 """
 
-TWICE_COARSER = 3.5
+TWICE_COARSER = 5.0
 """Over this the difference is divided where both factors are applied twice.
 
-(2.5^2 - 1)/(2.5 - 1): at the slowest orders it is then the same 1.5 times the error. Friction errs
-by terms of several orders and either sign; where they cross, the first difference is as good as 0,
-the second is not.
+(16 - 1)/(4 - 1): at order 1 it then says the same. Friction errs by terms of several orders and
+either sign; where they cross, the first difference is as good as 0, and the second is not.
 """
 
 SAFETY = 3.0
@@ -556,10 +555,9 @@ def regularised_motion(
         Arrays of the arguments' common shape. The laws are approached at least as slip_speed^(2/3)
         (the delay at the peak of friction; the power is 1 without a peak) and stiffness^(-1/3) (the
         recovery of the damped floor). With 4 times the slip speed and a sixteenth of the stiffness
-        either error is 2.5 times as large; applied twice, 6.3 times. `error` is three times the
-        larger of the differences to two such runs, the second divided by 3.5, plus three times that
-        to a run with 10 times the tolerance: 4.5 times the error at those powers, up to 13 times
-        where it falls faster.
+        either error is 2.5 times as large. `error` is three times the larger of the differences to
+        that run and, divided by 5, to one where both are applied twice, plus three times that to a
+        run with 10 times the tolerance: 4.5 times the error at those powers, 9 at order 1.
 
         A part at rest creeps: it is `periodic` with the mean velocity of the creep, of the order
         of the slip speed, and a stick of 1; the status `at_rest` is never given. Sticking means
