@@ -15,15 +15,26 @@ from typing import Any
 
 import numpy as np
 
+from core.motion.methods import reference_on_plane, reference_on_track, stepped_on_track
 from core.motion.motion import STATUS, Motion
 from core.motion.planar import planar_motion
 from core.motion.regularised import regularised_motion
 from core.motion.stepping import planar_stepped_motion, stepped_motion
+from core.optimise.exact import STATUS as OPTIMUM
+from core.optimise.known_answers import by_closed_form, is_closed
+from core.optimise.methods import METHODS, SEARCH_BUDGET, by_search
+from core.optimise.prepare import Optimisation, prepare
+from core.optimise.run import compute, designs_of
+from core.study import parse_study
+from core.watch import Watch
 
 Groups = dict[str, Any]
 Array = np.ndarray
 STEPS = (50, 100, 200, 500)
 REPEATS = (STATUS["periodic"], STATUS["at_rest"])
+REFERENCE = 1e-9  # of the reference method, in g/w: ten digits of velocities up to 10 g/w
+FINER = 25  # times the points that the search has
+SLOPES = 1e-6  # what differences leave of a gradient that is 0, as a share of the scale
 SHARE, RATIO = 0.01, 10.0
 """Largest share of studies whose error exceeds the stated one, and largest excess."""
 
@@ -113,9 +124,16 @@ def judge(
     answered = good & np.isfinite(found.velocity) & np.isfinite(value)
     true = np.abs(found.velocity - value)[answered]
     stated = (found.error + error)[answered]
+    return rated(name, found.velocity.size, true, stated, took, elsewhere=elsewhere)
+
+
+def rated(
+    name: str, studies: int, true: Array, stated: Array, took: float, *, elsewhere: bool = False
+) -> Measured:
+    """Return how honest stated errors are beside the true ones, of the judged studies."""
     ratio = np.where(true > 0, true / np.maximum(stated, 1e-300), 0.0)
     return Measured(
-        name, found.velocity.size, ratio.size, float(np.mean(ratio > 1)), float(ratio.max()),
+        name, studies, ratio.size, float(np.mean(ratio > 1)), float(ratio.max(initial=0.0)),
         float(np.median(ratio)), took, elsewhere,
     )  # fmt: skip
 
@@ -215,6 +233,56 @@ def chaos_against_longer(count: int) -> list[Measured]:
     return [judge("events, no repetition", found, longer.velocity, none, good, took)]
 
 
+def events_against_reference(count: int) -> list[Measured]:
+    """Return the events' estimate against integration at high order; a second a study.
+
+    Half without restitution. Those with several hops in a cycle stand in a row of their own.
+    """
+    groups = random_groups(4 * count, 8)
+    some = np.flatnonzero(np.isin(by_events(groups).status, REPEATS))[:count]
+    groups = {name: values[some] for name, values in groups.items()}
+    started = time.perf_counter()
+    found = by_events(groups)
+    took = time.perf_counter() - started
+    exact = reference_on_plane(0.0)(
+        **groups, drive_number_across=np.zeros(()), most_periods=np.array(100.0)
+    )
+    both = np.isin(exact.status, REPEATS) & (exact.multiple == found.multiple)
+    several = found.impacts * found.multiple > 1.5
+    error = exact.error + REFERENCE
+    return [
+        judge(f"events against reference, {name}", found, exact.velocity, error, both & which, took)
+        for name, which in (("one hop or none", ~several), ("several hops", several))
+    ]
+
+
+def wall_against_reference(count: int) -> list[Measured]:
+    """Return the time stepping's estimate on floor and wall; a second a study."""
+    groups = random_groups(count, 9, throw=(0.1, 2.5), most_restitution=0.5)
+    random = np.random.default_rng(10)
+    turn, lean = random.uniform(-0.6, 0.6, count), random.uniform(0.02, 0.4, count)
+    along = groups["drive_number_along"]
+    groups |= {
+        "drive_number_along": along * np.cos(turn),
+        "drive_number_across": along * np.sin(turn),
+        "gravity_number_across": groups["gravity_number_normal"] * np.sin(lean),
+        "gravity_number_normal": groups["gravity_number_normal"] * np.cos(lean),
+        "curvature_number": random.uniform(0, 0.02, count) * (random.random(count) < 0.5),
+    }
+    started = time.perf_counter()
+    found = stepped_on_track(
+        **groups, steps_per_period=np.array(200.0), most_periods=np.array(200.0)
+    )
+    took = time.perf_counter() - started
+    repeats = np.isin(found.status, REPEATS)
+    groups = {name: values[repeats] for name, values in groups.items()}
+    found = Motion._make([field[repeats] for field in found])
+    exact = reference_on_track(**groups, most_periods=np.array(60.0))
+    both = np.isin(exact.status, REPEATS)
+    exact = exact._replace(error=exact.error + REFERENCE)
+    return _same_and_all("time stepping at the wall", found, exact, both, both, took)
+
+
 def regularised_against_events(count: int) -> list[Measured]:
     """Return the estimate of regularised friction; a second a study."""
     groups = random_groups(4 * count, 7, throw=(0.3, 3.0), most_restitution=0.5)
@@ -232,11 +300,83 @@ def regularised_against_events(count: int) -> list[Measured]:
     return [judge("regularised", found, exact.velocity, exact.error, both, took)]
 
 
+def _designs(count: int, scene: str, criterion: dict[str, Any], **more: Any) -> Optimisation:
+    """Return a study of about so many random designs."""
+    random = np.random.default_rng(12)
+    each = max(2, round(count**0.5))
+    parameters = {
+        "frequency": 60.0,
+        "amplitude": sorted((10 ** random.uniform(-4.3, -3.3, each)).tolist()),
+        "friction": sorted(random.uniform(0.1, 0.9, each).tolist()),
+        "gamma": 2.0,
+        **more.pop("parameters", {}),
+    }
+    parameters = {name: value for name, value in parameters.items() if value is not None}
+    content = {"kind": "optimise", "scene": scene, "criterion": criterion, "parameters": parameters}
+    return prepare(parse_study({**content, **more}))
+
+
+def optimum_against_finer(count: int) -> list[Measured]:
+    """Return whether the best values are as near to the best as said, against a longer search.
+
+    Stated is `optimum_gap`, at least what the method leaves; true is by how much the best of 25
+    times the points, and of the closed form, is better. `optimality_residual` is judged where
+    the closed form is the answer: what it leaves there is its error.
+    """
+    best: dict[str, Any] = {"kind": "maximise"}
+    angle = {"beta": {"lower": 0.0, "upper": 90.0}, "frequency": {"lower": 20.0, "upper": 90.0}}
+    velocity = {"kind": "maximise", "output": "conveying_velocity"}
+    free: dict[str, Any] = {"frequency": None}
+    problems = {
+        "block": _designs(count, "rectangle-on-plane", best),
+        "block, weighted": _designs(
+            count, "rectangle-on-plane", {"kind": "weighted", "weight": 0.5}
+        ),
+        "track": _designs(count, "rectangle-on-track", best, parameters={"delta": 15.0}),
+        "mean velocity": _designs(
+            count, "rectangle-on-plane", velocity, variables=angle, parameters=free
+        ),
+        "mean velocity, bounces": _designs(
+            count, "rectangle-on-plane", velocity, variables=angle,
+            parameters={**free, "restitution": 0.3},
+        ),
+    }  # fmt: skip
+    rows = []
+    for name, prepared in problems.items():
+        problem = prepared.problem
+        started = time.perf_counter()
+        found = compute(prepared, Watch()).arrays
+        took = time.perf_counter() - started
+        design = designs_of(problem, prepared.designs)
+        scales = problem.scales(design)
+        finer = by_search(problem, design, scales, Watch(), FINER * SEARCH_BUDGET)
+        x = np.where(np.isnan(finer.x), problem.lower[:, None], finer.x)
+        reference, beyond = problem.judged(x, design, scales)
+        if is_closed(problem):
+            reference = np.fmax(reference, by_closed_form(problem, design).value)
+        found = {key: values.ravel() for key, values in found.items()}
+        good = (found["optimum_status"] == OPTIMUM["optimal"]) & (beyond == 0)
+        short = np.maximum(0.0, problem.sign * reference - found["objective"])
+        true = (short / problem.scale(scales))[good]
+        tolerance = METHODS[prepared.method].tolerance
+        stated = np.maximum(found["optimum_gap"][good], 0.0) + tolerance
+        title = f"{name} by {prepared.method}"
+        rows.append(rated(f"optimum_gap, {title}", good.size, true, stated, took))
+        if is_closed(problem):
+            left = found["optimality_residual"][good]
+            allowed = np.full(left.size, SLOPES)
+            rows.append(rated(f"optimality_residual, {title}", good.size, left, allowed, took))
+    return rows
+
+
 ESTIMATES: dict[str, tuple[Callable[[int], list[Measured]], int]] = {
     "stepping": (stepping_against_events, 1),
     "spatial": (spatial_against_events, 1),
     "events": (events_against_closed_form, 1),
     "chaos": (chaos_against_longer, 1),
+    "reference": (events_against_reference, 40),
+    "wall": (wall_against_reference, 40),
+    "optimum": (optimum_against_finer, 200),
     "regularised": (regularised_against_events, 100),  # as many times fewer studies
 }
 

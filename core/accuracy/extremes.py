@@ -15,7 +15,7 @@ from core import kinds
 from core.accuracy.hard_cases import HARD_CASES, HardCase, result_of
 from core.dataset.table import CONVENTIONS, Table, Variable
 from core.errors import StudyError
-from core.quantities import MOTION_STATUSES, REGIMES
+from core.quantities import MOTION_STATUSES, REGIMES, Flag
 from core.watch import Watch
 
 __all__ = ["Outcome", "result_of", "run_case", "run_catalogue", "to_markdown", "to_table"]
@@ -127,16 +127,22 @@ def _shares(error: Any, stated: Any) -> Any:
 
 def _statuses(variables: Mapping[str, Variable]) -> tuple[set[str], bool]:
     """Return the names of the statuses of all cells, and whether one explains a missing value."""
+    regimes = _present(variables["regime"], REGIMES) if "regime" in variables else {}
+    statuses = regimes
     if "motion_status" in variables:
-        flags = MOTION_STATUSES
-        values = variables["motion_status"].values
-    else:
-        flags = REGIMES
-        values = variables["regime"].values
-    present = set(np.unique(values).tolist())
-    names = {name for name, flag in flags.items() if flag.value in present}
-    unexplained = any(flags[name].valid and name not in WITHOUT_VALUE for name in names)
-    return names, not unexplained
+        statuses = _present(variables["motion_status"], MOTION_STATUSES)
+    explained = (
+        all(not flag.valid or name in WITHOUT_VALUE for name, flag in flags.items())
+        for flags in (statuses, regimes)
+        if flags
+    )
+    return set(statuses), any(explained)
+
+
+def _present(variable: Variable, flags: Mapping[str, Flag]) -> dict[str, Flag]:
+    """Return the flags that stand in a variable."""
+    values = set(np.unique(variable.values).tolist())
+    return {name: flag for name, flag in flags.items() if flag.value in values}
 
 
 def run_catalogue(

@@ -647,6 +647,14 @@ def _subnormal_amplitudes() -> list[HardCase]:
                   friction=0.1, gamma=0.0, steps_per_period=100, most_periods=20), },
         "efficiency", known(0.0, 0.0, "held"), ("at_rest",),
     ))  # fmt: skip
+    for amplitude in (0.0, 1e-320):
+        cases.append(HardCase(
+            f"efficiency of a part that creeps, A0 = {amplitude:g} m", family,
+            "regularised friction lets it creep, at a speed over next to nothing",
+            motion("regularised", "efficiency", frequency=50.0, amplitude=amplitude, beta=0.0,
+                   gamma=3.0, gravity=G, friction=0.3),
+            "efficiency", known(-math.inf, 0.0, "v < 0, beyond the floats"), ("periodic",),
+        ))  # fmt: skip
     return cases
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array, ratio
+from core.mechanics.arrays import Array, Mask, ratio
 from core.motion.motion import Motion
 
 
@@ -89,9 +89,20 @@ def conveying_velocity_error(*, motion: Motion, velocity_scale: Array) -> Array:
 
 
 def efficiency(*, motion: Motion, drive_number_along: Array) -> Array:
-    """Return the conveying velocity over A0 w cos(beta) cos(alpha); 0 at rest [1]."""
-    moves = motion.velocity != 0
-    return np.where(moves, ratio(motion.velocity, drive_number_along, np.nan), 0.0)
+    """Return the conveying velocity over A0 w cos(beta) cos(alpha); 0 at rest [1].
+
+    Infinite (regime `unbounded`) for a part that moves though the drive along the track is 0, or so
+    small that the quotient is beyond the floats.
+    """
+    v = motion.velocity
+    beyond = np.where(np.isnan(v), np.nan, np.copysign(np.inf, v))
+    with np.errstate(over="ignore"):
+        return np.where(v != 0, ratio(v, drive_number_along, beyond), 0.0)
+
+
+def efficiency_is_unbounded(*, efficiency: Array) -> Mask:
+    """Return where the part moves and the drive along the track is 0, or next to nothing."""
+    return np.isinf(efficiency)
 
 
 def stick_fraction(*, motion: Motion) -> Array:

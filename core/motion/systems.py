@@ -87,6 +87,7 @@ CONDITIONS = (
         otherwise="slip",
     ),
     Condition("runaway", _has_status("runaway"), ANY_RESULT),
+    Condition("unbounded", scales.efficiency_is_unbounded, frozenset(("efficiency",))),
     Condition("aperiodic", _has_status("aperiodic"), ANY_RESULT),
     Condition("period_doubled", _is_period_doubled, ANY_RESULT),
     Condition("hop_after_hop", _hops_on, ANY_RESULT),

@@ -41,8 +41,12 @@ def _newton(
     return found
 
 
-def _search(
-    problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
+def by_search(
+    problem: Problem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    watch: Watch,
+    budget: int = SEARCH_BUDGET,
 ) -> Found:
     """Return what the global search for outputs that jump finds, all designs side by side."""
     from core.optimise import search
@@ -59,7 +63,7 @@ def _search(
         return np.where(beyond > 0, worse, value / size[cell])
 
     ends = (np.tile(end, (cells, 1)) for end in (problem.lower, problem.upper))
-    found = search.search_many(evaluate, *ends, budget=SEARCH_BUDGET, watch=watch)
+    found = search.search_many(evaluate, *ends, budget=budget, watch=watch)
     stopped = np.array([one.status == "stopped" for one in found])
     value = np.array([one.value for one in found])
     status = np.where(value > -NO_VALUE / 2, STATUS["optimal"], STATUS["infeasible"])
@@ -99,7 +103,7 @@ METHODS: dict[str, Method] = {
     "population": Method(
         by_population, 1e-8, "differential evolution of all designs at once", at_once=True
     ),
-    "search": Method(_search, 1e-6, "global search for outputs that jump", at_once=True),
+    "search": Method(by_search, 1e-6, "global search for outputs that jump", at_once=True),
     "grid": Method(by_grid, 1e-6, "a dense grid, then finer ones around its best", at_once=True),
     "differential_evolution": Method(
         scipy_methods.one_by_one(scipy_methods.differential_evolution, 1e-9),
