@@ -17,6 +17,7 @@ from core.sweep.pieces import Cut
 from core.sweep.prepare import Prepared
 
 DAY = 86_400.0
+COUNTED_EVERY = 60.0  # s; counting looks at every file
 REPORT_BYTES = 10_000_000  # of an accuracy report
 SPARE = 0.01  # of the disk, left to others
 MOST_SPARE = 100_000_000  # bytes
@@ -40,6 +41,7 @@ class Desk:
     ):
         self.ledger, self.store = ledger, store
         self._settings, self._wake = settings, wake
+        self._known = (-COUNTED_EVERY, 0)  # when the bytes were counted [s], and how many
 
     def post(self, prepared: Prepared, process: str) -> Job:
         """Enter a job for a study; it is on the disk when this returns.
@@ -86,8 +88,9 @@ class Desk:
             If they do not fit then.
         """
         quota = self._settings.disk_quota_bytes
-        taken = self.store.bytes()
+        taken = self._taken()
         if taken + needed > quota:
+            taken = self._taken(anew=True)
             wanted = self.ledger.wanted()
             for key in self.store.studies():
                 if taken + needed <= quota:
@@ -100,12 +103,21 @@ class Desk:
                 f"The study needs up to {needed:,} bytes, the quota is {quota:,}, and "
                 f"{taken:,} are taken by work under way."
             )
+        self._known = (self._known[0], taken + needed)
         with contextlib.suppress(FileNotFoundError):
             disk = shutil.disk_usage(self._settings.data_directory)
             if needed + min(SPARE * disk.total, MOST_SPARE) > disk.free:
                 raise NoRoomError(
                     f"The study needs up to {needed:,} bytes; the disk has {disk.free:,} left."
                 )
+
+    def _taken(self, *, anew: bool = False) -> int:
+        """Return the bytes taken; what was promised since they were last counted is added."""
+        at, taken = self._known
+        if anew or time.monotonic() - at > COUNTED_EVERY:
+            taken = self.store.bytes()
+            self._known = (time.monotonic(), taken)
+        return taken
 
     def tidy(self) -> None:
         """Remove jobs and studies that nobody has used for the time of retention."""
