@@ -86,7 +86,6 @@ def run(
     deadline = None if time_limit is None else time.monotonic() + time_limit
     whole = True
     for path, sweep in prepared.items():
-        started = time.perf_counter()
         with report.progress(path.name) as advance, _interruption(sweep.study.kind) as interrupted:
             table = tabulate(sweep, Watch(advance, interrupted, deadline))
         evaluated = time.perf_counter()
@@ -97,9 +96,8 @@ def run(
             report.fail(f"{targets[path]} cannot be written: {error.strerror or error}.")
             raise typer.Exit(FAILED) from None
         written = time.perf_counter()
-        report.show_table(
-            path, targets[path], table, sweep.cells, evaluated - started, written - evaluated
-        )
+        seconds = float(table.price["elapsed_seconds"])
+        report.show_table(path, targets[path], table, sweep.cells, seconds, written - evaluated)
         whole &= report.is_whole(table)
         if interrupted():
             break

@@ -59,8 +59,9 @@ def write_result(directory: str, key: str, cells: int, process: str, seconds: fl
             return time.perf_counter() - started
         count = len(pieces)
         parts = ((pieces.box(index), store.read_block(key, cells, index)) for index in range(count))
-        table = KINDS[prepared.study.kind].label(prepared, join(prepared, parts))
-        spent = seconds + time.perf_counter() - started
+        computed = join(prepared, parts)
+        spent = seconds + time.perf_counter() - started  # without verifying, a part of the labels
+        table = KINDS[prepared.study.kind].label(prepared, computed)
         store.finish(key, table, process=process, cells=prepared.cells, blocks=count, seconds=spent)
     return time.perf_counter() - started
 

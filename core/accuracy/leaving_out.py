@@ -295,7 +295,7 @@ def to_markdown(rows: Sequence[Footprint]) -> str:
         "needs fewest parameters, and the one that needs most. Equations: those run, of those that "
         "the variant has. KiB: the most memory allocated at a time. Coordinates and contacts: what "
         "a motion carries. Modules: those that a fresh process imports, of this program and of "
-        "others, and the heavy libraries among them.",
+        "others, for the second; and the heavy libraries among them.",
         "",
         "| scene | kind | variant or method | output | equations | KiB | coordinates | contacts "
         "| modules | heavy |",

@@ -149,8 +149,11 @@ def _chunks(shape: tuple[int, ...]) -> tuple[int, ...] | None:
 
 
 def _attributes(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return attributes as the library takes them: arrays, floats, and text as UTF-8 strings."""
-    return {
-        name: value if isinstance(value, np.ndarray | float) else str(value)
-        for name, value in attributes.items()
-    }
+    """Return attributes as the library takes them: arrays, numbers, and text as UTF-8 strings."""
+
+    def taken(value: Any) -> Any:
+        if isinstance(value, np.ndarray | float):
+            return value
+        return np.int32(value) if isinstance(value, int) else str(value)
+
+    return {name: taken(value) for name, value in attributes.items()}

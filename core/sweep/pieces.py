@@ -44,10 +44,11 @@ def carry_out(
     label: Callable[[Study, Computed], Table],
     watch: Watch | None = None,
 ) -> Table:
-    """Return the labelled results of a study, with what they cost."""
+    """Return the labelled results of a study, with what computing them cost."""
     started = time.perf_counter()
-    table = label(prepared, compute(prepared, watch or Watch()))
-    return table.with_price(price(prepared.cells, time.perf_counter() - started))
+    computed = compute(prepared, watch or Watch())
+    seconds = time.perf_counter() - started  # without verifying, which is a part of the labels
+    return label(prepared, computed).with_price(price(prepared.cells, seconds))
 
 
 def price(cells: int, seconds: float) -> dict[str, float]:

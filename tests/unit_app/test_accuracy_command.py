@@ -81,7 +81,10 @@ def test_the_page_of_the_documents_is_whole():
     assert len(pictures) >= 6
     assert all((ROOT / "docs" / picture).exists() for picture in pictures)
     commands = re.findall(r"^`vibrafeed report (\S+) --only (\S+)`$", page, re.MULTILINE)
-    assert len(commands) == len(re.findall("^## ", page, re.MULTILINE))
+    extremes = re.findall("^## (.*)\n\n`vibrafeed report --extremes`$", page, re.MULTILINE)
+    assert extremes == ["Hard cases", "What a scene leaves out"]
+    assert len(commands) + len(extremes) == len(re.findall("^## ", page, re.MULTILINE))
+    assert " 0 wrong" in page
     for study, family in commands:
         families_of(prepare_content(read_content(ROOT / study)), [family])
     # One of each family of the three kinds of study.

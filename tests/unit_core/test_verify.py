@@ -6,13 +6,17 @@ import importlib
 import json
 import math
 import re
+import time
 from dataclasses import replace
 from functools import wraps
 
 import mpmath
 import numpy as np
 import pytest
+import xarray
 
+from app.jobs.work import compute_block, write_result
+from app.store import Store
 from core.catalogue import study_schema
 from core.errors import StudyError
 from core.kinds import KINDS, prepare_content, tabulate
@@ -292,3 +296,24 @@ def test_a_motion_without_another_method_is_refused(monkeypatch):
     monkeypatch.setattr(motion_prepare, "OTHERS", dict.fromkeys(others, ()))
     with pytest.raises(StudyError, match="no other method"):
         prepare_content(MOTION)
+
+
+def test_a_job_writes_what_verifying_found(tmp_path):
+    prepared = prepare_content(SWEEP)
+    store = Store(tmp_path)
+    key, _ = store.add(prepared.study)
+    for index in range(len(Cut(prepared, 2))):
+        compute_block(str(tmp_path), key, 2, index)
+    write_result(str(tmp_path), key, 2, "sweep", 0.0)
+    with xarray.open_dataset(store.folder(key) / "result.nc", engine="netcdf4") as dataset:
+        for name, value in told(SWEEP).items():
+            assert dataset.attrs[name] == value
+        assert dataset.attrs["accuracy"].startswith("rounding")
+
+
+def test_the_price_is_that_of_computing_alone():
+    many = {**SWEEP["parameters"], "amplitude": {"start": 1e-5, "stop": 1e-4, "num": 50}}
+    started = time.perf_counter()
+    table = tabulate(prepare_content({**SWEEP, "parameters": many, "verify": 100}))
+    took = time.perf_counter() - started
+    assert table.price["elapsed_seconds"] < took / 5  # 100 cells; verifying takes 0.01 s of each
