@@ -23,6 +23,10 @@ TOLERANCE = 1e-12
 STOPPED = 1e-10
 """Slips and speeds off a contact below this, in g/w, are taken as zero."""
 
+TOUCHING = 1e-15
+"""A part nearer to a contact than this, in g/w^2, that has stopped and is pressed on, touches it:
+the height of a hop at 1e-8 g/w, below which a run of hops is at its end."""
+
 LONGEST_STEP = 0.05
 """Of the integrator: an event is missed only if its condition changes sign twice within one."""
 
@@ -296,6 +300,7 @@ class _Part:
 
     def choose(self, opened: str) -> Mode:
         """Return the mode in which the part goes on; `opened` names a contact just lost."""
+        self.settle()
         for _ in range(3):
             _, dy, dz = self.free(self.phase, float(self.state[UX]))
             floor = self.on_floor and opened != "floor" and dz < 0.0
@@ -319,6 +324,21 @@ class _Part:
             else:
                 return mode
         raise FailedError
+
+    def settle(self) -> None:
+        """Put a part that has stopped next to a contact, and is pressed on it, onto it.
+
+        A slip along the wall may stop amid the last hops on the floor; it would begin anew with a
+        phase that is longer than a hop, for ever.
+        """
+        s = self.state
+        _, dy, dz = self.free(self.phase, float(s[UX]))
+        if not self.on_floor and dz < 0.0 and abs(s[Z]) <= TOUCHING and abs(s[UZ]) <= STOPPED:
+            s[Z], s[UZ], self.on_floor = 0.0, 0.0, True
+        if not self.point.wall or self.on_wall:
+            return
+        if dy < 0.0 and abs(s[Y]) <= TOUCHING and abs(s[UY]) <= STOPPED:
+            s[Y], s[UY], self.on_wall = 0.0, 0.0, True
 
     def stop(self, mode: Mode) -> None:
         """Take away a slip that is zero but for rounding."""
@@ -440,6 +460,9 @@ class _Part:
         for _ in range(MOST_EVENTS):
             if self.phase >= end:
                 return
+            if missed := self.missed():
+                opened = self.happen(missed, Mode(False, False, True))
+                continue
             mode = self.choose(opened)
             touching = mode.floor or mode.wall
             if mode.slips and touching and math.hypot(*self.slip(mode, self.state)) <= STOPPED:
@@ -473,6 +496,18 @@ class _Part:
             if still > 20:  # round in a circle at one phase
                 raise FailedError
         raise FailedError
+
+    def missed(self) -> str:
+        """Return the impact that is due at once, where another event came within its rounding.
+
+        The integrator sees an event only where its condition changes sign later on.
+        """
+        s = self.state
+        if s[Z] <= 0.0 and s[UZ] < -STOPPED:
+            return "land"
+        if self.point.wall and s[Y] <= 0.0 and s[UY] < -STOPPED:
+            return "bump"
+        return ""
 
     def happen(self, event: str, mode: Mode) -> str:
         """Change the state as an event says; return which contact it opened, or "slip"."""

@@ -10,6 +10,7 @@ import pytest
 
 from core.motion.motion import STATUS
 from core.motion.reference import reference_motion, reference_path
+from core.motion.stepping import stepped_path
 
 GRAVITY = 9.8
 NO_DRIVE: dict[str, Any] = {
@@ -147,3 +148,37 @@ def test_statuses() -> None:
     )  # fmt: skip
     assert wild.status == STATUS["aperiodic"]
     assert wild.spread > 0.0
+
+
+@pytest.mark.parametrize(
+    ("along", "across", "normal", "down", "lean", "weight", "friction", "restitution", "curve"),
+    [
+        # A landing within the rounding of another event, which the integrator does not see.
+        (1.0298, 0.3126, 1.976, 0.0345, 0.3095, 0.9503, 0.8728, 0.1115, 0.0085),
+        # The slip along the wall stops amid the last hops on the floor.
+        (0.6236, 0.3571, 1.7582, -0.0764, 0.2627, 0.9618, 0.7042, 0.244, 0.0163),
+    ],
+)
+def test_hops_at_the_wall_end_on_the_floor(
+    along: float, across: float, normal: float, down: float, lean: float, weight: float,
+    friction: float, restitution: float, curve: float,
+) -> None:  # fmt: skip
+    groups: dict[str, Any] = {
+        "drive_number_along": along, "drive_number_across": across, "drive_number_normal": normal,
+        "gravity_number_along": down, "gravity_number_across": lean,
+        "gravity_number_normal": weight, "friction_static": friction,
+        "friction_kinetic": friction, "wall_friction": friction, "restitution": restitution,
+        "wall_restitution": restitution, "curvature_number": curve, "wall": True,
+    }  # fmt: skip
+    phases = np.linspace(0.0, 4.0 * math.pi, 65)
+    exact = reference_path(phases=phases, **groups)
+    assert exact.position[:, 1:].min() >= -1e-9  # neither through the floor nor through the wall
+    apart = [
+        np.abs(stepped_path(phases=phases, steps_per_period=steps, **groups).position
+               - exact.position).max()
+        for steps in (1000, 8000)
+    ]  # fmt: skip
+    # First order: an eighth of the step. Where in a step landings fall scatters by more than half.
+    assert apart[1] < 0.5 * apart[0]
+    # An event off by a step of 6e-3 changes speeds by 1e-2; one that is missed, by 1.
+    assert apart[0] < 0.05
