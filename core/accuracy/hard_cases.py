@@ -559,7 +559,7 @@ def _chatter() -> list[HardCase]:
     cases.append(HardCase(
         "motion with shrinking hops", family, "infinitely many hops a period",
         motion(**chatter), "conveying_velocity",
-        known(0.034566932320251, 1e-14, "a second method of events (14 digits)"), ("periodic",), says=True,
+        known(0.034566932320251, 1e-14, "a second event method"), ("periodic",), says=True,
     ))  # fmt: skip
     for restitution in (0.6, 0.8):
         cases.append(HardCase(
@@ -754,7 +754,7 @@ def _stiff_friction() -> list[HardCase]:
     family = "regularised friction down to 1e-12"
     slides = {"frequency": 60.0, "amplitude": 24e-6, "beta": 20.0, "gravity": 9.8,
               "friction_static": 0.35, "friction_kinetic": 0.25}  # fmt: skip
-    exact_mean = known(4.3067566120832e-4, 1e-16, "a second method of events (14 digits)")
+    exact_mean = known(4.3067566120832e-4, 1e-16, "a second event method")
     cases = []
     for slip in (1e-3, 1e-6, 1e-9, 1e-12):
         for solver in ("regularised", "regularised-BDF"):
@@ -802,7 +802,7 @@ def _stiff_floor() -> list[HardCase]:
         HardCase(
             f"regularised, stiffness {stiffness:g}", family, "an impact lasts 1e-7 of a period",
             motion("regularised", **hop, contact_stiffness=stiffness, slip_speed=1e-4),
-            "conveying_velocity", known(0.12799649244377, 1e-14, "a second method of events (14 digits)"),
+            "conveying_velocity", known(0.12799649244377, 1e-14, "a second event method"),
             ("periodic",), says=True,
         )
         for stiffness in (1e6, 1e10, 1e14)
