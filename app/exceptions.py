@@ -41,3 +41,7 @@ class NoRoomError(VibrafeedError):
 
 class TornBlockError(VibrafeedError):
     """A block cannot be read; it has been removed, to be computed anew."""
+
+
+class OtherVersionError(VibrafeedError):
+    """A study was posted to another version of vibrafeed."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 import os
 import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from functools import partial
 
 from anyio.to_thread import current_default_thread_limiter
 from fastapi import FastAPI
@@ -18,7 +18,7 @@ import core
 from app import errors, guard, openapi
 from app.jobs.cluster import Cluster
 from app.jobs.desk import Desk
-from app.jobs.ledger import STATES, Ledger
+from app.jobs.ledger import Ledger
 from app.jobs.runner import Runner
 from app.metrics import Metrics
 from app.observe import Observe
@@ -42,17 +42,19 @@ def create_app(settings: Settings) -> FastAPI:
     ledger = Ledger(settings.data_directory / "jobs.sqlite3")
     runner = Runner(ledger, store, Cluster(settings.scheduler, settings.workers), settings)
     desk = Desk(ledger, store, settings, runner.wake)
-    writer = Writer(store)
+    writer = Writer(desk, settings)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         current_default_thread_limiter().total_tokens = THREADS
         await runner.start()
-        tidying = asyncio.create_task(_tidy(desk))
+        stopping = asyncio.Event()
+        tidying = asyncio.create_task(_tidy(desk, stopping))
         yield
-        tidying.cancel()
+        stopping.set()
+        await tidying
         await runner.stop()
-        writer.close()
+        await asyncio.to_thread(writer.close)
         ledger.close()
 
     app = FastAPIOffline(
@@ -73,10 +75,7 @@ def create_app(settings: Settings) -> FastAPI:
     # Of (name, check): see `app.routes.health.readyz`.
     app.state.readiness = [("jobs", runner.wrong)]
     app.state.stopping = threading.Event()  # set by a signal: open streams end
-    for state in STATES:
-        app.state.metrics.gauge(
-            f"vibrafeed_jobs_{state}", f"Jobs that are {state}.", partial(_count, ledger, state)
-        )
+    app.state.metrics.gauges("vibrafeed_jobs", "Jobs by their state.", "state", ledger.counts)
     errors.install(app)
     for part in (health, metrics, scenes, sweeps, zarr, processes, jobs):
         app.include_router(part.router)
@@ -87,14 +86,11 @@ def create_app(settings: Settings) -> FastAPI:
     return app
 
 
-async def _tidy(desk: Desk) -> None:
-    while True:
+async def _tidy(desk: Desk, stopping: asyncio.Event) -> None:
+    while not stopping.is_set():
         try:
             await asyncio.to_thread(desk.tidy)
         except Exception:
             logger.exception("tidying failed")
-        await asyncio.sleep(TIDY)
-
-
-def _count(ledger: Ledger, state: str) -> float:
-    return ledger.counts()[state]
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(stopping.wait(), TIDY)

@@ -3,20 +3,21 @@
 A folder each, named by the study's identifier: ``study.json``; ``blocks/`` while it is computed;
 ``result.nc`` and, where it is small, ``result.json``; last ``manifest.json``. A file appears
 complete or not at all, and a result is there when its manifest is. Servers and workers use the same
-folders.
+folders; who finishes a study holds a lock on its folder.
 """
 
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import hashlib
 import io
 import json
 import os
 import re
 import shutil
+import tempfile
 import time
-import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -38,9 +39,12 @@ from core.sweep.pieces import Computed
 from core.sweep.prepare import Prepared
 
 IDENTIFIER = re.compile(r"[0-9a-f]{64}")
-NETCDF, JSON = "result.nc", "result.json"
+NETCDF, JSON, MANIFEST = "result.nc", "result.json", "manifest.json"
 MOST_JSON_VALUES = 1_000_000  # of a result that is also kept as JSON: some 20 MB
 USED_EVERY = 3600.0  # s; the use of a study is noted no more often
+PART = ".part"  # ends the names of what is being written
+PARTS_KEPT = 3600.0  # s without a change, after which nobody is writing any more
+DIGEST = 32  # bytes of a SHA-256, in front of a block
 _NOTES = "notes"
 
 
@@ -91,7 +95,7 @@ class Store:
         key = identifier(study, process)
         path = self.directory / key / "study.json"
         if path.exists():
-            self._note_use(path)
+            self.note_use(key)
             return key, False
         path.parent.mkdir(parents=True, exist_ok=True)
         with _whole(path) as temporary:
@@ -105,7 +109,7 @@ class Store:
             content = path.read_bytes()
         except FileNotFoundError:
             raise _unknown(key) from None
-        self._note_use(path)
+        self.note_use(key)
         return prepare_content(read_json(content))
 
     def sweep(self, key: str) -> Sweep:
@@ -131,35 +135,58 @@ class Store:
     def write_block(self, key: str, cells: int, index: int, computed: Computed) -> None:
         """Keep what was computed of a piece."""
         path = self._block(key, cells, index)
-        path.parent.mkdir(parents=True, exist_ok=True)
         notes = np.frombuffer(json.dumps(dict(computed.notes)).encode(), np.uint8)
-        with _whole(path) as temporary, temporary.open("wb") as file:
-            np.savez(file, allow_pickle=False, **{_NOTES: notes}, **computed.arrays)
+        content = io.BytesIO()
+        np.savez(content, allow_pickle=False, **{_NOTES: notes}, **computed.arrays)
+        digest = hashlib.sha256(content.getbuffer()).digest()
+        for last in (False, True):
+            # Not the study's own folder: if that is gone, so is the study.
+            path.parent.parent.mkdir(exist_ok=True)
+            path.parent.mkdir(exist_ok=True)
+            try:
+                with _whole(path) as temporary, temporary.open("wb") as file:
+                    file.write(digest)
+                    file.write(content.getbuffer())
+            except FileNotFoundError:  # whoever finished the study has just removed its blocks
+                if last:
+                    raise
+            else:
+                return
 
     def read_block(self, key: str, cells: int, index: int) -> Computed:
         """Return what was computed of a piece; raise `TornBlockError` if it cannot be read."""
         path = self._block(key, cells, index)
         try:
-            with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as file:
-                arrays = dict(file)
-            notes = json.loads(arrays.pop(_NOTES).tobytes())
-        except (FileNotFoundError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as error:
+            content = memoryview(path.read_bytes())
+        except FileNotFoundError:
+            raise TornBlockError(f"block {index} of {key} is gone") from None
+        digest, content = content[:DIGEST], content[DIGEST:]
+        if hashlib.sha256(content).digest() != digest:
             path.unlink(missing_ok=True)
-            raise TornBlockError(f"block {index} of {key} cannot be read: {error}") from error
+            raise TornBlockError(f"block {index} of {key} is not what was written")
+        with np.load(io.BytesIO(content), allow_pickle=False) as file:
+            arrays = dict(file)
+        notes = json.loads(arrays.pop(_NOTES).tobytes())
         return Computed(arrays, notes)
+
+    def drop_blocks(self, key: str) -> None:
+        """Remove the blocks of a study whose result is there; a late worker may have left one."""
+        if (self.folder(key) / MANIFEST).exists():
+            shutil.rmtree(self.folder(key) / "blocks", ignore_errors=True)
 
     def _block(self, key: str, cells: int, index: int) -> Path:
         # Blocks of another size, left by a job that was given up, are never taken for these.
-        return self.folder(key) / "blocks" / str(cells) / f"{index:06d}.npz"
+        return self.folder(key) / "blocks" / str(cells) / f"{index:06d}.block"
 
     # --- results
 
     def manifest(self, key: str) -> Manifest | None:
         """Return what is known of a result; None while there is none."""
         try:
-            content = (self.folder(key) / "manifest.json").read_bytes()
+            content = (self.folder(key) / MANIFEST).read_bytes()
         except FileNotFoundError:
             return None
+        self.note_use(key)
         return Manifest(**json.loads(content))
 
     def finish(
@@ -171,30 +198,49 @@ class Store:
         cells: int,
         blocks: int,
         seconds: float,
-        more: Callable[[Path], Iterable[str]] | None = None,
+        more: Callable[[Path, Path], Iterable[Path]] | None = None,
     ) -> Manifest:
         """Write a result and, last, its manifest; its blocks are needed no more.
 
-        `more` writes further files into the folder, beside the NetCDF file, and returns their
-        names.
+        What somebody else has finished meanwhile stands. `more` takes the NetCDF file and a
+        folder, and returns further files that it wrote there.
         """
+        with self._locked(key) as folder:
+            known = self.manifest(key)
+            if known is not None:
+                self.drop_blocks(key)
+                return known
+            write_netcdf(table, folder / NETCDF)
+            names = [NETCDF]
+            values = sum(variable.values.size for variable in table.variables.values())
+            if values <= MOST_JSON_VALUES:
+                document = to_document(table.with_price({}))
+                with _whole(folder / JSON) as temporary:
+                    temporary.write_bytes(orjson.dumps(document, option=orjson.OPT_SERIALIZE_NUMPY))
+                names.append(JSON)
+            if more is not None:
+                with tempfile.TemporaryDirectory(prefix=".", suffix=PART, dir=folder) as scratch:
+                    for path in more(folder / NETCDF, Path(scratch)):
+                        with _whole(folder / path.name) as temporary:
+                            path.replace(temporary)
+                        names.append(path.name)
+            files = {name: _fingerprint(folder / name) for name in names}
+            manifest = Manifest(key, process, core.__version__, cells, blocks, seconds, files)
+            with _whole(folder / MANIFEST) as temporary:
+                temporary.write_text(json.dumps(asdict(manifest), indent=1), encoding="utf-8")
+            self.drop_blocks(key)
+            return manifest
+
+    @contextlib.contextmanager
+    def _locked(self, key: str) -> Iterator[Path]:
+        """Yield the folder of a study, which nobody else finishes meanwhile."""
         folder = self.folder(key)
-        write_netcdf(table, folder / NETCDF)
-        files = {NETCDF: _fingerprint(folder / NETCDF)}
-        if sum(variable.values.size for variable in table.variables.values()) <= MOST_JSON_VALUES:
-            content = orjson.dumps(
-                to_document(table.with_price({})), option=orjson.OPT_SERIALIZE_NUMPY
-            )
-            with _whole(folder / JSON) as temporary:
-                temporary.write_bytes(content)
-            files[JSON] = _fingerprint(folder / JSON)
-        for name in more(folder) if more is not None else ():
-            files[name] = _fingerprint(folder / name)
-        manifest = Manifest(key, process, core.__version__, cells, blocks, seconds, files)
-        with _whole(folder / "manifest.json") as temporary:
-            temporary.write_text(json.dumps(asdict(manifest), indent=1), encoding="utf-8")
-        shutil.rmtree(folder / "blocks", ignore_errors=True)
-        return manifest
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+            yield folder
+        finally:
+            os.close(descriptor)
 
     # --- housekeeping
 
@@ -216,30 +262,40 @@ class Store:
                 return path.stat().st_mtime
         return 0.0
 
-    def bytes(self, key: str | None = None) -> int:
-        """Return how much the files of a study take, or those of all."""
-        folder = self.directory if key is None else self.folder(key)
-        return sum(_sizes(folder))
+    def bytes(self, key: str) -> int:
+        """Return how much the files of a study take."""
+        return sum(_sizes(self.folder(key)))
 
     def remove(self, key: str) -> None:
         """Remove a study and everything made from it; the manifest goes first."""
         folder = self.folder(key)
-        (folder / "manifest.json").unlink(missing_ok=True)
+        (folder / MANIFEST).unlink(missing_ok=True)
         shutil.rmtree(folder, ignore_errors=True)
 
-    def sweep_up(self, keys: Iterable[str] | None = None) -> int:
-        """Remove what writers that were killed have left; return how many files.
+    def sweep_up(self, age: float = PARTS_KEPT) -> int:
+        """Remove what killed writers have left; return how many files and folders.
 
-        Only for studies that nobody else is writing.
+        Parameters
+        ----------
+        age : float
+            Only what was not changed for so long [s]; 0 where nobody else can be writing.
         """
-        count = 0
-        for key in self.studies() if keys is None else keys:
-            for path in self.folder(key).rglob(".*.part"):
-                path.unlink(missing_ok=True)
-                count += 1
+        count, before = 0, time.time() - age
+        for key in self.studies():
+            for path in self.folder(key).rglob(f".*{PART}"):
+                with contextlib.suppress(FileNotFoundError):
+                    if age and path.stat().st_mtime > before:
+                        continue
+                    if path.is_dir():
+                        shutil.rmtree(path)
+                    else:
+                        path.unlink()
+                    count += 1
         return count
 
-    def _note_use(self, path: Path) -> None:
+    def note_use(self, key: str) -> None:
+        """Note that a study is used, so that it stays."""
+        path = self.folder(key) / "study.json"
         with contextlib.suppress(OSError):  # a directory that is read-only can be read
             if time.time() - path.stat().st_mtime > USED_EVERY:
                 os.utime(path)
@@ -248,7 +304,7 @@ class Store:
 @contextlib.contextmanager
 def _whole(path: Path) -> Iterator[Path]:
     """Yield a temporary name; what stands there takes its place when the block ends well."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.{time.monotonic_ns()}.part")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.{time.monotonic_ns()}{PART}")
     try:
         yield temporary
         with temporary.open("rb") as file:

@@ -43,6 +43,7 @@ class ZarrViews:
     def read(self, key: str, path: str) -> bytes:
         """Return the bytes of a path in the group of a sweep; raise `KeyError` if it has none."""
         place = (key, path)
+        self._store.note_use(key)
         with self._lock:
             content = self._chunks.get(place)
             if content is not None:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import shutil
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from app.exceptions import NoRoomError
 from app.jobs import work
@@ -13,11 +14,13 @@ from app.jobs.ledger import Job, Ledger
 from app.settings import Settings
 from app.store import Store, identifier
 from core.kinds import KINDS
+from core.sweep import Sweep
 from core.sweep.pieces import Cut
 from core.sweep.prepare import Prepared
 
 DAY = 86_400.0
 COUNTED_EVERY = 60.0  # s; counting looks at every file
+MOST_JOBS = 100_000  # that are over, of which the ledger tells
 REPORT_BYTES = 10_000_000  # of an accuracy report
 SPARE = 0.01  # of the disk, left to others
 MOST_SPARE = 100_000_000  # bytes
@@ -41,7 +44,9 @@ class Desk:
     ):
         self.ledger, self.store = ledger, store
         self._settings, self._wake = settings, wake
-        self._known = (-COUNTED_EVERY, 0)  # when the bytes were counted [s], and how many
+        self._counting = threading.Lock()
+        self._counted = -COUNTED_EVERY  # when the bytes were counted [s]
+        self._sizes: dict[str, int] = {}  # bytes of each study then, and what was let in since
 
     def post(self, prepared: Prepared, process: str) -> Job:
         """Enter a job for a study; it is on the disk when this returns.
@@ -54,24 +59,44 @@ class Desk:
             If too much is waiting.
         """
         key = identifier(prepared.study, process)
-        manifest = self.store.manifest(key)
-        if manifest is None:
-            # Blocks and the result are there at the same time, for a moment.
-            self.make_room(2 * prepared.bytes if process in KINDS else REPORT_BYTES)
-        self.store.add(prepared.study, process)
         block_cells = work.block_cells(prepared, self._settings.block_seconds)
         blocks = len(Cut(prepared, block_cells)) if process in KINDS else 0
-        job = self.ledger.post(
-            key,
-            process,
-            cells=prepared.cells,
-            block_cells=block_cells,
-            blocks=blocks,
-            finished_seconds=None if manifest is None else manifest.seconds,
-            most_waiting=self._settings.max_queue,
-        )
+        # Blocks and the result are there at the same time, for a moment.
+        needed = 2 * prepared.bytes if process in KINDS else REPORT_BYTES
+        self._count()
+        # In one transaction, so that what is found here is not removed before the job is entered.
+        with self.ledger.transaction():
+            manifest = self.store.manifest(key)
+            if manifest is None and key not in self.ledger.promised():
+                self.ledger.check_queue(self._settings.max_queue)
+                self._make_room(key, needed)
+                self.store.add(prepared.study, process)
+            job = self.ledger.post(
+                key,
+                process,
+                cells=prepared.cells,
+                block_cells=block_cells,
+                blocks=blocks,
+                bytes_=needed,
+                finished_seconds=None if manifest is None else manifest.seconds,
+            )
         self._wake()
         return job
+
+    def keep(self, sweep: Sweep) -> tuple[str, bool]:
+        """Keep a sweep of which nothing is computed yet; return its identifier, and if it is new.
+
+        Raises
+        ------
+        NoRoomError
+            If the data directory is full.
+        """
+        key = identifier(sweep.study)
+        self._count()
+        with self.ledger.transaction():
+            if not self.store.used(key):
+                self._make_room(key, len(sweep.study.canonical()))
+            return self.store.add(sweep.study)
 
     def dismiss(self, number: str) -> Job | None:
         """Dismiss a job; None if there is no such job."""
@@ -79,51 +104,81 @@ class Desk:
         self._wake()
         return job
 
-    def make_room(self, needed: int) -> None:
-        """Remove what was used longest ago until so many bytes fit; what is worked on stays.
+    def make_room(self, key: str, needed: int) -> None:
+        """Remove what was used longest ago until a study fits; what is worked on stays.
+
+        Parameters
+        ----------
+        key : str
+            The study, which stays too.
+        needed : int
+            Most bytes of all its files.
 
         Raises
         ------
         NoRoomError
-            If they do not fit then.
+            If they do not fit then; nothing has been removed.
         """
+        self._count()
+        with self.ledger.transaction():
+            self._make_room(key, needed)
+
+    def _make_room(self, key: str, needed: int) -> None:
+        promised = self.ledger.promised() | {key: needed}
+        with self._counting:
+            sizes = dict(self._sizes)
+        taken = sum(size for other, size in sizes.items() if other not in promised)
+        promises = sum(promised.values())
         quota = self._settings.disk_quota_bytes
-        taken = self._taken()
-        if taken + needed > quota:
-            taken = self._taken(anew=True)
-            wanted = self.ledger.wanted()
-            for key in self.store.studies():
-                if taken + needed <= quota:
-                    break
-                if key not in wanted:
-                    taken -= self.store.bytes(key)
-                    self.store.remove(key)
-        if taken + needed > quota:
+        if promises > quota:
             raise NoRoomError(
                 f"The study needs up to {needed:,} bytes, the quota is {quota:,}, and "
-                f"{taken:,} are taken by work under way."
+                f"{promises - needed:,} are promised to work under way."
             )
-        self._known = (self._known[0], taken + needed)
+        leaving, freed = [], 0
+        if taken + promises > quota:
+            for other in self.store.studies():
+                if other not in promised:
+                    leaving.append(other)
+                    freed += sizes.get(other, 0)
+                    if taken + promises - freed <= quota:
+                        break
+        self._check_disk(needed, freed, promised, sizes)
+        for other in leaving:
+            self.store.remove(other)
+        with self._counting:
+            for other in leaving:
+                self._sizes.pop(other, None)
+            self._sizes[key] = needed
+
+    def _check_disk(
+        self, needed: int, freed: int, promised: Mapping[str, int], sizes: Mapping[str, int]
+    ) -> None:
+        """Raise `NoRoomError` if the disk lacks the room, others' promises kept."""
         with contextlib.suppress(FileNotFoundError):
             disk = shutil.disk_usage(self._settings.data_directory)
-            if needed + min(SPARE * disk.total, MOST_SPARE) > disk.free:
+            free = disk.free - min(SPARE * disk.total, MOST_SPARE) + freed
+            missing = sum(max(0, size - sizes.get(key, 0)) for key, size in promised.items())
+            if missing > free:
                 raise NoRoomError(
                     f"The study needs up to {needed:,} bytes; the disk has {disk.free:,} left."
                 )
 
-    def _taken(self, *, anew: bool = False) -> int:
-        """Return the bytes taken; what was promised since they were last counted is added."""
-        at, taken = self._known
-        if anew or time.monotonic() - at > COUNTED_EVERY:
-            taken = self.store.bytes()
-            self._known = (time.monotonic(), taken)
-        return taken
+    def _count(self) -> None:
+        """Count the bytes of all studies, if that was long ago."""
+        with self._counting:
+            if time.monotonic() - self._counted > COUNTED_EVERY:
+                self._sizes = {key: self.store.bytes(key) for key in self.store.studies()}
+                self._counted = time.monotonic()
 
     def tidy(self) -> None:
-        """Remove jobs and studies that nobody has used for the time of retention."""
+        """Remove what nobody uses: old jobs and studies, what killed writers and workers left."""
         before = time.time() - self._settings.retention_days * DAY
-        self.ledger.forget(before)
-        wanted = self.ledger.wanted()
+        self.ledger.forget(before, MOST_JOBS)
+        self.store.sweep_up()
         for key in self.store.studies():
-            if key not in wanted and self.store.used(key) < before:
-                self.store.remove(key)
+            with self.ledger.transaction():
+                if key not in self.ledger.promised():
+                    self.store.drop_blocks(key)
+                    if self.store.used(key) < before:
+                        self.store.remove(key)

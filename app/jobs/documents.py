@@ -93,7 +93,8 @@ class StatusInfo(BaseModel):
     cells: int = Field(description="Points of the grid.")
     cellsDone: int = Field(description="Roughly how many of them are done.")  # noqa: N815
     secondsLeft: float | None = Field(  # noqa: N815
-        default=None, description="Expected from the pace until now; absent while unknown."
+        default=None,
+        description="Expected from the pace since the server took it up; absent while unknown.",
     )
     elapsedSeconds: float = Field(  # noqa: N815
         description="Time that computing took until now, summed over all workers."
@@ -182,9 +183,9 @@ def status_info(job: Job, base: str) -> dict[str, Any]:
     # The last percent is the writing of the result.
     progress = 100 if job.state == "successful" else min(99, int(100 * share))
     left = None
-    if job.state == "running" and job.done and job.started is not None:
-        # After a restart the pace is that of before, too: it tends to the truth.
-        left = round((time.time() - job.started) * (1 - share) / share, 1)
+    if job.began is not None and job.done > job.done_then:
+        pace = (time.time() - job.began) / (job.done - job.done_then)
+        left = round(pace * (job.blocks - job.done), 1)
     here = f"{base}/jobs/{job.id}"
     links = [
         _link(here, "self", "This document"),

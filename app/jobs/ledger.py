@@ -3,7 +3,8 @@
 Every change is one transaction, committed to the disk before the call returns. A *job* is what a
 client posted. An *item of work* is what has to be computed, once for all jobs of equal studies; it
 exists only until it is done. The server that works on an item holds a lease on it, which it renews;
-a lease that has run out may be taken over.
+a lease that has run out may be taken over. Its owner is one claim, not one server: a server that
+was late with a lease and claims the item again does not take itself for the first claim.
 """
 
 from __future__ import annotations
@@ -31,9 +32,12 @@ CREATE TABLE IF NOT EXISTS work (
     cells INTEGER NOT NULL,
     block_cells INTEGER NOT NULL,
     blocks INTEGER NOT NULL,
+    bytes INTEGER NOT NULL,
     done INTEGER NOT NULL DEFAULT 0,
     seconds REAL NOT NULL DEFAULT 0,
     created REAL NOT NULL,
+    began REAL,
+    done_then INTEGER,
     owner TEXT,
     lease REAL NOT NULL DEFAULT 0
 ) STRICT;
@@ -52,10 +56,12 @@ CREATE TABLE IF NOT EXISTS jobs (
 ) STRICT;
 CREATE INDEX IF NOT EXISTS jobs_by_key ON jobs (key);
 CREATE INDEX IF NOT EXISTS jobs_by_time ON jobs (created);
+CREATE INDEX IF NOT EXISTS jobs_by_state ON jobs (state);
 """
 
 _JOB = """
-SELECT jobs.*, coalesce(work.done, 0) AS done, coalesce(work.seconds, 0) AS spent
+SELECT jobs.*, coalesce(work.done, 0) AS done, coalesce(work.seconds, 0) AS spent,
+work.began AS began, coalesce(work.done_then, 0) AS done_then
 FROM jobs LEFT JOIN work ON work.key = jobs.key
 """
 
@@ -98,6 +104,8 @@ class Job:
     ----------
     done : int
         Blocks that have been computed.
+    began, done_then : float or None, int
+        When the server that works on it took it up, and how many blocks were there then.
     seconds : float
         Time that computing took, summed over all workers.
     problem : mapping or None
@@ -116,17 +124,26 @@ class Job:
     finished: float | None
     seconds: float
     problem: Mapping[str, Any] | None
+    began: float | None = None
+    done_then: int = 0
 
 
 @dataclass(frozen=True)
 class Work:
-    """An item of work that this server holds the lease of."""
+    """An item of work that this server holds the lease of.
+
+    Attributes
+    ----------
+    owner : str
+        The claim.
+    """
 
     key: str
     process: str
     block_cells: int
     blocks: int
     seconds: float
+    owner: str
 
 
 class Ledger:
@@ -140,7 +157,7 @@ class Ledger:
 
     def __init__(self, path: Path):
         self._path = path
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()
         self._opened: sqlite3.Connection | None = None
 
     def close(self) -> None:
@@ -169,10 +186,17 @@ class Ledger:
         return self._opened
 
     @contextmanager
-    def _changing(self) -> Iterator[sqlite3.Connection]:
-        # IMMEDIATE: a transaction that reads before it writes would fail under another writer.
+    def transaction(self) -> Iterator[sqlite3.Connection]:
+        """Make all that is done inside one transaction: nobody else changes the ledger meanwhile.
+
+        Its methods may be called inside, from this thread.
+        """
         with self._lock:
             database = self._database()
+            if database.in_transaction:  # that of this thread, or the lock would not be ours
+                yield database
+                return
+            # IMMEDIATE: one that reads before it writes would fail under another writer.
             database.execute("BEGIN IMMEDIATE")
             try:
                 yield database
@@ -188,6 +212,15 @@ class Ledger:
 
     # --- what clients do
 
+    def check_queue(self, most: int) -> None:
+        """Raise `QueueFullError` if there are so many items of work."""
+        [row] = self._read("SELECT count(*) AS waiting FROM work")
+        if row["waiting"] >= most:
+            raise QueueFullError(
+                f"{row['waiting']:,} studies are being carried out or waiting; no more are taken "
+                "before one is done."
+            )
+
     def post(
         self,
         key: str,
@@ -196,59 +229,42 @@ class Ledger:
         cells: int,
         block_cells: int,
         blocks: int,
+        bytes_: int,
         finished_seconds: float | None,
-        most_waiting: int,
     ) -> Job:
         """Enter a job; one whose result is there already is successful at once.
 
         Parameters
         ----------
+        bytes_ : int
+            What its files may take on the disk.
         finished_seconds : float or None
             What computing took, if the result is there.
-        most_waiting : int
-            Most items of work in the queue; a job of work that is in it already is always taken.
-
-        Raises
-        ------
-        QueueFullError
-            If the queue is full.
         """
         number, now = uuid.uuid4().hex, time.time()
-        state: str
-        started: float | None
-        finished: float | None
-        with self._changing() as database:
-            if finished_seconds is None:
-                known = database.execute(
+        is_there = finished_seconds is not None
+        state = "successful" if is_there else "accepted"
+        started = finished = now if is_there else None
+        with self.transaction() as database:
+            if not is_there:
+                database.execute(
+                    "INSERT INTO work (key, process, cells, block_cells, blocks, bytes, created) "
+                    "VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT DO NOTHING",
+                    (key, process, cells, block_cells, blocks, bytes_, now),
+                )
+                # It may have been cut when blocks were of another size.
+                [owner, blocks] = database.execute(
                     "SELECT owner, blocks FROM work WHERE key = ?", (key,)
                 ).fetchone()
-                if known is None:
-                    [waiting] = database.execute("SELECT count(*) FROM work").fetchone()
-                    if waiting >= most_waiting:
-                        raise QueueFullError(
-                            f"{waiting:,} studies are being carried out or waiting; no more are "
-                            "taken before one is done."
-                        )
-                    database.execute(
-                        "INSERT INTO work (key, process, cells, block_cells, blocks, created) "
-                        "VALUES (?, ?, ?, ?, ?, ?)",
-                        (key, process, cells, block_cells, blocks, now),
-                    )
-                at_work = known is not None and known["owner"] is not None
-                state, started, finished = "accepted", None, None
-                if at_work:
+                if owner is not None:
                     state, started = "running", now
-                if known is not None:  # it may have been cut when blocks were of another size
-                    blocks = known["blocks"]
-            else:
-                state, started, finished = "successful", now, now
             database.execute(
                 "INSERT INTO jobs (id, key, process, state, cells, blocks, created, started, "
                 "finished, seconds) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                 (number, key, process, state, cells, blocks, now, started, finished,
                  finished_seconds),
             )  # fmt: skip
-        job = self.job(number)
+            job = self.job(number)
         assert job is not None
         return job
 
@@ -269,7 +285,7 @@ class Ledger:
 
     def dismiss(self, number: str) -> Job | None:
         """Dismiss a job; work that no other job waits for is given up. None if there is none."""
-        with self._changing() as database:
+        with self.transaction() as database:
             row = database.execute("SELECT key FROM jobs WHERE id = ?", (number,)).fetchone()
             if row is None:
                 return None
@@ -292,10 +308,10 @@ class Ledger:
 
     # --- what servers do
 
-    def claim(self, owner: str, lease_seconds: float) -> Work | None:
+    def claim(self, server: str, lease_seconds: float) -> Work | None:
         """Take the lease of the item of work that has waited longest; None if none is free."""
-        now = time.time()
-        with self._changing() as database:
+        now, owner = time.time(), f"{server} {uuid.uuid4().hex[:8]}"
+        with self.transaction() as database:
             row = database.execute(
                 "SELECT * FROM work WHERE owner IS NULL OR lease < ? ORDER BY created LIMIT 1",
                 (now,),
@@ -303,7 +319,8 @@ class Ledger:
             if row is None:
                 return None
             database.execute(
-                "UPDATE work SET owner = ?, lease = ? WHERE key = ?",
+                "UPDATE work SET owner = ?, lease = ?, began = NULL, done_then = NULL "
+                "WHERE key = ?",
                 (owner, now + lease_seconds, row["key"]),
             )
             database.execute(
@@ -311,67 +328,78 @@ class Ledger:
                 "WHERE key = ? AND state = 'accepted'",
                 (now, row["key"]),
             )
-        return Work(*(row[name] for name in ("key", "process", "block_cells", "blocks", "seconds")))
+        names = ("key", "process", "block_cells", "blocks", "seconds")
+        return Work(**{name: row[name] for name in names}, owner=owner)
 
-    def renew(self, key: str, owner: str, lease_seconds: float) -> bool:
+    def holds(self, work: Work) -> bool:
+        """Return whether a claim still stands: not lost, and the work is still wanted."""
+        return bool(
+            self._read("SELECT 1 FROM work WHERE key = ? AND owner = ?", work.key, work.owner)
+        )
+
+    def renew(self, work: Work, lease_seconds: float) -> bool:
         """Renew a lease; False if it has been lost, or the work is wanted no more."""
-        with self._changing() as database:
+        with self.transaction() as database:
             changed = database.execute(
                 "UPDATE work SET lease = ? WHERE key = ? AND owner = ?",
-                (time.time() + lease_seconds, key, owner),
+                (time.time() + lease_seconds, work.key, work.owner),
             )
             return changed.rowcount == 1
 
-    def advance(self, key: str, owner: str, *, done: int, seconds: float) -> None:
-        """Note how many blocks are done, and time spent since the last note."""
-        with self._changing() as database:
+    def advance(self, work: Work, *, done: int, seconds: float) -> None:
+        """Note how many blocks are done, and time spent since the last note.
+
+        The first note of a claim tells what is there already.
+        """
+        with self.transaction() as database:
             database.execute(
-                "UPDATE work SET done = ?, seconds = seconds + ? WHERE key = ? AND owner = ?",
-                (done, seconds, key, owner),
+                "UPDATE work SET done = ?1, seconds = seconds + ?2, began = coalesce(began, ?3), "
+                "done_then = coalesce(done_then, ?1) WHERE key = ?4 AND owner = ?5",
+                (done, seconds, time.time(), work.key, work.owner),
             )
 
-    def succeed(self, key: str, owner: str) -> None:
+    def succeed(self, work: Work) -> None:
         """Note that an item of work is done; its result is on the disk."""
-        self._end(key, owner, "successful", None)
+        self._end(work, "successful", None)
 
-    def fail(self, key: str, owner: str, problem: Mapping[str, Any]) -> None:
+    def fail(self, work: Work, problem: Mapping[str, Any]) -> None:
         """Note that an item of work cannot be done, and why."""
-        self._end(key, owner, "failed", json.dumps(dict(problem)))
+        self._end(work, "failed", json.dumps(dict(problem)))
 
-    def _end(self, key: str, owner: str, state: str, problem: str | None) -> None:
-        with self._changing() as database:
+    def _end(self, work: Work, state: str, problem: str | None) -> None:
+        with self.transaction() as database:
             row = database.execute(
-                "DELETE FROM work WHERE key = ? AND owner = ? RETURNING seconds", (key, owner)
+                "DELETE FROM work WHERE key = ? AND owner = ? RETURNING seconds",
+                (work.key, work.owner),
             ).fetchone()
             if row is not None:
                 database.execute(
                     "UPDATE jobs SET state = ?, finished = ?, seconds = ?, problem = ? "
                     "WHERE key = ? AND state IN ('accepted', 'running')",
-                    (state, time.time(), row["seconds"], problem, key),
+                    (state, time.time(), row["seconds"], problem, work.key),
                 )
 
-    def release(self, owner: str | None) -> None:
-        """Give up the leases of an owner, or of all: another server, or the next, goes on."""
-        with self._changing() as database:
+    def release(self, owner: str = "") -> None:
+        """Give up the lease of a claim, of all of a server, or of all: another goes on."""
+        with self.transaction() as database:
             database.execute(
-                "UPDATE work SET owner = NULL, lease = 0 WHERE owner = ?1 OR ?1 IS NULL", (owner,)
+                "UPDATE work SET owner = NULL, lease = 0 WHERE substr(owner, 1, length(?1)) = ?1",
+                (owner,),
             )
 
-    def release_one(self, key: str, owner: str) -> None:
-        """Give up one lease."""
-        with self._changing() as database:
-            database.execute(
-                "UPDATE work SET owner = NULL, lease = 0 WHERE key = ? AND owner = ?", (key, owner)
-            )
+    def promised(self) -> dict[str, int]:
+        """Return the keys of all items of work, and the bytes that each may take on the disk."""
+        return {row["key"]: row["bytes"] for row in self._read("SELECT key, bytes FROM work")}
 
-    def wanted(self) -> set[str]:
-        """Return the keys of all items of work."""
-        return {row["key"] for row in self._read("SELECT key FROM work")}
-
-    def forget(self, before: float) -> None:
-        """Remove the jobs that were finished before a time."""
-        with self._changing() as database:
+    def forget(self, before: float, most: int) -> None:
+        """Remove the jobs that were finished before a time, and of the others all but so many."""
+        with self.transaction() as database:
             database.execute("DELETE FROM jobs WHERE finished < ?", (before,))
+            database.execute(
+                "DELETE FROM jobs WHERE id IN (SELECT id FROM jobs WHERE finished IS NOT NULL "
+                "ORDER BY finished DESC LIMIT -1 OFFSET ?)",
+                (most,),
+            )
 
 
 def _job(row: sqlite3.Row) -> Job:
@@ -389,4 +417,6 @@ def _job(row: sqlite3.Row) -> Job:
         finished=row["finished"],
         seconds=(row["seconds"] or 0.0) if over else row["spent"],
         problem=json.loads(row["problem"]) if row["problem"] else None,
+        began=None if over else row["began"],
+        done_then=row["done_then"],
     )

@@ -5,17 +5,19 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import fcntl
+import functools
 import logging
 import os
 import socket
 import time
 import uuid
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any, TypeVar
 
 from app.errors import storage_problem
-from app.exceptions import TornBlockError
+from app.exceptions import OtherVersionError, TornBlockError
 from app.jobs import work
 from app.jobs.cluster import Cluster
 from app.jobs.ledger import Ledger, Work
@@ -30,6 +32,11 @@ logger = logging.getLogger("vibrafeed.jobs")
 
 POLL = 0.5  # s between looks at the ledger, in which other servers may have entered work
 RETRY = 2.0  # s before a lost scheduler is tried again
+LOOK = 1.0  # s between looks at whether work is still wanted
+THREADS = 2  # that wait for the ledger; downloads, which have the others, cannot make a lease late
+MOST_TORN = 5  # times that a study's blocks are found damaged
+
+_T = TypeVar("_T")
 
 
 class Runner:
@@ -47,7 +54,8 @@ class Runner:
         self._ledger, self._store, self._cluster = ledger, store, cluster
         self._settings = settings
         self._directory = str(settings.data_directory.resolve())
-        self._owner = f"{socket.gethostname()} {os.getpid()} {uuid.uuid4().hex[:8]}"
+        self._server = f"{socket.gethostname()} {os.getpid()} {uuid.uuid4().hex[:8]}"
+        self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="jobs")
         self._loop: asyncio.AbstractEventLoop | None = None
         self._wake = asyncio.Event()
         self._active: dict[str, asyncio.Task[None]] = {}
@@ -58,7 +66,7 @@ class Runner:
     async def start(self) -> None:
         """Clear up what a killed server has left, and begin to work."""
         self._loop = asyncio.get_running_loop()
-        await asyncio.to_thread(self._clear_up)
+        await self._aside(self._clear_up)
         self._main = asyncio.create_task(self._run(), name="jobs")
 
     async def stop(self) -> None:
@@ -68,13 +76,14 @@ class Runner:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
         try:
-            await asyncio.to_thread(self._ledger.release, self._owner)
+            await self._aside(self._ledger.release, self._server)
         except Exception:  # such as a full disk: the leases run out
             logger.exception("leases cannot be given up")
         try:
             await self._cluster.close()
         except Exception:
             logger.exception("the cluster did not close")
+        self._threads.shutdown()
         if self._alone is not None:
             self._alone.close()
 
@@ -99,8 +108,8 @@ class Runner:
         except OSError:
             fcntl.flock(self._alone, fcntl.LOCK_SH)
             return
-        self._ledger.release(None)
-        count = self._store.sweep_up()
+        self._ledger.release()
+        count = self._store.sweep_up(0)
         if count:
             logger.info("files of killed writers removed", extra={"count": count})
         fcntl.flock(self._alone, fcntl.LOCK_SH)
@@ -118,10 +127,12 @@ class Runner:
     async def _claim_some(self) -> None:
         while len(self._active) < self._settings.concurrent_jobs:
             lease = self._settings.lease_seconds
-            item = await asyncio.to_thread(self._ledger.claim, self._owner, lease)
+            item = await self._aside(self._ledger.claim, self._server, lease)
             if item is None:
+                if not self._active:  # nothing waits for the workers
+                    self._trouble = None
                 return
-            self._active[item.key] = asyncio.create_task(self._keep(item), name=item.key)
+            self._active[item.owner] = asyncio.create_task(self._keep(item), name=item.key)
 
     async def _keep(self, item: Work) -> None:
         """Carry out an item for as long as its lease is ours."""
@@ -129,33 +140,51 @@ class Runner:
         carrying = asyncio.create_task(self._carry_out(item))
         try:
             logger.info("work started", extra=about)
-            while not carrying.done():
-                await asyncio.wait([carrying], timeout=self._settings.lease_seconds / 4)
-                if not carrying.done() and not await self._renewed(item):
-                    logger.info("work given up", extra=about)
-                    return
+            await self._hold(item, carrying)
+            if not carrying.done():
+                logger.info("work given up", extra=about)
+                return
             problem = await self._problem_of(carrying)
+            if problem is not None and await self._is_there(item):
+                problem = None  # another server, which took this one for dead, has finished it
             if problem is None:
-                await asyncio.to_thread(self._ledger.succeed, item.key, self._owner)
+                await self._aside(self._ledger.succeed, item)
                 logger.info("work done", extra=about)
             else:
-                await asyncio.to_thread(self._ledger.fail, item.key, self._owner, problem)
+                await self._aside(self._ledger.fail, item, problem)
         except _Lost as lost:
             logger.warning("the cluster is lost: %s", lost, extra=about)
             await asyncio.sleep(RETRY)
-            await asyncio.to_thread(self._ledger.release_one, item.key, self._owner)
+            await self._aside(self._ledger.release, item.owner)
         except Exception:
             # Such as a ledger on a full disk: the lease runs out, and the work is tried again.
             logger.exception("work interrupted", extra=about)
         finally:
             carrying.cancel()
             await asyncio.gather(carrying, return_exceptions=True)
-            self._active.pop(item.key, None)
+            self._active.pop(item.owner, None)
             self._wake.set()
 
-    async def _renewed(self, item: Work) -> bool:
+    async def _hold(self, item: Work, carrying: asyncio.Task[None]) -> None:
+        """Keep the lease until work ends; return before that if it is lost or not wanted."""
         lease = self._settings.lease_seconds
-        return await asyncio.to_thread(self._ledger.renew, item.key, self._owner, lease)
+        renewed = time.monotonic()
+        while not carrying.done():
+            await asyncio.wait([carrying], timeout=min(LOOK, lease / 4))
+            if carrying.done() or not await self._aside(self._ledger.holds, item):
+                return
+            if time.monotonic() - renewed > lease / 4:
+                renewed = time.monotonic()
+                if not await self._aside(self._ledger.renew, item, lease):
+                    return
+                await self._look_at_workers()
+
+    async def _look_at_workers(self) -> None:
+        """Note whether there are workers, once there has been a connection."""
+        if self._cluster.started:
+            with contextlib.suppress(Exception):  # what waits for a worker finds out itself
+                some = await self._cluster.workers()
+                self._trouble = None if some else "the scheduler has no workers"
 
     async def _problem_of(self, carrying: asyncio.Task[None]) -> Mapping[str, Any] | None:
         """Return why work failed as parts of a problem document; None if it did not."""
@@ -165,6 +194,11 @@ class Runner:
             raise
         except _TooLongError as error:
             return _problem(422, "limit", "The study takes longer than this service allows", error)
+        except OtherVersionError as error:
+            return _problem(409, "version", "The study is another version's", error)
+        except TornBlockError as error:
+            logger.exception("storage failed")
+            return _problem(507, "storage", "The disk does not keep what is written", error)
         except OSError as error:
             logger.exception("storage failed")
             return storage_problem(error)
@@ -178,45 +212,63 @@ class Runner:
         return None
 
     async def _carry_out(self, item: Work) -> None:
-        """Have the missing blocks of an item computed, then its result written."""
-        store, key = self._store, item.key
-        if await asyncio.to_thread(store.manifest, key) is not None:
-            return
-        await asyncio.to_thread(store.sweep_up, [key])
-        deadline = time.monotonic() + self._settings.max_job_seconds
-        spent = item.seconds
+        """Have the missing blocks of an item computed, then its result written, within its time."""
+        most = self._settings.max_job_seconds
+        try:
+            async with asyncio.timeout(most) as limit:
+                await self._compute_and_write(item)
+        except TimeoutError as error:
+            if not limit.expired():
+                raise
+            raise _TooLongError(
+                f"It was stopped after {most:g} s. Posted again, it goes on with the blocks that "
+                "are done."
+            ) from error
+
+    async def _compute_and_write(self, item: Work) -> None:
+        store, key, cells = self._store, item.key, item.block_cells
+        spent, torn = item.seconds, 0
         while True:
-            missing = await asyncio.to_thread(
-                lambda: [
-                    index
-                    for index in range(item.blocks)
-                    if not store.has_block(key, item.block_cells, index)
-                ]
+            if await self._is_there(item):
+                return
+            missing = await self._aside(
+                lambda: [i for i in range(item.blocks) if not store.has_block(key, cells, i)]
             )
-            spent += await self._compute(item, missing, deadline)
+            spent += await self._compute(item, missing)
             try:
-                await self._on_worker(work.write_result, key, item.block_cells, item.process, spent)
+                await self._on_worker(work.write_result, key, item.process, cells, spent)
             except TornBlockError as error:
+                torn += 1
+                if torn == MOST_TORN:
+                    raise
                 logger.warning("a block is computed again: %s", error, extra={"key": key})
             else:
                 return
 
-    async def _compute(self, item: Work, missing: list[int], deadline: float) -> float:
+    async def _is_there(self, item: Work) -> bool:
+        """Return whether a result is there; blocks that a late worker left go then."""
+        await self._aside(self._store.drop_blocks, item.key)
+        return await self._aside(self._store.manifest, item.key) is not None
+
+    async def _compute(self, item: Work, missing: list[int]) -> float:
         """Have blocks computed, a few at a time; return the seconds that they took."""
         done, total = item.blocks - len(missing), 0.0
-        await asyncio.to_thread(self._ledger.advance, item.key, self._owner, done=done, seconds=0.0)
+        await self._aside(self._ledger.advance, item, done=done, seconds=0.0)
         waiting = iter(missing)
         # Two for each worker: enough to keep it busy, few enough for other jobs to have a turn.
+        # Without a worker yet, those of one wait for it.
         most = 0
         if missing:
             await self._client()
-            most = 2 * await self._cluster.workers()
+            most = 2 * max(1, await self._cluster.workers())
         running: set[asyncio.Task[float]] = set()
         finished: set[asyncio.Task[float]] = set()
         try:
             while True:
                 for index in waiting:
-                    block = self._on_worker(work.compute_block, item.key, item.block_cells, index)
+                    block = self._on_worker(
+                        work.compute_block, item.key, item.process, item.block_cells, index
+                    )
                     running.add(asyncio.create_task(block))
                     if len(running) >= most:
                         break
@@ -225,14 +277,7 @@ class Runner:
                 finished, running = await asyncio.wait(running, return_when=asyncio.FIRST_COMPLETED)
                 seconds = sum(task.result() for task in finished)
                 done, total = done + len(finished), total + seconds
-                await asyncio.to_thread(
-                    self._ledger.advance, item.key, self._owner, done=done, seconds=seconds
-                )
-                if time.monotonic() > deadline:
-                    raise _TooLongError(
-                        f"It was stopped after {self._settings.max_job_seconds:g} s with {done:,} "
-                        f"of {item.blocks:,} blocks done; posted again, it goes on from there."
-                    )
+                await self._aside(self._ledger.advance, item, done=done, seconds=seconds)
         finally:
             for task in running:
                 task.cancel()
@@ -257,6 +302,11 @@ class Runner:
         except asyncio.CancelledError:
             await _cancel(future)
             raise
+
+    async def _aside(self, function: Callable[..., _T], *arguments: Any, **options: Any) -> _T:
+        """Run what waits for the ledger or the disk in a thread of our own."""
+        call = functools.partial(function, *arguments, **options)
+        return await asyncio.get_running_loop().run_in_executor(self._threads, call)
 
     async def _client(self) -> Client:
         try:

@@ -6,11 +6,14 @@ is computed goes to the disk.
 
 from __future__ import annotations
 
+import threading
 import time
 from functools import lru_cache
 from pathlib import Path
 
-from app.store import NETCDF, Store
+import core
+from app.exceptions import OtherVersionError
+from app.store import Store, identifier
 from core.kinds import KINDS
 from core.sweep.pieces import Cut, join
 from core.sweep.prepare import Prepared
@@ -18,6 +21,8 @@ from core.watch import Watch
 
 MOST_BLOCK_CELLS = 1_000_000
 MOST_BLOCKS = 100_000
+
+_netcdf = threading.Lock()  # the library crashes if two threads of a worker use it
 
 
 def block_cells(prepared: Prepared, seconds: float) -> int:
@@ -27,46 +32,60 @@ def block_cells(prepared: Prepared, seconds: float) -> int:
     return int(min(MOST_BLOCK_CELLS, max(cells, fewest, 1)))
 
 
-def compute_block(directory: str, key: str, cells: int, index: int) -> float:
+def compute_block(directory: str, key: str, process: str, cells: int, index: int) -> float:
     """Compute a block of a study and keep it; return the seconds that it took.
 
     `cells` is the size of the pieces that the study is cut into.
+
+    Raises
+    ------
+    OtherVersionError
+        If this version of vibrafeed knows the study by another identifier.
     """
     started = time.perf_counter()
     store = Store(Path(directory))
     if not store.has_block(key, cells, index):
-        prepared, pieces = _study(directory, key, cells)
+        prepared, pieces = _study(directory, key, process, cells)
         part = prepared.within(pieces.box(index))
-        computed = KINDS[prepared.study.kind].compute(part, Watch())
+        # One thread: each worker thread is given a block of its own.
+        computed = KINDS[prepared.study.kind].compute(part, Watch(threads=1))
         store.write_block(key, cells, index, computed)
     return time.perf_counter() - started
 
 
-def write_result(directory: str, key: str, cells: int, process: str, seconds: float) -> float:
+def write_result(directory: str, key: str, process: str, cells: int, seconds: float) -> float:
     """Join the blocks of a study and write its result; return the seconds that it took.
 
     Raises
     ------
     TornBlockError
         If a block is missing or cannot be read; it is to be computed anew.
+    OtherVersionError
+        If this version of vibrafeed knows the study by another identifier.
     """
     started = time.perf_counter()
     store = Store(Path(directory))
-    if store.manifest(key) is None:
-        prepared, pieces = _study(directory, key, cells)
-        if process not in KINDS:
-            _write_report(store, key, prepared, process)
-            return time.perf_counter() - started
-        count = len(pieces)
-        parts = ((pieces.box(index), store.read_block(key, cells, index)) for index in range(count))
-        computed = join(prepared, parts)
-        spent = seconds + time.perf_counter() - started  # without verifying, a part of the labels
-        table = KINDS[prepared.study.kind].label(prepared, computed)
-        store.finish(key, table, process=process, cells=prepared.cells, blocks=count, seconds=spent)
+    with _netcdf:
+        if store.manifest(key) is not None:
+            store.drop_blocks(key)
+        elif process not in KINDS:
+            prepared, _ = _study(directory, key, process, cells)
+            _write_report(store, key, process, prepared)
+        else:
+            prepared, pieces = _study(directory, key, process, cells)
+            count = len(pieces)
+            blocks = ((pieces.box(i), store.read_block(key, cells, i)) for i in range(count))
+            computed = join(prepared, blocks)
+            # What verifying takes is not in it: that is a part of the labels.
+            spent = seconds + time.perf_counter() - started
+            table = KINDS[prepared.study.kind].label(prepared, computed)
+            store.finish(
+                key, table, process=process, cells=prepared.cells, blocks=count, seconds=spent
+            )
     return time.perf_counter() - started
 
 
-def _write_report(store: Store, key: str, prepared: Prepared, process: str) -> None:
+def _write_report(store: Store, key: str, process: str, prepared: Prepared) -> None:
     """Measure the accuracy of a study and write the report."""
     from app.accuracy import PAGE, draw
     from core.accuracy.page import head_of, sections_of, write_page
@@ -75,16 +94,14 @@ def _write_report(store: Store, key: str, prepared: Prepared, process: str) -> N
     started, facts = time.perf_counter(), machine()
     part = measure_study(prepared, name="study.json")
 
-    def more(folder: Path) -> list[str]:
+    def more(dataset: Path, folder: Path) -> list[Path]:
         families = [one.family for one in part.measured if one.curves]
-        pictures = {
-            family: path.name
-            for family, path in draw(folder / NETCDF, folder, "study", families).items()
-        }
+        pictures = draw(dataset, folder, "study", families)
+        names = {family: path.name for family, path in pictures.items()}
         head = head_of(facts, "vibrafeed report study.json")
-        page = write_page("Accuracy", head, list(sections_of(part, pictures)))
+        page = write_page("Accuracy", head, list(sections_of(part, names)))
         (folder / PAGE).write_text(page, encoding="utf-8")
-        return [PAGE, *pictures.values()]
+        return [folder / PAGE, *pictures.values()]
 
     seconds = time.perf_counter() - started
     store.finish(
@@ -93,7 +110,12 @@ def _write_report(store: Store, key: str, prepared: Prepared, process: str) -> N
 
 
 @lru_cache(maxsize=16)
-def _study(directory: str, key: str, cells: int) -> tuple[Prepared, Cut]:
+def _study(directory: str, key: str, process: str, cells: int) -> tuple[Prepared, Cut]:
     """Return a study and its blocks; a worker computes many blocks of one."""
     prepared = Store(Path(directory)).get(key)
+    if identifier(prepared.study, process) != key:
+        raise OtherVersionError(
+            f"The study was posted to another version of vibrafeed than {core.__version__}, which "
+            "now runs. Post it again; all servers and workers must have the same version."
+        )
     return prepared, Cut(prepared, cells)

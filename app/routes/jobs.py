@@ -44,6 +44,7 @@ MOST_LISTED = 1000
 NO_JOB = problems(s404="No such job", s422="The identifier is malformed")
 NO_RESULT = problems(
     s404="No such job, or its results are not there",
+    s409="The study is another version's: post it again",
     s422="The identifier is malformed, or the job failed at a limit",
     s500="The job failed: the service's own mistake",
     s507="The job failed: its result could not be stored",
@@ -154,7 +155,7 @@ def dismiss_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
     response_class=Response,
     responses={
         200: {
-            "content": {"text/event-stream": {}},
+            "content": {"text/event-stream": {"schema": {"type": "string"}}},
             "description": "An event `status` at each change, with the job's status as data; the "
             "last one tells how it ended",
         },

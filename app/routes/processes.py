@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Path, Request
@@ -43,7 +44,8 @@ router = APIRouter(tags=["processes"])
 REL = "http://www.opengis.net/def/rel/ogc/1.0/"
 JSON = "application/json"
 OPENAPI = "application/vnd.oai.openapi+json;version=3.1"
-LOOK = 0.05  # s between looks at a job that a client waits for
+# s between looks at a job that a client waits for: short jobs are soon told, long ones cost little
+LOOK, LONGEST_LOOK = 0.05, 0.5
 
 
 @router.get("/", summary="Landing page", response_model=LandingPage)
@@ -104,9 +106,11 @@ async def execute(
     asked, prepared = await run_in_threadpool(_read, name, body, settings)
     if name != ACCURACY and is_small(prepared, settings) and not wishes.respond_async:
         return await run_in_threadpool(_carry_out, name, asked, prepared, settings)
-    job = await asyncio.to_thread(desk.post, prepared, name)
+    job = await run_in_threadpool(desk.post, prepared, name)
     if wishes.wait is not None:
-        job = await _waited(desk, job, min(wishes.wait, settings.max_wait_seconds))
+        seconds = min(wishes.wait, int(settings.max_wait_seconds))
+        wishes = replace(wishes, wait=seconds)  # as it is applied
+        job = await _waited(desk, job, seconds)
     if job.state in ACTIVE or wishes.wait is None:
         reply = json_reply(status_info(job, base), 201)
     else:
@@ -122,7 +126,9 @@ def _read(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepar
     """Return what a body asks for, and its study; raise if it cannot be carried out."""
     asked = read_execution(read_json(body), name)
     prepared = prepare_content(asked.study)
-    if name != ACCURACY:  # a report takes some cells of a grid of any size
+    if name == ACCURACY:  # it takes some cells of a grid
+        prepared.check_limits(cells=settings.max_sweep_cells, bytes_=prepared.bytes)
+    else:
         prepared.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
     return asked, prepared
 
@@ -156,9 +162,10 @@ def _carry_out(name: str, asked: Execution, prepared: Prepared, settings: Settin
 
 async def _waited(desk: Desk, job: Job, seconds: float) -> Job:
     """Return a job when it is over, or after a time."""
-    until = time.monotonic() + seconds
+    until, look = time.monotonic() + seconds, LOOK
     while job.state in ACTIVE and time.monotonic() < until:
-        await asyncio.sleep(LOOK)
+        await asyncio.sleep(min(look, max(0.0, until - time.monotonic())))
+        look = min(1.5 * look, LONGEST_LOOK)
         found = await asyncio.to_thread(desk.ledger.job, job.id)
         job = found or job
     return job

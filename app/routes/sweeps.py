@@ -11,7 +11,7 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 from pydantic import BaseModel
 
-from app.dependencies import Body, SettingsOf, StoreOf, WriterOf
+from app.dependencies import Body, DeskOf, SettingsOf, StoreOf, WriterOf
 from app.downloads import FOR_EVER, content_reply, etag_of, file_reply, not_modified
 from app.processes import PROCESSES
 from app.routes import component, json_reply, problems
@@ -98,18 +98,22 @@ class SweepDescription(BaseModel):
     response_model=SweepDescription,
     responses={
         200: {"model": SweepDescription, "description": "The same study was there already"},
-        **problems(s413="The body is too large", s422="The study cannot be carried out"),
+        **problems(
+            s413="The body is too large",
+            s422="The study cannot be carried out",
+            s507="There is no room for the study",
+        ),
     },
     openapi_extra=STUDY_BODY,
 )
-def post_sweep(request: Request, body: Body, settings: SettingsOf, store: StoreOf) -> Response:
+def post_sweep(request: Request, body: Body, settings: SettingsOf, desk: DeskOf) -> Response:
     """Check a study and keep it; equal studies share one identifier. Nothing is computed yet.
 
     A sweep may be far larger than what is computed as a whole: slices and Zarr read pieces of it.
     """
     sweep = prepare_content(read_json(body))
     _check_size(sweep, settings)
-    key, is_new = store.add(sweep.study)
+    key, is_new = desk.keep(sweep)
     location = str(request.url_for("get_sweep", key=key))
     return json_reply(
         _description(key, sweep), 201 if is_new else 200, headers={"Location": location}
@@ -198,21 +202,20 @@ def get_slice(
             s404="No such sweep",
             s412="It is not the file that If-Match names",
             s416="The range holds no byte of the file",
-            s422="The identifier is malformed, or the sweep is too large for a file",
+            s422="The identifier is malformed, or the sweep is too large, or takes too long, for "
+            "one reply",
+            s507="There is no room for the file",
         ),
     },
 )
 @router.head("/{key}/netcdf", include_in_schema=False)
-async def get_netcdf(
-    request: Request, key: Key, store: StoreOf, writer: WriterOf, settings: SettingsOf
-) -> Response:
+async def get_netcdf(request: Request, key: Key, store: StoreOf, writer: WriterOf) -> Response:
     """Return the whole sweep as a CF-1.11 NetCDF-4 file; the first request computes it.
 
     One range of bytes can be asked for, so that a broken download resumes. The ETag is the SHA-256
     of the file.
     """
     sweep = await run_in_threadpool(store.sweep, key)
-    sweep.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
     manifest = await writer.result(key, sweep)
     return file_reply(
         request,

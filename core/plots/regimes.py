@@ -96,7 +96,7 @@ FILLS = {
     "contact": "#f4f4f4",
     "apart": "#dddddd",
     "not_assessed": "#dddddd",
-    "unbounded": "#dddddd",
+    "unbounded": "#e6e6fa",
 }
 MOTION = ("stick_slip", "hopping", "hop_after_hop", "period_doubled", "aperiodic")
 

@@ -169,7 +169,9 @@ def test_jobs_survive_kills_of_server_and_workers(tmp_path):
         server.start()
         server.ask("/healthz")
         assert len(json.loads(server.ask("/jobs"))["jobs"]) == JOBS
-        left = [path for path in (tmp_path / "data").rglob("*") if path.suffix in (".part", ".npz")]
+        left = [
+            path for path in (tmp_path / "data").rglob("*") if path.suffix in (".part", ".block")
+        ]
         assert left == []
     for study, content in zip(studies, contents, strict=True):
         assert content == expected(study, tmp_path / "whole.nc")
@@ -187,7 +189,7 @@ def test_a_block_that_is_done_is_not_computed_again(tmp_path):
         server.process.kill()
         server.process.wait()
         time.sleep(2)  # for its workers to see that they are alone
-        done = {path: path.stat().st_mtime_ns for path in folder.rglob("*.npz")}
+        done = {path: path.stat().st_mtime_ns for path in folder.rglob("*.block")}
         assert done
         server.start()
         while True:

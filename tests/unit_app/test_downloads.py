@@ -360,6 +360,9 @@ class TestMemory:
         def used(self, key: str) -> float:
             return float(self.is_there)
 
+        def note_use(self, key: str) -> None:
+            pass
+
         def sweep(self, key: str):
             self.asked.append(key)
             if not self.is_there:

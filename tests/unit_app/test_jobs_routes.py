@@ -41,6 +41,8 @@ def study(**parameters: Any) -> dict[str, Any]:
     }
 
 
+LONG = {"start": 20, "stop": 120, "num": 200_000}
+
 # Hours of work: whatever is asked of it, it is asked while it runs or waits.
 ENDLESS = {
     "kind": "simulate",
@@ -146,6 +148,11 @@ class TestPrefer:
         assert reply.headers["preference-applied"] == "wait=1"
         assert client.delete(reply.headers["location"]).json()["status"] == "dismissed"
 
+    def test_the_wait_that_is_applied_is_told(self, client, job):
+        prefer = {"Prefer": "respond-async, wait=1000000"}
+        reply = client.post(PATH, json=study(), headers=prefer)  # its job is over
+        assert reply.headers["preference-applied"] == "respond-async, wait=50"
+
     def test_a_long_study_is_a_job_without_asking(self, client, running):
         assert running["status"] in ("accepted", "running")
         assert running["cells"] == 100_000
@@ -247,6 +254,30 @@ class TestFailure:
             found = problem(client.post(PATH, json=study(), headers=ASYNC), 507)
             assert found["type"] == "urn:vibrafeed:problem:storage"
             assert client.get("/jobs").json()["jobs"] == []
+            assert problem(client.post("/sweeps", json=study()), 507)["type"] == found["type"]
+
+    def test_a_file_of_a_sweep_asks_for_room_too(self, tmp_path):
+        settings = Settings(data_directory=tmp_path, disk_quota_bytes=1000)
+        with TestClient(create_app(settings)) as client:
+            many = study(frequency={"start": 20, "stop": 120, "num": 600})
+            posted = client.post("/sweeps", json=many).json()
+            found = problem(client.get(f"/sweeps/{posted['id']}/netcdf"), 507)
+            assert "quota" in found["detail"]
+            assert client.get(f"/sweeps/{posted['id']}").status_code == 200
+
+    def test_a_file_that_takes_long_is_sent_to_the_jobs(self, tmp_path):
+        settings = Settings(data_directory=tmp_path, max_execution_seconds=0.01)
+        with TestClient(create_app(settings)) as client:
+            posted = client.post("/sweeps", json=study(frequency=LONG)).json()
+            found = problem(client.get(f"/sweeps/{posted['id']}/netcdf"), 422)
+            assert found["type"] == "urn:vibrafeed:problem:limit"
+            assert "/processes/sweep/execution" in found["detail"]
+
+    def test_a_report_of_a_grid_beyond_all_limits_is_refused(self, tmp_path):
+        settings = Settings(data_directory=tmp_path, max_sweep_cells=10)
+        with TestClient(create_app(settings)) as client:
+            reply = client.post("/processes/accuracy/execution", json=study())
+            assert "12 cells" in problem(reply, 422)["detail"]
 
 
 class TestQueue:

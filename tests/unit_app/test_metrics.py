@@ -90,13 +90,24 @@ def test_memory_and_processor_time_are_told(client):
 
 
 def test_parts_add_gauges_and_apps_share_nothing(client, tmp_path):
-    value = 3.0
-    client.app.state.metrics.gauge("vibrafeed_jobs_waiting", "Jobs that wait.", lambda: value)
-    assert figures(client)["vibrafeed_jobs_waiting",] == 3
-    value = 4.0
-    assert figures(client)["vibrafeed_jobs_waiting",] == 4
+    values = {"cold": 3.0}
+    client.app.state.metrics.gauges("vibrafeed_pots", "Pots.", "state", lambda: values)
+    assert figures(client)["vibrafeed_pots", "cold"] == 3
+    values.update(cold=4.0, warm=1.0)
+    assert figures(client)["vibrafeed_pots", "cold"] == 4
+    assert figures(client)["vibrafeed_pots", "warm"] == 1
     other = TestClient(create_app(Settings(data_directory=tmp_path)))
-    assert ("vibrafeed_jobs_waiting",) not in figures(other)
+    assert ("vibrafeed_pots", "cold") not in figures(other)
+
+
+def test_jobs_are_counted_by_their_state_in_one_look(client, monkeypatch):
+    ledger = client.app.state.desk.ledger
+    looks = []
+    counts = ledger.counts
+    monkeypatch.setattr(ledger, "_read", lambda *a, read=ledger._read: looks.append(a) or read(*a))
+    found = figures(client)
+    assert {key[1] for key in found if key[0] == "vibrafeed_jobs"} == set(counts())
+    assert len(looks) == 2  # that of this test among them
 
 
 class TestReadiness:

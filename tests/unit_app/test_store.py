@@ -3,16 +3,25 @@
 import json
 import os
 import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from app.exceptions import NoRoomError, NotFoundError, TornBlockError
+from app.exceptions import (
+    NoRoomError,
+    NotFoundError,
+    OtherVersionError,
+    QueueFullError,
+    TornBlockError,
+)
 from app.jobs import work
 from app.jobs.desk import Desk
 from app.jobs.ledger import Ledger
 from app.settings import Settings
 from app.store import NETCDF, Store, identifier
+from app.zarr_views import ZarrViews
 from core.dataset.netcdf import write_netcdf
 from core.kinds import prepare_content, tabulate
 from core.sweep.pieces import Computed, Cut
@@ -28,6 +37,7 @@ SWEEP = {
         "friction": 0.4,
     },
 }
+OTHER = "0" * 64
 SIMULATION = {**SWEEP, "kind": "simulate", "outputs": ["conveying_velocity"]}
 
 
@@ -42,8 +52,8 @@ def carried_out(store, content, *, cells=10):
     key, _ = store.add(prepared.study)
     directory = str(store.directory.parent)
     for index in reversed(range(len(Cut(prepared, cells)))):
-        work.compute_block(directory, key, cells, index)
-    work.write_result(directory, key, cells, content["kind"], 1.0)
+        work.compute_block(directory, key, content["kind"], cells, index)
+    work.write_result(directory, key, content["kind"], cells, 1.0)
     return key
 
 
@@ -90,20 +100,23 @@ def test_a_simulation_is_no_sweep(store):
         store.sweep(other)
 
 
-@pytest.mark.parametrize("torn", [b"", b"PK\x03\x04", b"nonsense" * 100, None])
-def test_a_torn_block_is_found_and_removed(store, torn):
+BIT = "a bit"
+
+
+@pytest.mark.parametrize("torn", [b"", b"PK\x03\x04", b"nonsense" * 100, BIT])
+@pytest.mark.parametrize("at", [0, 40, 900, -20])
+def test_a_damaged_block_is_found_and_removed(store, torn, at):
+    """Wherever the damage is: the archive's own sums do not cover its headers."""
     key, _ = store.add(prepare_content(SWEEP).study)
     computed = Computed({"x": np.arange(1000.0)}, {"note": "a"})
     store.write_block(key, 5, 0, computed)
     read = store.read_block(key, 5, 0)
     np.testing.assert_array_equal(read.arrays["x"], computed.arrays["x"])
     assert read.notes == computed.notes
-    path = next((store.folder(key) / "blocks").rglob("*.npz"))
-    content = path.read_bytes()
-    # A single bit is found too: the format holds a sum of each array.
-    path.write_bytes(
-        content[:900] + bytes([content[900] ^ 1]) + content[901:] if torn is None else torn
-    )
+    path = next((store.folder(key) / "blocks").rglob("*.block"))
+    content = bytearray(path.read_bytes())
+    content[at] ^= 1
+    path.write_bytes(content if torn == BIT else torn)
     with pytest.raises(TornBlockError):
         store.read_block(key, 5, 0)
     assert not store.has_block(key, 5, 0)
@@ -118,11 +131,75 @@ def test_blocks_of_another_size_are_not_taken(store):
 def test_what_killed_writers_left_is_swept_up_and_nothing_else(store):
     key = carried_out(store, SWEEP)
     folder = store.folder(key)
+    before = sorted(p.name for p in folder.iterdir())
     for name in (".result.nc.123.part", ".study.json.1.2.part"):
         (folder / name).write_bytes(b"torn")
-    before = sorted(p.name for p in folder.iterdir() if not p.name.startswith("."))
-    assert store.sweep_up() == 2
+    (folder / ".abc.part").mkdir()
+    (folder / ".abc.part" / "picture.png").write_bytes(b"torn")
+    os.utime(folder / ".result.nc.123.part", (1, 1))
+    assert store.sweep_up() == 1  # somebody may be writing the others
+    assert store.sweep_up(0) == 2
     assert sorted(p.name for p in folder.iterdir()) == before
+
+
+def test_whoever_finishes_a_study_second_changes_nothing(store):
+    """Two servers may both take a study for theirs when one was late with its lease."""
+    prepared = prepare_content(SWEEP)
+    key, _ = store.add(prepared.study)
+    table = tabulate(prepared)
+
+    def finish(number):
+        return store.finish(
+            key, table, process="sweep", cells=35, blocks=number, seconds=1.0, more=pages
+        )
+
+    def pages(dataset, folder):
+        assert dataset.exists()
+        (folder / "page.md").write_text("page")
+        return [folder / "page.md"]
+
+    with ThreadPoolExecutor() as pool:
+        manifests = list(pool.map(finish, range(4)))
+    assert len({manifest.blocks for manifest in manifests}) == 1
+    store.write_block(key, 5, 0, Computed({"x": np.zeros(5)}))  # of a late worker
+    assert finish(9) == manifests[0]
+    assert sorted(path.name for path in store.folder(key).iterdir()) == [
+        "manifest.json", "page.md", "result.json", NETCDF, "study.json"
+    ]  # fmt: skip
+    assert {name: file["bytes"] for name, file in manifests[0].files.items()} == {
+        name: (store.folder(key) / name).stat().st_size for name in manifests[0].files
+    }
+
+
+def test_a_block_is_written_though_the_folder_goes_at_that_moment(store, monkeypatch):
+    key, _ = store.add(prepare_content(SWEEP).study)
+    mkdir = Path.mkdir
+    gone = []
+
+    def removed_at_once(path, *arguments, **options):
+        mkdir(path, *arguments, **options)
+        if path.name == "5" and not gone:
+            path.rmdir()
+            gone.append(path)
+
+    monkeypatch.setattr(Path, "mkdir", removed_at_once)
+    store.write_block(key, 5, 0, Computed({"x": np.zeros(5)}))
+    assert gone
+    assert store.has_block(key, 5, 0)
+    store.remove(key)
+    with pytest.raises(FileNotFoundError):
+        store.write_block(key, 5, 0, Computed({"x": np.zeros(5)}))
+    assert not store.folder(key).exists()
+
+
+def test_a_study_of_another_version_is_not_carried_out(store, monkeypatch):
+    key, _ = store.add(prepare_content(SWEEP).study)
+    monkeypatch.setattr("core.__version__", "99.0")
+    work._study.cache_clear()
+    directory = str(store.directory.parent)
+    for function in (work.compute_block, work.write_result):
+        with pytest.raises(OtherVersionError, match=r"than 99\.0.*Post it again"):
+            function(directory, key, "sweep", 10, 0)
 
 
 def test_a_write_that_fails_leaves_nothing(store, monkeypatch):
@@ -154,23 +231,54 @@ class TestDesk:
     def test_results_used_longest_ago_make_room(self, desk, store):
         old, new = carried_out(store, SWEEP), carried_out(store, SIMULATION)
         os.utime(store.folder(old) / "study.json", (1, 1))
-        taken = store.bytes()
-        desk(disk_quota_bytes=taken + 10).make_room(100)
+        taken = store.bytes(old) + store.bytes(new)
+        desk(disk_quota_bytes=taken + 10).make_room(OTHER, 100)
         assert store.manifest(old) is None
         assert store.manifest(new) is not None
+
+    def test_what_cannot_fit_removes_nothing(self, desk, store):
+        kept = carried_out(store, SWEEP)
         with pytest.raises(NoRoomError, match="quota"):
-            desk(disk_quota_bytes=50).make_room(100)
-
-    def test_what_is_worked_on_stays(self, desk, store):
-        key = identifier(prepare_content(SWEEP).study)
-        desk().post(prepare_content(SWEEP), "sweep")
-        with pytest.raises(NoRoomError):
-            desk(disk_quota_bytes=50).make_room(100)
-        assert store.get(key).cells == 35
-
-    def test_a_disk_without_room_is_told_before_anything_is_written(self, desk, store):
+            desk(disk_quota_bytes=50).make_room(OTHER, 100)
         with pytest.raises(NoRoomError, match="the disk has"):
-            desk(disk_quota_bytes=10**30).make_room(10**29)
+            desk(disk_quota_bytes=10**29 + 10).make_room(OTHER, 10**29)
+        assert store.manifest(kept) is not None
+
+    def test_a_full_queue_removes_nothing(self, desk, store):
+        kept = carried_out(store, SWEEP)
+        needed = 2 * prepare_content(SIMULATION).bytes
+        full = desk(max_queue=1, disk_quota_bytes=store.bytes(kept) + needed + 100)
+        full.post(prepare_content(SIMULATION), "simulate")
+        other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
+        with pytest.raises(QueueFullError):
+            full.post(prepare_content(other), "simulate")
+        assert store.manifest(kept) is not None
+        assert len(store.studies()) == 2  # the refused one is not kept
+
+    def test_the_study_that_is_posted_makes_no_room_for_itself(self, desk, store):
+        """Its folder is the oldest one: it was given up half done."""
+        key = identifier(prepare_content(SIMULATION).study)
+        store.add(prepare_content(SIMULATION).study)
+        store.write_block(key, 5, 0, Computed({"x": np.zeros(2000)}))
+        os.utime(store.folder(key) / "study.json", (1, 1))
+        other = carried_out(store, SWEEP)
+        needed = 2 * prepare_content(SIMULATION).bytes
+        desk(disk_quota_bytes=needed + 100).post(prepare_content(SIMULATION), "simulate")
+        assert store.has_block(key, 5, 0)
+        assert not store.folder(other).exists()
+
+    def test_what_is_promised_to_work_is_not_promised_again(self, desk, store):
+        """However many servers: it stands in the ledger."""
+        needed = 2 * prepare_content(SIMULATION).bytes
+        tight, loose = ({"disk_quota_bytes": needed + spare} for spare in (10, 1000))
+        desk(**tight).post(prepare_content(SIMULATION), "simulate")
+        other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
+        with pytest.raises(NoRoomError, match="promised to work under way"):
+            desk(**tight).post(prepare_content(other), "simulate")
+        with pytest.raises(NoRoomError):
+            desk(**tight).keep(prepare_content(SWEEP))
+        assert desk(**loose).keep(prepare_content(SWEEP))[1]
+        assert store.get(identifier(prepare_content(SIMULATION).study)).cells == 35
 
     def test_what_nobody_has_used_is_removed(self, desk, store):
         old, new = carried_out(store, SWEEP), carried_out(store, SIMULATION)
@@ -187,9 +295,28 @@ class TestDesk:
     def test_use_is_noted(self, store):
         key = carried_out(store, SWEEP)
         year_ago = time.time() - 365 * 86_400
-        os.utime(store.folder(key) / "study.json", (year_ago, year_ago))
-        store.get(key)
-        assert time.time() - store.used(key) < 60
+        views = ZarrViews(store, 10**6)
+        views.read(key, "zarr.json")
+        uses = (
+            lambda: store.get(key),
+            lambda: store.manifest(key),  # a download
+            lambda: views.read(key, "zarr.json"),  # from memory
+        )
+        for use in uses:
+            os.utime(store.folder(key) / "study.json", (year_ago, year_ago))
+            use()
+            assert time.time() - store.used(key) < 60
+
+    def test_tidying_removes_what_late_workers_left_and_what_killed_writers_left(self, desk, store):
+        done, half = carried_out(store, SWEEP), store.add(prepare_content(SIMULATION).study)[0]
+        for key in (done, half):
+            store.write_block(key, 5, 0, Computed({"x": np.zeros(5)}))
+        (store.folder(half) / ".x.part").write_bytes(b"")
+        os.utime(store.folder(half) / ".x.part", (1, 1))
+        desk().tidy()
+        assert not (store.folder(done) / "blocks").exists()
+        assert store.has_block(half, 5, 0)  # it may be posted again
+        assert not (store.folder(half) / ".x.part").exists()
 
     def test_what_is_just_being_added_is_in_use(self, desk, store):
         """Its folder is made before its file: tidying at that moment took it from the writer."""

@@ -348,7 +348,7 @@ def test_fills_of_motion_are_told_apart_in_every_colour_vision(sight: str):
     # A difference of 2.3 is just seen on neighbouring patches, 10 at a glance.
     names = {condition.regime for condition in SYSTEMS["rectangle-on-plane"].conditions["events"]}
     fills = [FILLS[name] for name in (*names, "slip") if name in FILLS]
-    assert len(fills) == 7
+    assert len(fills) == 8
     for one, other in itertools.combinations(fills, 2):
         assert np.linalg.norm(lab(one, SIGHT[sight]) - lab(other, SIGHT[sight])) > 10
 
