@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -214,7 +215,8 @@ async def get_netcdf(
     sweep = await run_in_threadpool(store.sweep, key)
     sweep.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
     manifest = await writer.result(key, sweep)
-    return file_reply(
+    return await asyncio.to_thread(
+        file_reply,
         request,
         store.folder(key) / NETCDF,
         digest=manifest.files[NETCDF]["sha256"],
