@@ -5,6 +5,7 @@ Every command imports what it needs when it runs: `vibrafeed scenes` loads no Ne
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import sys
@@ -21,6 +22,7 @@ import typer
 from core.errors import LimitError, Problem, StudyError
 
 if TYPE_CHECKING:
+    from app.jobs.ledger import Ledger
     from app.settings import Settings
     from core.sweep.prepare import Prepared
 
@@ -28,6 +30,7 @@ WRONG_INPUT = 2
 FAILED = 1
 MOST_CELLS = 100_000_000
 MOST_BYTES = 8_000_000_000
+ROOM = 256 * 1024  # bytes that the ledger needs to begin with, and some more
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -268,7 +271,8 @@ def serve(
 ) -> None:
     """Serve the HTTP interface.
 
-    Other machines are answered only where keys are set: `vibrafeed key` makes one.
+    Other machines are answered only where keys are set: `vibrafeed key` makes one. Exit code 2
+    means that a setting is wrong, or that the data directory cannot be used.
     """
     settings = _settings()
     if show_settings:
@@ -280,19 +284,12 @@ def serve(
         fix = "Make a key with `vibrafeed key` and set VIBRAFEED_API_KEY_HASHES to its hash"
         message = "other machines reach it, and no keys are set"
         _refuse({Path("serve"): [Problem(f"--host {host}", message, fix)]})
-    import sqlite3
-
-    from app import logs, report
+    from app import logs
     from app.main import create_app
     from app.server import serve_until_stopped
 
     service = create_app(settings)
-    try:
-        service.state.desk.ledger.counts()
-    except (OSError, sqlite3.OperationalError) as error:
-        why = error.strerror if isinstance(error, OSError) else error
-        report.fail(f"The data directory {settings.data_directory} cannot be used: {why}.")
-        raise typer.Exit(FAILED) from None
+    _check_directory(settings.data_directory.absolute(), service.state.desk.ledger)
     logs.configure()
     serve_until_stopped(service, settings, host, port)
 
@@ -325,6 +322,35 @@ def _settings() -> Settings:
     if wrong:
         _refuse({Path("environment"): wrong})
     return settings
+
+
+def _check_directory(directory: Path, ledger: Ledger) -> None:
+    """Write a little into the data directory, or say in one line why not and exit."""
+    import sqlite3
+    import tempfile
+
+    from app import report
+
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=directory) as file:
+            file.write(bytes(ROOM))
+            file.flush()
+            os.fsync(file.fileno())  # some disks tell only then that they are full
+        ledger.forget(0.0)  # as any change, and none: nothing ended in 1970
+    except sqlite3.DatabaseError as error:
+        why, first = f"its jobs.sqlite3: {error}", "Free, mend or move that file, or set"
+    except FileExistsError:
+        why, first = "it is no directory", "Set"
+    except OSError as error:
+        is_full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+        why = error.strerror or str(error)
+        first = f"Make room there, {ROOM:,} bytes at least, or set" if is_full else "Set"
+    else:
+        return
+    fix = f"{first} VIBRAFEED_DATA_DIRECTORY to a directory that can be written"
+    report.fail(f"The data directory {directory} cannot be used: {why}. {fix}.")
+    raise typer.Exit(WRONG_INPUT)
 
 
 def _prepare_all(files: Sequence[Path], *, cells: int, bytes_: int) -> dict[Path, Prepared]:

@@ -29,6 +29,10 @@ from core.errors import LimitError, Problem, StudyError
 
 logger = logging.getLogger("vibrafeed")
 
+FILES = "The service has as many files open as it may"
+HELD = "Another process holds the ledger"
+PASSING = (FILES, HELD)  # soon, and by themselves
+
 # What the disk says when it cannot take more, and what to tell of it.
 STORAGE = {
     errno.ENOSPC: "The disk is full",
@@ -36,11 +40,13 @@ STORAGE = {
     errno.EROFS: "The data directory can only be read",
     errno.EACCES: "The data directory may not be written",
     errno.EPERM: "The data directory may not be written",
+    errno.EMFILE: FILES,
+    errno.ENFILE: FILES,
 }
 SQLITE = {
     "full": "The disk is full",
     "readonly": "The data directory can only be read",
-    "locked": "Another process holds the ledger",
+    "locked": HELD,
     "I/O": "The disk fails",
     "unable to open": "The data directory cannot be written",
 }
@@ -62,7 +68,7 @@ STATUS: dict[type[Exception], tuple[int, str, str]] = {
     QueueFullError: (429, "queue", "The queue of jobs is full"),
     NoRoomError: (507, "storage", "There is no room for the result"),
 }
-RETRY_AFTER = {429: "5"}
+RETRY_AFTER = {429: "5", 503: "1"}
 
 
 def problem_document(
@@ -113,22 +119,28 @@ def _known(request: Request, error: Exception) -> Response:
 def _storage(request: Request, error: Exception) -> Response:
     assert isinstance(error, OSError | sqlite3.OperationalError)
     logger.error("storage failed", exc_info=error)
+    why = _why(error)
+    if why in PASSING:
+        headers = {"Retry-After": RETRY_AFTER[503]}
+        return problem_document(503, "busy", "The service is busy", f"{why}.", headers=headers)
     return problem_document(**storage_problem(error))
 
 
 def storage_problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:
     """Return the parts of the problem document of a file that cannot be written."""
-    if isinstance(error, OSError):
-        why = STORAGE.get(error.errno or 0, "A file cannot be written")
-    else:
-        why = next((why for word, why in SQLITE.items() if word in str(error)), "The ledger fails")
     return {
         "status": 507,
         "kind": "storage",
         "title": "The service cannot store what it should",
-        "detail": f"{why}. What was there is not touched. Ask again when that is mended: a job "
-        "goes on where it was.",
+        "detail": f"{_why(error)}. What was there is not touched. Ask again when that is mended: "
+        "a job goes on where it was.",
     }
+
+
+def _why(error: OSError | sqlite3.OperationalError) -> str:
+    if isinstance(error, OSError):
+        return STORAGE.get(error.errno or 0, "A file cannot be written")
+    return next((why for word, why in SQLITE.items() if word in str(error)), "The ledger fails")
 
 
 def _invalid(request: Request, error: Exception) -> Response:

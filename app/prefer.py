@@ -6,11 +6,14 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-_TOKEN = r"[!#$%&'*+.^_`|~0-9A-Za-z-]+"
-_WORD = rf'(?:{_TOKEN}|"(?:[^"\\]|\\.)*")'
+MOST = 2_000  # characters that are read
+
+# Every repetition is possessive: what cannot be told apart in two ways is not tried in two ways.
+_TOKEN = r"[!#$%&'*+.^_`|~0-9A-Za-z-]++"
+_WORD = rf'(?:{_TOKEN}|"(?:[^"\\]|\\.)*+")'
 _PREFERENCE = re.compile(
-    rf"\s*(?P<name>{_TOKEN})(?:\s*=\s*(?P<value>{_WORD}))?"
-    rf"(?:\s*;\s*(?:{_TOKEN}(?:\s*=\s*{_WORD})?)?)*\s*(?:,|$)"
+    rf"\s*+(?P<name>{_TOKEN})(?:\s*+=\s*+(?P<value>{_WORD}))?+"
+    rf"(?:\s*+;\s*+(?:{_TOKEN}(?:\s*+=\s*+{_WORD})?+)?+)*+\s*+(?:,|$)"
 )
 
 
@@ -33,10 +36,13 @@ class Preferences:
 def preferences(headers: Iterable[str]) -> Preferences:
     """Return what the Prefer headers of a request say; what is not understood does not count.
 
-    Of a preference that is given more than once the first counts, as the standard asks.
+    Of a preference that is given more than once the first counts, as the standard asks. Nor does
+    what stands past the first 2,000 characters, or is cut off there.
     """
     found: dict[str, str | None] = {}
     text = ",".join(headers)
+    if len(text) > MOST:
+        text = text[:MOST].rpartition(",")[0]
     position = 0
     while position < len(text):
         match = _PREFERENCE.match(text, position)

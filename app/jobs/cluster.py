@@ -5,10 +5,13 @@ from __future__ import annotations
 import asyncio
 import importlib
 import os
+from contextlib import AsyncExitStack
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from distributed import Client, LocalCluster
+    from distributed import Client, WorkerPlugin
+
+    _Made = tuple[Client, AsyncExitStack]  # what closes it, and the workers if they are ours
 
 MOST_FAILURES = 10  # workers that die under one block
 POLITE = 10  # niceness of our own workers: the service answers while they work
@@ -27,14 +30,8 @@ class Cluster:
 
     def __init__(self, address: str | None, workers: int):
         self._address, self._workers = address, workers
-        self._lock = asyncio.Lock()
-        self._client: Client | None = None
-        self._local: LocalCluster | None = None
-
-    @property
-    def started(self) -> bool:
-        """Return whether there is a connection."""
-        return self._client is not None
+        # A task of its own: who waits for it may be cancelled, and leaves nothing half made.
+        self._start: asyncio.Task[_Made] | None = None
 
     async def client(self) -> Client:
         """Return the connection; make it if there is none or it has been lost.
@@ -44,38 +41,74 @@ class Cluster:
         OSError
             If the scheduler does not answer.
         """
-        async with self._lock:
-            if self._client is not None and self._client.status != "running":
-                await self.close()
-            if self._client is None:
-                # The import takes half a second: not on the event loop.
-                distributed = await asyncio.to_thread(importlib.import_module, "distributed")
-                if self._address is None:
-                    self._local = await _local(distributed, self._workers)
-                self._client = await distributed.Client(
-                    self._local or self._address, asynchronous=True, timeout=20
-                )
-                if self._local is not None:
-                    await self._client.run(os.nice, POLITE)
-            return self._client
+        if self._start is None or _is_lost(self._start):
+            self._start = asyncio.create_task(self._connect(self._start))
+        client, _ = await asyncio.shield(self._start)
+        return client
 
     async def workers(self) -> int:
-        """Return how many tasks can run at once, at least 1."""
+        """Return how many tasks can run at once.
+
+        That is 0 while no worker is there: ours are started again, or a scheduler elsewhere has
+        none.
+        """
         client = await self.client()
         threads: dict[str, int] = await client.nthreads()  # type: ignore[no-untyped-call]
-        return max(1, sum(threads.values()))
+        return sum(threads.values())
 
     async def close(self) -> None:
-        """Close the connection, and our own workers."""
-        client, local = self._client, self._local
-        self._client = self._local = None
-        if client is not None:
-            await client.close()  # type: ignore[no-untyped-call]
-        if local is not None:
-            await local.close()  # type: ignore[misc]
+        """Close the connection, and our own workers; wait for them if they are being started."""
+        start, self._start = self._start, None
+        if start is not None:
+            if self._address is not None:
+                start.cancel()  # it may wait long for a scheduler, and has no processes
+            await _end(start)
+
+    async def _connect(self, lost: asyncio.Task[_Made] | None) -> _Made:
+        if lost is not None:
+            await _end(lost)
+        # The import takes half a second: not on the event loop.
+        distributed = await asyncio.to_thread(importlib.import_module, "distributed")
+        async with AsyncExitStack() as made:
+            local = None
+            if self._address is None:
+                local = _local(distributed, self._workers)
+                made.push_async_exit(local)
+                await local
+            client = distributed.Client(local or self._address, asynchronous=True, timeout=20)
+            made.push_async_callback(client.close)
+            await client
+            if local is not None:
+                await client.register_plugin(_polite())
+            return client, made.pop_all()
 
 
-async def _local(distributed: Any, workers: int) -> LocalCluster:
+def _is_lost(start: asyncio.Task[_Made]) -> bool:
+    if not start.done():
+        return False
+    failed = start.cancelled() or start.exception() is not None
+    return failed or start.result()[0].status != "running"
+
+
+def _polite() -> WorkerPlugin:
+    """Return what makes each worker polite, those too that take the place of dead ones."""
+    from distributed import WorkerPlugin
+
+    class Polite(WorkerPlugin):
+        def setup(self, worker: object) -> None:
+            os.nice(POLITE)
+
+    return Polite()
+
+
+async def _end(start: asyncio.Task[_Made]) -> None:
+    """Close what comes, or came, of a start."""
+    await asyncio.wait([start])
+    if not start.cancelled() and start.exception() is None:
+        await start.result()[1].aclose()
+
+
+def _local(distributed: Any, workers: int) -> Any:
     import dask
 
     # A worker may be killed for reasons that are not its block's.
@@ -87,7 +120,7 @@ async def _local(distributed: Any, workers: int) -> LocalCluster:
             "distributed.worker.http.routes": [],
         }
     )
-    return await distributed.LocalCluster(
+    return distributed.LocalCluster(
         n_workers=workers,
         threads_per_worker=1,
         processes=True,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -217,7 +218,8 @@ async def get_netcdf(request: Request, key: Key, store: StoreOf, writer: WriterO
     """
     sweep = await run_in_threadpool(store.sweep, key)
     manifest = await writer.result(key, sweep)
-    return file_reply(
+    return await asyncio.to_thread(
+        file_reply,
         request,
         store.folder(key) / NETCDF,
         digest=manifest.files[NETCDF]["sha256"],

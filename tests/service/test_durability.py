@@ -342,3 +342,33 @@ def test_a_full_and_a_read_only_disk_are_told_and_lose_nothing(tmp_path):
         assert server.ask(f"/jobs/{first}/results/dataset") == kept
         subprocess.run(["umount", str(data)], check=True)
         assert server.finished(server.post(fourth))["status"] == "successful"
+
+
+def test_a_start_on_a_full_or_read_only_disk_is_refused_in_one_line(tmp_path):
+    data = tmp_path / "data"
+
+    def refused(why):
+        done = subprocess.run(
+            [Path(sys.executable).with_name("vibrafeed"), "serve", "--port", str(free_port())],
+            env={**os.environ, "VIBRAFEED_DATA_DIRECTORY": str(data)},
+            capture_output=True, text=True, timeout=60,
+        )  # fmt: skip
+        assert (done.returncode, done.stdout) == (2, "")
+        (line,) = done.stderr.splitlines()
+        assert line.startswith(f"The data directory {data} cannot be used: {why}.")
+        assert "VIBRAFEED_DATA_DIRECTORY" in line
+        return line
+
+    with small_disk(data, 1):
+        with serving(tmp_path, **QUICK) as server:  # so that there is a ledger
+            server.ask("/healthz")
+        with contextlib.suppress(OSError):
+            (data / "filler").write_bytes(bytes(10_000_000))
+        assert "Make room" in refused("No space left on device")
+        (data / "filler").unlink()
+        subprocess.run(["mount", "--bind", str(data), str(data)], check=True)
+        subprocess.run(["mount", "-o", "remount,bind,ro", str(data)], check=True)
+        refused("Read-only file system")
+        subprocess.run(["umount", str(data)], check=True)
+        with serving(tmp_path, **QUICK) as server:
+            server.ask("/healthz")

@@ -174,6 +174,42 @@ def test_settings_come_from_the_environment(monkeypatch):
     assert "VIBRAFEED_MAX_CELLS" in result.output
 
 
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("file", "it is no directory"),
+        ("file/data", "Not a directory"),
+        ("/proc/data", "No such file"),  # where nobody makes any
+        ("odd", "its jobs.sqlite3: unable to open database file"),
+    ],
+)
+def test_a_data_directory_that_cannot_be_used_is_told_in_one_line(name, why, tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    (tmp_path / "odd" / "jobs.sqlite3").mkdir(parents=True)
+    directory = tmp_path / name
+    monkeypatch.setenv("VIBRAFEED_DATA_DIRECTORY", str(directory))
+    assert_one_line(run("serve", "--port", "0"), directory, why)
+
+
+def test_a_ledger_that_is_none_is_told_and_left_alone(tmp_path, monkeypatch):
+    ledger = tmp_path / "jobs.sqlite3"
+    ledger.write_bytes(b"no ledger " * 1000)
+    monkeypatch.setenv("VIBRAFEED_DATA_DIRECTORY", str(tmp_path))
+    assert_one_line(
+        run("serve", "--port", "0"), tmp_path, "its jobs.sqlite3: file is not a database"
+    )
+    assert ledger.read_bytes() == b"no ledger " * 1000
+
+
+def assert_one_line(result, directory: Path, why: str) -> None:
+    assert result.exit_code == 2, result.output
+    assert isinstance(result.exception, SystemExit)  # no traceback
+    (line,) = result.stderr.splitlines()
+    assert line.startswith(f"The data directory {directory} cannot be used: ")
+    assert why in line
+    assert line.endswith("VIBRAFEED_DATA_DIRECTORY to a directory that can be written.")
+
+
 MOTION = """
 kind = "simulate"
 scene = "rectangle-on-plane"

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
+import errno
 import hashlib
 import json
+import os
 import struct
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
+from fastapi import Request
 from fastapi.testclient import TestClient
 
-from app.downloads import PIECE, etag_of
+from app.downloads import PIECE, etag_of, file_reply
 from app.exceptions import NotFoundError
 from app.main import create_app
 from app.routes.sweeps import prefers_binary
 from app.settings import Settings
+from app.store import NETCDF
 from app.zarr_views import ZarrViews
 from core.study import parse_study
 from core.sweep import prepare_content, sweep
@@ -70,6 +76,20 @@ def problem(response, status: int) -> dict:
     document = response.json()
     assert document["status"] == status
     return document
+
+
+def result_of(client: TestClient, address: str) -> Path:
+    """Return the file that a sweep is downloaded from."""
+    return client.app.state.store.folder(address.rpartition("/")[2]) / NETCDF
+
+
+def times_open(path: Path) -> int:
+    """Return how often this process has a file open."""
+    count = 0
+    for descriptor in Path("/proc/self/fd").iterdir():
+        with contextlib.suppress(FileNotFoundError):
+            count += descriptor.readlink() == path
+    return count
 
 
 class TestFile:
@@ -156,6 +176,89 @@ class TestFile:
             content = response.read()
         assert len(content) == int(response.headers["content-length"]) > 1000
         assert PIECE == 2**20
+
+    @pytest.mark.parametrize("method", ["GET", "HEAD"])
+    def test_a_file_that_is_not_there_any_more(self, client, address, whole, method):
+        """Removed to make room after its manifest was read."""
+        result_of(client, address).unlink()
+        response = client.request(method, f"{address}/netcdf")
+        assert response.status_code == 404
+        if method == "GET":
+            assert "has been removed" in problem(response, 404)["detail"]
+
+    def test_a_file_that_goes_before_the_first_header(self, client, address, whole, monkeypatch):
+        def removed(request, path, **about):
+            reply = file_reply(request, path, **about)
+            path.unlink()
+            return reply
+
+        monkeypatch.setattr("app.routes.sweeps.file_reply", removed)
+        document = problem(client.get(f"{address}/netcdf"), 404)
+        assert document["type"] == "urn:vibrafeed:problem:not-found"
+
+    @pytest.mark.parametrize("number", [errno.EMFILE, errno.ENFILE])
+    def test_too_many_open_files(self, client, address, whole, monkeypatch, number):
+        def open_(path, *arguments, **options):
+            raise OSError(number, os.strerror(number), str(path))
+
+        with monkeypatch.context() as full:
+            full.setattr(Path, "open", open_)
+            response = client.get(f"{address}/netcdf")
+        document = problem(response, 503)
+        assert document["type"] == "urn:vibrafeed:problem:busy"
+        assert "many files" in document["detail"]
+        assert "netcdf" not in document["detail"]  # nor any path
+        assert int(response.headers["retry-after"]) >= 1
+        assert client.get(f"{address}/netcdf").content == whole.content
+
+    def test_no_reply_leaves_the_file_open(self, client, address, whole):
+        path, etag = result_of(client, address), whole.headers["etag"]
+        for status, method, headers in (
+            (200, "GET", {}),
+            (200, "HEAD", {}),
+            (206, "GET", {"Range": "bytes=5-9"}),
+            (304, "GET", {"If-None-Match": etag}),
+            (412, "GET", {"If-Match": '"other"'}),
+            (416, "GET", {"Range": "bytes=999999999-"}),
+        ):
+            response = client.request(method, f"{address}/netcdf", headers=headers)
+            assert response.status_code == status
+            assert times_open(path) == 0
+
+    @pytest.mark.parametrize("version", ["2.3", "2.4"])
+    @pytest.mark.parametrize("leaves", ["a failing connection", "a cancelled request", "never run"])
+    def test_a_client_that_leaves_before_the_first_byte(self, tmp_path, version, leaves):
+        path = tmp_path / "result"
+        path.write_bytes(b"12345")
+        scope = {
+            "type": "http", "method": "GET", "headers": [], "asgi": {"spec_version": version}
+        }  # fmt: skip
+        reply = file_reply(
+            Request(scope), path, digest="00" * 32, media_type="text/plain", filename="x"
+        )
+        seen = []
+
+        async def receive():
+            await asyncio.Event().wait()
+
+        async def send(message):
+            seen.append((message["type"], times_open(path)))
+            if leaves == "a failing connection":
+                raise OSError("gone")
+            await asyncio.Event().wait()
+
+        async def serve():
+            task = asyncio.create_task(reply(scope, receive, send))
+            while not seen:
+                await asyncio.sleep(0.001)
+            task.cancel()
+            await asyncio.wait([task])
+            assert task.cancelled() or task.exception() is not None
+
+        if leaves != "never run":
+            asyncio.run(serve())
+            assert seen == [("http.response.start", 1)]  # open before the first header
+        assert times_open(path) == 0
 
     def test_a_sweep_that_is_too_large_for_a_file_is_refused_and_read_in_pieces(self, client):
         posted = client.post("/sweeps", json=TRILLION)

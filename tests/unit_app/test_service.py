@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import sqlite3
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -231,6 +233,25 @@ def test_an_unforeseen_error_is_a_problem_document_without_its_text(client, post
     monkeypatch.setattr(client.app.state.store, "get", fail)
     document = problem(client.get(f"/sweeps/{posted}"), 500)
     assert "secret" not in str(document)
+
+
+def test_a_ledger_that_another_process_holds_is_asked_again(client, tmp_path, monkeypatch):
+    def held(*_: object, **__: object) -> None:
+        with (
+            contextlib.closing(sqlite3.connect(tmp_path / "other", isolation_level=None)) as one,
+            contextlib.closing(sqlite3.connect(tmp_path / "other", timeout=0)) as two,
+        ):
+            one.execute("BEGIN EXCLUSIVE")
+            two.execute("CREATE TABLE jobs (id)")
+
+    with monkeypatch.context() as busy:
+        busy.setattr(client.app.state.desk.ledger, "jobs", held)
+        response = client.get("/jobs")
+    document = problem(response, 503)
+    assert document["type"] == "urn:vibrafeed:problem:busy"
+    assert "holds the ledger" in document["detail"]
+    assert int(response.headers["retry-after"]) >= 1
+    assert client.get("/jobs").status_code == 200
 
 
 def test_unknown_routes_and_methods_get_problem_documents(client):
