@@ -337,7 +337,8 @@ def _check_directory(directory: Path, ledger: Ledger) -> None:
             file.write(bytes(ROOM))
             file.flush()
             os.fsync(file.fileno())  # some disks tell only then that they are full
-        ledger.forget(0.0)  # as any change, and none: nothing ended in 1970
+        with ledger.transaction():
+            pass  # what can begin a change can be opened and written
     except sqlite3.DatabaseError as error:
         why, first = f"its jobs.sqlite3: {error}", "Free, mend or move that file, or set"
     except FileExistsError:

@@ -33,6 +33,7 @@ logger = logging.getLogger("vibrafeed.jobs")
 POLL = 0.5  # s between looks at the ledger, in which other servers may have entered work
 RETRY = 2.0  # s before a lost scheduler is tried again
 LOOK = 1.0  # s between looks at whether work is still wanted
+LOOK_AT_WORKERS = 5.0  # s between looks at whether there are some, while none has finished
 THREADS = 2  # that wait for the ledger; downloads, which have the others, cannot make a lease late
 MOST_TORN = 5  # times that a study's blocks are found damaged
 
@@ -62,6 +63,7 @@ class Runner:
         self._main: asyncio.Task[None] | None = None
         self._alone: IO[bytes] | None = None
         self._trouble: str | None = None
+        self._workers = 0  # when they were last looked at
 
     async def start(self) -> None:
         """Clear up what a killed server has left, and begin to work."""
@@ -177,14 +179,6 @@ class Runner:
                 renewed = time.monotonic()
                 if not await self._aside(self._ledger.renew, item, lease):
                     return
-                await self._look_at_workers()
-
-    async def _look_at_workers(self) -> None:
-        """Note whether there are workers, once there has been a connection."""
-        if self._cluster.started:
-            with contextlib.suppress(Exception):  # what waits for a worker finds out itself
-                some = await self._cluster.workers()
-                self._trouble = None if some else "the scheduler has no workers"
 
     async def _problem_of(self, carrying: asyncio.Task[None]) -> Mapping[str, Any] | None:
         """Return why work failed as parts of a problem document; None if it did not."""
@@ -255,12 +249,6 @@ class Runner:
         done, total = item.blocks - len(missing), 0.0
         await self._aside(self._ledger.advance, item, done=done, seconds=0.0)
         waiting = iter(missing)
-        # Two for each worker: enough to keep it busy, few enough for other jobs to have a turn.
-        # Without a worker yet, those of one wait for it.
-        most = 0
-        if missing:
-            await self._client()
-            most = 2 * max(1, await self._cluster.workers())
         running: set[asyncio.Task[float]] = set()
         finished: set[asyncio.Task[float]] = set()
         try:
@@ -270,7 +258,8 @@ class Runner:
                         work.compute_block, item.key, item.process, item.block_cells, index
                     )
                     running.add(asyncio.create_task(block))
-                    if len(running) >= most:
+                    # Enough to keep workers busy, few enough for other jobs to have a turn.
+                    if len(running) >= max(1, 2 * self._workers):
                         break
                 if not running:
                     return total
@@ -291,8 +280,11 @@ class Runner:
         from distributed.comm.core import CommClosedError
 
         future = client.submit(function, self._directory, *arguments, pure=False)
+        result = asyncio.create_task(_result_of(future))
         try:
-            return await future
+            while not (await asyncio.wait([result], timeout=LOOK_AT_WORKERS))[0]:
+                await self._client()
+            return result.result()
         except KilledWorker as error:
             raise _WorkersDieError(
                 "A block took down each worker that it was given to, perhaps for want of memory."
@@ -302,6 +294,9 @@ class Runner:
         except asyncio.CancelledError:
             await _cancel(future)
             raise
+        finally:
+            result.cancel()
+            await asyncio.gather(result, return_exceptions=True)
 
     async def _aside(self, function: Callable[..., _T], *arguments: Any, **options: Any) -> _T:
         """Run what waits for the ledger or the disk in a thread of our own."""
@@ -309,13 +304,20 @@ class Runner:
         return await asyncio.get_running_loop().run_in_executor(self._threads, call)
 
     async def _client(self) -> Client:
+        """Return the connection; note how many workers there are, or why there are none."""
         try:
             client = await self._cluster.client()
+            self._workers = await self._cluster.workers()
         except Exception as error:  # of many kinds: no scheduler, no worker process
             self._trouble = f"the workers cannot be reached: {type(error).__name__}"
             raise _Lost(str(error)) from error
-        self._trouble = None
+        self._trouble = None if self._workers else "there are no workers"
         return client
+
+
+async def _result_of(future: Any) -> float:
+    seconds: float = await future
+    return seconds
 
 
 async def _cancel(future: Any) -> None:

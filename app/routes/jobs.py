@@ -155,7 +155,7 @@ def dismiss_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
     response_class=Response,
     responses={
         200: {
-            "content": {"text/event-stream": {"schema": {"type": "string"}}},
+            "content": {"text/event-stream": {"schema": {}}},
             "description": "An event `status` at each change, with the job's status as data; the "
             "last one tells how it ended",
         },

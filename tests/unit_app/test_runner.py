@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 import time
 from collections.abc import Callable, Coroutine
 from pathlib import Path
@@ -45,8 +46,6 @@ class Future:
 
 class Workers:
     """Stands for the cluster; `instead` takes the place of functions by their names."""
-
-    started = True
 
     def __init__(self, count: int = 2, **instead: Callable[..., Any]):
         self.count, self.instead = count, instead
@@ -121,25 +120,49 @@ def test_time_runs_out_also_while_nothing_is_done(tmp_path):
     assert "Posted again" in job.problem["detail"]
 
 
-def test_that_there_are_no_workers_is_told_while_work_waits_for_them(tmp_path):
+def test_that_there_are_no_workers_is_told_while_work_waits_for_them(tmp_path, monkeypatch):
+    monkeypatch.setattr("app.jobs.runner.LOOK_AT_WORKERS", 0.1)
+
     async def play(runner: Runner, desk: Desk, job: Job) -> None:
         assert runner.wrong() is None
-        await until(lambda: runner.wrong() == "the scheduler has no workers")
+        await until(lambda: runner.wrong() == "there are no workers")
         desk.dismiss(job.id)
         await until(lambda: runner.wrong() is None)
 
     carried_out(tmp_path, Workers(0), play, lease_seconds=0.4)
 
 
-def test_work_goes_on_when_workers_come(tmp_path):
-    workers = Workers(0)
+def test_workers_that_go_and_come_again_are_noticed(tmp_path, monkeypatch):
+    monkeypatch.setattr("app.jobs.runner.LOOK_AT_WORKERS", 0.1)
+    go_on = threading.Event()
+    workers = Workers(1, compute_block=lambda *_: go_on.wait(30))
 
     async def play(runner: Runner, desk: Desk, job: Job) -> None:
-        await until(lambda: runner.wrong() is not None)
+        await until(lambda: "compute_block" in workers.calls)
+        assert runner.wrong() is None
+        workers.count = 0
+        await until(lambda: runner.wrong() == "there are no workers")
         workers.count = 1
         await until(lambda: runner.wrong() is None)
+        go_on.set()
 
-    carried_out(tmp_path, workers, play, lease_seconds=0.4)
+    carried_out(tmp_path, workers, play)
+
+
+def test_a_scheduler_that_goes_away_is_no_failure_of_the_job(tmp_path, monkeypatch):
+    monkeypatch.setattr("app.jobs.runner.RETRY", 0.1)
+    workers = Workers()
+    count, asked = workers.workers, []
+
+    async def gone() -> int:
+        asked.append(True)
+        if len(asked) == 1:
+            raise OSError("the scheduler is gone")
+        return await count()
+
+    monkeypatch.setattr(workers, "workers", gone)
+    assert carried_out(tmp_path, workers).state == "successful"
+    assert len(asked) > 1
 
 
 def test_a_dismissal_is_noticed_soon(tmp_path):
