@@ -9,6 +9,7 @@ import functools
 import logging
 import os
 import socket
+import sqlite3
 import time
 import uuid
 from collections.abc import Callable, Mapping
@@ -184,7 +185,7 @@ class Runner:
         """Return why work failed as parts of a problem document; None if it did not."""
         try:
             await carrying
-        except _Lost:
+        except (_Lost, sqlite3.OperationalError):  # the study is not to blame: it is tried again
             raise
         except _TooLongError as error:
             return _problem(422, "limit", "The study takes longer than this service allows", error)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import sqlite3
 import threading
 import time
 from collections.abc import Callable, Coroutine
@@ -175,6 +176,20 @@ def test_a_dismissal_is_noticed_soon(tmp_path):
         assert await until(lambda: not runner._active) < 2.5
 
     carried_out(tmp_path, Workers(0), play, lease_seconds=600)
+
+
+def test_a_ledger_that_is_held_for_long_fails_no_job(tmp_path, monkeypatch):
+    advance, asked = Ledger.advance, []
+
+    def held(*arguments: Any, **options: Any) -> None:
+        asked.append(True)
+        if len(asked) == 1:
+            raise sqlite3.OperationalError("database is locked")
+        advance(*arguments, **options)
+
+    monkeypatch.setattr(Ledger, "advance", held)
+    assert carried_out(tmp_path, Workers(), lease_seconds=0.5).state == "successful"
+    assert len(asked) > 1
 
 
 def test_what_another_server_has_finished_is_no_failure(tmp_path):
