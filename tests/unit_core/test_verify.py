@@ -303,8 +303,8 @@ def test_a_job_writes_what_verifying_found(tmp_path):
     store = Store(tmp_path)
     key, _ = store.add(prepared.study)
     for index in range(len(Cut(prepared, 2))):
-        compute_block(str(tmp_path), key, 2, index)
-    write_result(str(tmp_path), key, 2, "sweep", 0.0)
+        compute_block(str(tmp_path), key, "sweep", 2, index)
+    write_result(str(tmp_path), key, "sweep", 2, 0.0)
     with xarray.open_dataset(store.folder(key) / "result.nc", engine="netcdf4") as dataset:
         for name, value in told(SWEEP).items():
             assert dataset.attrs[name] == value
