@@ -119,11 +119,16 @@ def _known(request: Request, error: Exception) -> Response:
 def _storage(request: Request, error: Exception) -> Response:
     assert isinstance(error, OSError | sqlite3.OperationalError)
     logger.error("storage failed", exc_info=error)
-    why = _why(error)
-    if why in PASSING:
+    if passes(error):
         headers = {"Retry-After": RETRY_AFTER[503]}
-        return problem_document(503, "busy", "The service is busy", f"{why}.", headers=headers)
+        why = f"{_why(error)}."
+        return problem_document(503, "busy", "The service is busy", why, headers=headers)
     return problem_document(**storage_problem(error))
+
+
+def passes(error: OSError | sqlite3.OperationalError) -> bool:
+    """Return whether what is wrong soon passes by itself."""
+    return _why(error) in PASSING
 
 
 def storage_problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:

@@ -13,6 +13,7 @@ import fcntl
 import hashlib
 import io
 import json
+import logging
 import os
 import re
 import shutil
@@ -37,6 +38,8 @@ from core.study.models import Study
 from core.sweep import Sweep
 from core.sweep.pieces import Computed
 from core.sweep.prepare import Prepared
+
+logger = logging.getLogger("vibrafeed.store")
 
 IDENTIFIER = re.compile(r"[0-9a-f]{64}")
 NETCDF, JSON, MANIFEST = "result.nc", "result.json", "manifest.json"
@@ -171,7 +174,7 @@ class Store:
 
     def drop_blocks(self, key: str) -> None:
         """Remove the blocks of a study whose result is there; a late worker may have left one."""
-        if (self.folder(key) / MANIFEST).exists():
+        if self._manifest(key) is not None:
             shutil.rmtree(self.folder(key) / "blocks", ignore_errors=True)
 
     def _block(self, key: str, cells: int, index: int) -> Path:
@@ -182,12 +185,20 @@ class Store:
 
     def manifest(self, key: str) -> Manifest | None:
         """Return what is known of a result; None while there is none."""
+        found = self._manifest(key)
+        if found is not None:
+            self.note_use(key)
+        return found
+
+    def _manifest(self, key: str) -> Manifest | None:
+        path = self.folder(key) / MANIFEST
         try:
-            content = (self.folder(key) / MANIFEST).read_bytes()
+            return Manifest(**json.loads(path.read_bytes()))
         except FileNotFoundError:
             return None
-        self.note_use(key)
-        return Manifest(**json.loads(content))
+        except (ValueError, TypeError):  # damaged: the result is made again
+            logger.warning("a manifest cannot be read: %s", key)
+            return None
 
     def finish(
         self,
@@ -235,12 +246,16 @@ class Store:
     def _locked(self, key: str) -> Iterator[Path]:
         """Yield the folder of a study, which nobody else finishes meanwhile."""
         folder = self.folder(key)
-        descriptor = os.open(folder, os.O_RDONLY)
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX)
-            yield folder
-        finally:
-            os.close(descriptor)
+        while True:
+            descriptor = os.open(folder, os.O_RDONLY)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX)
+                # The folder may have been removed, and made anew, while we waited.
+                if os.path.samestat(os.fstat(descriptor), folder.stat()):
+                    yield folder
+                    return
+            finally:
+                os.close(descriptor)
 
     # --- housekeeping
 

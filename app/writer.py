@@ -65,6 +65,7 @@ class Writer:
         self._desk.make_room(key, sweep.bytes)
         table = tabulate(sweep)
         seconds = table.price["elapsed_seconds"]
+        self._store.add(sweep.study)  # should it have made room for another meanwhile
         return self._store.finish(
             key, table, process="sweep", cells=sweep.cells, blocks=1, seconds=seconds
         )

@@ -1,16 +1,13 @@
-"""Where jobs are handed in: room on the disk, the queue, results that are there already."""
+"""Where jobs are handed in: the queue, room for them, results that are there already."""
 
 from __future__ import annotations
 
-import contextlib
-import shutil
-import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
-from app.exceptions import NoRoomError
 from app.jobs import work
 from app.jobs.ledger import Job, Ledger
+from app.jobs.room import Room
 from app.settings import Settings
 from app.store import Store, identifier
 from core.kinds import KINDS
@@ -19,11 +16,8 @@ from core.sweep.pieces import Cut
 from core.sweep.prepare import Prepared
 
 DAY = 86_400.0
-COUNTED_EVERY = 60.0  # s; counting looks at every file
 MOST_JOBS = 100_000  # that are over, of which the ledger tells
 REPORT_BYTES = 10_000_000  # of an accuracy report
-SPARE = 0.01  # of the disk, left to others
-MOST_SPARE = 100_000_000  # bytes
 
 
 class Desk:
@@ -44,9 +38,7 @@ class Desk:
     ):
         self.ledger, self.store = ledger, store
         self._settings, self._wake = settings, wake
-        self._counting = threading.Lock()
-        self._counted = -COUNTED_EVERY  # when the bytes were counted [s]
-        self._sizes: dict[str, int] = {}  # bytes of each study then, and what was let in since
+        self._room = Room(ledger, store, settings)
 
     def post(self, prepared: Prepared, process: str) -> Job:
         """Enter a job for a study; it is on the disk when this returns.
@@ -63,13 +55,13 @@ class Desk:
         blocks = len(Cut(prepared, block_cells)) if process in KINDS else 0
         # Blocks and the result are there at the same time, for a moment.
         needed = 2 * prepared.bytes if process in KINDS else REPORT_BYTES
-        self._count()
+        self._room.look(key, needed)
         # In one transaction, so that what is found here is not removed before the job is entered.
         with self.ledger.transaction():
             manifest = self.store.manifest(key)
             if manifest is None and key not in self.ledger.promised():
                 self.ledger.check_queue(self._settings.max_queue)
-                self._make_room(key, needed)
+                self._room.make(key, needed)
                 self.store.add(prepared.study, process)
             job = self.ledger.post(
                 key,
@@ -91,11 +83,12 @@ class Desk:
         NoRoomError
             If the data directory is full.
         """
-        key = identifier(sweep.study)
-        self._count()
+        key, needed = identifier(sweep.study), len(sweep.study.canonical())
+        if self.store.used(key):
+            return self.store.add(sweep.study)
+        self._room.look(key, needed)
         with self.ledger.transaction():
-            if not self.store.used(key):
-                self._make_room(key, len(sweep.study.canonical()))
+            self._room.make(key, needed)
             return self.store.add(sweep.study)
 
     def dismiss(self, number: str) -> Job | None:
@@ -105,71 +98,10 @@ class Desk:
         return job
 
     def make_room(self, key: str, needed: int) -> None:
-        """Remove what was used longest ago until a study fits; what is worked on stays.
-
-        Parameters
-        ----------
-        key : str
-            The study, which stays too.
-        needed : int
-            Most bytes of all its files.
-
-        Raises
-        ------
-        NoRoomError
-            If they do not fit then; nothing has been removed.
-        """
-        self._count()
+        """Make room for the files of a study; raise `NoRoomError` if they would not fit."""
+        self._room.look(key, needed)
         with self.ledger.transaction():
-            self._make_room(key, needed)
-
-    def _make_room(self, key: str, needed: int) -> None:
-        promised = self.ledger.promised() | {key: needed}
-        with self._counting:
-            sizes = dict(self._sizes)
-        taken = sum(size for other, size in sizes.items() if other not in promised)
-        promises = sum(promised.values())
-        quota = self._settings.disk_quota_bytes
-        if promises > quota:
-            raise NoRoomError(
-                f"The study needs up to {needed:,} bytes, the quota is {quota:,}, and "
-                f"{promises - needed:,} are promised to work under way."
-            )
-        leaving, freed = [], 0
-        if taken + promises > quota:
-            for other in self.store.studies():
-                if other not in promised:
-                    leaving.append(other)
-                    freed += sizes.get(other, 0)
-                    if taken + promises - freed <= quota:
-                        break
-        self._check_disk(needed, freed, promised, sizes)
-        for other in leaving:
-            self.store.remove(other)
-        with self._counting:
-            for other in leaving:
-                self._sizes.pop(other, None)
-            self._sizes[key] = needed
-
-    def _check_disk(
-        self, needed: int, freed: int, promised: Mapping[str, int], sizes: Mapping[str, int]
-    ) -> None:
-        """Raise `NoRoomError` if the disk lacks the room, others' promises kept."""
-        with contextlib.suppress(FileNotFoundError):
-            disk = shutil.disk_usage(self._settings.data_directory)
-            free = disk.free - min(SPARE * disk.total, MOST_SPARE) + freed
-            missing = sum(max(0, size - sizes.get(key, 0)) for key, size in promised.items())
-            if missing > free:
-                raise NoRoomError(
-                    f"The study needs up to {needed:,} bytes; the disk has {disk.free:,} left."
-                )
-
-    def _count(self) -> None:
-        """Count the bytes of all studies, if that was long ago."""
-        with self._counting:
-            if time.monotonic() - self._counted > COUNTED_EVERY:
-                self._sizes = {key: self.store.bytes(key) for key in self.store.studies()}
-                self._counted = time.monotonic()
+            self._room.make(key, needed)
 
     def tidy(self) -> None:
         """Remove what nobody uses: old jobs and studies, what killed writers and workers left."""

@@ -9,6 +9,7 @@ was late with a lease and claims the item again does not take itself for the fir
 
 from __future__ import annotations
 
+import fcntl
 import json
 import sqlite3
 import threading
@@ -176,9 +177,12 @@ class Ledger:
             )
             try:
                 database.row_factory = sqlite3.Row
-                database.execute("PRAGMA journal_mode = WAL")
-                database.execute("PRAGMA synchronous = FULL")  # on the disk before the reply
-                database.executescript(_SCHEMA)
+                # Making a new file one for WAL does not wait for another process that does so.
+                with self._path.with_name(".ledger.lock").open("ab") as making:
+                    fcntl.flock(making, fcntl.LOCK_EX)
+                    database.execute("PRAGMA journal_mode = WAL")
+                    database.execute("PRAGMA synchronous = FULL")  # on the disk before the reply
+                    database.executescript(_SCHEMA)
             except BaseException:
                 database.close()
                 raise

@@ -12,12 +12,13 @@ import socket
 import sqlite3
 import time
 import uuid
+from collections import Counter
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, TypeVar
 
-from app.errors import storage_problem
+from app.errors import passes, storage_problem
 from app.exceptions import OtherVersionError, TornBlockError
 from app.jobs import work
 from app.jobs.cluster import Cluster
@@ -36,7 +37,7 @@ RETRY = 2.0  # s before a lost scheduler is tried again
 LOOK = 1.0  # s between looks at whether work is still wanted
 LOOK_AT_WORKERS = 5.0  # s between looks at whether there are some, while none has finished
 THREADS = 2  # that wait for the ledger; downloads, which have the others, cannot make a lease late
-MOST_TORN = 5  # times that a study's blocks are found damaged
+MOST_TORN = 3  # times that one block is found damaged
 
 _T = TypeVar("_T")
 
@@ -156,7 +157,7 @@ class Runner:
             else:
                 await self._aside(self._ledger.fail, item, problem)
         except _Lost as lost:
-            logger.warning("the cluster is lost: %s", lost, extra=about)
+            logger.warning("work is tried again: %s", lost, extra=about)
             await asyncio.sleep(RETRY)
             await self._aside(self._ledger.release, item.owner)
         except Exception:
@@ -195,6 +196,8 @@ class Runner:
             logger.exception("storage failed")
             return _problem(507, "storage", "The disk does not keep what is written", error)
         except OSError as error:
+            if passes(error):
+                raise _Lost(str(error)) from error
             logger.exception("storage failed")
             return storage_problem(error)
         except _WorkersDieError as error:
@@ -222,7 +225,8 @@ class Runner:
 
     async def _compute_and_write(self, item: Work) -> None:
         store, key, cells = self._store, item.key, item.block_cells
-        spent, torn = item.seconds, 0
+        spent = item.seconds
+        torn: Counter[str] = Counter()
         while True:
             if await self._is_there(item):
                 return
@@ -233,8 +237,8 @@ class Runner:
             try:
                 await self._on_worker(work.write_result, key, item.process, cells, spent)
             except TornBlockError as error:
-                torn += 1
-                if torn == MOST_TORN:
+                torn[str(error)] += 1
+                if torn[str(error)] == MOST_TORN:
                     raise
                 logger.warning("a block is computed again: %s", error, extra={"key": key})
             else:
@@ -331,7 +335,7 @@ def _problem(status: int, kind: str, title: str, detail: object) -> dict[str, An
 
 
 class _Lost(VibrafeedError):  # noqa: N818 - no error of the study: the work is tried again
-    """The cluster is gone."""
+    """The cluster is gone, or what else soon comes back."""
 
 
 class _TooLongError(VibrafeedError):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import sqlite3
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import replace
@@ -166,8 +168,9 @@ async def _waited(desk: Desk, job: Job, seconds: float) -> Job:
     while job.state in ACTIVE and time.monotonic() < until:
         await asyncio.sleep(min(look, max(0.0, until - time.monotonic())))
         look = min(1.5 * look, LONGEST_LOOK)
-        found = await asyncio.to_thread(desk.ledger.job, job.id)
-        job = found or job
+        with contextlib.suppress(sqlite3.OperationalError):  # the client is to learn of its job
+            found = await asyncio.to_thread(desk.ledger.job, job.id)
+            job = found or job
     return job
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import sqlite3
 import threading
 import time
@@ -208,6 +209,29 @@ def test_a_disk_that_loses_blocks_is_given_up(tmp_path):
     job = carried_out(tmp_path, workers)
     assert (job.problem["status"], job.problem["kind"]) == (507, "storage")
     assert workers.calls.count("write_result") == MOST_TORN
+
+
+def test_many_damaged_blocks_are_computed_again(tmp_path):
+    torn = [TornBlockError(f"block {number} is not what was written") for number in range(9)]
+
+    def mended(*arguments: Any) -> float:
+        if torn:
+            raise torn.pop()
+        return work.write_result(*arguments)
+
+    assert carried_out(tmp_path, Workers(write_result=mended)).state == "successful"
+
+
+def test_too_many_open_files_fail_no_job(tmp_path, monkeypatch):
+    monkeypatch.setattr("app.jobs.runner.RETRY", 0.1)
+    open_files = [OSError(errno.EMFILE, "Too many open files")]
+
+    def full(*arguments: Any) -> float:
+        if open_files:
+            raise open_files.pop()
+        return work.compute_block(*arguments)
+
+    assert carried_out(tmp_path, Workers(compute_block=full)).state == "successful"
 
 
 def test_a_study_of_another_version_is_told(tmp_path):

@@ -2,7 +2,9 @@
 
 import json
 import os
+import threading
 import time
+from collections import namedtuple
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -171,6 +173,44 @@ def test_whoever_finishes_a_study_second_changes_nothing(store):
     }
 
 
+def test_a_result_whose_manifest_is_damaged_is_made_again(store):
+    key = carried_out(store, SWEEP)
+    before = store.manifest(key)
+    for content in ("", "{", "[]", '{"key": 1}'):
+        (store.folder(key) / "manifest.json").write_text(content)
+        assert store.manifest(key) is None
+        store.write_block(key, 5, 0, Computed({"x": np.zeros(5)}))
+        store.drop_blocks(key)
+        assert store.has_block(key, 5, 0)
+    assert carried_out(store, SWEEP) == key
+    assert store.manifest(key).files == before.files
+
+
+def test_a_folder_that_was_removed_while_its_lock_was_waited_for_is_not_used(store):
+    key, _ = store.add(prepare_content(SWEEP).study)
+    entered, seen = threading.Event(), []
+
+    def wait():
+        with store._locked(key) as folder:
+            seen.append((folder / "study.json").exists())
+            entered.set()
+
+    with store._locked(key):
+        thread = threading.Thread(target=wait)
+        thread.start()
+        assert not entered.wait(0.2)
+        store.remove(key)
+        store.add(prepare_content(SWEEP).study)
+        with store._locked(key):  # that of the new folder
+            pass
+        again = store._locked(key)
+        again.__enter__()
+    assert not entered.wait(0.2)
+    again.__exit__(None, None, None)
+    thread.join(10)
+    assert seen == [True]
+
+
 def test_a_block_is_written_though_the_folder_goes_at_that_moment(store, monkeypatch):
     key, _ = store.add(prepare_content(SWEEP).study)
     mkdir = Path.mkdir
@@ -240,7 +280,7 @@ class TestDesk:
         kept = carried_out(store, SWEEP)
         with pytest.raises(NoRoomError, match="quota"):
             desk(disk_quota_bytes=50).make_room(OTHER, 100)
-        with pytest.raises(NoRoomError, match="the disk has"):
+        with pytest.raises(NoRoomError, match="the disk lacks"):
             desk(disk_quota_bytes=10**29 + 10).make_room(OTHER, 10**29)
         assert store.manifest(kept) is not None
 
@@ -266,6 +306,30 @@ class TestDesk:
         desk(disk_quota_bytes=needed + 100).post(prepare_content(SIMULATION), "simulate")
         assert store.has_block(key, 5, 0)
         assert not store.folder(other).exists()
+
+    def test_what_is_dismissed_makes_nothing_leave(self, desk, store):
+        """What it was promised is on no disk, and no promise any more."""
+        kept, needed = carried_out(store, SWEEP), 2 * prepare_content(SIMULATION).bytes
+        service = desk(disk_quota_bytes=store.bytes(kept) + 2 * needed + 2000)
+        for friction in (0.5, 0.6, 0.7, 0.8):
+            other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": friction}}
+            service.dismiss(service.post(prepare_content(other), "simulate").id)
+        assert store.manifest(kept) is not None
+
+    def test_the_disk_is_promised_once(self, desk, store, monkeypatch):
+        needed = 2 * prepare_content(SIMULATION).bytes
+        usage = namedtuple("usage", "total used free")
+        free = [int(1.5 * needed)]
+        monkeypatch.setattr("shutil.disk_usage", lambda _: usage(0, 0, free[0]))
+        service = desk()
+        key = service.post(prepare_content(SIMULATION), "simulate").key
+        other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
+        with pytest.raises(NoRoomError, match="the disk lacks"):
+            service.post(prepare_content(other), "simulate")
+        # What has been written of a promise is owed no more.
+        (store.folder(key) / "blocks").write_bytes(bytes(needed))
+        monkeypatch.setattr("app.jobs.room.RIGHT_FOR", 0.0)
+        assert service.post(prepare_content(other), "simulate").state == "accepted"
 
     def test_what_is_promised_to_work_is_not_promised_again(self, desk, store):
         """However many servers: it stands in the ledger."""
