@@ -18,7 +18,9 @@ import os
 import re
 import shutil
 import tempfile
+import threading
 import time
+from collections import OrderedDict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -45,6 +47,8 @@ IDENTIFIER = re.compile(r"[0-9a-f]{64}")
 NETCDF, JSON, MANIFEST = "result.nc", "result.json", "manifest.json"
 MOST_JSON_VALUES = 1_000_000  # of a result that is also kept as JSON: some 20 MB
 USED_EVERY = 3600.0  # s; the use of a study is noted no more often
+MOST_KNOWN = 64  # studies that are kept in memory
+MOST_KNOWN_BYTES = 20_000  # of such a study: a list of values takes many times that in memory
 PART = ".part"  # ends the names of what is being written
 PARTS_KEPT = 3600.0  # s without a change, after which nobody is writing any more
 DIGEST = 32  # bytes of a SHA-256, in front of a block
@@ -92,6 +96,8 @@ class Store:
 
     def __init__(self, directory: Path):
         self.directory = directory / "studies"
+        self._lock = threading.Lock()
+        self._known: OrderedDict[str, Prepared] = OrderedDict()  # that were asked for last
 
     def add(self, study: Study, process: str | None = None) -> tuple[str, bool]:
         """Keep a study; return its identifier, and whether it is new."""
@@ -108,12 +114,24 @@ class Store:
     def get(self, key: str) -> Prepared:
         """Return the study of an identifier; raise `NotFoundError` if there is none."""
         path = self.folder(key) / "study.json"
+        with self._lock:
+            known = self._known.get(key)
+            if known is not None and path.exists():  # it may have been removed
+                self._known.move_to_end(key)
+                self.note_use(key)
+                return known
         try:
             content = path.read_bytes()
         except FileNotFoundError:
             raise _unknown(key) from None
         self.note_use(key)
-        return prepare_content(read_json(content))
+        prepared = prepare_content(read_json(content))
+        if len(content) <= MOST_KNOWN_BYTES:
+            with self._lock:
+                self._known[key] = prepared
+                while len(self._known) > MOST_KNOWN:
+                    self._known.popitem(last=False)
+        return prepared
 
     def sweep(self, key: str) -> Sweep:
         """Return the sweep of an identifier; raise `NotFoundError` if it is none."""

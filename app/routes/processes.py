@@ -105,10 +105,10 @@ async def execute(
     """Carry out the study in a body at once, or as a job."""
     base = await base_of(request)
     wishes = preferences(request.headers.getlist("prefer"))
-    asked, prepared = await run_in_threadpool(_read, name, body, settings)
-    if name != ACCURACY and is_small(prepared, settings) and not wishes.respond_async:
-        return await run_in_threadpool(_carry_out, name, asked, prepared, settings)
-    job = await run_in_threadpool(desk.post, prepared, name)
+    begun = await run_in_threadpool(_begin, name, body, wishes, settings, desk)
+    if isinstance(begun, Response):
+        return begun
+    job = begun
     if wishes.wait is not None:
         seconds = min(wishes.wait, int(settings.max_wait_seconds))
         wishes = replace(wishes, wait=seconds)  # as it is applied
@@ -122,6 +122,16 @@ async def execute(
     if applied:
         reply.headers["Preference-Applied"] = applied
     return reply
+
+
+def _begin(
+    name: str, body: bytes, wishes: Preferences, settings: Settings, desk: Desk
+) -> Response | Job:
+    """Return the dataset of a short study, or the job that it has become."""
+    asked, prepared = _read(name, body, settings)
+    if name != ACCURACY and is_small(prepared, settings) and not wishes.respond_async:
+        return _carry_out(name, asked, prepared, settings)
+    return desk.post(prepared, name)
 
 
 def _read(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepared]:
