@@ -62,9 +62,12 @@ def _closed_forms(points: xarray.Dataset, title: str) -> Figure | None:
         right.vlines(cost, kappa, whole, color=colour, lw=1, ls=":")
     for name in dict.fromkeys(settings):
         half = float(points["unit_roundoff"].values[settings == name][0]) / 2
-        left.axhline(half, color=QUIET, lw=0.8, ls="--")
-        left.text(0.99, half, f"half an ulp, {name}", transform=left.get_yaxis_transform(),
-                  ha="right", va="top", fontsize=8, color=QUIET)  # fmt: skip
+        left.axhline(half, color=QUIET, lw=0.8, ls="--", zorder=1)
+        # On the line, away from both ends: the cheapest and the dearest output stand there.
+        left.text(0.33, half, f" half an ulp, {name} ", transform=left.get_yaxis_transform(),
+                  ha="center", va="center", fontsize=8, color=QUIET,
+                  bbox={"facecolor": "white", "edgecolor": "none", "pad": 1},
+                  zorder=1.5)  # fmt: skip
     left.set_ylabel("Error, share of the value")
     right.set_ylabel("Largest error, ulps")
     left.set_title("median (mark) to largest (bar)", loc="left", fontsize=9)
