@@ -138,9 +138,9 @@ def test_what_is_bound_stands_in_every_later_line_of_the_request(client, lines):
         structlog.contextvars.bind_contextvars(job_id=job_id)
         return {}
 
-    client.app.add_api_route("/work/{job_id}", work)
+    client.app.add_api_route("/task/{job_id}", work)
     client.app.add_api_route("/once/{job_id}", work_at_once)
-    client.get("/work/7")
+    client.get("/task/7")
     client.get("/once/8")
     client.get("/healthz")
     logs.bind(job_id="nobody's")

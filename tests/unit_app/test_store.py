@@ -59,6 +59,24 @@ def carried_out(store, content, *, cells=10):
     return key
 
 
+def test_studies_asked_for_last_stay_prepared_unless_they_are_long_or_gone(store, monkeypatch):
+    monkeypatch.setattr("app.store.MOST_KNOWN", 2)
+    long = {**SWEEP["parameters"], "friction": [number / 10_000 for number in range(5000)]}
+    studies = [SWEEP, SIMULATION, {**SWEEP, "parameters": long}]
+    short, other, longer = (store.add(prepare_content(study).study)[0] for study in studies)
+    first = store.get(short)
+    assert store.get(short) is first
+    assert store.get(longer) is not store.get(longer)
+    assert store.get(short) is first  # the long one has not taken its place
+    store.get(other)
+    third = {**SWEEP, "parameters": {**SWEEP["parameters"], "friction": 0.9}}
+    store.get(store.add(prepare_content(third).study)[0])
+    assert store.get(short) is not first
+    store.remove(short)
+    with pytest.raises(NotFoundError):
+        store.get(short)
+
+
 @pytest.mark.parametrize("content", [SWEEP, SIMULATION])
 @pytest.mark.parametrize("cells", [3, 10, 1000])
 def test_the_file_of_a_job_is_that_of_the_command_line_but_for_its_history(
