@@ -5,10 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from importlib.metadata import version
 
 import numpy as np
 from numpy.typing import NDArray
 
+from core.accuracy import engines
 from core.accuracy.cells import random_cells
 from core.accuracy.curves import STEEP, Curve, Measured, Point
 from core.mechanics.arrays import Array
@@ -35,6 +37,11 @@ OUTPUTS = (
     "velocity_scale",
     "motion_status",
 )
+ENGINE_STEPS = (200, 2000)  # a period
+ENGINE_INPUTS = (
+    "frequency", "amplitude", "beta", "gamma", "friction_static", "friction_kinetic", "gravity",
+    "restitution",
+)  # fmt: skip
 SHARES = {"both": 0.59, "events": 0.06, "regularised": 0.35}
 """Of the progress: candidates, reference and time stepping; and what not every scene has."""
 
@@ -165,6 +172,10 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
     )
     if "regularised" in scene.variants:
         curves += _regularised(scene, picked, truth, hops, _shared(watch, 0.35))
+    if exact:
+        rivals, told = _engines(scene, picked, truth, hops, watch)
+        curves += rivals
+        notes += told
     if watch.stopped():
         notes.append("The time given ran out: settings that were not reached are left out.")
     return Measured("motion", tuple(curves), tuple(notes))
@@ -333,9 +344,7 @@ def _regularised(
     watch: Watch,
 ) -> Iterator[Curve]:
     """Yield the stiff integrators by slip speed, the stiffness its square's inverse."""
-    first = np.sort(
-        np.concatenate([np.flatnonzero(hops)[: STIFF_CELLS - 1], np.flatnonzero(~hops)[:1]])
-    )
+    first = _few(hops)
     each = _shared(watch, 1 / (len(SLIP_SPEEDS) * len(STIFF)))
     few = {name: values[first] for name, values in cells.items()}
     for method in (name for name in STIFF if name in scene.variants):
@@ -349,3 +358,64 @@ def _regularised(
         curve = _curve(method, "sliding and hopping", points, "2/3", 2 / 3, 0.0)
         if curve.points:
             yield replace(curve, cost="value")
+
+
+def _few(hops: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Return the places of a cell that hops and of one that slides, for what takes long."""
+    return np.sort(
+        np.concatenate([np.flatnonzero(hops)[: STIFF_CELLS - 1], np.flatnonzero(~hops)[:1]])
+    )
+
+
+def _engines(
+    scene: Scene,
+    cells: Mapping[str, Array],
+    truth: Array,
+    hops: NDArray[np.bool_],
+    watch: Watch,
+) -> tuple[list[Curve], list[str]]:
+    """Return what general physics engines find, by their steps, and what to say of them."""
+    names = engines.installed()
+    if not names:
+        return [], []
+    first = _few(hops)
+    plan = plan_scene(scene, "events", ("conveying_velocity",), tuple(cells))
+    found = run_equations(plan, {name: cells[name][first] for name in plan.parameters})
+    known = {name: np.broadcast_to(found[name], first.size) for name in ENGINE_INPUTS}
+    if np.any(known["restitution"]) or np.any(
+        known["friction_static"] != known["friction_kinetic"]
+    ):
+        return [], ["Engines: left out; what they make of bouncing parts and of two coefficients "
+                    "of friction differs in kind."]  # fmt: skip
+    curves = []
+    for name in names:
+        points = []
+        for steps in ENGINE_STEPS:
+            if watch.stopped():
+                break
+            shares = np.empty(first.size)
+            started = time.perf_counter()
+            for place in range(first.size):
+                one = {key: float(values[place]) for key, values in known.items()}
+                drive = engines.Drive(
+                    one["frequency"], one["amplitude"], one["beta"], one["gamma"],
+                    one["friction_kinetic"], one["gravity"],
+                )  # fmt: skip
+                step = 1 / (drive.frequency * steps)
+                velocity = engines.engine_velocity(name, drive, step)
+                shares[place] = velocity / (drive.amplitude * drive.circular)
+            seconds = (time.perf_counter() - started) / first.size
+            none = np.full(first.size, np.nan)
+            run = Means(shares, none, hops[first], hops[first], seconds)
+            points.append(_point(f"{steps} steps", steps, run, truth[first]))
+        curve = Curve(
+            "motion", "sliding and hopping cells", name, tuple(p for p in points if p), of="largest"
+        )
+        if curve.points:
+            curves.append(curve)
+    told = (
+        f"Engines: {', '.join(f'{name} {version(name)}' for name in names)}, on the same two cells "
+        f"as the regularised methods; the mean over {engines.AVERAGED} periods after "
+        f"{engines.TRANSIENT}."
+    )
+    return curves, [told]
