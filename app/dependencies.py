@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from typing import Annotated, cast
 
-from fastapi import Depends, Request
+from fastapi import Depends, Request, params
+from fastapi.exceptions import RequestValidationError
 
 from app.exceptions import TooLargeError
 from app.jobs.desk import Desk
@@ -45,6 +46,25 @@ async def views_of(request: Request) -> ZarrViews:
 async def base_of(request: Request) -> str:
     """Return the address of the service as the client calls it, without a slash at its end."""
     return str(request.base_url).rstrip("/")
+
+
+def once(*several: str) -> params.Depends:
+    """Return a check that each parameter of a query stands once, but for those named."""
+
+    async def check(request: Request) -> None:
+        names = [name for name in _names(request) if name not in several]
+        repeated = {name for name in names if names.count(name) > 1}
+        if repeated:
+            message = "it stands more than once"
+            raise RequestValidationError(
+                [{"loc": ("query", name[:60]), "msg": message} for name in sorted(repeated)]
+            )
+
+    return cast(params.Depends, Depends(check))
+
+
+def _names(request: Request) -> list[str]:
+    return [name for name, _ in request.query_params.multi_items()]
 
 
 async def body_of(request: Request) -> bytes:

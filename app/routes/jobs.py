@@ -14,7 +14,7 @@ from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response, StreamingResponse
 from pydantic import AfterValidator
 
-from app.dependencies import BaseOf, DeskOf
+from app.dependencies import BaseOf, DeskOf, once
 from app.downloads import file_reply
 from app.errors import problem_document
 from app.exceptions import NoSuchJobError, NotFoundError, NotReadyError
@@ -79,7 +79,8 @@ def checked(text: str | None) -> str | None:
     return text
 
 
-@router.get("", summary="List jobs", response_model=JobList, responses=problems(s422="Bad query"))
+@router.get("", summary="List jobs", response_model=JobList, responses=problems(s422="Bad query"),
+            dependencies=[once("processID", "status", "type")])  # fmt: skip
 def list_jobs(
     desk: DeskOf,
     base: BaseOf,

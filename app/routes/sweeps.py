@@ -12,7 +12,7 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 from pydantic import BaseModel
 
-from app.dependencies import Body, DeskOf, SettingsOf, StoreOf, WriterOf
+from app.dependencies import Body, DeskOf, SettingsOf, StoreOf, WriterOf, once
 from app.downloads import FOR_EVER, content_reply, etag_of, file_reply, not_modified
 from app.processes import PROCESSES
 from app.routes import component, json_reply, problems
@@ -146,6 +146,7 @@ def get_sweep(key: Key, store: StoreOf) -> Response:
         **problems(s404="No such sweep", s422="The slice cannot be taken"),
     },
     openapi_extra=AXIS_VALUES,
+    dependencies=[once()],
 )
 def get_slice(
     request: Request,

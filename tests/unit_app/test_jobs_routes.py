@@ -335,6 +335,17 @@ class TestEvents:
 
 
 class TestList:
+    def test_what_stands_twice_is_told_instead_of_half_heeded(self, client, job):
+        found = problem(client.get("/jobs?limit=1&minDuration=2&limit=3&minDuration=4"), 422)
+        assert [item["place"] for item in found["errors"]] == ["query.limit", "query.minDuration"]
+        assert "more than once" in found["errors"][0]["message"]
+        slice_ = f"/sweeps/{job['study']}/slice?output=acceleration_x&axes=alpha&frequency=20"
+        assert client.get(slice_).status_code == 200
+        found = problem(client.get(f"{slice_}&frequency=40"), 422)
+        assert [item["place"] for item in found["errors"]] == ["query.frequency"]
+        # These choose one of several.
+        assert client.get("/jobs?status=failed&status=dismissed&type=a&type=b").status_code == 200
+
     def test_filters_and_pages(self, client, running):
         posted = [client.post(PATH, json=study(), headers=WAIT).headers["location"] for _ in "123"]
         listed = client.get("/jobs", params={"processID": "sweep", "status": "successful"}).json()
