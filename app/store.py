@@ -97,7 +97,8 @@ class Store:
     def __init__(self, directory: Path):
         self.directory = directory / "studies"
         self._lock = threading.Lock()
-        self._known: OrderedDict[str, Prepared] = OrderedDict()  # that were asked for last
+        # That were asked for last, and whether the identifier is the study's own, for no process.
+        self._known: OrderedDict[str, tuple[Prepared, bool]] = OrderedDict()
 
     def add(self, study: Study, process: str | None = None) -> tuple[str, bool]:
         """Keep a study; return its identifier, and whether it is new."""
@@ -113,6 +114,16 @@ class Store:
 
     def get(self, key: str) -> Prepared:
         """Return the study of an identifier; raise `NotFoundError` if there is none."""
+        return self._get(key)[0]
+
+    def sweep(self, key: str) -> Sweep:
+        """Return the sweep of an identifier; raise `NotFoundError` if it is none."""
+        found, is_own = self._get(key)
+        if not isinstance(found, Sweep) or not is_own:
+            raise _unknown(key)
+        return found
+
+    def _get(self, key: str) -> tuple[Prepared, bool]:
         path = self.folder(key) / "study.json"
         with self._lock:
             known = self._known.get(key)
@@ -126,18 +137,12 @@ class Store:
             raise _unknown(key) from None
         self.note_use(key)
         prepared = prepare_content(read_json(content))
+        found = prepared, identifier(prepared.study) == key
         if len(content) <= MOST_KNOWN_BYTES:
             with self._lock:
-                self._known[key] = prepared
+                self._known[key] = found
                 while len(self._known) > MOST_KNOWN:
                     self._known.popitem(last=False)
-        return prepared
-
-    def sweep(self, key: str) -> Sweep:
-        """Return the sweep of an identifier; raise `NotFoundError` if it is none."""
-        found = self.get(key)
-        if not isinstance(found, Sweep) or identifier(found.study) != key:
-            raise _unknown(key)
         return found
 
     def folder(self, key: str) -> Path:

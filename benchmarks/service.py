@@ -2,20 +2,21 @@
 
 `python -m benchmarks.service` starts a server, asks it and the core in turn for the same, and
 prints medians. Bars: 2 ms more than the core for a slice of 10^5 values and a sweep of 10^4 cells,
-serialisation counted apart; a warm download of 1 GB at 80 % of a bare sendfile loop.
+serialisation counted apart; a warm download of 1 GB at 80 % of a bare sendfile loop. The column
+"bare" is what a socket takes, without any service, to be asked for as many bytes and to send them:
+how quick the machine is to wake a process up, and the least that any service adds.
 """
 
 from __future__ import annotations
 
 import argparse
-import http.client
 import json
 import multiprocessing
 import os
+import re
 import socket
 import statistics
 import time
-import urllib.parse
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -55,25 +56,43 @@ SMALL = {
 }
 GIGABYTE = 1_000_000_000
 PIECE = 1 << 20
+BUFFER = 1 << 23  # more than any of the replies compared
+HEAD = re.compile(rb"(?is)HTTP/1.1 .*?\r\ncontent-length: (?P<length>[0-9]+).*?\r\n\r\n")
 
 
 class Client:
-    """One connection that stays open."""
+    """One connection that stays open; a bare socket, since libraries parse as long as we compute.
 
-    def __init__(self, server: Served):
-        self._connection = http.client.HTTPConnection(urllib.parse.urlsplit(server.address).netloc)
-        self._connection.connect()
-        self._connection.sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    Attributes
+    ----------
+    size : int
+        Bytes of the last reply, its head among them.
+    """
 
-    def ask(self, method: str, path: str, body: bytes | None = None) -> bytes:
-        """Return what is replied."""
-        headers = {"Content-Type": "application/json"} if body else {}
-        self._connection.request(method, path, body, headers)
-        reply = self._connection.getresponse()
-        content = reply.read()
-        if reply.status != 200:
-            raise RuntimeError(f"{method} {path}: {reply.status} {content[:500]!r}")
-        return content
+    def __init__(self, address: tuple[str, int]):
+        self._name = f"{address[0]}:{address[1]}"
+        self._socket = socket.create_connection(address)
+        self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._buffer = bytearray(BUFFER)
+        self.size = 0
+
+    def ask(self, method: str, path: str, body: bytes = b"") -> None:
+        """Receive a reply to its end."""
+        head = (
+            f"{method} {path} HTTP/1.1\r\nHost: {self._name}\r\n"
+            f"Content-Type: application/json\r\nContent-Length: {len(body)}\r\n\r\n"
+        )
+        self._socket.sendall(head.encode() + body)
+        view, end, self.size = memoryview(self._buffer), 0, 0
+        while not self.size or end < self.size:
+            count = self._socket.recv_into(view[end:])
+            if not count:
+                raise RuntimeError(f"{method} {path}: cut short after {end:,} bytes")
+            end += count
+            if not self.size and (found := HEAD.match(self._buffer, 0, end)):
+                self.size = found.end() + int(found["length"])
+        if not self._buffer.startswith(b"HTTP/1.1 200 "):
+            raise RuntimeError(f"{method} {path}: {bytes(view[:500])!r}")
 
 
 def clocked(call: Callable[[], Any]) -> float:
@@ -83,23 +102,46 @@ def clocked(call: Callable[[], Any]) -> float:
     return 1e3 * (time.perf_counter() - started)
 
 
-def compare(name: str, asked: Callable[[], Any], computed: Callable[[], Any],
-            written: Callable[[], Any], pairs: int) -> float:  # fmt: skip
-    """Print and return what the service adds to computing and writing; they take turns."""
-    times = [(clocked(asked), clocked(computed), clocked(written)) for _ in range(pairs + 5)][5:]
-    service, core, serialised = (list(column) for column in zip(*times, strict=True))
-    added = statistics.median(a - b - c for a, b, c in times)
-    print(
-        f"{name:22} {1e3 / statistics.median(service):7.0f} {statistics.median(service):8.2f} "
-        f"{percentile(service, 0.99):8.2f} {statistics.median(core):8.2f} "
-        f"{statistics.median(serialised):8.2f} {added:8.2f}"
-    )
-    return added
+class Comparison:
+    """Asks a service, a bare server, and the core in turn, and prints a line of medians."""
+
+    def __init__(self, server: Served, pairs: int):
+        self.client = Client(server.place)
+        self.pairs = pairs
+        listener = socket.create_server(("127.0.0.1", 0))
+        process = multiprocessing.Process(target=_reply_for_ever, args=(listener,), daemon=True)
+        process.start()
+        self.bare = Client(listener.getsockname())
+        print(
+            f"{'milliseconds':22} {'req/s':>7} {'p50':>8} {'p99':>8} {'core':>8} {'written':>8} "
+            f"{'bare':>8} {'added':>8}"
+        )
+
+    def line(self, name: str, wanted: tuple[Any, ...], computed: Callable[[], Any],
+             written: Callable[[], Any]) -> None:  # fmt: skip
+        """Print what the service adds to computing and writing."""
+        self.client.ask(*wanted)
+        size = self.client.size
+        times = [
+            (
+                clocked(lambda: self.client.ask(*wanted)),
+                clocked(computed),
+                clocked(written),
+                clocked(lambda: self.bare.ask("GET", f"/{size}")),
+            )
+            for _ in range(self.pairs + 5)
+        ][5:]
+        service, core, serialised, bare = (list(column) for column in zip(*times, strict=True))
+        added = statistics.median(a - b - c for a, b, c, _ in times)
+        middle = [statistics.median(column) for column in (service, core, serialised, bare)]
+        print(
+            f"{name:22} {1e3 / middle[0]:7.0f} {middle[0]:8.2f} {percentile(service, 0.99):8.2f} "
+            f"{middle[1]:8.2f} {middle[2]:8.2f} {middle[3]:8.2f} {added:8.2f}"
+        )
 
 
 def requests(server: Served, pairs: int) -> None:
     """Print the times of slices and of a small sweep."""
-    client = Client(server)
     key = server.post("/sweeps", STUDY)["id"]
     sweep = prepare_content(STUDY)
     axes = ",".join(FREE)
@@ -111,31 +153,21 @@ def requests(server: Served, pairs: int) -> None:
 
     taken = piece()
     assert np.size(taken["values"]["data"]) == 100_000
-    print(
-        f"{'milliseconds':22} {'req/s':>7} {'p50':>8} {'p99':>8} {'core':>8} {'written':>8} added"
-    )
-    compare(
+    comparison = Comparison(server, pairs)
+    comparison.line(
         "slice, JSON",
-        lambda: client.ask("GET", f"{path}&format=json"),
+        ("GET", f"{path}&format=json"),
         piece,
         lambda: orjson.dumps(taken, option=NUMPY),
-        pairs,
     )
-    compare(
-        "slice, binary",
-        lambda: client.ask("GET", f"{path}&format=binary"),
-        piece,
-        lambda: binary(taken),
-        pairs,
-    )
+    comparison.line("slice, binary", ("GET", f"{path}&format=binary"), piece, lambda: binary(taken))
     body = json.dumps(SMALL).encode()
     table = tabulate(prepare_content(SMALL))
-    compare(
+    comparison.line(
         "sweep of 10^4 cells",
-        lambda: client.ask("POST", "/processes/sweep/execution", body),
+        ("POST", "/processes/sweep/execution", body),
         lambda: tabulate(prepare_content(read_json(body))),
         lambda: orjson.dumps(to_document(table), option=NUMPY),
-        pairs,
     )
 
 
@@ -143,12 +175,11 @@ def download(server: Served, pairs: int) -> None:
     """Print the speed of a warm download of 1 GB beside that of a bare sendfile loop."""
     path = server.file_of(SMALL, GIGABYTE)
     file = Store(server.data).folder(path.split("/")[2]) / NETCDF
-    address = urllib.parse.urlsplit(server.address)
-    request = f"GET {path} HTTP/1.1\r\nHost: {address.netloc}\r\n\r\n".encode()
+    ours = server.place
+    request = f"GET {path} HTTP/1.1\r\nHost: {ours[0]}:{ours[1]}\r\n\r\n".encode()
     listener = socket.create_server(("127.0.0.1", 0))
     bare = multiprocessing.Process(target=_send_for_ever, args=(listener, str(file)), daemon=True)
     bare.start()
-    ours = (str(address.hostname), int(address.port or 0))
     theirs = listener.getsockname()
     times = [(received(ours, request), received(theirs, request)) for _ in range(pairs + 1)][1:]
     bare.terminate()
@@ -177,6 +208,18 @@ def received(address: tuple[str, int], request: bytes) -> float:
                 raise RuntimeError(f"cut short after {length:,} bytes: {head[:200]!r}")
             length += count
     return time.perf_counter() - started
+
+
+def _reply_for_ever(listener: socket.socket) -> None:
+    connection, _ = listener.accept()
+    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    replies: dict[int, bytes] = {}  # ready, so that only sending takes time
+    while request := connection.recv(65_536):
+        size = int(request.split(b" ")[1][1:])
+        if size not in replies:
+            head = b"HTTP/1.1 200 OK\r\nContent-Length: %d\r\n\r\n" % size
+            replies[size] = head + os.urandom(size)
+        connection.sendall(replies[size])
 
 
 def _send_for_ever(listener: socket.socket, path: str) -> None:

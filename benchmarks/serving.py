@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import urllib.parse
 import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -26,6 +27,12 @@ class Served:
     address: str
     pid: int
     data: Path
+
+    @property
+    def place(self) -> tuple[str, int]:
+        """The host and the port of its address."""
+        parts = urllib.parse.urlsplit(self.address)
+        return str(parts.hostname), int(parts.port or 0)
 
     def get(self, path: str) -> Any:
         """Return the JSON of a path."""
