@@ -15,7 +15,7 @@ def page() -> str:
     lines = [
         "# Quantities and regimes",
         "",
-        "Written by `python -m benchmarks.quantities_page` from `core/quantities.py`.",
+        "Written by `python -m benchmarks.quantities_page` from `core/quantities`.",
         "",
         "## Parameters",
         "",

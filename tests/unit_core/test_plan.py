@@ -12,7 +12,7 @@ from core.catalogue import describe, study_schema
 from core.errors import LimitError, SceneError, StudyError
 from core.motion import SYSTEMS, simulate
 from core.optimise import optimise
-from core.quantities import QUANTITIES, REGIMES
+from core.quantities import FAMILIES, QUANTITIES, REGIMES
 from core.scenes import ALIASES, SCENES, Condition, Equation
 from core.scenes.scene import Scene
 from core.study import load_study, parse_study
@@ -366,3 +366,7 @@ def test_the_schema_knows_every_scene_output_and_parameter():
         if quantity.parameter:
             assert quantity.examples, name
             assert not math.isnan(quantity.lower)
+
+
+def test_no_quantity_is_declared_twice():
+    assert len(QUANTITIES) == sum(len(family) for family in FAMILIES)

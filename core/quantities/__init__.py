@@ -1,0 +1,33 @@
+"""Every quantity and every regime, declared once.
+
+Units, bounds, labels and descriptions that the study, the dataset, the catalogue and the documents
+show are read from here. Inside the code all values are SI and angles are radians; at the edge
+(studies, files, replies) angles are degrees. Axes of a study follow the order of the declaration.
+"""
+
+from __future__ import annotations
+
+from core.quantities.flags import MOTION_MODES, MOTION_STATUSES, REGIMES, Flag
+from core.quantities.impacts import IMPACTS
+from core.quantities.isolated import ISOLATED
+from core.quantities.motion import MOTION
+from core.quantities.optimum import OPTIMUM
+from core.quantities.quantity import Quantity
+from core.quantities.rolling import ROLLING
+from core.quantities.track import TRACK
+
+__all__ = [
+    "FAMILIES",
+    "MOTION_MODES",
+    "MOTION_STATUSES",
+    "QUANTITIES",
+    "REGIMES",
+    "Flag",
+    "Quantity",
+]
+
+# In the order in which documents list them; those of one study share axes in this order.
+FAMILIES = (TRACK, ROLLING, ISOLATED, IMPACTS, MOTION, OPTIMUM)
+QUANTITIES: dict[str, Quantity] = {
+    name: quantity for family in FAMILIES for name, quantity in family.items()
+}

@@ -1,0 +1,92 @@
+"""Regimes, statuses and modes: what a flag variable can say of a cell."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Flag:
+    """A value of a flag variable, such as a state that a cell can be in.
+
+    Attributes
+    ----------
+    value : int
+        The number that stands in files.
+    description : str
+        What it says to the user.
+    valid : bool
+        False where the values of the cell do not describe a real part.
+    """
+
+    value: int
+    description: str
+    valid: bool = True
+
+
+REGIMES: dict[str, Flag] = {
+    "not_assessed": Flag(0, "the asked outputs do not depend on any contact"),
+    "contact": Flag(1, "the part is in contact; stick or slip does not matter here"),
+    "stick": Flag(2, "friction holds the part; it does not move"),
+    "slip": Flag(3, "the part slides"),
+    "roll": Flag(4, "the cylinder rolls without slip"),
+    "flight": Flag(5, "the part has left the floor", valid=False),
+    "wall_lost": Flag(6, "the part has left the wall", valid=False),
+    "flight_and_wall_lost": Flag(7, "the part has left floor and wall", valid=False),
+    "no_motion": Flag(8, "the drive is too weak to start forward motion"),
+    "stopped": Flag(9, "the part stops before the distance or time is reached"),
+    "outside_cone": Flag(10, "the forces lie outside the friction cone", valid=False),
+    "invalid_geometry": Flag(11, "the part does not fit the track or the model", valid=False),
+    "tipping": Flag(12, "the centre of pressure leaves the base: the part tips", valid=False),
+    "faster_than_track": Flag(13, "the estimate exceeds the largest track speed", valid=False),
+    "unbounded": Flag(14, "no finite value exists: nothing limits it"),
+    "separation": Flag(15, "the corner leaves the plane"),
+    "sliding": Flag(16, "the corner slides on the plane, or starts to"),
+    "two_solutions": Flag(17, "more than one contact force satisfies the model", valid=False),
+    "no_solution": Flag(18, "no contact force satisfies the model", valid=False),
+    # --- impacts of two bodies
+    "apart": Flag(19, "the bodies do not touch; nothing happens"),
+    "overlap": Flag(20, "the bodies overlap: no such placement is possible", valid=False),
+    "no_impact": Flag(21, "the bodies touch but do not approach; nothing happens"),
+    "impact_stick": Flag(22, "they collide and do not slide on each other at the end"),
+    "impact_slip": Flag(23, "they collide and slide on each other at the end"),
+    "simultaneous": Flag(
+        24, "they meet at several points at once, or edge to edge: the law does not tell more",
+        valid=False,
+    ),
+    "impact": Flag(25, "they collide"),
+    "singular": Flag(26, "the formula divides by zero here: it has no value", valid=False),
+    # --- motion in time
+    "stick_slip": Flag(27, "the part sticks for a part of the period and slides for the rest"),
+    "hopping": Flag(28, "the part hops once a period or more often, and touches the floor between"),
+    "hop_after_hop": Flag(29, "the part hops without touching the floor between"),
+    "period_doubled": Flag(30, "the motion repeats after two periods of the drive or more"),
+    "aperiodic": Flag(31, "the motion does not repeat; values are means over many periods"),
+    "runaway": Flag(32, "the part gains speed for ever; it has no mean velocity", valid=False),
+    "unresolved": Flag(
+        33, "no answer: the study was stopped, or a limit came first", valid=False
+    ),
+    "rests": Flag(34, "the part has come to rest on a side"),
+    "tumbles": Flag(35, "the part still moves at the end of the duration"),
+}  # fmt: skip
+
+MOTION_STATUSES: dict[str, Flag] = {
+    "not_computed": Flag(0, "the study was stopped before this cell", valid=False),
+    "periodic": Flag(1, "the motion repeats after a whole number of periods"),
+    "at_rest": Flag(2, "friction holds the part; it does not move"),
+    "aperiodic": Flag(3, "the motion does not repeat; mean and spread over many periods"),
+    "runaway": Flag(4, "the part gains speed for ever; it has no mean velocity", valid=False),
+    "neutral": Flag(5, "no friction: the speed is that of the start, at rest on the track"),
+    "limit_reached": Flag(6, "a limit, or rounding, came before an answer", valid=False),
+    "no_solution": Flag(7, "the contact laws had no solution, or several", valid=False),
+    "settled": Flag(8, "the part has come to rest on a side"),
+    "moving": Flag(9, "the part still moves at the end of the duration"),
+}
+
+MOTION_MODES: dict[str, Flag] = {
+    "stick": Flag(0, "friction holds the part on the track"),
+    "forward": Flag(1, "the part slides forward"),
+    "backward": Flag(2, "the part slides backward"),
+    "flight": Flag(3, "the part is off the floor"),
+    "unknown": Flag(4, "no motion was found for this time", valid=False),
+}

@@ -1,0 +1,240 @@
+"""Two bodies, 1 and 2, that collide."""
+
+from __future__ import annotations
+
+from core.quantities.quantity import Quantity, velocity
+
+
+def _body(body: str) -> dict[str, Quantity]:
+    """Return the parameters and velocities of one of two bodies."""
+
+    def quantity(unit: str, symbol: str, label: str, description: str, example: str) -> Quantity:
+        return Quantity(
+            unit, f"{symbol}{body}", f"{label}, body {body}", description.format(body),
+            parameter=True, examples=(example,),
+        )  # fmt: skip
+
+    def size(unit: str, symbol: str, label: str, description: str, example: str) -> Quantity:
+        return Quantity(
+            unit, f"{symbol}{body}", f"{label}, body {body}", description.format(body), 0.0,
+            strict=True, parameter=True, examples=(example,),
+        )  # fmt: skip
+
+    parameters = {
+        f"position_x_{body}": quantity(
+            "m", "x", "Position x", "Centre of body {}, x.", "5 mm"
+        ),
+        f"position_y_{body}": quantity(
+            "m", "y", "Position y", "Centre of body {}, y.", "5 mm"
+        ),
+        f"angle_{body}": quantity(
+            "degree", "th", "Angle", "Angle of the length of body {}, from +x towards +y.",
+            "30 deg",
+        ),
+        f"velocity_x_{body}": quantity(
+            "m s-1", "vx", "Velocity x", "Velocity of body {} before the impact, x.", "0.2 m/s"
+        ),
+        f"velocity_y_{body}": quantity(
+            "m s-1", "vy", "Velocity y", "Velocity of body {} before the impact, y.", "0.2 m/s"
+        ),
+        f"spin_{body}": quantity(
+            "rad s-1", "w", "Spin",
+            "Angular velocity of body {} before the impact, from +x towards +y.", "3 rad/s",
+        ),
+        f"position_z_{body}": quantity(
+            "m", "z", "Position z", "Centre of body {}, z.", "5 mm"
+        ),
+        f"azimuth_{body}": quantity(
+            "degree", "az", "Azimuth of the axis",
+            "Angle of the axis of body {} in the floor plane, from +x towards +y.", "30 deg",
+        ),
+        f"elevation_{body}": quantity(
+            "degree", "el", "Elevation of the axis",
+            "Angle of the axis of body {} above the floor plane.", "10 deg",
+        ),
+        f"velocity_z_{body}": quantity(
+            "m s-1", "vz", "Velocity z", "Velocity of body {} before the impact, z.", "0.2 m/s"
+        ),
+        f"spin_x_{body}": quantity(
+            "rad s-1", "wx", "Spin x", "Angular velocity of body {} before the impact, x.",
+            "3 rad/s",
+        ),
+        f"spin_y_{body}": quantity(
+            "rad s-1", "wy", "Spin y", "Angular velocity of body {} before the impact, y.",
+            "3 rad/s",
+        ),
+        f"spin_z_{body}": quantity(
+            "rad s-1", "wz", "Spin z", "Angular velocity of body {} before the impact, z.",
+            "3 rad/s",
+        ),
+        f"diameter_{body}": size("m", "d", "Diameter", "Diameter of body {}.", "8 mm"),
+        f"length_{body}": size("m", "h", "Length", "Length of body {}.", "20 mm"),
+        f"width_{body}": size("m", "a", "Width", "Width of body {}.", "10 mm"),
+        f"mass_{body}": size("kg", "m", "Mass", "Mass of body {}.", "5 g"),
+    }  # fmt: skip
+    results = {
+        f"inertia_{body}": Quantity(
+            "kg m2", f"I{body}", f"Moment of inertia, body {body}",
+            f"Moment of inertia of body {body} about its centre, normal to the floor.",
+        ),
+        f"velocity_x_{body}_after": velocity(
+            f"vx{body}'", f"Velocity x after, body {body}",
+            f"Velocity of body {body} after the impact, x.",
+        ),
+        f"velocity_y_{body}_after": velocity(
+            f"vy{body}'", f"Velocity y after, body {body}",
+            f"Velocity of body {body} after the impact, y.",
+        ),
+        f"velocity_z_{body}_after": velocity(
+            f"vz{body}'", f"Velocity z after, body {body}",
+            f"Velocity of body {body} after the impact, z.",
+        ),
+        **{
+            f"spin_{axis}_{body}_after": Quantity(
+                "rad s-1", f"w{axis}{body}'", f"Spin {axis} after, body {body}",
+                f"Angular velocity of body {body} after the impact, {axis}.",
+            )
+            for axis in "xyz"
+        },
+        f"spin_{body}_after": Quantity(
+            "rad s-1", f"w{body}'", f"Spin after, body {body}",
+            f"Angular velocity of body {body} after the impact, from +x towards +y.",
+        ),
+    }  # fmt: skip
+    return {**parameters, **results}
+
+
+BOTH: dict[str, Quantity] = {
+    "contact_tolerance": Quantity(
+        "1", "g_tol/size", "Contact tolerance",
+        "Largest gap or overlap that counts as touching, as a share of the bodies' size, the "
+        "sum of their half diagonals. 1 lets the impact happen as the bodies are placed.", 0.0,
+        parameter=True, examples=("1e-6",),
+    ),
+    "gap": Quantity(
+        "m", "g_N", "Gap",
+        "Distance of the bodies where they are nearest to each other; negative in overlap.",
+    ),
+    "face_body": Quantity(
+        "1", "C", "Body with the face", "The body whose face is touched, 1 or 2."
+    ),
+    "contact_corner": Quantity(
+        "1", "A", "Touching corner",
+        "The corner of the other body, 1 to 4 counterclockwise from the one at +length/2, "
+        "+width/2; 0 where an edge lies on the face.",
+    ),
+    "contact_x": Quantity("m", "P_x", "Contact point, x", "Point where the impulse acts, x."),
+    "contact_y": Quantity("m", "P_y", "Contact point, y", "Point where the impulse acts, y."),
+    "normal_x": Quantity("1", "n_x", "Normal, x", "Unit normal from body 2 to body 1, x."),
+    "normal_y": Quantity("1", "n_y", "Normal, y", "Unit normal from body 2 to body 1, y."),
+    "contact_form": Quantity(
+        "1", "form", "Contact form",
+        "0 none of the five, 1 rim on face, 2 rim on side, 3 face on face, 4 side on side, "
+        "5 side on face.",
+    ),
+    "contact_z": Quantity("m", "P_z", "Contact point, z", "Point where the impulse acts, z."),
+    "normal_z": Quantity("1", "n_z", "Normal, z", "Unit normal from body 2 to body 1, z."),
+    "sliding_before": velocity(
+        "|u_T|", "Sliding velocity before", "Speed of sliding at the contact, before."
+    ),
+    "sliding_after": velocity(
+        "|u_T'|", "Sliding velocity after", "Speed of sliding at the contact, after."
+    ),
+    "impulse_friction": Quantity(
+        "N s", "|Lambda_T|", "Impulse of friction", "Magnitude of the tangential impulse."
+    ),
+    "impulse_x": Quantity("N s", "Lambda_x", "Impulse, x", "Impulse on body 1, x."),
+    "impulse_y": Quantity("N s", "Lambda_y", "Impulse, y", "Impulse on body 1, y."),
+    "impulse_z": Quantity("N s", "Lambda_z", "Impulse, z", "Impulse on body 1, z."),
+    "momentum_residual_z": Quantity(
+        "N s", "dp_z", "Residual of the momentum, z",
+        "Linear momentum after less before; 0 but for rounding.",
+    ),
+    "angular_momentum_residual_x": Quantity(
+        "kg m2 s-1", "dL_x", "Residual of the angular momentum, x",
+        "Angular momentum about the origin, after less before; 0 but for rounding.",
+    ),
+    "angular_momentum_residual_y": Quantity(
+        "kg m2 s-1", "dL_y", "Residual of the angular momentum, y",
+        "Angular momentum about the origin, after less before; 0 but for rounding.",
+    ),
+    "angular_momentum_residual_z": Quantity(
+        "kg m2 s-1", "dL_z", "Residual of the angular momentum, z",
+        "Angular momentum about the origin, after less before; 0 but for rounding.",
+    ),
+    "delassus_normal": Quantity(
+        "kg-1", "G_NN", "Delassus number, normal", "Normal velocity that a unit normal impulse "
+        "gives.",
+    ),
+    "delassus_coupling": Quantity(
+        "kg-1", "G_NT", "Delassus number, coupling",
+        "Tangential velocity that a unit normal impulse gives.",
+    ),
+    "delassus_tangential": Quantity(
+        "kg-1", "G_TT", "Delassus number, tangential",
+        "Tangential velocity that a unit tangential impulse gives.",
+    ),
+    "approach_normal": velocity(
+        "u_N", "Normal velocity before", "Velocity of body 1 off body 2 at the contact, before "
+        "the impact; negative where they approach.",
+    ),
+    "approach_tangential": velocity(
+        "u_T", "Tangential velocity before",
+        "Velocity of body 1 along the contact, relative to body 2, before the impact.",
+    ),
+    "separation_normal": velocity(
+        "u_N'", "Normal velocity after",
+        "Velocity of body 1 off body 2 at the contact, after the impact.",
+    ),
+    "separation_tangential": velocity(
+        "u_T'", "Tangential velocity after",
+        "Velocity of body 1 along the contact, relative to body 2, after the impact.",
+    ),
+    "impulse_normal": Quantity(
+        "N s", "Lambda_N", "Normal impulse", "Impulse on body 1 along the normal."
+    ),
+    "impulse_tangential": Quantity(
+        "N s", "Lambda_T", "Tangential impulse",
+        "Impulse of friction on body 1, along the normal turned by +90 degrees.",
+    ),
+    "energy_before": Quantity(
+        "J", "T_A", "Energy before", "Kinetic energy of both bodies before the impact."
+    ),
+    "energy_lost": Quantity(
+        "J", "T_A - T_E", "Energy lost", "Kinetic energy that the impact takes away."
+    ),
+    "momentum_residual_x": Quantity(
+        "N s", "dp_x", "Residual of the momentum, x",
+        "Linear momentum after less before; 0 but for rounding.",
+    ),
+    "momentum_residual_y": Quantity(
+        "N s", "dp_y", "Residual of the momentum, y",
+        "Linear momentum after less before; 0 but for rounding.",
+    ),
+    "angular_momentum_residual": Quantity(
+        "kg m2 s-1", "dL_z", "Residual of the angular momentum",
+        "Angular momentum about the origin, after less before; 0 but for rounding.",
+    ),
+}  # fmt: skip
+BUNDLES = {
+    name: Quantity("1", "", label, description, bundle=True)
+    for name, label, description in (
+        ("rectangle_contact", "Contact of two rectangles", "Gap, normal, ends of the contact."),
+        ("contact_arms", "Lever arms", "Moments of unit impulses at the contact."),
+        ("edge_action", "Action on an edge", "Where on a touching edge the impulse acts."),
+        ("planar_impulse", "Planar impulse", "Both components, and whether they stick."),
+        ("planar_motion_after", "Planar motion after", "All six velocities after."),
+        ("cylinder_1", "Cylinder 1", "Centre, axis, radius and half length."),
+        ("cylinder_2", "Cylinder 2", "Centre, axis, radius and half length."),
+        ("cylinder_masses", "Masses", "Masses and moments of inertia of both bodies."),
+        ("spatial_motion", "Motion before", "Velocities and spins of both bodies."),
+        ("cylinder_contact", "Contact of two cylinders", "Gap, form, normal, ends."),
+        ("contact_frame", "Contact frame", "Contact point, normal and two tangents."),
+        ("spatial_delassus", "Delassus numbers in space", "All six of them."),
+        ("spatial_approach", "Contact velocity before", "Components along n and tangents."),
+        ("spatial_impulse", "Impulse in space", "Components, and whether they stick."),
+        ("spatial_motion_after", "Motion after", "Velocities and spins after the impact."),
+    )
+}
+
+IMPACTS = {**_body("1"), **_body("2"), **BOTH, **BUNDLES}

@@ -1,0 +1,169 @@
+"""Motion in time: scales, settings, results."""
+
+from __future__ import annotations
+
+from core.quantities.quantity import Quantity, number, velocity
+
+
+def _fraction(label: str, description: str) -> Quantity:
+    return Quantity("1", "", label, f"Part of the period in which {description}.")
+
+
+SCALES: dict[str, Quantity] = {
+    "drive_number": number(
+        "p", "Drive number", "Amplitude of the drive acceleration over gravity."
+    ),
+    "drive_number_along": number(
+        "p cb ca", "Drive number along the track", "Drive acceleration along +x over gravity."
+    ),
+    "drive_number_across": number(
+        "p cb sa", "Drive number across the track", "Drive acceleration along +y over gravity."
+    ),
+    "drive_number_normal": number(
+        "p sb", "Drive number off the floor", "Drive acceleration along +z over gravity."
+    ),
+    "gravity_number_along": number(
+        "sin(gamma)", "Share of gravity along the track", "Gravity along -x over gravity."
+    ),
+    "gravity_number_across": number(
+        "cg sd", "Share of gravity towards the wall", "Gravity along -y over gravity."
+    ),
+    "gravity_number_normal": number(
+        "cg cd", "Share of gravity onto the floor", "Gravity along -z over gravity."
+    ),
+    "curvature_number": number(
+        "g/(w^2 R)", "Curvature number", "Length scale g/w^2 over the bowl radius."
+    ),
+    "velocity_scale": velocity("g/w", "Velocity scale", "Gravity over circular frequency."),
+    "length_scale": Quantity(
+        "m", "g/w^2", "Length scale", "Gravity over circular frequency squared."
+    ),
+    "motion": Quantity(
+        "1", "", "Motion", "Motion over a period, in the scales of the drive.", bundle=True
+    ),
+}
+SETTINGS: dict[str, Quantity] = {
+    "tolerance": number(
+        "tol", "Tolerance", "Largest error of a periodic state, as a share of the drive."
+    ),
+    "most_periods": number(
+        "N", "Most periods", "Most periods of the drive that one point is followed for."
+    ),
+    "steps_per_period": number(
+        "n", "Steps per period", "Time steps in a period of the drive, of the coarser run."
+    ),
+    "slip_speed": number(
+        "u_s", "Slip speed", "Speed below which regularised friction gives way, in g/w."
+    ),
+    "contact_stiffness": number(
+        "k", "Contact stiffness", "Stiffness of the regularised floor, over m w^2."
+    ),
+}
+RESULTS: dict[str, Quantity] = {
+    "conveying_velocity": velocity(
+        "v", "Conveying velocity", "Mean velocity along the track once the motion repeats."
+    ),
+    "conveying_velocity_spread": velocity(
+        "s(v)", "Spread of the conveying velocity",
+        "Standard deviation of the means of runs from several phases; 0 where the motion "
+        "repeats.",
+    ),
+    "conveying_velocity_error": velocity(
+        "e(v)", "Error of the conveying velocity", "The method's own estimate of its error."
+    ),
+    "efficiency": number(
+        "v/v_b", "Transport efficiency",
+        "Conveying velocity over the largest speed of the track along x.",
+    ),
+    "stick_fraction": _fraction("Sticking share", "friction holds the part"),
+    "forward_fraction": _fraction("Forward sliding share", "the part slides forward"),
+    "backward_fraction": _fraction("Backward sliding share", "the part slides backward"),
+    "flight_fraction": _fraction("Flight share", "the part is off the floor"),
+    "impacts_per_period": number(
+        "", "Impacts per period",
+        "Impacts on the floor per period of the drive; a run of ever smaller hops counts as "
+        "those resolved.",
+    ),
+    "period_multiple": number(
+        "", "Period multiple",
+        "Periods of the drive after which the motion repeats; 0 where it does not.",
+    ),
+    "landing_speed": velocity(
+        "u_N", "Landing speed", "Largest speed normal to the floor before an impact."
+    ),
+    "hop_height": Quantity("m", "z", "Hop height", "Largest distance from the floor."),
+    "motion_status": number("", "Status of the motion", "How the motion ended."),
+}  # fmt: skip
+TUMBLING: dict[str, Quantity] = {
+    "duration": Quantity(
+        "s", "t_e", "Duration", "Time after which the run ends.", 0.0, strict=True,
+        parameter=True, examples=("2 s",),
+    ),
+    "drop_height": Quantity(
+        "m", "z_0", "Drop height",
+        "Height of the part's lowest corner above the plane at the start.", 0.0,
+        parameter=True, examples=("10 mm",),
+    ),
+    "tumble": Quantity("1", "", "Tumble", "How the part tumbled.", bundle=True),
+    "final_pitch": Quantity(
+        "degree", "xi_e", "Final pitch", "Pitch at the end, clockwise, with all its turns."
+    ),
+    "resting_side": number(
+        "", "Resting side",
+        "Side that lies on the plane at the end: 1 as at pitch 0, 2 at 90 degrees, 3 at 180, "
+        "4 at 270; 0 if none does.",
+    ),
+    "settling_time": Quantity(
+        "s", "t_s", "Settling time", "Time from which the part lies at rest for good."
+    ),
+    "impact_count": number(
+        "", "Impacts", "Impacts until the end; both ends of a side at once count as one."
+    ),
+    "largest_bounce": Quantity(
+        "m", "z_b", "Largest bounce",
+        "Largest height of the lowest corner above the plane after the first impact.",
+    ),
+    "drift_velocity": velocity(
+        "x/t", "Drift velocity", "Displacement along the plane over the duration."
+    ),
+    "specific_energy_lost": Quantity(
+        "J kg-1", "e_l", "Energy lost per mass", "Energy that impacts and friction took."
+    ),
+    "tumbling_part": Quantity("1", "", "Tumbling part", "Its shape and size.", bundle=True),
+    "path_along": Quantity("m", "x", "Centre along the plane", "Place of the centre."),
+    "path_height": Quantity("m", "y", "Height of the centre", "Height of the centre."),
+    "path_pitch": Quantity("degree", "xi", "Pitch", "Pitch, clockwise, with all its turns."),
+    "path_gap": Quantity("m", "g_N", "Lowest gap", "Height of the lowest corner."),
+    "path_corners": number("", "Corners in contact", "Corners that carry the part."),
+}  # fmt: skip
+TRAJECTORY: dict[str, Quantity] = {
+    "cycle_time": Quantity(
+        "s", "t", "Time in the cycle",
+        "Time since the start of a period of the drive; of a tumbling part, since the start.",
+    ),
+    "position_along": Quantity(
+        "m", "x", "Position on the track",
+        "Position along the track, relative to it, from that at the first time.",
+    ),
+    "height_above_floor": Quantity(
+        "m", "z", "Height above the floor", "Distance of the part from the moving floor."
+    ),
+    "distance_from_wall": Quantity(
+        "m", "y", "Distance from the wall", "Distance of the part from the moving wall."
+    ),
+    "relative_velocity_along": velocity(
+        "u_x", "Velocity relative to the track", "Velocity along the track, relative to it."
+    ),
+    "relative_velocity_normal": velocity(
+        "u_z", "Velocity off the floor", "Velocity normal to the floor, relative to it."
+    ),
+    "track_along": Quantity(
+        "m", "A0 cb sin(wt)", "Displacement of the track along x", "Displacement of the track."
+    ),
+    "track_normal": Quantity(
+        "m", "A0 sb sin(wt)", "Displacement of the track along z", "Displacement of the track."
+    ),
+    "motion_mode": number("", "Mode of the motion", "What the part does on the track."),
+}  # fmt: skip
+
+MOTION = {**SCALES, **SETTINGS, **RESULTS, **TUMBLING, **TRAJECTORY}

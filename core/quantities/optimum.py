@@ -1,0 +1,26 @@
+"""The best values: what a search for them tells."""
+
+from __future__ import annotations
+
+from core.quantities.quantity import Quantity, number
+
+OPTIMUM: dict[str, Quantity] = {
+    "front": number(
+        "", "Place on the front",
+        "0 at the largest output, 1 at the least absolute value of the other one.",
+    ),
+    "objective": number("", "Objective", "What was looked for, at the optimum."),
+    "optimum_status": number("", "Status of the optimum", "How the search ended."),
+    "optimality_residual": number(
+        "", "Optimality residual",
+        "What the first-order conditions of an optimum leave of the objective's gradient, as "
+        "a share of the outputs' scale, each variable over its range.",
+    ),
+    "optimum_gap": number(
+        "", "Gap of the optimum",
+        "Objective of the exact answer, or of a dense grid, less the one found, as a share of "
+        "the outputs' scale.",
+    ),
+    "evaluations": number("", "Evaluations", "Points at which the outputs were computed."),
+    "knee": number("", "Knee of the front", "The point farthest from the chord of the front."),
+}  # fmt: skip
