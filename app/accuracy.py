@@ -9,12 +9,17 @@ from pathlib import Path
 from app import report
 from core.accuracy.page import Section, head_of, sections_of, write_page
 from core.accuracy.report import SECONDS, machine, measure_study
+from core.dataset.files import whole
 from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table
 from core.sweep.prepare import Prepared
 from core.watch import Watch
 
 PAGE = "accuracy.md"
+EXTREMES = ("extremes", "leaving-out")  # datasets of what is asked of no study
+
+
+STOPPED = "It was stopped: what had not been measured by then is missing."
 
 
 def write_report(
@@ -53,6 +58,13 @@ def write_report(
     command += "" if seconds == SECONDS else f" --seconds {seconds:g}"
     sections: list[Section] = []
     written: list[Path] = []
+    page = folder / PAGE
+
+    def write() -> None:
+        head = [*head_of(facts, command), *([STOPPED] if stopped() else [])]
+        with whole(page) as temporary:
+            temporary.write_text(write_page("Accuracy", head, sections), encoding="utf-8")
+
     for path, study in prepared.items():
         if stopped():
             break
@@ -60,23 +72,28 @@ def write_report(
             part = measure_study(
                 study, name=str(path), watch=Watch(advance, stopped), seconds=seconds, only=only
             )
-        target = folder / f"accuracy-{path.stem}.nc"
+        target = dataset_of(folder, path.stem)
         write_netcdf(part.table, target, history=f"{facts['date']} {command}")
         families = [one.family for one in part.measured if one.curves]
         pictures = draw(target, folder, path.stem, families)
         written += [target, *pictures.values()]
         names = {family: picture.name for family, picture in pictures.items()}
-        sections += sections_of(part, names)
+        sections += sections_of(part, names, seconds)
+        write()  # whatever becomes of the next study
     right = True
     if extremes:
         tables, more, right = _extremes(stopped)
         for name, table in tables.items():
-            written.append(folder / f"accuracy-{name}.nc")
+            written.append(dataset_of(folder, name))
             write_netcdf(table, written[-1], history=f"{facts['date']} {command}")
         sections += more
-    page = folder / PAGE
-    page.write_text(write_page("Accuracy", head_of(facts, command), sections), encoding="utf-8")
+    write()
     return [*written, page], right
+
+
+def dataset_of(folder: Path, name: str) -> Path:
+    """Return where the measurements of a study go, by the stem of its file; or of `EXTREMES`."""
+    return folder / f"accuracy-{name}.nc"
 
 
 def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[Section], bool]:
@@ -91,10 +108,10 @@ def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[Secti
     tables: dict[str, Table] = {}
     sections: list[Section] = []
     if outcomes:
-        tables["extremes"] = extremes.to_table(outcomes)
+        tables[EXTREMES[0]] = extremes.to_table(outcomes)
         sections.append(Section("Hard cases", by + extremes.to_markdown(outcomes)))
     if rows:
-        tables["leaving-out"] = leaving_out.to_table(rows)
+        tables[EXTREMES[1]] = leaving_out.to_table(rows)
         sections.append(Section("What a scene leaves out", by + leaving_out.to_markdown(rows)))
     return tables, sections, all(outcome.passed for outcome in outcomes)
 

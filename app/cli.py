@@ -11,7 +11,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
@@ -196,7 +196,7 @@ def report_accuracy(
     a hard case came out wrong, or that it was stopped by Ctrl-C: what was measured by then is
     written.
     """
-    from app.accuracy import write_report
+    from app.accuracy import EXTREMES, dataset_of, write_report
     from core.accuracy.report import families_of
 
     files = files or []
@@ -214,6 +214,10 @@ def report_accuracy(
         _refuse(wrong)
     beside = files[0].parent if files else Path()
     folder = output or beside / "accuracy"
+    _refuse_clashes(
+        {file: dataset_of(folder, file.stem) for file in files},
+        taken=[dataset_of(folder, name) for name in EXTREMES] if extremes else (),
+    )
     with _interruption("report") as interrupted:
         try:
             written, right = write_report(
@@ -403,19 +407,7 @@ def _targets(files: Sequence[Path], output: Path | None) -> dict[Path, Path]:
         targets = {files[0]: output}
     else:
         targets = {file: (output or file.parent) / f"{file.stem}.nc" for file in files}
-    clashes = {
-        file: [
-            Problem(
-                "output",
-                f"{target} would be written by more than one study",
-                "Rename a study, or use another folder",
-            )
-        ]
-        for file, target in targets.items()
-        if list(targets.values()).count(target) > 1
-    }
-    if clashes:
-        _refuse(clashes)
+    _refuse_clashes(targets)
     for target in targets.values():
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
@@ -423,6 +415,20 @@ def _targets(files: Sequence[Path], output: Path | None) -> dict[Path, Path]:
             place = Problem("output", f"{target.parent} cannot be made", str(error.strerror))
             _refuse({target: [place]})
     return targets
+
+
+def _refuse_clashes(targets: Mapping[Path, Path], taken: Collection[Path] = ()) -> None:
+    """Exit if two studies would go to one place, or one to a place that something else takes."""
+    everything = [*targets.values(), *taken]
+    message = "{} would be written more than once"
+    fix = "Rename a study, or use another folder"
+    clashes = {
+        file: [Problem("output", message.format(target), fix)]
+        for file, target in targets.items()
+        if everything.count(target) > 1
+    }
+    if clashes:
+        _refuse(clashes)
 
 
 def _fixed(text: str) -> tuple[str, str]:

@@ -6,10 +6,8 @@ import statistics
 import time
 from collections.abc import Callable, Iterable
 
-import numpy as np
-
 from core.mechanics.arrays import Array
-from core.sweep.grid import Grid
+from core.sweep.grid import Grid, random_places
 
 SEED = 2004
 REPEATS = 5
@@ -19,10 +17,16 @@ LEAST_SECONDS = 2e-3  # of one repeat: the clock and the start of a call do not 
 def random_cells(
     grid: Grid, count: int, names: Iterable[str], seed: int = SEED
 ) -> dict[str, Array]:
-    """Return parameters of random cells of a grid, SI units, shape (count,); the same each time."""
-    random = np.random.default_rng(seed)
-    places = {name: random.integers(0, axis.size, count) for name, axis in grid.axes.items()}
-    return grid.at(places, count, names)
+    """Return parameters of random cells of a grid, all different; the same each time.
+
+    SI units, shape (`sample_size`,).
+    """
+    return grid.at(random_places(grid, count, seed), sample_size(grid, count), names)
+
+
+def sample_size(grid: Grid, count: int) -> int:
+    """Return how many different cells there are of a grid, at most `count`."""
+    return min(count, grid.cells)
 
 
 def median_seconds(

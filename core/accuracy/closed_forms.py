@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.accuracy.cells import REPEATS, median_seconds, random_cells
+from core.accuracy.cells import REPEATS, median_seconds, random_cells, sample_size
 from core.accuracy.curves import Curve, Measured, Point
 from core.mechanics.arrays import Array
 from core.motion.equations import run_equations
 from core.sweep.evaluate import BLOCK_CELLS
 from core.sweep.plan import Plan
-from core.sweep.precise import VANISHES, Errors, errors_of, exact_values, sensitivities
+from core.sweep.precise import Errors, errors_of, exact_values, sensitivities
 from core.sweep.prepare import Sweep
 from core.watch import Watch
 
@@ -30,6 +30,7 @@ def measure(sweep: Sweep, watch: Watch, cells: int = CELLS) -> Measured:
     Cells are added, some at a time, until there are so many or the watch stops it.
     """
     plan = sweep.plan
+    cells = sample_size(sweep.grid, cells)
     given = random_cells(sweep.grid, cells, plan.parameters)
     pieces: list[_Known] = []
     share = replace(watch, progress=lambda done: watch.advance(0.9 * done / cells))
@@ -40,20 +41,21 @@ def measure(sweep: Sweep, watch: Watch, cells: int = CELLS) -> Measured:
         pieces.append(_known(plan, piece, share))
     done = min(cells, len(pieces) * PIECE)
     given = {name: values[:done] for name, values in given.items()}
-    curves, left_out, vanishing = [], [], []
+    curves, left_out, without = [], [], []
     for name in plan.outputs:
         if name not in pieces[0].moved:
             left_out.append(name)
             continue
         curve = _curve(plan, name, given, _joined(pieces, name))
-        if curve is None:
-            vanishing.append(name)
-        else:
+        if curve.points:
             curves.append(curve)
+        else:
+            without.append(name)
         watch.advance(0.1 / len(plan.outputs))
     notes = [
-        f"{done} random cells of the grid (seed 2004); the reference is the plan's own equations "
-        "to 50 digits, at the parameters as each type of float holds them.",
+        f"{done} different random cells of {sweep.cells:,} (seed 2004); the column cells counts "
+        "those with a value other than 0. The reference is the plan's own equations to 50 digits, "
+        "at the parameters as each type of float holds them.",
         "Error: share of the exact value. An ulp is a unit in the last place of the exact value; "
         "kappa is the sum of |x dF/dx| over |F| for the parameters, at least 1: what rounding of "
         "the parameters alone does to the value.",
@@ -63,8 +65,15 @@ def measure(sweep: Sweep, watch: Watch, cells: int = CELLS) -> Measured:
         "Slope: of log(error in ulps over kappa) over log(unit roundoff of the type); 0 is flat: "
         "the error is rounding, whatever the type.",
     ]
-    if vanishing:
-        notes.append(f"Zero by law, without a relative error: {', '.join(vanishing)}.")
+    if done < cells:
+        notes.append(f"The time given ran out: {done} of {cells} cells were reached.")
+    if without:
+        notes.append(f"0 or without a value in all these cells: {', '.join(without)}.")
+    if not _fits(given, np.float32).all():
+        notes.append(
+            "Left out of the rows of float32 are cells with a parameter that it cannot hold: "
+            f"{np.sum(~_fits(given, np.float32))} of {done}."
+        )
     if left_out:
         notes.append(f"Not known to 50 digits, since an equation rounds: {', '.join(left_out)}.")
     return Measured("closed_forms", tuple(curves), tuple(notes))
@@ -85,7 +94,7 @@ def _known(plan: Plan, cells: Mapping[str, Array], watch: Watch) -> _Known:
     exact = {
         title: exact_values(
             _with_defaults(plan, dtype),
-            {name: values.astype(dtype) for name, values in cells.items()},
+            _held(cells, dtype),
             partial=True,
             watch=share,
         )
@@ -100,22 +109,25 @@ def _joined(pieces: Sequence[_Known], name: str) -> _Known:
     return _Known(exact, {name: np.concatenate([p.moved[name] for p in pieces])})
 
 
-def _curve(plan: Plan, name: str, given: Mapping[str, Array], known: _Known) -> Curve | None:
-    """Return the errors and times of one output, None if it is 0 by law."""
+def _curve(plan: Plan, name: str, given: Mapping[str, Array], known: _Known) -> Curve:
+    """Return the errors and times of one output; without points where it has no value."""
     plan = plan.only(name)
+    given = {key: given[key] for key in plan.parameters}
     points = []
     for title, dtype in TYPES.items():
-        held = {key: given[key].astype(dtype) for key in plan.parameters}
-        got = _evaluate(plan, held, dtype)[name]
-        count = known.moved[name].size
-        errors = errors_of(
-            np.broadcast_to(got, count), known.exact[title][name], known.moved[name], dtype
-        )
-        if all(abs(value) < VANISHES for value in known.exact[title][name]):
-            return None
+        held = _held(given, dtype)
+        exact, moved = known.exact[title][name], known.moved[name]
+        got = np.broadcast_to(_evaluate(plan, held, dtype)[name], moved.size)
+        errors = errors_of(got, exact, moved, dtype)
+        # What has no value, or is 0, is right or wrong: it has no error that a median could count.
+        alike = ~np.isfinite(got) | (got == 0)
+        judged = _fits(given, dtype) & ~(alike & (errors.relative == 0))
+        judged &= ~np.isnan(errors.relative)
+        if not judged.any():
+            continue
         block = {key: np.resize(values, BLOCK_CELLS) for key, values in held.items()}
         seconds = median_seconds(lambda b=block, d=dtype: _evaluate(plan, b, d))  # type: ignore[misc]
-        points.append(_point(title, dtype, errors, seconds / BLOCK_CELLS))
+        points.append(_point(title, dtype, errors, judged, seconds / BLOCK_CELLS))
     return Curve(
         "closed_forms",
         name,
@@ -128,21 +140,37 @@ def _curve(plan: Plan, name: str, given: Mapping[str, Array], known: _Known) -> 
     )
 
 
-def _point(title: str, dtype: Any, errors: Errors, seconds: float) -> Point:
+def _point(
+    title: str, dtype: Any, errors: Errors, judged: NDArray[np.bool_], seconds: float
+) -> Point:
     return Point(
         title,
         float(np.finfo(dtype).bits),
-        float(np.nanmedian(errors.relative)),
-        float(np.nanmax(errors.relative)),
+        float(np.median(errors.relative[judged])),
+        float(errors.relative[judged].max()),
         seconds,
-        int(np.isfinite(errors.relative).sum()),
+        int(judged.sum()),
         {
-            "ulps": float(np.nanmax(errors.ulps)),
-            "conditioned_ulps": float(np.nanmax(errors.conditioned)),
-            "condition": float(np.nanmax(errors.condition, initial=1.0)),
+            "ulps": float(errors.ulps[judged].max()),
+            "conditioned_ulps": float(errors.conditioned[judged].max()),
+            "condition": float(np.nanmax(errors.condition[judged], initial=1.0)),
             "unit_roundoff": float(np.finfo(dtype).eps),
         },
     )
+
+
+def _held(cells: Mapping[str, Array], dtype: Any) -> dict[str, NDArray[Any]]:
+    """Return parameters as a type of float holds them."""
+    with np.errstate(over="ignore"):  # `_fits` tells
+        return {name: values.astype(dtype) for name, values in cells.items()}
+
+
+def _fits(cells: Mapping[str, Array], dtype: Any) -> NDArray[np.bool_]:
+    """Return where a type of float holds every parameter: none overflows, none becomes 0."""
+    fits = np.ones(max((values.size for values in cells.values()), default=1), dtype=np.bool_)
+    for name, held in _held(cells, dtype).items():
+        fits &= np.isfinite(held) & ((held != 0) | (cells[name] == 0))
+    return fits
 
 
 def _with_defaults(plan: Plan, dtype: Any) -> Plan:

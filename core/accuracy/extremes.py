@@ -198,12 +198,18 @@ def to_table(outcomes: Sequence[Outcome]) -> Table:
     )
 
 
-def to_markdown(outcomes: Sequence[Outcome]) -> str:
-    """Return the outcomes as Markdown: the worst of each family first, then all."""
+def to_markdown(outcomes: Sequence[Outcome], tried: int = len(HARD_CASES)) -> str:
+    """Return the outcomes as Markdown: the worst of each family first, then all.
+
+    `tried` is how many cases there were to try: some have no outcome if it was stopped.
+    """
     failed = sum(not outcome.passed for outcome in outcomes)
     took = sum(outcome.seconds for outcome in outcomes)
+    missing = tried - len(outcomes)
+    stopped = [f"It was stopped: {missing} of {tried} cases were not tried.", ""]
     return "\n".join(
         [
+            *(stopped if missing else []),
             f"{len(outcomes)} hard cases in {took:.0f} s: {len(outcomes) - failed} right, "
             f"{failed} wrong. Warnings count as wrong, and so does what is not finite if no status "
             "says why.",

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.accuracy.cells import random_cells
+from core.accuracy.cells import random_cells, sample_size
 from core.accuracy.curves import Curve, Measured, Point, single
 from core.accuracy.motion import is_point_part
 from core.errors import StudyError
@@ -70,6 +70,7 @@ def motion_of_sweep(sweep: Sweep) -> Simulation | None:
 def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) -> Measured:
     """Return how far the outputs of a sweep are from the true mean velocity, by regime."""
     names = {*sweep.plan.parameters, *motion.grid.axes, *motion.grid.fixed}
+    cells = sample_size(sweep.grid, cells)
     given = random_cells(sweep.grid, cells, names)
     system = motion.plan.scene
     plan = plan_scene(system, motion.plan.variant, OUTPUTS, tuple(motion.study.values()))
@@ -82,6 +83,7 @@ def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) 
     drive = spread(known["drive_number"] * known["velocity_scale"])
     answered = np.isin(known["motion_status"], [STATUS[name] for name in ANSWERED])
     kept = spread(answered) & np.isfinite(true)
+    reached = int(np.sum(spread(known["motion_status"]) != STATUS["not_computed"]))
     kind = spread(regimes(plan, known))
     with np.errstate(all="ignore"):  # where a form has no value, that is told
         closed = run_equations(sweep.plan, {n: given[n] for n in sweep.plan.parameters})
@@ -90,15 +92,17 @@ def measure(sweep: Sweep, motion: Simulation, watch: Watch, cells: int = CELLS) 
     curves = [_curve(name, spread(closed[name]), true, moves, kind) for name in outputs]
     estimate = spread(known["conveying_velocity_error"] / drive)[kept]
     notes = [
-        f"{cells:,} random cells of the grid (seed 2004), each followed by the method "
-        f"{plan.variant}; {kept.sum():,} have a mean velocity, {moves.sum():,} of them travel. By "
-        f"its own estimate the motion's error is at most {_most(estimate):.1e} of the drive's "
-        f"speed A w, and {_median(estimate):.1e} in half of the cells.",
+        f"{reached:,} different random cells of {sweep.cells:,} (seed 2004), each followed by the "
+        f"method {plan.variant}; {kept.sum():,} have a mean velocity, {moves.sum():,} of them "
+        f"travel. By its own estimate the motion's error is at most {_most(estimate):.1e} of the "
+        f"drive's speed A w, and {_median(estimate):.1e} in half of the cells.",
         "Error: |formula - true| over the true mean velocity, for velocities. Rank correlation "
         "(Spearman): 1 where the formula orders the drives as the true motion does, whatever its "
         "size; the only comparison that an acceleration allows. A negative ratio: the part travels "
         "the other way.",
     ]
+    if reached < cells:
+        notes.append(f"The time given ran out: {reached:,} of {cells:,} cells were followed.")
     velocities = [name for name in outputs if name in VELOCITIES]
     singles = {
         "throw_number": single(_chosen(known["throw_number"], moves, cells), "throw number", "1"),

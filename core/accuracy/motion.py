@@ -96,9 +96,12 @@ def run_method(
     count = next(iter(cells.values())).size
     drive = known["drive_number"] * known["velocity_scale"]  # the speed of the track, A w
     status = np.broadcast_to(known["motion_status"], count)
+    with np.errstate(divide="ignore", invalid="ignore"):  # a drive at rest has no share
+        velocity = known["conveying_velocity"] / drive
+        estimate = known["conveying_velocity_error"] / drive
     return Means(
-        np.broadcast_to(known["conveying_velocity"] / drive, count),
-        np.broadcast_to(known["conveying_velocity_error"] / drive, count),
+        np.broadcast_to(velocity, count),
+        np.broadcast_to(estimate, count),
         (status == STATUS["periodic"]),
         np.broadcast_to(known["flight_fraction"] > 0, count),
         seconds / count,
@@ -126,7 +129,9 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
     left = given[next(iter(given))].size
     picked = {name: values[chosen] for name, values in given.items()}
     if not chosen.size:
-        note = f"No cell of {left} random ones has a motion that repeats: nothing is measured."
+        note = f"No cell of {left} random ones moves and repeats its motion: nothing is measured."
+        if share.stopped():
+            note = "The time given ran out before a cell was found whose motion repeats."
         return Measured("motion", (), (note,))
     reference = run_method(scene, "reference", picked, {}, _shared(watch, 0.3))
     sound = reference.periodic & (reference.estimate < REFERENCE_ERROR)
@@ -140,7 +145,8 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
     truth, hops = reference.velocity[sound], quick.hops[chosen][sound]
     own = float(reference.estimate[sound].max())
     notes = [
-        f"{sound.sum()} cells: the first of {left} random ones of the grid (seed 2004) whose "
+        f"{sound.sum()} cells: the first of {left} different random ones of {grid.cells:,} (seed "
+        "2004) whose "
         f"motion repeats, {hops.sum()} of them with hops. Error: of the mean velocity, as a share "
         "of the drive's speed A w. Time: wall time of one thread for one cell.",
     ]
@@ -165,7 +171,7 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
     curves.append(
         Curve(
             "motion",
-            "sliding and hopping cells",
+            f"{_kinds(hops)} cells",
             "reference",
             (Point("reference", np.nan, own, floor, reference.seconds, int(sound.sum())),),
         )
@@ -269,6 +275,14 @@ def _curve(
     return Curve("motion", f"{group} cells", method, kept, says, slope, floor, of="largest")
 
 
+def _by_steps(
+    method: str, group: str, points: Sequence[Point | None], says: str, slope: float, floor: float
+) -> Curve:
+    """Return a curve whose slope is over steps: what a call takes besides would bend it in time."""
+    kept = [replace(p, more={**p.more, "steps": p.value}) for p in points if p]
+    return replace(_curve(method, group, kept, says, slope, floor), cost="steps")
+
+
 def _events(
     scene: Scene,
     cells: Mapping[str, Array],
@@ -314,14 +328,14 @@ def _stepping(
                 settings = {"steps_per_period": float(n)}
                 runs[n] = _repeated(scene, "time-stepping", here, settings, each)
         plain = [_point(f"{n} steps", n, run, true, floor) for n, run in runs.items()]
-        yield _curve("time-stepping", group, plain, str(-order), -order, floor)
+        yield _by_steps("time-stepping", group, plain, str(-order), -order, floor)
         limits = []
         for n, run in runs.items():
             if n // 2 in runs:
                 limit = _extrapolated(runs[n // 2], run, n, order)
                 limits.append(_point(f"{n // 2} and {n} steps", n, limit, true))
         says = f"{-order - 1} if the error were smooth; events within steps make it irregular"
-        yield _curve("Richardson", group, limits, says, -order - 1, floor)
+        yield _by_steps("Richardson", group, limits, says, -order - 1, floor)
 
 
 def _extrapolated(coarse: Means, fine: Means, steps: int, order: int) -> Means:
@@ -355,7 +369,7 @@ def _regularised(
             settings = {"slip_speed": slip, "contact_stiffness": slip**-2}
             run = run_method(scene, method, few, settings, each)
             points.append(_point(f"slip speed {slip:.1e}", slip, run, truth[first]))
-        curve = _curve(method, "sliding and hopping", points, "2/3", 2 / 3, 0.0)
+        curve = _curve(method, _kinds(hops), points, "2/3", 2 / 3, 0.0)
         if curve.points:
             yield replace(curve, cost="value")
 
@@ -365,6 +379,12 @@ def _few(hops: NDArray[np.bool_]) -> NDArray[np.intp]:
     return np.sort(
         np.concatenate([np.flatnonzero(hops)[: STIFF_CELLS - 1], np.flatnonzero(~hops)[:1]])
     )
+
+
+def _kinds(hops: NDArray[np.bool_]) -> str:
+    """Return what cells do: those of `_few` are of the same kinds as all."""
+    names = [name for name, there in (("sliding", ~hops), ("hopping", hops)) if there.any()]
+    return " and ".join(names)
 
 
 def _engines(
@@ -409,13 +429,13 @@ def _engines(
             run = Means(shares, none, hops[first], hops[first], seconds)
             points.append(_point(f"{steps} steps", steps, run, truth[first]))
         curve = Curve(
-            "motion", "sliding and hopping cells", name, tuple(p for p in points if p), of="largest"
+            "motion", f"{_kinds(hops)} cells", name, tuple(p for p in points if p), of="largest"
         )
         if curve.points:
             curves.append(curve)
     told = (
-        f"Engines: {', '.join(f'{name} {version(name)}' for name in names)}, on the same two cells "
-        f"as the regularised methods; the mean over {engines.AVERAGED} periods after "
+        f"Engines: {', '.join(f'{name} {version(name)}' for name in names)}, on the first of these "
+        f"cells of each kind ({_kinds(hops)}); the mean over {engines.AVERAGED} periods after "
         f"{engines.TRANSIENT}."
     )
     return curves, [told]

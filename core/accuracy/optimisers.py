@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from core.accuracy.cells import SEED, random_cells, sample_size
 from core.accuracy.curves import Curve, Measured, Point
 from core.mechanics.arrays import Array
 from core.optimise.exact import STATUS
@@ -19,13 +20,12 @@ from core.optimise.known_answers import is_closed, is_compiled
 from core.optimise.methods import METHODS, refusal
 from core.optimise.prepare import Optimisation
 from core.optimise.problem import LIMIT, Problem, cells_of, chosen_cells
-from core.optimise.run import designs_of
+from core.optimise.run import with_limit
 from core.study.models import Pareto
 from core.watch import Watch
 
 DESIGNS = 20
 DESIGNS_MOTION = 4
-SEED = 2004
 REPEATS = 5
 SHORT = 0.1  # s; what takes longer is timed once
 MISSED = 1e-4
@@ -72,19 +72,21 @@ def answer(
     """
     solve, first = METHODS[name].solve, slice(0, 1)
     if METHODS[name].at_once:
-        solve(problem, chosen_cells(design, first), chosen_cells(scales, first), Watch())
+        one = chosen_cells(design, first), chosen_cells(scales, first)
+        solve(problem, *one, replace(watch, progress=None))
     else:
         importlib.import_module("scipy.optimize")
     late = min(time.monotonic() + seconds, watch.deadline or math.inf)
     started = time.perf_counter()
-    found = solve(problem, design, scales, replace(watch, progress=None, deadline=late))
+    watch = replace(watch, progress=None, deadline=late)
+    found = solve(problem, design, scales, watch)
     times = [time.perf_counter() - started]
-    while times[0] < SHORT and len(times) < REPEATS:
-        started = time.perf_counter()
-        solve(problem, design, scales, Watch())
-        times.append(time.perf_counter() - started)
     cells = cells_of(design)
     done = np.asarray(found.status != STATUS["not_computed"])
+    while done.all() and times[0] < SHORT and len(times) < REPEATS and not watch.stopped():
+        started = time.perf_counter()
+        solve(problem, design, scales, watch)
+        times.append(time.perf_counter() - started)
     seconds = statistics.median(times) / max(1, done.sum())
     lost = np.isnan(found.x).any(axis=0)
     x = np.where(lost, problem.lower[:, None], found.x)
@@ -103,10 +105,10 @@ def measure(
     problem = optimisation.problem
     notes = []
     count = DESIGNS_MOTION if problem.is_motion else DESIGNS
-    everything = designs_of(problem, optimisation.designs)
-    cells = cells_of(everything)
-    places = np.sort(np.random.default_rng(SEED).permutation(cells)[:count])
-    design = chosen_cells(everything, places)
+    grid = optimisation.designs
+    count = sample_size(grid, count)
+    given = random_cells(grid, count, [*grid.axes, *grid.fixed])
+    design = with_limit(problem, given, count)
     scales = problem.scales(design)
     if isinstance(problem.criterion, Pareto):
         against = problem.criterion.against
@@ -147,9 +149,9 @@ def measure(
     answered = np.isfinite(best)
     notes.insert(
         0,
-        f"{places.size} random designs of {cells:,} (seed {SEED}), {answered.sum()} of them with "
-        "an answer. Gap: of the objective, as a share of its scale, the largest size of the output "
-        "over the bounds. Error of the variables: distance to the reference's, as a "
+        f"{count} different random designs of {grid.cells:,} (seed {SEED}), {answered.sum()} of "
+        "them with an answer. Gap: of the objective, as a share of its scale, the largest size of "
+        "the output over the bounds. Error of the variables: distance to the reference's, as a "
         "share of their range; where the objective hardly depends on them it is large and does "
         f"not matter. Missed: a gap above {MISSED:g}. Time: wall time for one design, all designs "
         "in one call.",
@@ -165,7 +167,9 @@ def measure(
         used = answered & one.done
         if not used.any():
             continue
-        gap = np.abs(best - one.value)[used] / size[used]
+        lost = ~np.isfinite(one.value[used])
+        value = np.where(lost, best[used], one.value[used])
+        gap = np.where(lost, np.inf, np.abs(best[used] - value) / size[used])
         apart = (np.abs(one.x - x) / span).max(axis=0)[used]
         point = Point(
             name,

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import quote
 
 from core.accuracy.curves import FAMILIES, STEEP, Curve, Measured, Point, numbers_of
-from core.accuracy.report import Part
+from core.accuracy.report import SECONDS, Part
 
 TITLES = {
     "closed_forms": "Rounding of the closed forms",
@@ -54,26 +56,30 @@ def head_of(attributes: Mapping[str, str], command: str) -> list[str]:
     ]
 
 
-def sections_of(part: Part, pictures: Mapping[str, str]) -> Iterator[Section]:
-    """Yield a section for each family of a study.
+def sections_of(
+    part: Part, pictures: Mapping[str, str], seconds: float = SECONDS
+) -> Iterator[Section]:
+    """Yield a section for each family of a study, each of which had so many seconds.
 
     `pictures` holds the file of each family's picture, relative to the page.
     """
     for measured in part.measured:
         title = f"{TITLES[measured.family]} ({Path(part.name).stem})"
-        yield Section(title, _body(part, measured, pictures.get(measured.family)))
+        command = command_of(part.name, measured.family, seconds)
+        yield Section(title, _body(part, measured, command, pictures.get(measured.family)))
 
 
-def command_of(name: str, family: str) -> str:
-    """Return the command that measures one family of one study."""
-    return f"vibrafeed report {name} --only {family}"
+def command_of(name: str, family: str, seconds: float = SECONDS) -> str:
+    """Return the command that measures one family of one study, in so many seconds."""
+    words = ["vibrafeed", "report", name, "--only", family]
+    return shlex.join(words + ([] if seconds == SECONDS else ["--seconds", f"{seconds:g}"]))
 
 
-def _body(part: Part, measured: Measured, picture: str | None) -> str:
+def _body(part: Part, measured: Measured, command: str, picture: str | None) -> str:
     family = measured.family
     lines = [
         f"*{part.title}* ({part.scene}). Compared: {FAMILIES[family]}.",
-        f"`{command_of(part.name, family)}`",
+        f"`{command}`",
         "\n".join(f"- {note}" for note in measured.notes),
     ]
     rows = [(curve, point) for curve in measured.curves for point in curve.points]
@@ -84,7 +90,7 @@ def _body(part: Part, measured: Measured, picture: str | None) -> str:
     if slopes:
         lines.append(_table(SLOPES, slopes))
     if picture:
-        lines.append(f"![{TITLES[family]}]({picture})")
+        lines.append(f"![{TITLES[family]}]({quote(picture)})")
     return "\n\n".join(lines)
 
 
@@ -99,10 +105,14 @@ def _number(value: float) -> str:
     if math.isnan(value):
         return NO_NUMBER
     if math.isinf(value):
-        return "none found"
+        return "infinite"
     if value == 0:
         return "0"
     return f"{value:.0f}" if PLAIN[0] <= abs(value) < PLAIN[1] else f"{value:.2g}"
+
+
+def _gap(value: float) -> str:
+    return "none found" if math.isinf(value) else _number(value)
 
 
 def _time(seconds: float) -> str:
@@ -137,6 +147,7 @@ def _more(name: str, show: Callable[[float], str] = _number) -> Callable[[Curve,
 WORDS = {
     "seconds": "time",
     "value": "slip speed",
+    "steps": "steps",
     "unit_roundoff": "unit roundoff",
     "half_quantum": "half a quantum",
     "error": "median error",
@@ -156,6 +167,7 @@ COLUMNS: dict[str, tuple[Column, ...]] = {
     "closed_forms": (
         SUBJECT,
         ("type", SETTING[1]),
+        CELLS,
         TIME,
         MEDIAN,
         LARGEST,
@@ -177,8 +189,8 @@ COLUMNS: dict[str, tuple[Column, ...]] = {
         ("designs", CELLS[1]),
         ("time of a design", TIME[1]),
         ("points", _more("evaluations", lambda v: f"{v:,.0f}")),
-        ("median gap", MEDIAN[1]),
-        ("largest gap", LARGEST[1]),
+        ("median gap", lambda _, p: _gap(p.error)),
+        ("largest gap", lambda _, p: _gap(p.largest)),
         ("median error of the variables", _more("variable_error")),
         ("missed", _more("missed", _share)),
     ),

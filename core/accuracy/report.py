@@ -13,6 +13,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import core
 from core import motion as motion_package
 from core import sweep
@@ -21,6 +23,7 @@ from core.accuracy.curves import FAMILIES, Measured, tabulate_curves
 from core.dataset.table import Table
 from core.errors import Problem, StudyError
 from core.kinds import tabulate
+from core.quantities import MOTION_STATUSES
 from core.study.values import Points
 from core.sweep.grid import Grid, axis_values
 from core.sweep.prepare import Prepared
@@ -198,12 +201,26 @@ def _storage(prepared: Prepared, watch: Watch) -> Measured:
     is_fast = isinstance(prepared, sweep.Sweep) or prepared.plan.variant == "events"
     most = MOST_CELLS if is_fast else MOST_CELLS_MOTION
     half = replace(watch, progress=lambda done: watch.advance(done / 2))
-    smaller = replace(prepared, grid=thinned(prepared.grid, most))
-    measured = storage.measure(tabulate(smaller, half), half)
-    if smaller.cells == prepared.cells:
-        return measured
-    note = f"{smaller.cells:,} of the study's {prepared.cells:,} cells: axes are thinned evenly."
-    return replace(measured, notes=(note, *measured.notes))
+    # Half of the time to compute the result, half to write it; what is missing by then is NaN.
+    first = half
+    if half.deadline is not None:
+        now = time.monotonic()
+        first = replace(half, deadline=now + (half.deadline - now) / 2)
+    study = prepared.study.model_copy(update={"verify": None})
+    smaller = replace(prepared, study=study, grid=thinned(prepared.grid, most))
+    table = tabulate(smaller, first)
+    measured = storage.measure(table, half)
+    notes = []
+    if smaller.cells < prepared.cells:
+        notes.append(
+            f"{smaller.cells:,} of the study's {prepared.cells:,} cells: axes are thinned evenly."
+        )
+    if "motion_status" in table.variables:
+        status = table.variables["motion_status"].values
+        missing = np.mean(status == MOTION_STATUSES["not_computed"].value)
+        if missing:
+            notes.append(f"The time given ran out: {missing:.0%} of these cells have no value.")
+    return replace(measured, notes=(*notes, *measured.notes))
 
 
 def thinned(grid: Grid, most: int) -> Grid:

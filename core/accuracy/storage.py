@@ -82,21 +82,26 @@ def measure(table: Table, watch: Watch) -> Measured:
                     break
                 points.append(_point(table, values, one, path, count))
                 watch.advance(1 / everything)
+            if not points:
+                continue
             cut = "quantised" in name
             curves.append(
                 Curve("storage", "the result", name, tuple(points), "1" if cut else "",
                       1.0 if cut else math.nan, cost="half_quantum", of="largest")
             )  # fmt: skip
-    notes = (
+    notes = [
         f"The study's own result, {count:,} values of {len(table.variables)} variables, written "
         "as `vibrafeed run` writes it (which is float64 at level 1) and read back.",
         "Error: largest and median of the values, each as a share of itself. Size: of the whole "
         f"file over all values. Time: to write a value and have it on the disk, median of "
         f"{REPEATS} repeats after a warm-up.",
         "Expected: no error at any level of compression; else at most half a quantum, which is "
-        "2^-(bits + 1) of a value of that many binary digits, and 2^-24 in float32.",
-    )
-    return Measured("storage", tuple(curves), notes)
+        "2^-(bits + 1) of a value of that many binary digits, and 2^-24 in float32, for what is a "
+        "normal number of the type.",
+    ]
+    if sum(len(curve.points) for curve in curves) < everything:
+        notes.append("The time given ran out: formats that were not reached are left out.")
+    return Measured("storage", tuple(curves), tuple(notes))
 
 
 def write_as(table: Table, path: Path, one: Format) -> None:
@@ -106,9 +111,7 @@ def write_as(table: Table, path: Path, one: Format) -> None:
         table = replace(
             table,
             variables={
-                name: replace(v, values=v.values.astype(np.float32))
-                if v.values.dtype == np.float64
-                else v
+                name: replace(v, values=_short(v.values)) if v.values.dtype == np.float64 else v
                 for name, v in table.variables.items()
             },
         )
@@ -119,6 +122,11 @@ def write_as(table: Table, path: Path, one: Format) -> None:
         level=one.level or 1,
         significant_bits=one.bits,
     )
+
+
+def _short(values: NDArray[np.float64]) -> NDArray[np.float32]:
+    with np.errstate(over="ignore"):  # an infinite error tells
+        return values.astype(np.float32)
 
 
 def errors_of_file(path: Path, values: Mapping[str, NDArray[Any]]) -> NDArray[np.float64]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from core.dataset.files import whole
 from core.dataset.table import Table, Variable
 
 if TYPE_CHECKING:
@@ -61,17 +62,11 @@ def write_netcdf(
     """
     import netCDF4  # a process that writes nothing does not load it
 
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        # The library reports a missing folder as a refused permission: let the system speak first.
-        temporary.touch(exist_ok=True)
+    with whole(path) as temporary:
         with netCDF4.Dataset(temporary, "w", format="NETCDF4") as file:
             _fill(file, table, history, _Storage(compression, level, significant_bits))
         with temporary.open("rb") as written:
             os.fsync(written.fileno())
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 @dataclass(frozen=True)

@@ -139,9 +139,14 @@ def designs_of(problem: Problem, grid: Grid) -> dict[str, Array]:
     design = {
         name: np.broadcast_to(values, shape).reshape(-1) for name, values in grid.si().items()
     }
+    return with_limit(problem, design, grid.cells)
+
+
+def with_limit(problem: Problem, design: Mapping[str, Array], cells: int) -> dict[str, Array]:
+    """Return designs, arrays of shape (cells,), with the limit that the study sets."""
     criterion = problem.criterion
     limit = criterion.limit if isinstance(criterion, Limited) else np.inf
-    return {**design, LIMIT: np.full(grid.cells, limit)}
+    return {**design, LIMIT: np.full(cells, limit)}
 
 
 def _checked(

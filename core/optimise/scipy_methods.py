@@ -246,6 +246,8 @@ def one_by_one(one: One, tolerance: float) -> Solver:
             here = slice(cell, cell + 1)
             single = Single(problem, chosen_cells(design, here), chosen_cells(scales, here), watch)
             unit, says = one(single)
+            if problem.is_motion and watch.stopped():
+                break  # the points that were asked for last have no value
             value, beyond = single.judged(unit)
             status[cell] = status_of(float(value[0]), float(beyond[0]), tolerance)
             if status[cell] == STATUS["optimal"]:

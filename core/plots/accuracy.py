@@ -100,7 +100,7 @@ def _motion(points: xarray.Dataset, title: str) -> Figure | None:
                 MARKERS[number % len(MARKERS)],
                 floor=1e-14,
             )
-        floor = points["reference_error"].values[subjects == subject].max()
+        floor = max(points["reference_error"].values[subjects == subject].max(), 1e-14)
         axes.axhspan(1e-14, floor, color="#dddddd", alpha=0.6, lw=0)
         axes.text(0.99, floor, "the reference's own error", ha="right", va="bottom",
                   fontsize=8, transform=axes.get_yaxis_transform(), color=QUIET)  # fmt: skip

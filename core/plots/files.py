@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import io
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import xarray
 from matplotlib.figure import Figure
 
+from core.dataset.files import whole
 from core.plots.draw import draw
 from core.plots.fixed import read_fixed
 from core.plots.problem import PlotError
@@ -63,7 +63,8 @@ def save(figure: Figure, target: Path) -> None:
     name = FORMATS[target.suffix.lower()]
     picture = io.BytesIO()
     figure.savefig(picture, format=name, dpi=DPI, metadata=METADATA[name])
-    _write(target, picture.getvalue())
+    with whole(target) as temporary:
+        temporary.write_bytes(picture.getvalue())
 
 
 def _read(file: Path) -> xarray.Dataset:
@@ -75,15 +76,3 @@ def _read(file: Path) -> xarray.Dataset:
     except (OSError, ValueError) as error:
         message = "it is no NetCDF file, or a damaged one"
         raise PlotError("dataset", message, "Draw a file that `vibrafeed run` wrote") from error
-
-
-def _write(target: Path, content: bytes) -> None:
-    """Write a file, all of it or nothing."""
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
-        temporary.write_bytes(content)
-        temporary.replace(target)
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(target)) from error
-    finally:
-        temporary.unlink(missing_ok=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -118,6 +119,20 @@ class Grid:
         }
         cells |= {name: np.full(count, v) for name, v in self.fixed.items() if name in wanted}
         return {name: to_si(name, values) for name, values in cells.items()}
+
+
+def random_places(grid: Grid, count: int, seed: int | str) -> dict[str, NDArray[np.int64]]:
+    """Return positions on each axis of random cells, all different; the same for equal seeds.
+
+    There are `count` of them, or as many as the grid has, in random order. A grid of any size
+    costs no more.
+    """
+    chosen = random.Random(seed).sample(range(grid.cells), min(count, grid.cells))
+    places: dict[str, NDArray[np.int64]] = {}
+    left = np.array(chosen, dtype=np.int64)
+    for name, size in reversed(grid.shape.items()):
+        left, places[name] = np.divmod(left, size)
+    return places
 
 
 def axis_values(axis: Points | Span, start: int, stop: int) -> NDArray[np.float64]:
