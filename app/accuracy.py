@@ -99,6 +99,7 @@ def dataset_of(folder: Path, name: str) -> Path:
 def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[Section], bool]:
     """Return the tables and sections of what is asked of no study, and whether all is right."""
     from core.accuracy import extremes, leaving_out
+    from core.accuracy.hard_cases import HARD_CASES
 
     with report.progress("hard cases") as advance:
         outcomes = extremes.run_catalogue(Watch(advance, stopped))
@@ -109,7 +110,8 @@ def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[Secti
     sections: list[Section] = []
     if outcomes:
         tables[EXTREMES[0]] = extremes.to_table(outcomes)
-        sections.append(Section("Hard cases", by + extremes.to_markdown(outcomes)))
+        untried = len(HARD_CASES) - len(outcomes) if stopped() else 0
+        sections.append(Section("Hard cases", by + extremes.to_markdown(outcomes, untried)))
     if rows:
         tables[EXTREMES[1]] = leaving_out.to_table(rows)
         sections.append(Section("What a scene leaves out", by + leaving_out.to_markdown(rows)))

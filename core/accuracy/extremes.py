@@ -198,18 +198,17 @@ def to_table(outcomes: Sequence[Outcome]) -> Table:
     )
 
 
-def to_markdown(outcomes: Sequence[Outcome], tried: int = len(HARD_CASES)) -> str:
+def to_markdown(outcomes: Sequence[Outcome], untried: int = 0) -> str:
     """Return the outcomes as Markdown: the worst of each family first, then all.
 
-    `tried` is how many cases there were to try: some have no outcome if it was stopped.
+    `untried` is how many cases were left when it was stopped.
     """
     failed = sum(not outcome.passed for outcome in outcomes)
     took = sum(outcome.seconds for outcome in outcomes)
-    missing = tried - len(outcomes)
-    stopped = [f"It was stopped: {missing} of {tried} cases were not tried.", ""]
+    stopped = f"It was stopped: {untried} of {untried + len(outcomes)} cases were not tried."
     return "\n".join(
         [
-            *(stopped if missing else []),
+            *([stopped, ""] if untried else []),
             f"{len(outcomes)} hard cases in {took:.0f} s: {len(outcomes) - failed} right, "
             f"{failed} wrong. Warnings count as wrong, and so does what is not finite if no status "
             "says why.",

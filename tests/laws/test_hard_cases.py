@@ -103,6 +103,7 @@ def test_the_report_has_the_worst_first_and_then_all() -> None:
     assert re.match(r"3 hard cases in \d+ s: 2 right, 1 wrong\.", text)
     assert text.index("bad") < text.index("### All cases")
     assert all(text.count(case.name) >= 1 for case in some)
+    assert to_markdown(outcomes, 5).startswith("It was stopped: 5 of 8 cases were not tried.")
     table = to_table(outcomes)
     assert table.variables["passed"].values.tolist() == [1, 1, 0]
     assert table.to_xarray().sizes == {"case": 3}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 import xarray
 from typer.testing import CliRunner
 
+from app.accuracy import write_report
 from app.cli import app
 from core.accuracy.curves import FAMILIES
 from core.accuracy.report import families_of
@@ -80,7 +82,9 @@ def test_the_page_of_the_documents_is_whole():
     pictures = re.findall(r"!\[.*?\]\((.*?)\)", page)
     assert len(pictures) >= 6
     assert all((ROOT / "docs" / picture).exists() for picture in pictures)
-    commands = re.findall(r"^`vibrafeed report (\S+) --only (\S+)`$", page, re.MULTILINE)
+    commands = re.findall(
+        r"^`vibrafeed report (\S+) --only (\S+)(?: --seconds \d+)?`$", page, re.MULTILINE
+    )
     extremes = re.findall("^## (.*)\n\n`vibrafeed report --extremes`$", page, re.MULTILINE)
     assert extremes == ["Hard cases", "What a scene leaves out"]
     assert len(commands) + len(extremes) == len(re.findall("^## ", page, re.MULTILINE))
@@ -89,6 +93,58 @@ def test_the_page_of_the_documents_is_whole():
         families_of(prepare_content(read_content(ROOT / study)), [family])
     # One of each family of the three kinds of study.
     assert {family for _, family in commands} == set(FAMILIES)
+
+
+def test_a_command_carries_what_the_page_was_made_with(tmp_path):
+    path = tmp_path / "my study.toml"
+    path.write_text(STUDY)
+    assert run("report", path, "--only", "storage", "--seconds", 30).exit_code == 0
+    page = (tmp_path / "accuracy" / "accuracy.md").read_text()
+    (command,) = re.findall(r"^`vibrafeed (report .*)`$", page, re.MULTILINE)
+    assert shlex.split(command) == ["report", str(path), "--only", "storage", "--seconds", "30"]
+    assert "](accuracy-my%20study-storage.png)" in page  # a blank would end the address
+
+
+def test_two_studies_of_one_name_are_refused(study, tmp_path):
+    other = tmp_path / "other" / study.name
+    other.parent.mkdir()
+    other.write_text(STUDY)
+    result = run("report", study, other, "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert result.output.count("accuracy-small.nc would be written more than once") == 2
+    taken = tmp_path / "extremes.toml"
+    taken.write_text(STUDY)
+    assert run("report", taken, "--extremes", "-o", tmp_path / "out").exit_code == 2
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_fails_after_a_study_leaves_its_page(study, tmp_path, monkeypatch):
+    from app import accuracy
+
+    def broken(*_: object) -> None:
+        raise RuntimeError("broken")
+
+    monkeypatch.setattr(accuracy, "_extremes", broken)
+    result = run("report", study, "--only", "storage", "--extremes", "-o", tmp_path / "out")
+    assert isinstance(result.exception, RuntimeError)
+    assert "## Files (small)" in (tmp_path / "out" / "accuracy.md").read_text()
+
+
+def test_a_page_that_was_stopped_says_so(study, few_extremes, tmp_path):
+    asked = []
+
+    def stopped() -> bool:
+        asked.append(None)
+        return len(asked) > 1  # after the first study has begun
+
+    written, _ = write_report(
+        {study: prepare_content(read_content(study))}, tmp_path, (), 60.0, stopped, extremes=True
+    )
+    assert (
+        "It was stopped: what had not been measured by then is missing."
+        in (tmp_path / "accuracy.md").read_text()
+    )
+    assert [path.name for path in written] == ["accuracy-small.nc", "accuracy.md"]
 
 
 def test_every_problem_of_every_study_is_told(study, tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import mpmath
@@ -194,6 +195,17 @@ def test_random_cells_lie_on_the_grid_whatever_its_size():
     assert set(cells["friction"]) == {0.1, 0.2}
     again = random_cells(grid, 50, ("beta",))
     assert np.array_equal(cells["beta"], again["beta"])
+    huge = Grid({name: Span(1.0, 2.0, 10**5) for name in ("frequency", "radius", "mass")}, {})
+    assert random_cells(huge, 3, ("mass",))["mass"].shape == (3,)  # 10^15 cells
+
+
+def test_random_cells_are_all_different():
+    grid = Grid({"beta": Points((1.0, 2.0, 3.0)), "mass": Points((4.0, 5.0))}, {"friction": 0.5})
+    cells = random_cells(grid, 50, ("beta", "mass", "friction"))
+    assert cells["friction"].tolist() == [0.5] * 6
+    assert len(set(zip(cells["beta"], cells["mass"], strict=True))) == 6
+    alone = Grid({}, {"mass": 2.0})
+    assert random_cells(alone, 50, ("mass",))["mass"].tolist() == [2.0]
 
 
 def test_slopes():
@@ -322,6 +334,112 @@ def test_rank_correlation():
     assert model.rank_correlation(x, -x) == pytest.approx(-1)
     # Ties have the mean rank; by hand: ranks 0, 1.5, 1.5, 3.
     assert model.rank_correlation(x, np.array([1.0, 2, 2, 3])) == pytest.approx(0.9486832980505138)
+
+
+def test_what_has_no_value_takes_no_part_in_a_median():
+    """Of these cells two thirds have no contact force at all (Painleve)."""
+    content = {
+        "kind": "sweep",
+        "scene": "rectangle-isolated",
+        "outputs": ["floor_acceleration", "slip_direction"],
+        "parameters": {
+            "height": 0.03, "length": 0.02, "pitch": {"start": 1, "stop": 20, "num": 20},
+            "pitch_rate": 2, "velocity_along": 1, "friction": [0.5, 4.0, 5.0],
+        },
+    }  # fmt: skip
+    measured = closed_forms.measure(prepare_content(content), Watch())
+    for point in measured.curves[0].points:
+        assert point.cells == 20
+        assert 0 < point.error < point.largest < 1e-6
+    assert "60 different random cells of 60" in measured.notes[0]
+
+
+def test_parameters_that_a_short_float_cannot_hold_are_left_out():
+    content = {
+        "kind": "sweep",
+        "scene": "rectangle-on-plane",
+        "outputs": ["floor_force", "acceleration_x"],
+        "parameters": {
+            "frequency": 50, "amplitude": "0.01 mm", "beta": 10, "friction": 0.9,
+            "mass": [0.1, 1e45],
+        },
+    }  # fmt: skip
+    measured = closed_forms.measure(prepare_content(content), Watch())
+    (curve,) = measured.curves
+    assert [(point.setting, point.cells) for point in curve.points] == [
+        ("float32", 1),
+        ("float64", 2),
+    ]
+    # The part sticks.
+    assert "0 or without a value in all these cells: acceleration_x." in measured.notes
+    assert "1 of 2" in measured.notes[-1]
+
+
+def late_after(count: int) -> Watch:
+    """Return a watch that lets a number of questions pass."""
+    left = iter(range(count))
+    return Watch(stop=lambda: next(left, None) is None)
+
+
+def test_what_the_time_given_left_out_is_told(monkeypatch):
+    sweep = prepare_content(TRACK)
+    moving = model.motion_of_sweep(sweep)
+    assert moving is not None
+    none = model.measure(sweep, moving, Watch(stop=lambda: True))
+    assert none.notes[0].startswith("0 different random cells of 11")
+    assert "The time given ran out: 0 of 11 cells were followed." in none.notes
+    (note,) = motion.measure(moving, Watch(stop=lambda: True)).notes
+    assert note == "The time given ran out before a cell was found whose motion repeats."
+    some = storage.measure(result(), late_after(7))
+    assert [len(curve.points) for curve in some.curves] == [6, 1]
+    assert some.notes[-1] == "The time given ran out: formats that were not reached are left out."
+    part = measure_study(prepare_content(MOTION), name="m", seconds=0.0, only=("storage",))
+    assert "The time given ran out: 100% of these cells have no value." in part.measured[0].notes
+
+
+def test_a_part_at_rest_is_told_apart_from_one_that_does_not_repeat():
+    content = {**MOTION, "parameters": {**MOTION["parameters"], "amplitude": [0.0, 1e-7]}}
+    (note,) = motion.measure(prepare_content(content), Watch()).notes
+    assert note == "No cell of 22 random ones moves and repeats its motion: nothing is measured."
+
+
+def test_verifying_is_no_part_of_what_is_stored():
+    content = {**PLANE, "verify": 5}
+    part = measure_study(prepare_content(content), name="plane", only=("storage",))
+    assert part.measured[0].curves
+
+
+LARGE = {
+    "kind": "optimise",
+    "scene": "rectangle-on-plane",
+    "criterion": {"kind": "maximise", "output": "acceleration_x"},
+    "parameters": {
+        "frequency": {"start": 20, "stop": 100, "num": 100_000},
+        "amplitude": {"start": "0.1 mm", "stop": "0.5 mm", "num": 100_000},
+        "friction": 0.3,
+    },
+}
+
+
+def test_designs_are_drawn_from_a_grid_of_any_size():
+    measured = optimisers.measure(prepare_content(LARGE), Watch(), 60.0, ("exact", "newton"))
+    assert measured.notes[0].startswith("20 different random designs of 10,000,000,000")
+    assert [curve.points[0].cells for curve in measured.curves] == [20, 20]
+
+
+def test_a_method_whose_time_is_over_is_not_repeated(monkeypatch):
+    asked = []
+    plain = optimisers.METHODS["direct"]
+
+    def solve(problem, design, scales, watch):
+        asked.append(watch.stopped())
+        return plain.solve(problem, design, scales, watch)
+
+    methods = {"direct": replace(plain, solve=solve)}
+    monkeypatch.setattr(optimisers, "METHODS", methods)
+    measured = optimisers.measure(prepare_content(LARGE), Watch(), 0.0, methods)
+    assert asked == [True]
+    assert "Stopped before all designs were done: direct." in measured.notes
 
 
 def test_optimisers_are_measured_against_the_closed_form():

@@ -485,6 +485,30 @@ def test_a_study_that_is_stopped_keeps_what_is_finished():
     assert np.isnan(table.variables["best_beta"].values[1])
 
 
+def test_a_motion_that_is_stopped_amid_a_design_leaves_it_not_computed():
+    """Its last points have no value, since they were not followed: nothing is known of it."""
+    asked = []
+
+    def stop() -> bool:
+        asked.append(1)
+        return len(asked) > 20
+
+    prepared = prepare_content(
+        {
+            "kind": "optimise",
+            "scene": "rectangle-on-plane",
+            "method": "differential_evolution",
+            "criterion": {"kind": "maximise", "output": "conveying_velocity"},
+            "variables": {"beta": {"lower": 0, "upper": 90}},
+            "parameters": {"frequency": 50, "amplitude": "0.3 mm", "friction": [0.2, 0.5]},
+        }
+    )
+    table = tabulate(prepared, Watch(stop=stop))
+    statuses = table.variables["optimum_status"].values
+    assert statuses.tolist() == [STATUS["not_computed"]] * 2
+    assert np.isnan(table.variables["objective"].values).all()
+
+
 # --- by command and by request
 
 
