@@ -481,3 +481,35 @@ def test_the_price_is_that_of_computing_alone():
     table = tabulate(prepare_content({**SWEEP, "parameters": many, "verify": 100}))
     took = time.perf_counter() - started
     assert table.price["elapsed_seconds"] < took / 5  # 100 cells; verifying takes 0.01 s of each
+
+
+def test_a_rim_on_a_side_is_found_to_the_last_digits():
+    # The search for the nearest place of the rim once ended some 1e-12 beside it: a Newton step
+    # that rounding put on its bracket was taken for one that left it.
+    words = told(
+        {
+            "kind": "sweep",
+            "scene": "cylinder-pair-impact",
+            "outputs": ["impulse_normal"],
+            "parameters": {
+                "position_x_1": "14.6 mm",
+                "position_y_1": "5.4 mm",
+                "position_z_1": "19 mm",
+                "azimuth_1": "82.1 deg",
+                "elevation_1": "54.6 deg",
+                "velocity_x_1": "0.2 m/s",
+                "velocity_z_1": "-0.3 m/s",
+                "diameter_1": "8 mm",
+                "length_1": "30 mm",
+                "mass_1": "5 g",
+                "diameter_2": "8 mm",
+                "length_2": "40 mm",
+                "mass_2": "8 g",
+                "restitution": 0.5,
+                "contact_tolerance": 1,
+            },
+            "verify": 1,
+        }
+    )["verified_worst"]
+    assert words.startswith("impulse_normal")
+    assert number(r"([\d.e+-]+) ulp over the condition", words) < BOUND
