@@ -65,14 +65,18 @@ def run(
     ] = MOST_BYTES,
     time_limit: Annotated[
         float | None,
-        typer.Option(help="Seconds after which no further cell is started; not of a sweep.", min=0),
+        typer.Option(
+            help="Seconds after which no further cell is started or verified; a sweep is computed "
+            "as a whole.",
+            min=0,
+        ),
     ] = None,
 ) -> None:
     """Carry out studies and write one NetCDF file each.
 
     All files are checked before the first is run. Exit code 2 means that a file is wrong, 1 that
-    a result could not be written, or that a study was stopped, by Ctrl-C or the time limit: what
-    was finished by then is written.
+    a result could not be written, or that a study was stopped, by Ctrl-C or the time limit, while
+    it was computed or verified: what was finished by then is written.
     """
     from app import report
 

@@ -101,22 +101,24 @@ def show_table(
         _say(f"  {table.attributes['message']}")
     if "verified_worst" in table.attributes:
         against, count = (table.attributes[f"verified_{name}"] for name in ("against", "cells"))
-        _say(
-            f"  {count:,} cells verified by {against}; worst: {table.attributes['verified_worst']}"
-        )
+        worst = "worst: " if count else ""
+        worst += str(table.attributes["verified_worst"])
+        _say(f"  {count:,} cells verified by {against}; {worst}")
     if beyond and "variant" not in table.attributes:
         _say(f"  {beyond:.1%} of the cells have no mean velocity.")
     elif beyond:
         _say(f"  {beyond:.1%} of the cells lie where the closed forms do not describe a real part.")
-    if not is_whole(table):
-        left = np.mean(_not_computed(table))
+    left = np.mean(_not_computed(table))
+    if left:
         fail(f"  It was stopped: {left:.1%} of the cells are not computed, and marked so.")
+    elif not is_whole(table):
+        fail("  It was stopped: all cells are computed, and not all verified that should be.")
     _say(f"  {cells:,} cells evaluated in {evaluating:.3f} s, written in {writing:.3f} s")
 
 
 def is_whole(table: Table) -> bool:
-    """Return whether every cell of a result has been computed."""
-    return not bool(np.any(_not_computed(table)))
+    """Return whether no stop left a cell of a result without computing or verifying it."""
+    return not np.any(_not_computed(table)) and "verified_left_out" not in table.attributes
 
 
 def _not_computed(table: Table) -> NDArray[np.bool_]:

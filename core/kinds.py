@@ -28,13 +28,14 @@ class Kind:
     compute : callable
         Takes what the first two return and a `Watch`; returns what was `Computed`.
     label : callable
-        Takes what the first two return and what was computed; returns the `Table` of results.
+        Takes what the first two return, what was computed, and a `Watch` that may stop verifying;
+        returns the `Table` of results.
     """
 
     prepare_content: Callable[[object], Prepared]
     prepare: Callable[[Any], Prepared]
     compute: Callable[[Any, Watch], Computed]
-    label: Callable[[Any, Computed], Table]
+    label: Callable[[Any, Computed, Watch], Table]
 
 
 KINDS: dict[str, Kind] = {

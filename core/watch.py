@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 @dataclass(frozen=True)
@@ -37,3 +37,7 @@ class Watch:
         """Tell that a share of the cells is done."""
         if self.progress is not None:
             self.progress(share)
+
+    def part(self, share: float) -> Watch:
+        """Return a watch over a share of the work."""
+        return replace(self, progress=lambda done: self.advance(done * share))

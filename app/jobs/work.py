@@ -78,7 +78,7 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
             computed = join(prepared, blocks)
             # What verifying takes is not in it: that is a part of the labels.
             spent = seconds + time.perf_counter() - started
-            table = KINDS[prepared.study.kind].label(prepared, computed)
+            table = KINDS[prepared.study.kind].label(prepared, computed, Watch())
             store.finish(
                 key, table, process=process, cells=prepared.cells, blocks=count, seconds=spent
             )

@@ -22,6 +22,7 @@ from core.mechanics.vectors import Vector, across, cross, dot, norm, plus, scale
 NO_FORM, RIM_ON_FACE, RIM_ON_SIDE, FACE_ON_FACE, SIDE_ON_SIDE, SIDE_ON_FACE = range(6)
 SAMPLES = 24  # of a rim: its distance from an axis has at most two minima, far apart or shallow
 MOST_STEPS = 40  # bisection alone would need 50 to the last digit; Newton's steps need about 5
+NEAR = 1e-6  # radian: of so short a step rounding may decide on which side of the bracket it ends
 
 
 class Cylinder(NamedTuple):
@@ -206,7 +207,8 @@ def _refined(t: Array, reach: float, p_1: Array, p_2: Array, square: Array, mixe
         bend = -p_1 * c - p_2 * s - 2 * (square * c_2 + mixed * s_2)
         low, high = np.where(slope < 0, t, low), np.where(slope > 0, t, high)
         newton = t - slope / np.where(bend > 0, bend, 1.0)
-        inside = (bend > 0) & (newton > low) & (newton < high)
+        inside = (newton > low) & (newton < high)
+        inside = (bend > 0) & (inside | (np.abs(newton - t) <= NEAR))
         ahead = np.where(inside, newton, (low + high) / 2)
         ahead = np.where(slope == 0, t, ahead)
         if np.all(np.abs(ahead - t) <= 1e-15 * (1 + np.abs(t))):

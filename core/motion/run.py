@@ -66,8 +66,8 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
     return Computed(arrays)
 
 
-def label(prepared: Simulation, computed: Computed) -> Table:
-    """Return what was computed of a simulation, labelled."""
+def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
+    """Return what was computed of a simulation, labelled; `watch` may stop verifying it."""
     plan, arrays = prepared.plan, computed.arrays
     variables = outputs_of(prepared, arrays)
     variables["motion_status"] = replace(
@@ -90,7 +90,7 @@ def label(prepared: Simulation, computed: Computed) -> Table:
     attributes = {
         **global_attributes(prepared, f"motion in time, method {plan.variant}"),
         "accuracy": accuracy(plan),
-        **verified(prepared, arrays),
+        **verified(prepared, arrays, watch),
     }
     return Table(coordinates, variables, attributes)
 

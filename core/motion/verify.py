@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,8 @@ from core.motion.prepare import ERROR, Simulation, other_method
 from core.quantities import QUANTITIES
 from core.sweep.grid import from_si
 from core.sweep.plan import Plan, plan_scene, scene_parameters
-from core.sweep.verify import at_places, chosen_places, place_in_words
+from core.sweep.verify import sample_of
+from core.watch import Watch
 
 SOUND = [STATUS[name] for name in ("periodic", "at_rest", "neutral", "settled")]
 """Statuses of motions that two methods should agree on: the others are chance, or no answer."""
@@ -49,8 +50,10 @@ class Comparison:
     ----------
     method : str
         The other method.
-    compared : int
-        Cells whose motion both methods found to repeat, rest or settle.
+    evaluated : ndarray of bool
+        The cells that the other method followed before a stop.
+    compared : ndarray of bool
+        The cells whose motion both methods found to repeat, rest or settle.
     output : str
         The output of largest difference, over the largest size of that output in these cells.
     cell : int
@@ -62,7 +65,8 @@ class Comparison:
     """
 
     method: str
-    compared: int
+    evaluated: NDArray[np.bool_]
+    compared: NDArray[np.bool_]
     output: str = ""
     cell: int = -1
     error: float = 0.0
@@ -77,8 +81,8 @@ class Comparison:
         unit = "" if unit == "1" else f" {unit}"
         text = (
             f"{self.output} {where}: difference {self.error:.2g}{unit}, {self.share:.2g} of its "
-            f"largest size in these cells; {self.compared} repeat, rest or settle by both methods "
-            "and are compared"
+            f"largest size in these cells; {self.compared.sum()} repeat, rest or settle by both "
+            "methods and are compared"
         )
         if np.isfinite(self.stated):
             text += f"; the method {self.method} states an error of {self.stated:.2g}{unit} there"
@@ -90,6 +94,7 @@ def compare(
     cells: Mapping[str, Array],
     got: Mapping[str, Array],
     method: str,
+    watch: Watch | None = None,
 ) -> Comparison:
     """Return how far outputs of a motion are from those of another method.
 
@@ -103,6 +108,8 @@ def compare(
         The outputs, in the unit of studies; `motion_status` among them if it is known.
     method : str
         The other method.
+    watch : Watch, optional
+        May stop the other method between cells.
     """
     scene = plan.scene
     has = scene.outputs(method)
@@ -110,17 +117,18 @@ def compare(
     told = [name for name in (ERROR, "motion_status") if name in has]
     parameters = [n for n in cells if n in scene_parameters(scene, method)]
     other = plan_scene(scene, method, (*outputs, *told), parameters)
-    known = run_equations(other, {name: cells[name] for name in other.parameters})
+    known = run_equations(other, {name: cells[name] for name in other.parameters}, watch)
     count = next(iter(got.values())).size
 
     def theirs(name: str) -> Array:
         values = from_si(name, np.asarray(known[name], dtype=np.float64))
         return np.asarray(np.broadcast_to(values, count), dtype=np.float64)
 
-    sound = np.isin(theirs("motion_status"), SOUND)
+    status = theirs("motion_status")
+    sound = np.isin(status, SOUND)
     if "motion_status" in got:
         sound &= np.isin(got["motion_status"], SOUND)
-    found = Comparison(method, int(sound.sum()))
+    found = Comparison(method, status != STATUS["not_computed"], sound)
     for name in outputs if sound.any() else ():
         right = np.where(sound, theirs(name), 0.0)
         size = float(np.abs(right).max()) or 1.0
@@ -132,14 +140,14 @@ def compare(
             stated = np.nan
             if name == "conveying_velocity" and ERROR in known:
                 stated = float(theirs(ERROR)[cell])
-            found = Comparison(
-                method, found.compared, name, cell, float(error[cell]), share, stated
+            found = replace(
+                found, output=name, cell=cell, error=float(error[cell]), share=share, stated=stated
             )
     return found
 
 
 def verified(
-    prepared: Simulation, arrays: Mapping[str, NDArray[np.generic]]
+    prepared: Simulation, arrays: Mapping[str, NDArray[np.generic]], watch: Watch
 ) -> dict[str, str | int]:
     """Return what verifying found, as attributes of the result; nothing if not asked for.
 
@@ -149,22 +157,24 @@ def verified(
         The study.
     arrays : mapping of str to ndarray
         What was computed, SI units.
+    watch : Watch
+        May stop it.
     """
     if prepared.study.verify is None:
         return {}
     plan = prepared.plan
-    places, count = chosen_places(prepared)
-    cells = prepared.grid.at(places, count, plan.parameters)
-    got = {
-        name: np.asarray(from_si(name, at_places(arrays[name], prepared.dims[name], places, count)))
-        for name in plan.outputs
-    }
+    sample = sample_of(prepared, arrays, ("motion_status", STATUS["not_computed"]))
     method = other_method(plan.scene, plan.variant, prepared.grid)
     assert method is not None  # the study would have been refused
-    found = compare(plan, cells, got, method)
-    where = place_in_words(prepared.grid, places, found.cell) if found.output else ""
-    return {
-        "verified_cells": count,
-        "verified_against": f"the method {method}",
-        "verified_worst": found.in_words(where),
+    against = f"the method {method}"
+    if not sample.count or watch.stopped():
+        return sample.told(against)
+    cells = prepared.grid.at(sample.places, sample.count, plan.parameters)
+    got = {
+        name: np.asarray(from_si(name, sample.at(arrays[name], prepared.dims[name])))
+        for name in plan.outputs
     }
+    found = compare(plan, cells, got, method, watch)
+    evaluated, compared = int(found.evaluated.sum()), int(found.compared.sum())
+    worst = found.in_words(sample.where(found.cell)) if evaluated else ""
+    return sample.told(against, worst, evaluated=evaluated, compared=compared)

@@ -50,6 +50,8 @@ def by_grid(
     status = np.array(
         [status_of(v, b, 0.0) for v, b in zip(rank[1] / size, rank[0], strict=True)], dtype=np.int8
     )
+    if not evaluations:
+        status[:] = STATUS["not_computed"]
     x = problem.lower[:, None] + (problem.upper - problem.lower)[:, None] * best
     x = np.where(status == STATUS["optimal"], x, np.nan)
     return Found(x, status, evaluations=np.full(cells, evaluations))

@@ -86,7 +86,7 @@ def compute(prepared: Optimisation, watch: Watch) -> Computed:
     blocks, says = [], ""
     for start in range(0, cells, step):
         design = chosen_cells(everything, slice(start, start + step))
-        block, says = _solved(prepared, design, _share(watch, cells_of(design) / cells))
+        block, says = _solved(prepared, design, watch.part(cells_of(design) / cells))
         blocks.append(block)
     shape = tuple(prepared.grid.shape.values())
     arrays = {
@@ -96,8 +96,8 @@ def compute(prepared: Optimisation, watch: Watch) -> Computed:
     return Computed(arrays, {"method_message": says} if says else {})
 
 
-def label(prepared: Optimisation, computed: Computed) -> Table:
-    """Return what was computed of an optimisation, labelled."""
+def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
+    """Return what was computed of an optimisation, labelled; `watch` may stop verifying it."""
     arrays, dims = computed.arrays, tuple(prepared.grid.axes)
     attributes = _attributes(prepared, arrays["regime"])
     variables = {name: Variable(dims, arrays[name], attributes[name]) for name in prepared.units}
@@ -107,7 +107,7 @@ def label(prepared: Optimisation, computed: Computed) -> Table:
         "accuracy": accuracy(arrays["optimum_gap"]),
         "evaluations": float(arrays["evaluations"].sum()),
         **computed.notes,
-        **verified(prepared, arrays),
+        **verified(prepared, arrays, watch),
     }
     return Table(coordinates_of(prepared.plan, prepared.grid), variables, words)
 
@@ -126,11 +126,6 @@ def _solved(
     else:
         found = METHODS[method].solve(problem, design, scales, watch)
     return _checked(prepared, found, design, scales), found.says
-
-
-def _share(watch: Watch, share: float) -> Watch:
-    """Return a watch over some of the designs."""
-    return Watch(lambda done: watch.advance(done * share), watch.stopped)
 
 
 def designs_of(problem: Problem, grid: Grid) -> dict[str, Array]:

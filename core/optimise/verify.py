@@ -6,13 +6,13 @@ answer itself is set against that of a global search.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.motion.verify import compare
+from core.motion.verify import Comparison, compare
 from core.optimise.exact import STATUS
 from core.optimise.methods import METHODS, refusal
 from core.optimise.prepare import Optimisation
@@ -20,14 +20,7 @@ from core.optimise.problem import LIMIT, ROUNDING, chosen_cells
 from core.quantities import QUANTITIES
 from core.study.models import Limited, Pareto
 from core.sweep.grid import to_si
-from core.sweep.verify import (
-    AGAINST,
-    Places,
-    at_places,
-    chosen_places,
-    place_in_words,
-    rounding_of,
-)
+from core.sweep.verify import AGAINST, Rounding, Sample, rounding_of, sample_of
 from core.watch import Watch
 
 RIVALS = ("population", "newton", "exact", "grid")
@@ -45,7 +38,7 @@ def accuracy(gaps: Array) -> str:
 
 
 def verified(
-    prepared: Optimisation, arrays: Mapping[str, NDArray[np.generic]]
+    prepared: Optimisation, arrays: Mapping[str, NDArray[np.generic]], watch: Watch
 ) -> dict[str, str | int]:
     """Return what verifying found, as attributes of the result; nothing if not asked for.
 
@@ -55,46 +48,56 @@ def verified(
         The study.
     arrays : mapping of str to ndarray
         What was computed, in the units of studies.
+    watch : Watch
+        May stop it.
     """
     if prepared.study.verify is None:
         return {}
-    grid, dims = prepared.grid, tuple(prepared.grid.axes)
-    places, count = chosen_places(prepared)
-    known = {name: at_places(arrays[name], dims, places, count) for name in prepared.units}
+    sample = sample_of(prepared, arrays, ("optimum_status", STATUS["not_computed"]))
+    dims = tuple(prepared.grid.axes)
+    known = {name: sample.at(arrays[name], dims) for name in prepared.units}
     x = np.stack([to_si(name, known[f"best_{name}"]) for name in prepared.problem.names])
     answered = np.flatnonzero(~np.isnan(x).any(axis=0))
-    design = _design(prepared, places, count, known)
-    against, words = [], []
+    design = _design(prepared, sample, known)
     # An edge of stick that is approached and never reached is a jump of the outputs.
     smooth = answered[known["optimum_status"][answered] != STATUS["not_attained"]]
-    if smooth.size:
-        by, cell, tell = _outputs(prepared, design, x, known, smooth)
-        against.append(by)
-        words.append(tell(place_in_words(grid, places, cell)))
     rival = _rival(prepared)
+    watch = watch.part(0.5 if rival else 1.0)
+    against, words = [], []
+    judged, failed, left = np.zeros((3, sample.count), dtype=np.bool_)
+    if smooth.size:
+        found, by = _outputs(prepared, design, x, known, smooth, watch)
+        against.append(by)
+        judged[smooth], failed[smooth], left[smooth] = True, ~found.compared, ~found.evaluated
+        if found.evaluated.any():
+            words.append(found.in_words(sample.where(int(smooth[found.cell]))))
     if rival and answered.size:
-        cell, better = _better(prepared, rival, design, known, answered)
-        unit = QUANTITIES[prepared.problem.criterion.output].unit
+        solved, cell, better = _better(prepared, rival, design, known, answered, watch)
         against.append(f"answers of the method {rival}")
-        more = (
-            f"{better:.2g}{'' if unit == '1' else f' {unit}'} more" if better else "nothing better"
-        )
-        words.append(f"objective {place_in_words(grid, places, cell)}: {rival} finds {more}")
-    return {
-        "verified_cells": count,
-        "verified_against": " and ".join(against) or "nothing",
-        "verified_worst": "; ".join(words) or "none of the cells has an answer",
-    }
+        judged[answered] = True
+        failed[answered] |= ~solved
+        left[answered] |= ~solved
+        if solved.any():
+            unit = QUANTITIES[prepared.problem.criterion.output].unit
+            more = f"{better:.2g}{'' if unit == '1' else f' {unit}'} more"
+            more = more if better else "nothing better"
+            words.append(f"objective {sample.where(cell)}: {rival} finds {more}")
+    if sample.count and not answered.size:
+        words.append("none of the cells has an answer")
+    return sample.told(
+        " and ".join(against) or "nothing",
+        "; ".join(words),
+        evaluated=sample.count - int(left.sum()),
+        compared=int((judged & ~failed).sum()),
+    )
 
 
-def _design(
-    prepared: Optimisation, places: Places, count: int, known: Mapping[str, Array]
-) -> dict[str, Array]:
+def _design(prepared: Optimisation, sample: Sample, known: Mapping[str, Array]) -> dict[str, Array]:
     """Return the designs of chosen cells, SI units, with the limit that each answer keeps."""
     problem = prepared.problem
-    design = prepared.designs.at(places, count, prepared.plan.parameters)
+    design = prepared.designs.at(sample.places, sample.count, prepared.plan.parameters)
     criterion = problem.criterion
-    limit = np.full(count, criterion.limit if isinstance(criterion, Limited) else np.inf)
+    limit = np.full(sample.count, criterion.limit if isinstance(criterion, Limited) else np.inf)
     if isinstance(criterion, Pareto):
         limit = np.abs(known[criterion.against])
     return {**design, LIMIT: limit}
@@ -106,8 +109,9 @@ def _outputs(
     x: Array,
     known: Mapping[str, Array],
     chosen: NDArray[np.intp],
-) -> tuple[str, int, Callable[[str], str]]:
-    """Return what the outputs at answers are set against, the worst cell, and what to say of it."""
+    watch: Watch,
+) -> tuple[Rounding | Comparison, str]:
+    """Return what evaluating outputs at chosen answers again found, and by what."""
     problem, plan = prepared.problem, prepared.plan
     given = dict(zip(problem.names, x, strict=True))
     cells = {name: (given | dict(design))[name][chosen] for name in plan.parameters}
@@ -116,12 +120,9 @@ def _outputs(
         got = {name: known[name][chosen] for name in names}
         other = prepared.other_motion
         assert other is not None  # the study would have been refused
-        compared = compare(plan, cells, got, other)
-        return f"the motion by the method {other}", int(chosen[compared.cell]), compared.in_words
+        return compare(plan, cells, got, other, watch), f"the motion by the method {other}"
     values = {name: np.asarray(to_si(name, known[name][chosen])) for name in names}
-    found = rounding_of(plan, cells, values)
-    worst = 0 if found.worst is None else found.worst.cell
-    return AGAINST, int(chosen[worst]), found.in_words
+    return rounding_of(plan, cells, values, watch), AGAINST
 
 
 def _rival(prepared: Optimisation) -> str | None:
@@ -141,8 +142,14 @@ def _better(
     design: Mapping[str, Array],
     known: Mapping[str, Array],
     chosen: NDArray[np.intp],
-) -> tuple[int, float]:
-    """Return where the rival's objective is furthest above ours, and by how much."""
+    watch: Watch,
+) -> tuple[NDArray[np.bool_], int, float]:
+    """Return which designs the rival solved before a stop.
+
+    And where its objective is furthest above ours, and by how much.
+    """
+    if watch.stopped():
+        return np.zeros(chosen.size, dtype=np.bool_), -1, 0.0
     problem = prepared.problem
     here = chosen_cells(design, chosen)
     scales = problem.scales(here)
@@ -151,7 +158,7 @@ def _better(
     if LIMIT in (kept.name for kept in problem.kept) and problem.against:
         # A limit of nothing, which rounding may just break, would leave no answer.
         here[LIMIT] = here[LIMIT] + ROUNDING * scales[problem.against]
-    found = METHODS[rival].solve(problem, here, scales, Watch())
+    found = METHODS[rival].solve(problem, here, scales, watch)
     lost = np.isnan(found.x).any(axis=0)
     x = np.where(lost, problem.lower[:, None], found.x)
     theirs, beyond = problem.judged(x, here, scales)
@@ -159,4 +166,5 @@ def _better(
     ours = problem.sign * known["objective"][chosen]
     more = np.where(sound, theirs - ours, -np.inf)
     worst = int(np.argmax(more))
-    return int(chosen[worst]), float(max(more[worst], 0.0))
+    solved = found.status != STATUS["not_computed"]
+    return solved, int(chosen[worst]), float(max(more[worst], 0.0))

@@ -41,14 +41,16 @@ class Computed:
 def carry_out(
     prepared: Study,
     compute: Callable[[Study, Watch], Computed],
-    label: Callable[[Study, Computed], Table],
+    label: Callable[[Study, Computed, Watch], Table],
     watch: Watch | None = None,
 ) -> Table:
     """Return the labelled results of a study, with what computing them cost."""
+    watch, share = watch or Watch(), prepared.computing_share
     started = time.perf_counter()
-    computed = compute(prepared, watch or Watch())
+    computed = compute(prepared, watch.part(share))
     seconds = time.perf_counter() - started  # without verifying, which is a part of the labels
-    return label(prepared, computed).with_price(price(prepared.cells, seconds))
+    table = label(prepared, computed, watch.part(1 - share))
+    return table.with_price(price(prepared.cells, seconds))
 
 
 def price(cells: int, seconds: float) -> dict[str, float]:

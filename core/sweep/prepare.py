@@ -89,6 +89,12 @@ class Prepared:
         asked = min(self.study.verify or 0, self.cells)
         return asked * self.seconds_a_verified_cell if asked else 0.0
 
+    @property
+    def computing_share(self) -> float:
+        """Roughly the share of computing in the time that computing and verifying take."""
+        seconds = self.cells * self.seconds_a_cell
+        return seconds / (seconds + self.seconds_to_verify)
+
     def check_verification(self) -> Self:
         """Return the study; raise `StudyError` if verifying it would take too long."""
         if self.study.verify is None:

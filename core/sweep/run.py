@@ -58,8 +58,8 @@ def compute(prepared: Sweep, watch: Watch) -> Computed:
     )
 
 
-def label(prepared: Sweep, computed: Computed) -> Table:
-    """Return what was computed of a sweep, labelled."""
+def label(prepared: Sweep, computed: Computed, watch: Watch) -> Table:
+    """Return what was computed of a sweep, labelled; `watch` may stop verifying it."""
     plan, arrays = prepared.plan, computed.arrays
     variables = outputs_of(prepared, arrays)
     variables["regime"] = Variable(
@@ -68,7 +68,7 @@ def label(prepared: Sweep, computed: Computed) -> Table:
     attributes = {
         **global_attributes(prepared, "closed-form equations"),
         "accuracy": accuracy(plan.scene.name),
-        **verified(prepared, arrays),
+        **verified(prepared, arrays, watch),
     }
     return Table(coordinates_of(plan, prepared.grid), variables, attributes)
 

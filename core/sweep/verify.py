@@ -18,7 +18,8 @@ from core.mechanics.arrays import Array
 from core.quantities import QUANTITIES
 from core.sweep.grid import Grid, axis_values
 from core.sweep.plan import Plan
-from core.sweep.prepare import Prepared
+from core.sweep.prepare import SECONDS_A_VERIFIED_CELL, Prepared
+from core.watch import Watch
 
 BOUND = 8
 """Largest error of an output in ulps over its condition number; the tests hold every output of
@@ -33,7 +34,7 @@ BOUNDED = (
     "cylinder-rolling",
 )
 AGAINST = "the same equations with 50 digits"
-PIECE = 8  # cells whose condition numbers are computed at a time
+PIECE = 8  # cells at a time, between two looks at the watch; one where a cell takes long
 
 Places = Mapping[str, NDArray[np.int64]]
 
@@ -82,6 +83,76 @@ def place_in_words(grid: Grid, places: Places, cell: int) -> str:
 
 
 @dataclass(frozen=True)
+class Sample:
+    """The cells of a study that are verified.
+
+    Attributes
+    ----------
+    grid : Grid
+        The study's.
+    places : mapping of str to ndarray
+        Where the cells lie on each axis.
+    count : int
+        Number of the cells.
+    chosen : int
+        The same, with those that a stop left without anything to verify.
+    """
+
+    grid: Grid
+    places: Places
+    count: int
+    chosen: int
+
+    def at(self, values: NDArray[np.generic], dims: Collection[str]) -> Array:
+        """Return an array over some axes of the grid at these cells, shape (count,)."""
+        return at_places(values, dims, self.places, self.count)
+
+    def where(self, cell: int) -> str:
+        """Return where one of them lies, in words."""
+        return place_in_words(self.grid, self.places, cell)
+
+    def told(
+        self, against: str, worst: str = "", *, evaluated: int = 0, compared: int = 0
+    ) -> dict[str, str | int]:
+        """Return what verifying found, as attributes of the result.
+
+        Parameters
+        ----------
+        against : str
+            By what the cells are evaluated again.
+        worst : str
+            One sentence about those that are compared.
+        evaluated, compared : int
+            Cells that no stop left out, and those of them of which there was anything to compare.
+        """
+        told: dict[str, str | int] = {"verified_cells": compared, "verified_against": against}
+        left = self.chosen - evaluated
+        if not left:
+            return told | {"verified_worst": worst}
+        stop = f"stopped before {left:,} of {self.chosen:,} cells could be verified"
+        words = f"{worst}; {stop}" if worst else stop
+        return told | {"verified_worst": words, "verified_left_out": left}
+
+
+def sample_of(
+    prepared: Prepared,
+    arrays: Mapping[str, NDArray[np.generic]],
+    unfinished: tuple[str, int] | None = None,
+) -> Sample:
+    """Return the cells of a study to verify.
+
+    `unfinished` are the status, among what was computed, and its value where a stop left a cell.
+    """
+    places, chosen = chosen_places(prepared)
+    if unfinished is None:
+        return Sample(prepared.grid, places, chosen, chosen)
+    name, value = unfinished
+    finished = at_places(arrays[name], prepared.dims[name], places, chosen) != value
+    places = {axis: place[finished] for axis, place in places.items()}
+    return Sample(prepared.grid, places, int(finished.sum()), chosen)
+
+
+@dataclass(frozen=True)
 class Value:
     """The worst value among the verified cells of one output.
 
@@ -121,11 +192,27 @@ class Rounding:
         Largest absolute value of what is 0 by law, SI units; such values have no relative error.
     not_known : tuple of str
         Outputs that an equation rounds on its way, so that their 50 digits are not known.
+    evaluated : ndarray of bool
+        The cells that were evaluated before a stop.
+    bounded : bool
+        Whether the closed forms are known to keep `BOUND`.
     """
 
     worst: Value | None
     left_of_zero: float
     not_known: tuple[str, ...]
+    evaluated: NDArray[np.bool_]
+    bounded: bool
+
+    @property
+    def cell(self) -> int:
+        """The cell of the worst; -1 if none is judged."""
+        return -1 if self.worst is None else self.worst.cell
+
+    @property
+    def compared(self) -> NDArray[np.bool_]:
+        """The cells that are compared: all that were evaluated."""
+        return self.evaluated
 
     def in_words(self, where: str) -> str:
         """Return one sentence; `where` is the place of the worst."""
@@ -133,13 +220,15 @@ class Rounding:
             text = "no value that is not 0 is known to 50 digits"
         else:
             one = self.worst
-            kept = "within" if one.conditioned <= BOUND else "BEYOND"
             unit = QUANTITIES[one.name].unit.replace("degree", "rad")
             text = (
                 f"{one.name} {where}: error {one.error:.2g}{'' if unit == '1' else f' {unit}'}, "
                 f"{one.ulps:.3g} ulp, {one.conditioned:.2g} ulp over the condition number "
-                f"{one.kappa:.3g}, {kept} the bound of {BOUND}"
+                f"{one.kappa:.3g}"
             )
+            if self.bounded:
+                kept = "within" if one.conditioned <= BOUND else "BEYOND"
+                text += f", {kept} the bound of {BOUND}"
         if self.left_of_zero:
             text += f"; of values that are 0, {self.left_of_zero:.2g} is left at most"
         if self.not_known:
@@ -147,7 +236,12 @@ class Rounding:
         return text
 
 
-def rounding_of(plan: Plan, cells: Mapping[str, Array], got: Mapping[str, Array]) -> Rounding:
+def rounding_of(
+    plan: Plan,
+    cells: Mapping[str, Array],
+    got: Mapping[str, Array],
+    watch: Watch | None = None,
+) -> Rounding:
     """Return what rounding did to outputs of a plan.
 
     Parameters
@@ -158,65 +252,96 @@ def rounding_of(plan: Plan, cells: Mapping[str, Array], got: Mapping[str, Array]
         The parameters, SI units.
     got : mapping of str to ndarray, shape (n,)
         The outputs as they were computed, SI units.
+    watch : Watch, optional
+        Asked before each piece of the cells and each output; a piece that it stops is left out.
+    """
+    watch = watch or Watch()
+    size = next(iter(got.values())).size
+    step = 1 if plan.scene.name in SECONDS_A_VERIFIED_CELL else PIECE
+    worst: Value | None = None
+    zero, not_known, done = 0.0, dict[str, None](), 0
+    for start in range(0, size, step):
+        piece = np.arange(start, min(start + step, size))
+        found = _judged(plan, cells, got, piece, worst, watch)
+        if found is None:
+            break
+        worst, left_of_zero, rounded = found
+        zero, not_known = max(zero, left_of_zero), not_known | dict.fromkeys(rounded)
+        done += piece.size
+        watch.advance(piece.size / size)
+    bounded = plan.scene.name in BOUNDED
+    return Rounding(worst, zero, tuple(not_known), np.arange(size) < done, bounded)
+
+
+def _judged(
+    plan: Plan,
+    cells: Mapping[str, Array],
+    got: Mapping[str, Array],
+    piece: NDArray[np.intp],
+    worst: Value | None,
+    watch: Watch,
+) -> tuple[Value | None, float, tuple[str, ...]] | None:
+    """Return the first three parts of a `Rounding` of some of the cells; None if stopped.
+
+    `worst` is that of the cells before.
     """
     from core.sweep.precise import VANISHES, exact_values  # mpmath, for those who verify
 
-    exact = exact_values(plan, cells, partial=True)
-    worst: Value | None = None
+    if watch.stopped():
+        return None
+    exact = exact_values(plan, {name: cells[name][piece] for name in plan.parameters}, partial=True)
     zero = 0.0
-    for name in got:
-        if name not in exact:
-            continue
-        for value, number in zip(exact[name], got[name], strict=True):
+    for name in (name for name in got if name in exact):
+        if watch.stopped():
+            return None
+        for value, number in zip(exact[name], got[name][piece], strict=True):
             if abs(value) < VANISHES:
                 zero = max(zero, abs(float(number)) if np.isfinite(number) else math.inf)
-        found = _worst(plan, name, cells, exact[name], got[name])
-        if found and (worst is None or found.conditioned > worst.conditioned):
-            worst = found
-    return Rounding(worst, zero, tuple(name for name in got if name not in exact))
+        worst = _worst(plan.only(name), cells, exact[name], got[name], piece, worst)
+    return worst, zero, tuple(name for name in got if name not in exact)
 
 
 def _worst(
     plan: Plan,
-    name: str,
     cells: Mapping[str, Array],
     exact: NDArray[np.object_],
     got: Array,
+    piece: NDArray[np.intp],
+    worst: Value | None,
 ) -> Value | None:
-    """Return the cell of largest error over the condition number; None if all are 0.
+    """Return the value of largest error over the condition number, or `worst` if none is larger.
 
-    Condition numbers take long: they are computed from the largest error in ulps downwards, until
-    no cell that is left can be worse.
+    The plan has one output; `exact` is of the piece of the cells. Condition numbers take long, and
+    are at least 1: those of errors that are no larger than the worst are not computed.
     """
     from core.sweep.precise import CONTEXT, errors_of, sensitivities
 
-    plan = plan.only(name)
-    nothing = np.full(len(exact), CONTEXT.zero)
-    ulps = errors_of(got, exact, nothing, np.float64).ulps
-    order = [int(cell) for cell in np.argsort(-ulps, kind="stable") if not np.isnan(ulps[cell])]
-    worst: Value | None = None
-    for start in range(0, len(order), PIECE):
-        if worst is not None and ulps[order[start]] <= worst.conditioned:
-            break
-        piece = order[start : start + PIECE]
-        here = {key: cells[key][piece] for key in plan.parameters}
-        moved = np.broadcast_to(sensitivities(plan, here)[name], len(piece))
-        errors = errors_of(got[piece], exact[piece], moved, np.float64)
-        for k, cell in enumerate(piece):
-            kappa = errors.condition[k]
-            value, number = exact[cell], float(got[cell])
-            error = 0.0
-            if errors.ulps[k]:
-                error = float(abs(CONTEXT.mpf(number) - value))
-            one = Value(
-                name, cell, error, float(errors.ulps[k]), 1.0 if np.isnan(kappa) else float(kappa)
-            )
-            if worst is None or one.conditioned > worst.conditioned:
-                worst = one
+    (name,) = plan.outputs
+    nothing = np.full(piece.size, CONTEXT.zero)
+    ulps = errors_of(got[piece], exact, nothing, np.float64).ulps
+    large = np.flatnonzero(
+        ~np.isnan(ulps) & (ulps > (-1.0 if worst is None else worst.conditioned))
+    )
+    if not large.size:
+        return worst
+    piece, exact = piece[large], exact[large]
+    moved = sensitivities(plan, {key: cells[key][piece] for key in plan.parameters})[name]
+    errors = errors_of(got[piece], exact, np.broadcast_to(moved, piece.size), np.float64)
+    for k, cell in enumerate(piece):
+        kappa, error = errors.condition[k], 0.0
+        if errors.ulps[k]:
+            error = float(abs(CONTEXT.mpf(float(got[cell])) - exact[k]))
+        one = Value(
+            name, int(cell), error, float(errors.ulps[k]), 1.0 if np.isnan(kappa) else float(kappa)
+        )
+        if worst is None or one.conditioned > worst.conditioned:
+            worst = one
     return worst
 
 
-def verified(prepared: Prepared, arrays: Mapping[str, NDArray[np.generic]]) -> dict[str, str | int]:
+def verified(
+    prepared: Prepared, arrays: Mapping[str, NDArray[np.generic]], watch: Watch
+) -> dict[str, str | int]:
     """Return what verifying a sweep found, as attributes of its result; nothing if not asked for.
 
     Parameters
@@ -225,19 +350,17 @@ def verified(prepared: Prepared, arrays: Mapping[str, NDArray[np.generic]]) -> d
         The sweep.
     arrays : mapping of str to ndarray
         What was computed, SI units.
+    watch : Watch
+        May stop it.
     """
     if prepared.study.verify is None:
         return {}
-    plan = prepared.plan
-    places, count = chosen_places(prepared)
-    cells = prepared.grid.at(places, count, plan.parameters)
-    got = {
-        name: at_places(arrays[name], prepared.dims[name], places, count) for name in plan.outputs
-    }
-    found = rounding_of(plan, cells, got)
-    where = "" if found.worst is None else place_in_words(prepared.grid, places, found.worst.cell)
-    return {
-        "verified_cells": count,
-        "verified_against": AGAINST,
-        "verified_worst": found.in_words(where),
-    }
+    plan, sample = prepared.plan, sample_of(prepared, arrays)
+    cells = prepared.grid.at(sample.places, sample.count, plan.parameters)
+    got = {name: sample.at(arrays[name], prepared.dims[name]) for name in plan.outputs}
+    found = rounding_of(plan, cells, got, watch)
+    evaluated = int(found.evaluated.sum())
+    if not evaluated:
+        return sample.told(AGAINST)
+    worst = found.in_words(sample.where(found.cell))
+    return sample.told(AGAINST, worst, evaluated=evaluated, compared=evaluated)

@@ -249,6 +249,20 @@ def test_a_simulation_out_of_time_is_written_and_said(motion):
     assert motion.with_suffix(".nc").exists()
 
 
+def test_what_was_not_verified_in_time_is_said(motion, study, tmp_path):
+    motion.write_text("verify = 2\n" + motion.read_text())
+    result = run("run", motion, "--time-limit", "0")
+    assert result.exit_code == 1
+    assert "0 cells verified by the method reference; stopped before 2 of 2" in result.output
+    # A sweep is computed as a whole; that it is not verified is said, too.
+    late = tmp_path / "late.toml"
+    late.write_text("verify = 3\n" + Path(study).read_text())
+    result = run("run", late, "-o", tmp_path / "late.nc", "--time-limit", "0")
+    assert result.exit_code == 1
+    assert "all cells are computed, and not all verified" in result.output
+    assert (tmp_path / "late.nc").exists()
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
 def test_ctrl_c_keeps_what_is_finished(tmp_path):
     slow = tmp_path / "slow.toml"

@@ -471,6 +471,13 @@ def test_outputs_without_a_value(method):
     assert float(partly.objective) == pytest.approx(0.5 * 0.005, rel=1e-9)
 
 
+@pytest.mark.parametrize("method", ["grid", "population", "slsqp"])
+def test_what_was_never_begun_is_not_computed(method):
+    study = parse_study(content(method=method))
+    dataset = optimise(study, watch=Watch(deadline=0.0))
+    assert status(dataset) == "not_computed"
+
+
 def test_a_study_that_is_stopped_keeps_what_is_finished():
     asked = []
 

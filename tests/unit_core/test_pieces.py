@@ -71,7 +71,7 @@ def in_pieces(prepared, cells):
 def test_pieces_make_the_same_file(study, cells, tmp_path):
     prepared = prepare_content(STUDIES[study])
     _, computed = in_pieces(prepared, cells)
-    write_netcdf(KINDS[study].label(prepared, computed), tmp_path / "pieces.nc")
+    write_netcdf(KINDS[study].label(prepared, computed, Watch()), tmp_path / "pieces.nc")
     write_netcdf(tabulate(prepared), tmp_path / "whole.nc")
     assert (tmp_path / "pieces.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()
 
@@ -103,4 +103,4 @@ def test_a_course_in_time_is_one_piece():
     prepared = prepare(load_study(CONFIGS / "trajectory.toml"))
     cut, computed = in_pieces(prepared, 1)
     assert len(cut) == 1
-    assert "position_along" in KINDS["simulate"].label(prepared, computed).variables
+    assert "position_along" in KINDS["simulate"].label(prepared, computed, Watch()).variables
