@@ -206,9 +206,8 @@ def _storage(prepared: Prepared, watch: Watch) -> Measured:
     if half.deadline is not None:
         now = time.monotonic()
         first = replace(half, deadline=now + (half.deadline - now) / 2)
-    study = prepared.study.model_copy(update={"verify": None})
-    smaller = replace(prepared, study=study, grid=thinned(prepared.grid, most))
-    table = tabulate(smaller, first)
+    smaller = replace(prepared, grid=thinned(prepared.grid, most))
+    table = tabulate(smaller.unverified(), first)
     measured = storage.measure(table, half)
     notes = []
     if smaller.cells < prepared.cells:

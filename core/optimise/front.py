@@ -43,7 +43,7 @@ def find_front(
         return known_answers.by_closed_front(problem, design, points)
     solve = METHODS[method].solve
     inner, scale = problem.limited(), scales[criterion.against]
-    ends = Watch(stop=watch.stopped)  # the many points between them are the progress
+    ends = replace(watch, progress=None)  # the many points between them are the progress
     top = solve(inner, {**design, LIMIT: WIDE * scale}, scales, ends)
     least = _least(problem, inner, design, scales, method, ends)
     first, last = (_other(problem, end, design) for end in (top, least))

@@ -95,6 +95,10 @@ class Prepared:
         seconds = self.cells * self.seconds_a_cell
         return seconds / (seconds + self.seconds_to_verify)
 
+    def unverified(self) -> Self:
+        """Return the study without its wish to be verified."""
+        return replace(self, study=self.study.model_copy(update={"verify": None}))
+
     def check_verification(self) -> Self:
         """Return the study; raise `StudyError` if verifying it would take too long."""
         if self.study.verify is None:

@@ -7,7 +7,6 @@ give the same to any number of digits; that is for the tests of each scene.
 from __future__ import annotations
 
 import math
-import random
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.quantities import QUANTITIES
-from core.sweep.grid import Grid, axis_values
+from core.sweep.grid import Grid, axis_values, random_places
 from core.sweep.plan import Plan
 from core.sweep.prepare import SECONDS_A_VERIFIED_CELL, Prepared
 from core.watch import Watch
@@ -55,12 +54,7 @@ def chosen_places(prepared: Prepared) -> tuple[Places, int]:
     They are all different, and the same for equal studies.
     """
     grid, asked = prepared.grid, prepared.study.verify or 0
-    chosen = random.Random(prepared.study.key()).sample(range(grid.cells), min(asked, grid.cells))
-    places: dict[str, NDArray[np.int64]] = {}
-    left = np.array(sorted(chosen), dtype=np.int64)
-    for name, size in reversed(grid.shape.items()):
-        left, places[name] = np.divmod(left, size)
-    return places, len(chosen)
+    return random_places(grid, asked, prepared.study.key()), min(asked, grid.cells)
 
 
 def at_places(

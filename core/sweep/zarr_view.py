@@ -93,9 +93,10 @@ class ZarrView:
 
     def __init__(self, sweep: Sweep, *, chunk_cells: int = CHUNK_CELLS):
         self._grid = sweep.grid
-        # Dimensions and attributes do not depend on how many values an axis has.
+        # Dimensions and attributes do not depend on how many values an axis has; what is computed
+        # when it is read cannot have been verified.
         first = dict.fromkeys(sweep.grid.axes, (0, 1))
-        self._labels = tabulate(sweep.within(first))
+        self._labels = tabulate(sweep.within(first).unverified())
         self._arrays = self._lay_out(sweep, chunk_cells)
 
     def read(self, key: str) -> bytes:

@@ -164,6 +164,12 @@ def test_the_document_of_the_group_holds_those_of_its_arrays():
         assert document["codecs"] == [{"name": "bytes", "configuration": {"endian": "little"}}]
 
 
+def test_a_view_is_not_verified():
+    """Verifying takes seconds a cell, and a view has only the first when it is opened."""
+    view = ZarrView(prepare_content({**TRACK, "verify": 3}))
+    assert not [n for n in json.loads(view.read("zarr.json"))["attributes"] if "verified" in n]
+
+
 @pytest.mark.parametrize(
     "key",
     [
