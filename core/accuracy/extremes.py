@@ -13,12 +13,19 @@ import numpy as np
 
 from core import kinds
 from core.accuracy.hard_cases import HARD_CASES, HardCase, result_of
+from core.accuracy.textbook import Answer
 from core.dataset.table import CONVENTIONS, Table, Variable
 from core.errors import StudyError
+from core.mechanics.arrays import Array
 from core.quantities import MOTION_STATUSES, REGIMES, Flag
 from core.watch import Watch
 
-__all__ = ["Outcome", "result_of", "run_case", "run_catalogue", "to_markdown", "to_table"]
+__all__ = [
+    "Computed", "Outcome", "carry_out", "judge", "result_of", "run_case", "run_catalogue",
+    "to_markdown", "to_table",
+]  # fmt: skip
+
+STATED = "conveying_velocity_error"
 
 WITHOUT_VALUE = {"unbounded", "no_motion", "stopped"}
 """Valid regimes that explain a value that is not finite; all that are not valid do so too."""
@@ -64,13 +71,51 @@ class Outcome:
         return self.error / self.stated_error
 
 
+@dataclass(frozen=True)
+class Computed:
+    """What the study of a case gave, and what is right for it.
+
+    Attributes
+    ----------
+    statuses : frozenset of str
+        Names of the statuses or regimes of all cells.
+    explained : bool
+        Whether one of them says why a value is missing.
+    value : ndarray
+        The judged output.
+    stated : ndarray or None
+        The error that the method states for its conveying velocity; None where it states none.
+    answer : Answer or None
+        The right value; None where the case is judged by its status.
+    """
+
+    statuses: frozenset[str]
+    explained: bool
+    value: Array
+    stated: Array | None
+    answer: Answer | None
+
+
+Verdict = tuple[str, float, float, bool, str]
+"""Status, error, stated error, whether the case passed, and a note."""
+
+
 def run_case(case: HardCase, watch: Watch | None = None) -> Outcome:
     """Return what becomes of a case; warnings count as errors."""
+    return carry_out(case, watch)[0]
+
+
+def carry_out(case: HardCase, watch: Watch | None = None) -> tuple[Outcome, Computed | None]:
+    """Return what becomes of a case, and what was computed; None where it was no study's result."""
     started = time.perf_counter()
+    computed = None
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
-            status, error, stated, passed, note = _judged(case, watch)
+            result = _computed(case, watch)
+            if isinstance(result, Computed):
+                computed, result = result, judge(case, result)
+            status, error, stated, passed, note = result
         except Warning as warning:
             status, error, stated, passed = "warning", math.nan, math.nan, False
             note = f"{type(warning).__name__}: {warning}"
@@ -78,14 +123,14 @@ def run_case(case: HardCase, watch: Watch | None = None) -> Outcome:
             status, error, stated, passed = "error", math.nan, math.nan, False
             note = f"{type(failure).__name__}: {failure}"
     took = time.perf_counter() - started
-    return Outcome(case.name, case.family, status, error, stated, took, passed, note)
+    return Outcome(case.name, case.family, status, error, stated, took, passed, note), computed
 
 
-def _judged(case: HardCase, watch: Watch | None) -> tuple[str, float, float, bool, str]:
-    """Return status, error, stated error, whether it passed, and a note."""
+def _computed(case: HardCase, watch: Watch | None) -> Computed | Verdict:
+    """Return what the study gives, or the verdict where nothing of it is left to judge."""
     if case.attempt is not None:
-        error, stated, note = case.attempt()
-        return "attempted", error, stated, error <= stated, note
+        error, allowed, note = case.attempt()
+        return "attempted", error, allowed, error <= allowed, note
     try:
         prepared = kinds.prepare_content(case.content)
     except StudyError as refusal:
@@ -97,25 +142,53 @@ def _judged(case: HardCase, watch: Watch | None) -> tuple[str, float, float, boo
         return "accepted", math.nan, math.nan, False, f"{case.refused} should be refused"
     variables = kinds.tabulate(prepared, watch).variables
     names, explained = _statuses(variables)
-    status = ", ".join(sorted(names))
-    if case.status and not names <= set(case.status):
-        return status, math.nan, math.nan, False, f"not {' or '.join(case.status)}"
     value = np.asarray(variables[case.output].values, dtype=np.float64)
-    if not explained and not np.all(np.isfinite(value)):
-        return status, math.nan, math.nan, False, "not finite, and nothing says why"
-    if case.answer is None:
+    stated = None
+    if STATED in variables:
+        stated = np.asarray(variables[STATED].values, dtype=np.float64)
+    answer = case.answer() if case.answer else None
+    return Computed(frozenset(names), explained, value, stated, answer)
+
+
+def judge(case: HardCase, computed: Computed) -> Verdict:
+    """Return the verdict on what a case's study gave; nothing is computed anew."""
+    value, said, answer = computed.value, computed.stated, computed.answer
+    status = ", ".join(sorted(computed.statuses))
+
+    def wrong(note: str) -> Verdict:
+        return status, math.nan, math.nan, False, note
+
+    if case.status and not computed.statuses <= set(case.status):
+        return wrong(f"not {' or '.join(case.status)}")
+    finite = np.isfinite(value)
+    if not computed.explained and not np.all(finite):
+        return wrong("not finite, and nothing says why")
+    if said is not None and not np.all(np.isfinite(said[finite])):
+        return wrong("finite, with a stated error that is not")
+    if answer is None:
         return status, math.nan, math.nan, True, "judged by its status"
-    answer = case.answer()
     right = np.broadcast_to(answer.value, value.shape)
     allowed = np.broadcast_to(answer.error, value.shape)
+    if said is not None and not case.blunt and case.output == "conveying_velocity":
+        size = np.where(right == 0, _drive_speed(case.content), np.abs(right))
+        if np.any(said[finite] > size[finite]):
+            return wrong("the stated error is larger than what it is stated for")
     if case.says:
-        allowed = allowed + np.nan_to_num(variables["conveying_velocity_error"].values)
+        if said is None:
+            return wrong("no error is stated")
+        allowed = allowed + np.where(finite, said, 0.0)
     same = (value == right) | (np.isnan(value) & np.isnan(right))
     with np.errstate(invalid="ignore"):
         errors = np.where(same, 0.0, np.abs(value - right))
     worst = np.unravel_index(np.argmax(_shares(errors, allowed)), errors.shape)
     error, stated = float(errors[worst]), float(allowed[worst])
     return status, error, stated, error <= stated, answer.source
+
+
+def _drive_speed(content: Mapping[str, Any]) -> float:
+    """Return the largest speed of the track, which a stated error of a value of 0 stands beside."""
+    given = content["parameters"]
+    return 2 * math.pi * float(np.max(given["frequency"])) * float(np.max(given["amplitude"]))
 
 
 def _shares(error: Any, stated: Any) -> Any:

@@ -14,6 +14,7 @@ from benchmarks.honest_estimates import (
     by_events,
     judge,
     random_groups,
+    rated,
 )
 from core.motion.motion import STATUS
 from core.motion.planar import planar_motion
@@ -26,7 +27,8 @@ def test_the_true_error_is_seldom_larger_than_the_stated_one(name: str) -> None:
     for row in ESTIMATES[name][0](STUDIES[name]):
         assert row.judged > 200
         # A share of 1 % of the judged: more than its three standard deviations above is no chance.
-        assert row.exceeded <= 0.01 + 3 * np.sqrt(0.01 / row.judged), row
+        misses = row.exceeded + row.unstated
+        assert misses <= 0.01 + 3 * np.sqrt(0.01 / row.judged), row
         assert row.elsewhere or row.worst <= 10, row
         assert row.median > 1e-5, "an estimate that exaggerates that much says nothing"
 
@@ -40,6 +42,35 @@ def test_the_judge_sees_a_dishonest_estimate() -> None:
     assert row.exceeded > 0.9
     assert row.worst > 1e3
     assert not row.honest
+
+
+@pytest.mark.parametrize("stated", [np.inf, np.nan])
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_an_error_that_is_no_number_is_not_honest(stated: float, elsewhere: bool) -> None:
+    true, said = np.zeros(200), np.ones(200)
+    assert rated("all stated", 200, true, said, 0.0, elsewhere=elsewhere).honest
+    said[:4] = stated
+    row = rated("four not", 200, true, said, 0.0, elsewhere=elsewhere)
+    assert (row.exceeded, row.unstated, row.worst, row.honest) == (0.0, 0.02, 0.0, False)
+    none = rated("none", 200, true, np.full(200, stated), 0.0, elsewhere=elsewhere)
+    assert (none.unstated, none.honest) == (1.0, False)
+    one = rated("one of 200 not", 200, true, np.r_[stated, np.ones(199)], 0.0, elsewhere=elsewhere)
+    assert one.honest
+
+
+def test_a_true_error_that_is_no_number_is_not_honest() -> None:
+    assert not rated("unknown", 1, np.array([np.nan]), np.ones(1), 0.0, elsewhere=True).honest
+
+
+def test_a_reference_that_does_not_know_its_error_judges_nothing() -> None:
+    groups = random_groups(200, 9)
+    exact = by_events(groups)
+    good = exact.status == STATUS["periodic"]
+    error = exact.error.copy()
+    first = np.flatnonzero(good)[0]
+    error[first] = np.inf
+    row = judge("one unknown", exact, exact.velocity, error, good, 0.0)
+    assert (row.judged, row.honest) == (good.sum() - 1, True)
 
 
 def test_a_slide_that_gains_speed_for_ever_is_no_mean() -> None:
