@@ -39,8 +39,10 @@ OTHERS = {
 }
 """By what a method is verified: the most exact of the others that can follow the motion."""
 
-
-SECONDS_A_CELL = {"events": 5e-6, "time-stepping": 1.5e-3, "reference": 0.5, "regularised": 2.0}
+SECONDS_A_CELL = {
+    "events": 5e-6, "time-stepping": 1.5e-3, "reference": 0.5,
+    "regularised": 2.0, "regularised-BDF": 2.0, "regularised-LSODA": 0.5,
+}  # fmt: skip
 SECONDS_A_BOUNCE = 3e-4  # of a point of `events` with restitution, and of a tumbling part
 
 

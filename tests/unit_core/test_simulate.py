@@ -55,6 +55,25 @@ class TestMethods:
             found = run(parameters={"alpha": alpha}, steps_per_period=100, most_periods=40)
             assert found.attrs["method"] == "time-stepping"
 
+    def test_every_method_has_a_price(self):
+        """It decides what becomes a job, and how progress is shared out."""
+        for name, system in SYSTEMS.items():
+            point_part = "conveying_velocity" in system.outputs(system.default_variant)
+            for method in system.variants if point_part else ():
+                curved = {"radius": "0.3 m"} if "track" in name else {}
+                prepared = prepare_content(study(name, method=method, parameters=curved))
+                assert 0 < prepared.seconds_a_cell < 10, (name, method)
+
+    @pytest.mark.parametrize("method", ["regularised", "regularised-BDF", "regularised-LSODA"])
+    def test_every_stiff_solver_agrees_within_its_error(self, method):
+        # Sliding, without hops: a second a solver.
+        slides = {"amplitude": "0.1 mm", "friction": 0.3}
+        outputs = ["conveying_velocity", "conveying_velocity_error"]
+        true = run(outputs=outputs, parameters=slides)
+        found = run(method=method, outputs=outputs, parameters=slides)
+        apart = abs(float(found.conveying_velocity - true.conveying_velocity))
+        assert apart <= float(found.conveying_velocity_error) < 0.1 * abs(true.conveying_velocity)
+
     def test_every_method_agrees_within_its_error(self):
         for method in ("events", "time-stepping", "reference"):
             found = run(method=method, outputs=["conveying_velocity", "conveying_velocity_error"])
