@@ -87,7 +87,7 @@ def run(
         return
     targets = _targets(list(prepared), output)
     from core.dataset.netcdf import write_netcdf
-    from core.kinds import tabulate
+    from core.kinds import is_whole, tabulate
     from core.watch import Watch
 
     deadline = None if time_limit is None else time.monotonic() + time_limit
@@ -105,7 +105,7 @@ def run(
         written = time.perf_counter()
         seconds = float(table.price["elapsed_seconds"])
         report.show_table(path, targets[path], table, sweep.cells, seconds, written - evaluated)
-        whole &= report.is_whole(table)
+        whole &= is_whole(table)
         if interrupted():
             break
     if not whole:

@@ -9,8 +9,6 @@ from typing import Annotated, Any
 from pydantic import BaseModel, Field, RootModel
 
 from core.errors import Problem, StudyError
-from core.optimise.exact import OPTIMUM_STATUSES
-from core.quantities import MOTION_STATUSES
 from core.study import OptimiseStudy, SimulateStudy, SweepStudy
 
 ACCURACY = "accuracy"
@@ -34,18 +32,12 @@ class Process:
         The model of its studies.
     example : mapping
         A short study.
-    status : str
-        The variable that tells of each cell whether it was computed; empty if all are.
-    not_computed : int
-        Its value where it was not.
     """
 
     title: str
     description: str
     study: type[BaseModel]
     example: Mapping[str, Any]
-    status: str = ""
-    not_computed: int = 0
 
 
 SWEEP = {
@@ -80,8 +72,6 @@ PROCESSES: dict[str, Process] = {
                 "friction": [0.2, 0.4],
             },
         },
-        "motion_status",
-        MOTION_STATUSES["not_computed"].value,
     ),
     "optimise": Process(
         "Find the best drive",
@@ -93,8 +83,6 @@ PROCESSES: dict[str, Process] = {
             "criterion": {"kind": "maximise", "output": "acceleration_x"},
             "parameters": {"frequency": "50 Hz", "amplitude": "0.5 mm", "friction": 0.3},
         },
-        "optimum_status",
-        OPTIMUM_STATUSES["not_computed"].value,
     ),
     ACCURACY: Process(
         "Measure error against run time",

@@ -14,20 +14,14 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table as Grid
 
+from core.kinds import is_whole, share_left_out
 from core.optimise import Optimisation
-from core.optimise.exact import OPTIMUM_STATUSES
 from core.optimise.run import criterion_in_words
-from core.quantities import MOTION_STATUSES, REGIMES
+from core.quantities import REGIMES
 
 if TYPE_CHECKING:
     from core.dataset import Table
     from core.sweep.prepare import Prepared
-
-NOT_COMPUTED = {
-    "motion_status": MOTION_STATUSES["not_computed"].value,
-    "optimum_status": OPTIMUM_STATUSES["not_computed"].value,
-}
-"""The value of a status that says so."""
 
 console = Console(highlight=False)
 errors = Console(stderr=True, highlight=False)
@@ -108,25 +102,12 @@ def show_table(
         _say(f"  {beyond:.1%} of the cells have no mean velocity.")
     elif beyond:
         _say(f"  {beyond:.1%} of the cells lie where the closed forms do not describe a real part.")
-    left = np.mean(_not_computed(table))
+    left = share_left_out(table)
     if left:
         fail(f"  It was stopped: {left:.1%} of the cells are not computed, and marked so.")
     elif not is_whole(table):
         fail("  It was stopped: all cells are computed, and not all verified that should be.")
     _say(f"  {cells:,} cells evaluated in {evaluating:.3f} s, written in {writing:.3f} s")
-
-
-def is_whole(table: Table) -> bool:
-    """Return whether no stop left a cell of a result without computing or verifying it."""
-    return not np.any(_not_computed(table)) and "verified_left_out" not in table.attributes
-
-
-def _not_computed(table: Table) -> NDArray[np.bool_]:
-    """Return which cells were left out when a study was stopped."""
-    for name, value in NOT_COMPUTED.items():
-        if name in table.variables:
-            return np.asarray(table.variables[name].values == value)
-    return np.zeros((), dtype=np.bool_)
 
 
 def regime_shares(table: Table) -> dict[str, float]:

@@ -6,12 +6,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from core import motion, optimise, sweep
 from core.dataset.table import Table
+from core.optimise.exact import OPTIMUM_STATUSES
+from core.quantities import MOTION_STATUSES
 from core.study.load import parse_study
 from core.study.models import Study
 from core.sweep.pieces import Computed, carry_out
 from core.sweep.prepare import Prepared
+from core.sweep.verify import LEFT_OUT
 from core.watch import Watch
 
 
@@ -46,6 +51,13 @@ KINDS: dict[str, Kind] = {
 """Every kind of study, by the value of its key `kind`."""
 
 
+STATUSES = {
+    "motion_status": MOTION_STATUSES["not_computed"].value,
+    "optimum_status": OPTIMUM_STATUSES["not_computed"].value,
+}
+"""Variables that tell of each cell whether it was computed, and their value where it was not."""
+
+
 def prepare_content(content: object) -> Prepared:
     """Return the study that the content of a file or request describes, ready to be carried out.
 
@@ -68,3 +80,18 @@ def tabulate(prepared: Prepared, watch: Watch | None = None) -> Table:
     """Return the labelled results of a prepared study."""
     kind = KINDS[prepared.study.kind]
     return carry_out(prepared, kind.compute, kind.label, watch)
+
+
+def share_left_out(table: Table) -> float:
+    """Return the share of the cells of a result that a stop left without computing."""
+    shares = (
+        np.mean(table.variables[name].values == value)
+        for name, value in STATUSES.items()
+        if name in table.variables
+    )
+    return float(next(shares, 0.0))
+
+
+def is_whole(table: Table) -> bool:
+    """Return whether no stop left a cell of a result without computing or verifying it."""
+    return not share_left_out(table) and LEFT_OUT not in table.attributes

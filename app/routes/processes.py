@@ -36,7 +36,7 @@ from app.routes.jobs import results_reply
 from app.settings import Settings
 from app.store import MOST_JSON_VALUES
 from core.dataset.document import to_document
-from core.kinds import prepare_content, tabulate
+from core.kinds import is_whole, prepare_content, tabulate
 from core.study.load import read_json
 from core.sweep.prepare import Prepared
 from core.watch import Watch
@@ -130,7 +130,7 @@ def _begin(
     """Return the dataset of a short study, or the job that it has become."""
     asked, prepared = _read(name, body, settings)
     if name != ACCURACY and is_small(prepared, settings) and not wishes.respond_async:
-        return _carry_out(name, asked, prepared, settings)
+        return _carry_out(asked, prepared, settings)
     return desk.post(prepared, name)
 
 
@@ -154,16 +154,12 @@ def is_small(prepared: Prepared, settings: Settings) -> bool:
     )
 
 
-def _carry_out(name: str, asked: Execution, prepared: Prepared, settings: Settings) -> Response:
+def _carry_out(asked: Execution, prepared: Prepared, settings: Settings) -> Response:
     """Return the dataset of a study, computed here and now."""
-    process = PROCESSES[name]
     watch = Watch(deadline=time.monotonic() + settings.max_execution_seconds)
     table = tabulate(prepared, watch)
-    complete = True
-    if process.status:
-        complete = bool((table.variables[process.status].values != process.not_computed).all())
     content: dict[str, Any] = {
-        "complete": complete,
+        "complete": is_whole(table),
         "cells": prepared.cells,
         **to_document(table),
     }

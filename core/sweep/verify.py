@@ -32,6 +32,9 @@ BOUNDED = (
     "cylinder-on-plane",
     "cylinder-rolling",
 )
+LEFT_OUT = "verified_left_out"
+"""The attribute that tells how many cells a stop left without verifying; none if it did not."""
+
 AGAINST = "the same equations with 50 digits"
 PIECE = 8  # cells at a time, between two looks at the watch; one where a cell takes long
 
@@ -125,7 +128,7 @@ class Sample:
             return told | {"verified_worst": worst}
         stop = f"stopped before {left:,} of {self.chosen:,} cells could be verified"
         words = f"{worst}; {stop}" if worst else stop
-        return told | {"verified_worst": words, "verified_left_out": left}
+        return told | {"verified_worst": words, LEFT_OUT: left}
 
 
 def sample_of(

@@ -15,12 +15,11 @@ import numpy as np
 import pytest
 import xarray
 
-from app import report
 from app.jobs.work import compute_block, write_result
 from app.store import Store
 from core.catalogue import study_schema
 from core.errors import StudyError
-from core.kinds import KINDS, prepare_content, tabulate
+from core.kinds import KINDS, is_whole, prepare_content, tabulate
 from core.sweep.pieces import Computed, Cut, join
 from core.sweep.verify import BOUND, chosen_places, rounding_of
 from core.watch import Watch
@@ -304,7 +303,7 @@ def test_no_time_is_spent_after_the_deadline(kind, monkeypatch):
     assert told["verified_left_out"] == asked
     assert told["verified_worst"] == f"stopped before {asked} of {asked} cells could be verified"
     assert np.isfinite(table.variables[next(iter(table.variables))].values).all()
-    assert not report.is_whole(table)
+    assert not is_whole(table)
 
 
 def test_following_again_stops_between_cells():
