@@ -87,7 +87,7 @@ def test_two_studies_do_not_overwrite_each_other(study, tmp_path):
     other.write_text(STUDY)
     result = run("run", study, other, "-o", tmp_path)
     assert result.exit_code == 2
-    assert "more than one study" in result.output
+    assert "more than once" in result.output
     assert not (tmp_path / "study.nc").exists()
 
 

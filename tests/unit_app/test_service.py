@@ -230,7 +230,7 @@ def test_an_unforeseen_error_is_a_problem_document_without_its_text(client, post
     def fail(key: str) -> None:
         raise RuntimeError("secret path")
 
-    monkeypatch.setattr(client.app.state.store, "get", fail)
+    monkeypatch.setattr(client.app.state.store, "sweep", fail)
     document = problem(client.get(f"/sweeps/{posted}"), 500)
     assert "secret" not in str(document)
 
