@@ -38,7 +38,7 @@ PLANE = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["accelerati
 ANGLES = {"start": 0, "stop": 90, "num": 100}
 GRID = {"frequency": 50, "amplitude": [0.0005, 0.001], "alpha": 5, "friction": 0.3}
 SLICED = {**PLANE, "parameters": {**GRID, "beta": ANGLES, "gamma": {**ANGLES, "stop": 20}}}
-MOVED = {  # 2 10^7 points, the most that are taken: longer than any run here
+MOVED = {  # 2 10^7 points, the most that are taken, of bouncing parts: longer than any run here
     "kind": "simulate",
     "scene": "rectangle-on-plane",
     "parameters": {
@@ -47,6 +47,7 @@ MOVED = {  # 2 10^7 points, the most that are taken: longer than any run here
         "beta": {"start": 5, "stop": 60, "num": 500},
         "friction": {"start": 0.1, "stop": 0.6, "num": 100},
         "gamma": 2,
+        "restitution": 0.5,
     },
 }
 
