@@ -91,7 +91,7 @@ def run(
     from core.watch import Watch
 
     deadline = None if time_limit is None else time.monotonic() + time_limit
-    whole = True
+    whole, left = True, list(prepared)
     for path, sweep in prepared.items():
         with report.progress(path.name) as advance, _interruption(sweep.study.kind) as interrupted:
             table = tabulate(sweep, Watch(advance, interrupted, deadline))
@@ -106,9 +106,12 @@ def run(
         seconds = float(table.price["elapsed_seconds"])
         report.show_table(path, targets[path], table, sweep.cells, seconds, written - evaluated)
         whole &= is_whole(table)
+        left.remove(path)
         if interrupted():
             break
-    if not whole:
+    if left:
+        report.fail(f"It was stopped: not carried out are {', '.join(map(str, left))}.")
+    if left or not whole:
         raise typer.Exit(FAILED)
 
 

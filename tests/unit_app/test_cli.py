@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -79,6 +80,39 @@ def test_run_writes_where_it_is_told(study, tmp_path):
     assert run("run", study, other, "-o", tmp_path / "folder").exit_code == 0
     assert (tmp_path / "new" / "x.nc").exists()
     assert {p.name for p in (tmp_path / "folder").iterdir()} == {"study.nc", "other.nc"}
+
+
+MOTION = """
+kind = "simulate"
+scene = "rectangle-on-plane"
+
+[parameters]
+frequency = "50 Hz"
+amplitude = ["0.1 mm", "0.3 mm"]
+beta = 30
+friction = 0.4
+"""
+
+
+def test_an_interrupt_after_one_study_leaves_the_others_and_says_so(tmp_path, monkeypatch):
+    from core import kinds
+
+    plain = kinds.tabulate
+
+    def interrupted(prepared, watch):
+        table = plain(prepared, watch)
+        os.kill(os.getpid(), signal.SIGINT)  # it is finished, and nothing is missing
+        return table
+
+    monkeypatch.setattr(kinds, "tabulate", interrupted)
+    one, other = tmp_path / "one.toml", tmp_path / "other.toml"
+    for path in (one, other):
+        path.write_text(MOTION)
+    result = run("run", one, other)
+    assert result.exit_code == 1
+    assert f"It was stopped: not carried out are {other}." in " ".join(result.output.split())
+    assert one.with_suffix(".nc").exists()
+    assert not other.with_suffix(".nc").exists()
 
 
 def test_two_studies_do_not_overwrite_each_other(study, tmp_path):
