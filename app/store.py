@@ -32,6 +32,7 @@ import orjson
 import core
 from app.exceptions import NotFoundError, TornBlockError
 from core.dataset.document import to_document
+from core.dataset.files import PART, whole
 from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table
 from core.kinds import prepare_content
@@ -49,7 +50,6 @@ MOST_JSON_VALUES = 1_000_000  # of a result that is also kept as JSON: some 20 M
 USED_EVERY = 3600.0  # s; the use of a study is noted no more often
 MOST_KNOWN = 64  # studies that are kept in memory
 MOST_KNOWN_BYTES = 20_000  # of such a study: a list of values takes many times that in memory
-PART = ".part"  # ends the names of what is being written
 PARTS_KEPT = 3600.0  # s without a change, after which nobody is writing any more
 DIGEST = 32  # bytes of a SHA-256, in front of a block
 _NOTES = "notes"
@@ -108,7 +108,7 @@ class Store:
             self.note_use(key)
             return key, False
         path.parent.mkdir(parents=True, exist_ok=True)
-        with _whole(path) as temporary:
+        with _kept(path) as temporary:
             temporary.write_text(study.canonical(), encoding="utf-8")
         return key, True
 
@@ -170,7 +170,7 @@ class Store:
             path.parent.parent.mkdir(exist_ok=True)
             path.parent.mkdir(exist_ok=True)
             try:
-                with _whole(path) as temporary, temporary.open("wb") as file:
+                with _kept(path) as temporary, temporary.open("wb") as file:
                     file.write(digest)
                     file.write(content.getbuffer())
             except FileNotFoundError:  # whoever finished the study has just removed its blocks
@@ -249,18 +249,18 @@ class Store:
             values = sum(variable.values.size for variable in table.variables.values())
             if values <= MOST_JSON_VALUES:
                 document = to_document(table.with_price({}))
-                with _whole(folder / JSON) as temporary:
+                with _kept(folder / JSON) as temporary:
                     temporary.write_bytes(orjson.dumps(document, option=orjson.OPT_SERIALIZE_NUMPY))
                 names.append(JSON)
             if more is not None:
                 with tempfile.TemporaryDirectory(prefix=".", suffix=PART, dir=folder) as scratch:
                     for path in more(folder / NETCDF, Path(scratch)):
-                        with _whole(folder / path.name) as temporary:
+                        with _kept(folder / path.name) as temporary:
                             path.replace(temporary)
                         names.append(path.name)
             files = {name: _fingerprint(folder / name) for name in names}
             manifest = Manifest(key, process, core.__version__, cells, blocks, seconds, files)
-            with _whole(folder / MANIFEST) as temporary:
+            with _kept(folder / MANIFEST) as temporary:
                 temporary.write_text(json.dumps(asdict(manifest), indent=1), encoding="utf-8")
             self.drop_blocks(key)
             return manifest
@@ -340,22 +340,15 @@ class Store:
 
 
 @contextlib.contextmanager
-def _whole(path: Path) -> Iterator[Path]:
-    """Yield a temporary name; what stands there takes its place when the block ends well."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.{time.monotonic_ns()}{PART}")
-    try:
+def _kept(path: Path) -> Iterator[Path]:
+    """As `whole`, and the name is on the disk too: a loss of power takes back nothing told."""
+    with whole(path) as temporary:
         yield temporary
-        with temporary.open("rb") as file:
-            os.fsync(file.fileno())
-        temporary.replace(path)
-        # The name is on the disk too: a loss of power takes back nothing that was told.
-        folder = os.open(path.parent, os.O_RDONLY)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)
     finally:
-        temporary.unlink(missing_ok=True)
+        os.close(folder)
 
 
 def _fingerprint(path: Path) -> dict[str, Any]:

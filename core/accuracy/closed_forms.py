@@ -69,10 +69,11 @@ def measure(sweep: Sweep, watch: Watch, cells: int = CELLS) -> Measured:
         notes.append(f"The time given ran out: {done} of {cells} cells were reached.")
     if without:
         notes.append(f"0 or without a value in all these cells: {', '.join(without)}.")
-    if not _fits(given, np.float32).all():
+    fits = _fits(given, np.float32)
+    if not fits.all():
         notes.append(
             "Left out of the rows of float32 are cells with a parameter that it cannot hold: "
-            f"{np.sum(~_fits(given, np.float32))} of {done}."
+            f"{np.sum(~fits)} of {done}."
         )
     if left_out:
         notes.append(f"Not known to 50 digits, since an equation rounds: {', '.join(left_out)}.")

@@ -13,8 +13,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 import core
 from core import motion as motion_package
 from core import sweep
@@ -22,8 +20,7 @@ from core.accuracy import closed_forms, model, motion, optimisers, storage
 from core.accuracy.curves import FAMILIES, Measured, tabulate_curves
 from core.dataset.table import Table
 from core.errors import Problem, StudyError
-from core.kinds import tabulate
-from core.quantities import MOTION_STATUSES
+from core.kinds import share_left_out, tabulate
 from core.study.values import Points
 from core.sweep.grid import Grid, axis_values
 from core.sweep.prepare import Prepared
@@ -214,11 +211,9 @@ def _storage(prepared: Prepared, watch: Watch) -> Measured:
         notes.append(
             f"{smaller.cells:,} of the study's {prepared.cells:,} cells: axes are thinned evenly."
         )
-    if "motion_status" in table.variables:
-        status = table.variables["motion_status"].values
-        missing = np.mean(status == MOTION_STATUSES["not_computed"].value)
-        if missing:
-            notes.append(f"The time given ran out: {missing:.0%} of these cells have no value.")
+    missing = share_left_out(table)
+    if missing:
+        notes.append(f"The time given ran out: {missing:.0%} of these cells have no value.")
     return replace(measured, notes=(*notes, *measured.notes))
 
 

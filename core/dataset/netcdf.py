@@ -6,7 +6,6 @@ functions take no lock: a process that has threads gives all of them to one.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -62,11 +61,8 @@ def write_netcdf(
     """
     import netCDF4  # a process that writes nothing does not load it
 
-    with whole(path) as temporary:
-        with netCDF4.Dataset(temporary, "w", format="NETCDF4") as file:
-            _fill(file, table, history, _Storage(compression, level, significant_bits))
-        with temporary.open("rb") as written:
-            os.fsync(written.fileno())
+    with whole(path) as temporary, netCDF4.Dataset(temporary, "w", format="NETCDF4") as file:
+        _fill(file, table, history, _Storage(compression, level, significant_bits))
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,25 +60,6 @@ def chosen_places(prepared: Prepared) -> tuple[Places, int]:
     return random_places(grid, asked, prepared.study.key()), min(asked, grid.cells)
 
 
-def at_places(
-    values: NDArray[np.generic], dims: Collection[str], places: Places, count: int
-) -> Array:
-    """Return an array over some axes of the grid at chosen cells, shape (count,)."""
-    chosen = values[tuple(places[name] for name in dims)]
-    return np.broadcast_to(np.asarray(chosen, dtype=np.float64), count)
-
-
-def place_in_words(grid: Grid, places: Places, cell: int) -> str:
-    """Return where a chosen cell lies, such as ``at frequency 50 Hz, beta 30 degree``."""
-    parts = []
-    for name, axis in grid.axes.items():
-        k = int(places[name][cell])
-        unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
-        value = float(axis_values(axis, k, k + 1)[0])
-        parts.append(f"{name} {value:.12g}" + ("" if unit == "1" else f" {unit}"))
-    return f"at {', '.join(parts)}" if parts else "at the only cell"
-
-
 @dataclass(frozen=True)
 class Sample:
     """The cells of a study that are verified.
@@ -102,11 +83,18 @@ class Sample:
 
     def at(self, values: NDArray[np.generic], dims: Collection[str]) -> Array:
         """Return an array over some axes of the grid at these cells, shape (count,)."""
-        return at_places(values, dims, self.places, self.count)
+        chosen = values[tuple(self.places[name] for name in dims)]
+        return np.broadcast_to(np.asarray(chosen, dtype=np.float64), self.count)
 
     def where(self, cell: int) -> str:
-        """Return where one of them lies, in words."""
-        return place_in_words(self.grid, self.places, cell)
+        """Return where one of them lies, such as ``at frequency 50 Hz, beta 30 degree``."""
+        parts = []
+        for name, axis in self.grid.axes.items():
+            k = int(self.places[name][cell])
+            unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
+            value = float(axis_values(axis, k, k + 1)[0])
+            parts.append(f"{name} {value:.12g}" + ("" if unit == "1" else f" {unit}"))
+        return f"at {', '.join(parts)}" if parts else "at the only cell"
 
     def told(
         self, against: str, worst: str = "", *, evaluated: int = 0, compared: int = 0
@@ -141,12 +129,13 @@ def sample_of(
     `unfinished` are the status, among what was computed, and its value where a stop left a cell.
     """
     places, chosen = chosen_places(prepared)
+    sample = Sample(prepared.grid, places, chosen, chosen)
     if unfinished is None:
-        return Sample(prepared.grid, places, chosen, chosen)
+        return sample
     name, value = unfinished
-    finished = at_places(arrays[name], prepared.dims[name], places, chosen) != value
+    finished = sample.at(arrays[name], prepared.dims[name]) != value
     places = {axis: place[finished] for axis, place in places.items()}
-    return Sample(prepared.grid, places, int(finished.sum()), chosen)
+    return replace(sample, places=places, count=int(finished.sum()))
 
 
 @dataclass(frozen=True)
