@@ -12,7 +12,7 @@ from core.accuracy.report import SECONDS, machine, measure_study
 from core.dataset.files import whole
 from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table
-from core.sweep.prepare import Prepared
+from core.plan.prepared import Prepared
 from core.watch import Watch
 
 PAGE = "accuracy.md"

@@ -24,7 +24,7 @@ from core.errors import LimitError, Problem, StudyError
 if TYPE_CHECKING:
     from app.jobs.ledger import Ledger
     from app.settings import Settings
-    from core.sweep.prepare import Prepared
+    from core.plan.prepared import Prepared
 
 WRONG_INPUT = 2
 FAILED = 1

@@ -21,7 +21,7 @@ from core.quantities import REGIMES
 
 if TYPE_CHECKING:
     from core.dataset import Table
-    from core.sweep.prepare import Prepared
+    from core.plan.prepared import Prepared
 
 console = Console(highlight=False)
 errors = Console(stderr=True, highlight=False)

@@ -36,11 +36,11 @@ from core.dataset.files import PART, whole
 from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table
 from core.kinds import prepare_content
+from core.plan.pieces import Computed
+from core.plan.prepared import Prepared
 from core.study.load import read_json
 from core.study.models import Study
 from core.sweep import Sweep
-from core.sweep.pieces import Computed
-from core.sweep.prepare import Prepared
 
 logger = logging.getLogger("vibrafeed.store")
 

@@ -9,8 +9,8 @@ import time
 import numpy as np
 
 from core.mechanics.arrays import Array
+from core.plan.plan import Plan, make_plan
 from core.scenes import SCENES
-from core.sweep.plan import Plan, make_plan
 
 IMPACTS = 1_000_000
 SAMPLE = 1_000  # impacts of the loop, whose time is extrapolated

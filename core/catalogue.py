@@ -7,10 +7,11 @@ from typing import Any
 from core.motion.prepare import find_system
 from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS
+from core.plan.plan import find_scene, scene_parameters
 from core.quantities import QUANTITIES, REGIMES
 from core.scenes import ALIASES, SCENES, Equation, Scene
+from core.scenes.graph import behind
 from core.study.models import STUDIES
-from core.sweep.plan import find_scene, scene_parameters
 
 
 def describe_all() -> list[dict[str, Any]]:
@@ -77,15 +78,8 @@ def scene_regimes(scene: Scene, variant: str) -> tuple[str, ...]:
 
 def needed_parameters(scene: Scene, variant: str, output: str) -> tuple[str, ...]:
     """Return the parameters that one output needs, itself, without its regime."""
-    producers = scene.producers(variant)
-    needed: set[str] = set()
-    open_names = [output]
-    while open_names:
-        name = open_names.pop()
-        if name in producers:
-            open_names += producers[name].inputs
-        elif name not in needed:
-            needed.add(name)
+    met = behind((output,), scene.producers(variant).get)
+    needed = {name for name, equation in met.items() if equation is None}
     return tuple(name for name in QUANTITIES if name in needed)
 
 

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, overload
 
 import numpy as np
 
 from core import motion, optimise, sweep
 from core.dataset.table import Table
+from core.errors import Problem, StudyError
 from core.optimise.exact import OPTIMUM_STATUSES
+from core.plan.pieces import Computed, carry_out
+from core.plan.prepared import Prepared
+from core.plan.sample import LEFT_OUT
 from core.quantities import MOTION_STATUSES
 from core.study.load import parse_study
 from core.study.models import Study
-from core.sweep.pieces import Computed, carry_out
-from core.sweep.prepare import Prepared
-from core.sweep.verify import LEFT_OUT
 from core.watch import Watch
 
 
@@ -26,27 +27,29 @@ class Kind:
 
     Attributes
     ----------
-    prepare_content : callable
-        Takes what stands in a file or request; raises `StudyError` with every problem.
     prepare : callable
-        The same for a study that has been read.
+        Takes a study; returns it ready to be carried out, or raises `StudyError` with every
+        problem.
+    further : callable
+        Takes the content of a file or request that is no sound study, and the error that says so;
+        returns what a plan would object to besides, as far as it can be told.
     compute : callable
-        Takes what the first two return and a `Watch`; returns what was `Computed`.
+        Takes what `prepare` returns and a `Watch`; returns what was `Computed`.
     label : callable
-        Takes what the first two return, what was computed, and a `Watch` that may stop verifying;
+        Takes what `prepare` returns, what was computed, and a `Watch` that may stop verifying;
         returns the `Table` of results.
     """
 
-    prepare_content: Callable[[object], Prepared]
     prepare: Callable[[Any], Prepared]
+    further: Callable[[Mapping[str, Any], StudyError], list[Problem]]
     compute: Callable[[Any, Watch], Computed]
     label: Callable[[Any, Computed, Watch], Table]
 
 
 KINDS: dict[str, Kind] = {
-    "sweep": Kind(sweep.prepare_content, sweep.prepare, sweep.compute, sweep.label),
-    "simulate": Kind(motion.prepare_content, motion.prepare, motion.compute, motion.label),
-    "optimise": Kind(optimise.prepare_content, optimise.prepare, optimise.compute, optimise.label),
+    "sweep": Kind(sweep.prepare, sweep.further, sweep.compute, sweep.label),
+    "simulate": Kind(motion.prepare, motion.further, motion.compute, motion.label),
+    "optimise": Kind(optimise.prepare, optimise.further, optimise.compute, optimise.label),
 }
 """Every kind of study, by the value of its key `kind`."""
 
@@ -58,17 +61,34 @@ STATUSES = {
 """Variables that tell of each cell whether it was computed, and their value where it was not."""
 
 
-def prepare_content(content: object) -> Prepared:
+@overload
+def prepare_content(content: object, only: Literal["sweep"]) -> sweep.Sweep: ...
+@overload
+def prepare_content(content: object, only: str | None = None) -> Prepared: ...
+def prepare_content(content: object, only: str | None = None) -> Prepared:
     """Return the study that the content of a file or request describes, ready to be carried out.
+
+    `only` is the one kind that is wanted; by default any will do.
 
     Raises
     ------
     StudyError
         With every problem, those of single values and those of the study as a whole.
     """
-    name = content.get("kind") if isinstance(content, Mapping) else None
-    kind = KINDS.get(name) if isinstance(name, str) else None
-    return kind.prepare_content(content) if kind else prepare(parse_study(content))
+    named = content.get("kind") if isinstance(content, Mapping) else None
+    kind = KINDS.get(named) if isinstance(named, str) else None
+    problems: list[Problem] = []
+    if only is not None and kind is not None and named != only:
+        problems = [Problem("kind", f"'{named}' is not what belongs here", f"Set kind = '{only}'")]
+    try:
+        study = parse_study(content)
+    except StudyError as error:
+        if kind is not None and isinstance(content, Mapping):
+            problems += kind.further(content, error)
+        raise StudyError([*error.problems, *problems]) from None
+    if problems:
+        raise StudyError(problems)
+    return prepare(study)
 
 
 def prepare(study: Study) -> Prepared:

@@ -11,9 +11,9 @@ from app.jobs.room import Room
 from app.settings import Settings
 from app.store import Store, identifier
 from core.kinds import KINDS
+from core.plan.pieces import Cut
+from core.plan.prepared import Prepared
 from core.sweep import Sweep
-from core.sweep.pieces import Cut
-from core.sweep.prepare import Prepared
 
 DAY = 86_400.0
 MOST_JOBS = 100_000  # that are over, of which the ledger tells

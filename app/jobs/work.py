@@ -15,8 +15,8 @@ import core
 from app.exceptions import OtherVersionError
 from app.store import Store, identifier
 from core.kinds import KINDS
-from core.sweep.pieces import Cut, join
-from core.sweep.prepare import Prepared
+from core.plan.pieces import Cut, join
+from core.plan.prepared import Prepared
 from core.watch import Watch
 
 MOST_BLOCK_CELLS = 1_000_000

@@ -37,8 +37,8 @@ from app.settings import Settings
 from app.store import MOST_JSON_VALUES
 from core.dataset.document import to_document
 from core.kinds import is_whole, prepare_content, tabulate
+from core.plan.prepared import Prepared
 from core.study.load import read_json
-from core.sweep.prepare import Prepared
 from core.watch import Watch
 
 router = APIRouter(tags=["processes"])

@@ -19,11 +19,12 @@ from app.routes import component, json_reply, problems
 from app.settings import Settings
 from app.store import NETCDF
 from core.errors import LimitError
+from core.kinds import prepare_content
 from core.quantities import QUANTITIES
 from core.study import SweepStudy
 from core.study.load import read_json
 from core.study.models import PARAMETERS
-from core.sweep import Sweep, prepare_content
+from core.sweep import Sweep
 from core.sweep.slice import cut
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
@@ -112,7 +113,7 @@ def post_sweep(request: Request, body: Body, settings: SettingsOf, desk: DeskOf)
 
     A sweep may be far larger than what is computed as a whole: slices and Zarr read pieces of it.
     """
-    sweep = prepare_content(read_json(body))
+    sweep = prepare_content(read_json(body), "sweep")
     _check_size(sweep, settings)
     key, is_new = desk.keep(sweep)
     location = str(request.url_for("get_sweep", key=key))

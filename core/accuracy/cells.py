@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterable
 
 from core.mechanics.arrays import Array
-from core.sweep.grid import Grid, random_places
+from core.plan.grid import Grid, random_places
 
 SEED = 2004
 REPEATS = 5

@@ -23,9 +23,9 @@ from core.catalogue import needed_parameters
 from core.dataset.table import CONVENTIONS, Table, Variable
 from core.errors import StudyError
 from core.motion.systems import SYSTEMS
+from core.plan.plan import scene_parameters
+from core.plan.prepared import Prepared
 from core.scenes import ALIASES, SCENES, Scene
-from core.sweep.plan import scene_parameters
-from core.sweep.prepare import Prepared
 from core.watch import Watch
 
 TYPICAL: dict[str, Any] = {

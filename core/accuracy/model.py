@@ -12,16 +12,15 @@ from core.accuracy.curves import Curve, Measured, Point, single
 from core.accuracy.motion import is_point_part
 from core.errors import StudyError
 from core.mechanics.arrays import Array
-from core.motion.equations import run_equations
 from core.motion.motion import ANSWERED, STATUS
 from core.motion.prepare import Simulation
 from core.motion.prepare import prepare as prepare_motion
 from core.motion.systems import SYSTEMS
+from core.plan.equations import regimes, run_equations
+from core.plan.plan import plan_scene, scene_parameters
 from core.quantities import QUANTITIES, REGIMES
 from core.study.load import parse_study
 from core.study.models import SimulateStudy
-from core.sweep.evaluate import regimes
-from core.sweep.plan import plan_scene, scene_parameters
 from core.sweep.prepare import Sweep
 from core.watch import Watch
 

@@ -14,12 +14,12 @@ from core.accuracy import engines
 from core.accuracy.cells import random_cells
 from core.accuracy.curves import STEEP, Curve, Measured, Point
 from core.mechanics.arrays import Array
-from core.motion.equations import run_equations
 from core.motion.motion import STATUS
 from core.motion.prepare import Simulation
+from core.plan.equations import run_equations
+from core.plan.grid import Grid
+from core.plan.plan import plan_scene, scene_parameters
 from core.scenes import Scene
-from core.sweep.grid import Grid
-from core.sweep.plan import plan_scene, scene_parameters
 from core.watch import Watch
 
 CELLS = 24

@@ -21,10 +21,10 @@ from core.accuracy.curves import FAMILIES, Measured, tabulate_curves
 from core.dataset.table import Table
 from core.errors import Problem, StudyError
 from core.kinds import share_left_out, tabulate
+from core.plan.grid import Grid, axis_values
+from core.plan.labels import global_attributes
+from core.plan.prepared import Prepared
 from core.study.values import Points
-from core.sweep.grid import Grid, axis_values
-from core.sweep.prepare import Prepared
-from core.sweep.run import global_attributes
 from core.watch import Watch
 
 SECONDS = 60.0  # of one family; what is fast takes less

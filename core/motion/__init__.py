@@ -1,7 +1,7 @@
 """Motion in time: stick, slide, hop, and the true mean velocity over whole grids."""
 
 from core.motion.motion import Motion
-from core.motion.prepare import Simulation, prepare, prepare_content
+from core.motion.prepare import Simulation, further, prepare
 from core.motion.run import compute, label, simulate, tabulate
 from core.motion.systems import SYSTEMS
 
@@ -10,9 +10,9 @@ __all__ = [
     "Motion",
     "Simulation",
     "compute",
+    "further",
     "label",
     "prepare",
-    "prepare_content",
     "simulate",
     "tabulate",
 ]

@@ -9,20 +9,13 @@ from typing import Any
 from core.errors import Problem, StudyError
 from core.motion.course import COURSES
 from core.motion.systems import SYSTEMS
+from core.plan.grid import Grid
+from core.plan.plan import choose_scene
+from core.plan.prepared import Chosen, Prepared, broken_constraints, further_problems, plan_study
 from core.quantities import QUANTITIES
 from core.scenes import Scene
-from core.study.load import parse_study
 from core.study.models import SimulateStudy
 from core.study.values import Fixed
-from core.sweep.grid import Grid
-from core.sweep.plan import choose_scene
-from core.sweep.prepare import (
-    Chosen,
-    Prepared,
-    broken_constraints,
-    further_problems,
-    plan_study,
-)
 
 DEFAULT_OUTPUTS = ("conveying_velocity",)
 TUMBLING = ("rectangle-isolated", "cylinder-isolated")
@@ -120,23 +113,9 @@ def prepare(study: SimulateStudy) -> Simulation:
     return Simulation(study, plan, grid).check_verification()
 
 
-def prepare_content(content: object) -> Simulation:
-    """Return the simulation that the content of a file or request describes.
-
-    Raises
-    ------
-    StudyError
-        With every problem, those of single values and those of the study as a whole.
-    """
-    try:
-        study = parse_study(content)
-    except StudyError as error:
-        more = further_problems(content, error, _chosen, DEFAULT_OUTPUTS)
-        raise StudyError([*error.problems, *more]) from None
-    if not isinstance(study, SimulateStudy):
-        problem = Problem("kind", f"'{study.kind}' is no simulation", "Set kind = 'simulate'")
-        raise StudyError([problem])
-    return prepare(study)
+def further(content: Mapping[str, Any], known: StudyError) -> list[Problem]:
+    """Return what a plan of unsound content would object to, as far as it can be told."""
+    return further_problems(content, known, _chosen, DEFAULT_OUTPUTS)
 
 
 def find_system(name: str, method: str | None, planar: bool = True) -> tuple[Scene, str]:

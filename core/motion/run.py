@@ -15,13 +15,12 @@ from core.dataset.table import (
     regime_attributes,
 )
 from core.motion.course import COURSE_FLAGS, COURSES, Course
-from core.motion.equations import WATCHED, run_equations
 from core.motion.prepare import Simulation, prepare
 from core.motion.verify import accuracy, verified
+from core.plan.equations import regimes, run_equations
+from core.plan.labels import coordinates_of, global_attributes, outputs_of
+from core.plan.pieces import Computed, carry_out
 from core.quantities import MOTION_STATUSES
-from core.sweep.evaluate import regimes
-from core.sweep.pieces import Computed, carry_out
-from core.sweep.run import coordinates_of, global_attributes, outputs_of
 from core.watch import Watch
 
 if TYPE_CHECKING:
@@ -109,7 +108,7 @@ def _course(prepared: Simulation, known: dict[str, Any]) -> Course:
     """Return what the part does at the asked times."""
     asked = prepared.study.trajectory
     assert asked is not None
-    motion = next(e for e in prepared.plan.equations if e.gives in WATCHED)
+    motion = next(e for e in prepared.plan.equations if e.takes_long)
     arguments = {name: known[name] for name in motion.inputs}
     return COURSES[prepared.plan.scene.name][prepared.plan.variant](asked, arguments, known)
 

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.motion.equations import run_equations
 from core.motion.motion import STATUS
 from core.motion.prepare import ERROR, Simulation, other_method
+from core.plan.equations import run_equations
+from core.plan.grid import from_si
+from core.plan.plan import Plan, plan_scene, scene_parameters
+from core.plan.sample import sample_of
 from core.quantities import QUANTITIES
-from core.sweep.grid import from_si
-from core.sweep.plan import Plan, plan_scene, scene_parameters
-from core.sweep.verify import sample_of
 from core.watch import Watch
 
 SOUND = [STATUS[name] for name in ("periodic", "at_rest", "neutral", "settled")]

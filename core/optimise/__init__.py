@@ -1,16 +1,16 @@
 """The best values of some parameters: exact answers, a compiled batch solver, and optimisers."""
 
 from core.optimise.methods import METHODS
-from core.optimise.prepare import Optimisation, prepare, prepare_content
+from core.optimise.prepare import Optimisation, further, prepare
 from core.optimise.run import compute, label, optimise, tabulate
 
 __all__ = [
     "METHODS",
     "Optimisation",
     "compute",
+    "further",
     "label",
     "optimise",
     "prepare",
-    "prepare_content",
     "tabulate",
 ]

@@ -16,9 +16,12 @@ from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS, default_method, refusal
 from core.optimise.problem import CONTACTS, LIMIT, Kept, Problem, Variable
 from core.optimise.slopes import MOST_SENSITIVE, sensitive
+from core.plan.grid import Grid, to_si
+from core.plan.plan import choose_scene, scene_parameters
+from core.plan.prepared import Box, Chosen, Prepared, further_problems, plan_study
 from core.quantities import QUANTITIES
 from core.scenes import Scene
-from core.study.load import parse_study
+from core.scenes.graph import behind
 from core.study.models import (
     Limited,
     OptimiseStudy,
@@ -26,9 +29,6 @@ from core.study.models import (
     Pareto,
 )
 from core.study.values import Between, Fixed, Span, Values
-from core.sweep.grid import Grid, to_si
-from core.sweep.plan import choose_scene, scene_parameters
-from core.sweep.prepare import Box, Chosen, Prepared, further_problems, plan_study
 
 ANGLES = {"alpha": Between(0.0, 90.0), "beta": Between(0.0, 90.0)}
 """The variables of a study that names none."""
@@ -232,24 +232,6 @@ def _wrong_intervals(
         yield Wrong("uncertain", "a whole front is not traced over an interval", fix)
 
 
-def prepare_content(content: object) -> Optimisation:
-    """Return the optimisation that the content of a file or request describes.
-
-    Raises
-    ------
-    StudyError
-        With every problem, those of single values and those of the study as a whole.
-    """
-    try:
-        study = parse_study(content)
-    except StudyError as error:
-        raise StudyError([*error.problems, *_further(content, error)]) from None
-    if not isinstance(study, OptimiseStudy):
-        problem = Wrong("kind", f"'{study.kind}' is no optimisation", "Set kind = 'optimise'")
-        raise StudyError([problem])
-    return prepare(study)
-
-
 def choose_problem_scene(
     name: str, variant: str | None, outputs: Iterable[str], planar: bool = True
 ) -> Chosen:
@@ -341,12 +323,7 @@ def _default_bounds(
     scene: Scene, variant: str, outputs: Iterable[str], values: Mapping[str, Values]
 ) -> dict[str, Between]:
     """Return the angles that the outputs depend on, as far as a study leaves them open."""
-    producers, needed, open_names = scene.producers(variant), set[str](), list(outputs)
-    while open_names:
-        name = open_names.pop()
-        if name not in needed:
-            needed.add(name)
-            open_names += producers[name].inputs if name in producers else ()
+    needed = behind(outputs, scene.producers(variant).get).keys()
     refused = {
         constraint.parameters[0]
         for constraint in scene.constraints
@@ -374,9 +351,9 @@ def _placed(
     return problem
 
 
-def _further(content: object, known: StudyError) -> list[Wrong]:
+def further(content: Mapping[str, Any], known: StudyError) -> list[Wrong]:
     """Return what a plan of unsound content would object to, as far as it can be told."""
-    if not isinstance(content, Mapping) or not isinstance(content.get("parameters"), Mapping):
+    if not isinstance(content.get("parameters"), Mapping):
         return []
     criterion, variables = content.get("criterion"), content.get("variables")
     criterion = criterion if isinstance(criterion, Mapping) else {}
@@ -405,4 +382,4 @@ def _further(content: object, known: StudyError) -> list[Wrong]:
     return further_problems(whole, known, chosen)
 
 
-__all__ = ["FRONT", "Optimisation", "choose_problem_scene", "prepare", "prepare_content"]
+__all__ = ["FRONT", "Optimisation", "choose_problem_scene", "further", "prepare"]

@@ -15,12 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.motion.equations import WATCHED, run_equations
 from core.optimise.robust import nodes_over, over_nodes
+from core.plan.equations import regimes, run_equations
+from core.plan.grid import from_si
+from core.plan.plan import Plan
 from core.study.models import Criterion, Limited, Minimise, Pareto, Weighted
-from core.sweep.evaluate import regimes
-from core.sweep.grid import from_si
-from core.sweep.plan import Plan
 from core.watch import Watch
 
 LIMIT = "limit"
@@ -114,7 +113,7 @@ class Problem:
     @cached_property
     def is_motion(self) -> bool:
         """Whether the outputs are those of a motion in time, which jump."""
-        return any(equation.gives in WATCHED for equation in self.plan.equations)
+        return any(equation.takes_long for equation in self.plan.equations)
 
     def known(self, x: Array, design: Mapping[str, Array], watch: Watch | None = None) -> Arrays:
         """Return every quantity of the plan at candidates x, shape (variables, ...); SI units."""

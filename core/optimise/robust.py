@@ -19,9 +19,9 @@ from core.mechanics.arrays import Array
 from core.mechanics.screws import Reduction, ScrewKind, Wrench, cross, dot
 from core.motion.prepare import find_system
 from core.optimise.duals import Dual, NotDifferentiableError, slope_of, unboxed, value_of
+from core.plan.equations import regimes
+from core.plan.plan import Plan, make_plan, plan_scene
 from core.scenes import Equation
-from core.sweep.evaluate import regimes
-from core.sweep.plan import Plan, make_plan, plan_scene
 
 SIDE = 1e-6  # step to either side of a switch, relative
 WIDER = 16  # times that step, for comparison

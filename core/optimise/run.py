@@ -28,11 +28,11 @@ from core.optimise.problem import LIMIT, ROUNDING, Problem, cells_of, chosen_cel
 from core.optimise.single import spread
 from core.optimise.slopes import sensitive, slopes
 from core.optimise.verify import accuracy, verified
+from core.plan.grid import Grid, from_si
+from core.plan.labels import coordinates_of, global_attributes
+from core.plan.pieces import Computed, carry_out
 from core.quantities import QUANTITIES, REGIMES, Flag
 from core.study.models import Limited, Pareto, Weighted
-from core.sweep.grid import Grid, from_si
-from core.sweep.pieces import Computed, carry_out
-from core.sweep.run import coordinates_of, global_attributes
 from core.watch import Watch
 
 if TYPE_CHECKING:

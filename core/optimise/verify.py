@@ -17,10 +17,11 @@ from core.optimise.exact import STATUS
 from core.optimise.methods import METHODS, refusal
 from core.optimise.prepare import Optimisation
 from core.optimise.problem import LIMIT, ROUNDING, chosen_cells
+from core.plan.grid import to_si
+from core.plan.sample import Sample, sample_of
 from core.quantities import QUANTITIES
 from core.study.models import Limited, Pareto
-from core.sweep.grid import to_si
-from core.sweep.verify import AGAINST, Rounding, Sample, rounding_of, sample_of
+from core.sweep.verify import AGAINST, Rounding, rounding_of
 from core.watch import Watch
 
 RIVALS = ("population", "newton", "exact", "grid")

@@ -19,12 +19,12 @@ from core.optimise.exact import STATUS
 from core.optimise.prepare import prepare
 from core.optimise.problem import chosen_cells
 from core.optimise.run import criterion_in_words, designs_of
+from core.plan.grid import from_si
 from core.plots.problem import PlotError
 from core.plots.text import UNITS, number, with_unit
 from core.quantities import QUANTITIES
 from core.study import OptimiseStudy, parse_json
 from core.study.models import Pareto
-from core.sweep.grid import from_si
 
 SIZE = (8.0, 6.4)  # inches
 POINTS = 181  # of each angle

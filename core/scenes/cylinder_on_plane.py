@@ -52,4 +52,5 @@ SCENE = Scene(
     default_variant="physical",
     conditions={"thesis": CONDITIONS, "derived": CONDITIONS, "physical": CONDITIONS},
     defaults={**PLANE_DEFAULTS, "yaw": 0.0},
+    rounding_bound=8,
 )

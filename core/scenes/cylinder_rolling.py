@@ -92,4 +92,5 @@ SCENE = Scene(
         "drilling_moment": 0.0,
         "gravity": STANDARD_GRAVITY,
     },
+    rounding_bound=8,
 )

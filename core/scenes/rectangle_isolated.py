@@ -72,4 +72,5 @@ SCENE = Scene(
     default_variant="derived",
     conditions={"thesis": CONDITIONS, "derived": CONDITIONS},
     defaults=CORNER_DEFAULTS,
+    rounding_bound=8,
 )

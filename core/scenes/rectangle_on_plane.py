@@ -53,4 +53,5 @@ SCENE = Scene(
         ),
     },
     defaults={**PLANE_DEFAULTS, "yaw": 0.0},
+    rounding_bound=8,
 )

@@ -176,4 +176,5 @@ SCENE = Scene(
             "Give a length of at most twice the radius",
         ),
     ),
+    rounding_bound=8,
 )

@@ -151,4 +151,6 @@ SCENE = Scene(
         },
     },
     constraints=(),
+    seconds_a_cell=1e-6,
+    seconds_a_verified_cell=0.4,
 )

@@ -13,6 +13,7 @@ from core.errors import SceneError
 from core.mechanics.friction import friction_kinetic, friction_static
 from core.mechanics.vibration import amplitude
 from core.quantities import QUANTITIES, REGIMES
+from core.scenes.graph import CycleError, behind
 
 Function = Callable[..., Any]
 
@@ -55,6 +56,11 @@ class Equation:
     def inputs(self) -> tuple[str, ...]:
         """Names of the quantities that the equation needs."""
         return _inputs(self.function)
+
+    @cached_property
+    def takes_long(self) -> bool:
+        """Whether the function takes a `Watch`, which may stop it; such a motion has a course."""
+        return "watch" in inspect.signature(self.function).parameters
 
     @property
     def summary(self) -> str:
@@ -163,6 +169,12 @@ class Scene:
         The key by which a study chooses among the variants.
     variant_defaults : mapping
         Defaults of single variants, over those of all.
+    seconds_a_cell, seconds_a_verified_cell : float
+        Roughly what a point takes on one core by the closed forms, and by 50 digits with condition
+        numbers.
+    rounding_bound : int or None
+        Largest error of an output in ulps over its condition number, if one is known; the tests
+        hold every output to it, at random, extreme and threshold points.
     """
 
     name: str
@@ -178,6 +190,9 @@ class Scene:
     variant_defaults: Mapping[str, Mapping[str, float]] = field(
         default_factory=lambda: MappingProxyType({})
     )
+    seconds_a_cell: float = 1e-7
+    seconds_a_verified_cell: float = 0.01
+    rounding_bound: int | None = None
 
     def defaults_of(self, variant: str) -> dict[str, float]:
         """Return the defaults that are in force with a variant."""
@@ -204,18 +219,9 @@ class Scene:
         The physical variant, for one, has no law of its own for the velocity after a distance and
         takes the derived one.
         """
-        producers = self.producers(variant)
-
-        def named(name: str) -> frozenset[str]:
-            equation = producers.get(name)
-            if equation is None:
-                return frozenset()
-            if equation.variant != "all":
-                return frozenset((equation.variant,))
-            return frozenset().union(*(named(needed) for needed in equation.inputs))
-
-        found = named(output)
-        return next(iter(found)) if len(found) == 1 else variant
+        met = behind((output,), self.producers(variant).get, lambda one: one.variant == "all")
+        found = {one.variant for one in met.values() if one is not None} - {"all"}
+        return found.pop() if len(found) == 1 else variant
 
     def _check(self, variant: str) -> None:
         """Raise `SceneError` for two producers, undeclared names, strange outputs or a cycle."""
@@ -240,19 +246,7 @@ class Scene:
         strange -= {name for variant in self.variants for name in self.outputs(variant)}
         if strange:
             raise SceneError(f"{where}: conditions name {sorted(strange)}, which no variant gives")
-        self._check_order(where, {equation.gives: equation for equation in equations})
-
-    @staticmethod
-    def _check_order(where: str, producers: dict[str, Equation]) -> None:
-        done: set[str] = set()
-
-        def visit(name: str, path: tuple[str, ...]) -> None:
-            if name in path:
-                raise SceneError(f"{where}: {' needs '.join((*path, name))}")
-            if name in producers and name not in done:
-                for needed in producers[name].inputs:
-                    visit(needed, (*path, name))
-                done.add(name)
-
-        for name in producers:
-            visit(name, ())
+        try:
+            behind(gives, self.producers(variant).get)
+        except CycleError as error:
+            raise SceneError(f"{where}: {error}") from None

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from core.errors import VibrafeedError
 from core.mechanics.arrays import Array
-from core.sweep.plan import Plan
+from core.plan.plan import Plan
 from core.watch import Watch
 
 DIGITS = 50

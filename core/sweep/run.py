@@ -2,27 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-import core
 from core.dataset.table import (
-    CONVENTIONS,
-    REFERENCES,
     Table,
     Variable,
-    quantity_attributes,
     regime_attributes,
 )
-from core.quantities import QUANTITIES
-from core.sweep.evaluate import evaluate
-from core.sweep.grid import Grid, from_si
-from core.sweep.pieces import Computed, carry_out
-from core.sweep.plan import Plan
-from core.sweep.prepare import Prepared, Sweep, prepare
+from core.plan.evaluate import evaluate
+from core.plan.labels import coordinates_of, global_attributes, outputs_of
+from core.plan.pieces import Computed, carry_out
+from core.sweep.prepare import Sweep, prepare
 from core.sweep.verify import accuracy, verified
 from core.watch import Watch
 
@@ -67,62 +57,7 @@ def label(prepared: Sweep, computed: Computed, watch: Watch) -> Table:
     )
     attributes = {
         **global_attributes(prepared, "closed-form equations"),
-        "accuracy": accuracy(plan.scene.name),
+        "accuracy": accuracy(plan.scene),
         **verified(prepared, arrays, watch),
     }
     return Table(coordinates_of(plan, prepared.grid), variables, attributes)
-
-
-def coordinates_of(plan: Plan, grid: Grid) -> dict[str, Variable]:
-    """Return the axes of a grid, and the values of fixed parameters and defaults of the plan."""
-    coordinates = {
-        name: Variable((name,), grid.coordinate(name), quantity_attributes(name))
-        for name in grid.axes
-    }
-    fixed = {name: value for name, value in grid.fixed.items() if name in plan.parameters}
-    fixed |= {name: _edge(name, value) for name, value in plan.defaults.items()}
-    return coordinates | {
-        name: Variable((), np.asarray(value, dtype=np.float64), quantity_attributes(name))
-        for name, value in fixed.items()
-    }
-
-
-def outputs_of(prepared: Prepared, arrays: Mapping[str, NDArray[Any]]) -> dict[str, Variable]:
-    """Return the asked outputs, labelled; `arrays` are in the units of the code."""
-    plan = prepared.plan
-    equations = {equation.gives: equation for equation in plan.equations}
-    return {
-        name: Variable(
-            prepared.dims[name],
-            from_si(name, arrays[name]),
-            quantity_attributes(
-                name,
-                equation=equations[name].source,
-                **{plan.scene.choice: plan.scene.variant_of(plan.variant, name)},
-            ),
-        )
-        for name in plan.outputs
-    }
-
-
-def _edge(name: str, value: float) -> float:
-    return float(np.rad2deg(value)) if QUANTITIES[name].is_angle else value
-
-
-def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
-    """Return the attributes of a whole result; `how` says how it was made."""
-    study, plan = prepared.study, prepared.plan
-    attributes = {
-        "Conventions": CONVENTIONS,
-        "title": study.title or plan.scene.title,
-        "source": f"vibrafeed {core.__version__}, {how}",
-        "references": REFERENCES,
-        "comment": plan.scene.validity,
-        "scene": plan.scene.name,
-        plan.scene.choice: plan.variant,
-        "study": study.canonical(),
-        "study_sha256": study.key(),
-    }
-    if study.notes:
-        attributes["notes"] = study.notes
-    return attributes

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from core.errors import LimitError, Problem, StudyError, suggestion
+from core.plan.evaluate import evaluate
+from core.plan.grid import Grid, from_si
 from core.quantities import QUANTITIES, REGIMES
 from core.study.units import UnitError, problem, read_number
 from core.study.values import position_on_axis
-from core.sweep.evaluate import evaluate
-from core.sweep.grid import Grid, from_si
 from core.sweep.prepare import Sweep
 
 MOST_AXES = 2

@@ -7,135 +7,33 @@ give the same to any number of digits; that is for the tests of each scene.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
+from core.plan.plan import Plan
+from core.plan.prepared import Prepared
+from core.plan.sample import sample_of
 from core.quantities import QUANTITIES
-from core.sweep.grid import Grid, axis_values, random_places
-from core.sweep.plan import Plan
-from core.sweep.prepare import SECONDS_A_VERIFIED_CELL, Prepared
+from core.scenes import Scene
 from core.watch import Watch
 
-BOUND = 8
-"""Largest error of an output in ulps over its condition number; the tests hold every output of
-the scenes below to it, at random, extreme and threshold points."""
-
-BOUNDED = (
-    "rectangle-isolated",
-    "rectangle-on-plane",
-    "rectangle-on-track",
-    "cylinder-isolated",
-    "cylinder-on-plane",
-    "cylinder-rolling",
-)
-LEFT_OUT = "verified_left_out"
-"""The attribute that tells how many cells a stop left without verifying; none if it did not."""
-
 AGAINST = "the same equations with 50 digits"
-PIECE = 8  # cells at a time, between two looks at the watch; one where a cell takes long
+PIECE = 8  # cells at a time, between two looks at the watch
+MOST_SECONDS_OF_A_PIECE = 1.0  # else one cell at a time
 
-Places = Mapping[str, NDArray[np.int64]]
 
-
-def accuracy(scene: str) -> str:
+def accuracy(scene: Scene) -> str:
     """Return the error that closed forms of a scene are known to keep, in words."""
-    if scene not in BOUNDED:
+    if scene.rounding_bound is None:
         return "rounding of 64-bit floats; how much it amounts to, the study's key verify tells"
     return (
-        f"rounding: at most {BOUND} ulp times the condition number, which is the sum of "
-        "|x dF/dx| over |F| for the parameters, and at least 1"
+        f"rounding: at most {scene.rounding_bound} ulp times the condition number, which is the "
+        "sum of |x dF/dx| over |F| for the parameters, and at least 1"
     )
-
-
-def chosen_places(prepared: Prepared) -> tuple[Places, int]:
-    """Return the position on each axis of the cells to verify, and their number.
-
-    They are all different, and the same for equal studies.
-    """
-    grid, asked = prepared.grid, prepared.study.verify or 0
-    return random_places(grid, asked, prepared.study.key()), min(asked, grid.cells)
-
-
-@dataclass(frozen=True)
-class Sample:
-    """The cells of a study that are verified.
-
-    Attributes
-    ----------
-    grid : Grid
-        The study's.
-    places : mapping of str to ndarray
-        Where the cells lie on each axis.
-    count : int
-        Number of the cells.
-    chosen : int
-        The same, with those that a stop left without anything to verify.
-    """
-
-    grid: Grid
-    places: Places
-    count: int
-    chosen: int
-
-    def at(self, values: NDArray[np.generic], dims: Collection[str]) -> Array:
-        """Return an array over some axes of the grid at these cells, shape (count,)."""
-        chosen = values[tuple(self.places[name] for name in dims)]
-        return np.broadcast_to(np.asarray(chosen, dtype=np.float64), self.count)
-
-    def where(self, cell: int) -> str:
-        """Return where one of them lies, such as ``at frequency 50 Hz, beta 30 degree``."""
-        parts = []
-        for name, axis in self.grid.axes.items():
-            k = int(self.places[name][cell])
-            unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
-            value = float(axis_values(axis, k, k + 1)[0])
-            parts.append(f"{name} {value:.12g}" + ("" if unit == "1" else f" {unit}"))
-        return f"at {', '.join(parts)}" if parts else "at the only cell"
-
-    def told(
-        self, against: str, worst: str = "", *, evaluated: int = 0, compared: int = 0
-    ) -> dict[str, str | int]:
-        """Return what verifying found, as attributes of the result.
-
-        Parameters
-        ----------
-        against : str
-            By what the cells are evaluated again.
-        worst : str
-            One sentence about those that are compared.
-        evaluated, compared : int
-            Cells that no stop left out, and those of them of which there was anything to compare.
-        """
-        told: dict[str, str | int] = {"verified_cells": compared, "verified_against": against}
-        left = self.chosen - evaluated
-        if not left:
-            return told | {"verified_worst": worst}
-        stop = f"stopped before {left:,} of {self.chosen:,} cells could be verified"
-        words = f"{worst}; {stop}" if worst else stop
-        return told | {"verified_worst": words, LEFT_OUT: left}
-
-
-def sample_of(
-    prepared: Prepared,
-    arrays: Mapping[str, NDArray[np.generic]],
-    unfinished: tuple[str, int] | None = None,
-) -> Sample:
-    """Return the cells of a study to verify.
-
-    `unfinished` are the status, among what was computed, and its value where a stop left a cell.
-    """
-    places, chosen = chosen_places(prepared)
-    sample = Sample(prepared.grid, places, chosen, chosen)
-    if unfinished is None:
-        return sample
-    name, value = unfinished
-    finished = sample.at(arrays[name], prepared.dims[name]) != value
-    places = {axis: place[finished] for axis, place in places.items()}
-    return replace(sample, places=places, count=int(finished.sum()))
 
 
 @dataclass(frozen=True)
@@ -180,15 +78,15 @@ class Rounding:
         Outputs that an equation rounds on its way, so that their 50 digits are not known.
     evaluated : ndarray of bool
         The cells that were evaluated before a stop.
-    bounded : bool
-        Whether the closed forms are known to keep `BOUND`.
+    bound : int or None
+        The bound that the closed forms are known to keep; see `Scene.rounding_bound`.
     """
 
     worst: Value | None
     left_of_zero: float
     not_known: tuple[str, ...]
     evaluated: NDArray[np.bool_]
-    bounded: bool
+    bound: int | None
 
     @property
     def cell(self) -> int:
@@ -212,9 +110,9 @@ class Rounding:
                 f"{one.ulps:.3g} ulp, {one.conditioned:.2g} ulp over the condition number "
                 f"{one.kappa:.3g}"
             )
-            if self.bounded:
-                kept = "within" if one.conditioned <= BOUND else "BEYOND"
-                text += f", {kept} the bound of {BOUND}"
+            if self.bound is not None:
+                kept = "within" if one.conditioned <= self.bound else "BEYOND"
+                text += f", {kept} the bound of {self.bound}"
         if self.left_of_zero:
             text += f"; of values that are 0, {self.left_of_zero:.2g} is left at most"
         if self.not_known:
@@ -243,7 +141,7 @@ def rounding_of(
     """
     watch = watch or Watch()
     size = next(iter(got.values())).size
-    step = 1 if plan.scene.name in SECONDS_A_VERIFIED_CELL else PIECE
+    step = 1 if plan.scene.seconds_a_verified_cell > MOST_SECONDS_OF_A_PIECE / PIECE else PIECE
     worst: Value | None = None
     zero, not_known, done = 0.0, dict[str, None](), 0
     for start in range(0, size, step):
@@ -255,8 +153,8 @@ def rounding_of(
         zero, not_known = max(zero, left_of_zero), not_known | dict.fromkeys(rounded)
         done += piece.size
         watch.advance(piece.size / size)
-    bounded = plan.scene.name in BOUNDED
-    return Rounding(worst, zero, tuple(not_known), np.arange(size) < done, bounded)
+    evaluated = np.arange(size) < done
+    return Rounding(worst, zero, tuple(not_known), evaluated, plan.scene.rounding_bound)
 
 
 def _judged(

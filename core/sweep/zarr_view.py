@@ -9,51 +9,25 @@ import json
 import math
 import operator
 import re
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.dataset.zarr_metadata import FILL, array_document, group_document
-from core.errors import VibrafeedError
-from core.scenes import Condition
+from core.plan.evaluate import evaluate
+from core.plan.grid import Grid, axis_values, from_si
+from core.plan.plan import Plan
 from core.study.values import Points
-from core.sweep.evaluate import evaluate
-from core.sweep.grid import Grid, axis_values, from_si
-from core.sweep.plan import Plan
 from core.sweep.prepare import Sweep
 from core.sweep.run import tabulate
-
-if TYPE_CHECKING:
-    import xarray
 
 CHUNK_CELLS = 65_536  # 512 KiB of floats, 64 KiB of flags: a request pays, and none is long
 
 _CHUNK = re.compile(r"c((?:/(?:0|[1-9][0-9]{0,17}))*)")
-
-
-def open_lazily(sweep: Sweep) -> xarray.Dataset:
-    """Return the dataset of a sweep of any size; what is read of it is computed when it is read.
-
-    Raises
-    ------
-    VibrafeedError
-        If zarr, which reads the chunks, is not installed.
-    """
-    try:
-        from core.sweep.zarr_store import ViewStore  # loads zarr, which few need
-    except ModuleNotFoundError as error:
-        raise VibrafeedError(
-            f"Reading a sweep that is not stored needs {error.name}: "
-            "pip install 'vibrafeed[cluster]'"
-        ) from error
-    import xarray
-
-    store = ViewStore(ZarrView(sweep))
-    return xarray.open_zarr(store, consolidated=True, zarr_format=3, chunks=None)
 
 
 @dataclass(frozen=True)
@@ -122,9 +96,9 @@ class ZarrView:
             shape = tuple(self._grid.shape[dim] for dim in variable.dims)
             plan = None
             if name == "regime":
-                plan = _pulled(sweep.plan, (), sweep.plan.conditions)
+                plan = sweep.plan.part((), sweep.plan.conditions)
             elif name in labels.variables:
-                plan = _pulled(sweep.plan, (name,), ())
+                plan = sweep.plan.part((name,), ())
             arrays[name] = _Array(
                 variable.dims,
                 shape,
@@ -206,21 +180,3 @@ def chunk_shape(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
         lengths[position] = -(-shape[position] // pieces)
         room //= lengths[position]
     return tuple(lengths)
-
-
-def _pulled(plan: Plan, outputs: tuple[str, ...], conditions: Collection[Condition]) -> Plan:
-    """Return the part of a plan that some of its outputs and conditions pull."""
-    needed = {*outputs, *(name for condition in conditions for name in condition.inputs)}
-    equations = []
-    for equation in reversed(plan.equations):
-        if equation.gives in needed:
-            equations.append(equation)
-            needed.update(equation.inputs)
-    return replace(
-        plan,
-        outputs=outputs,
-        equations=tuple(reversed(equations)),
-        conditions=tuple(conditions),
-        parameters=tuple(name for name in plan.parameters if name in needed),
-        defaults={name: value for name, value in plan.defaults.items() if name in needed},
-    )

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from core.plan.equations import regimes
+from core.plan.plan import make_plan
 from core.quantities import REGIMES
-from core.sweep.evaluate import regimes
-from core.sweep.plan import make_plan
 
 RANDOM = np.random.default_rng(20041)
 POINTS = 20_000

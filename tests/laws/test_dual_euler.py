@@ -16,7 +16,7 @@ from core.mechanics.screws import (
     power,
     vector,
 )
-from core.sweep.plan import make_plan
+from core.plan.plan import make_plan
 
 RANDOM = np.random.default_rng(214)
 POINTS = 20_000

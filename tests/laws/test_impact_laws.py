@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from core.mechanics import impact
+from core.plan.equations import regimes
+from core.plan.plan import make_plan
 from core.quantities import REGIMES
 from core.scenes import SCENES
-from core.sweep.evaluate import regimes
-from core.sweep.plan import make_plan
 
 IMPACTS = 100_000
 BLOCK = 8_192  # points at a time, which stay in the processor's cache

@@ -9,8 +9,8 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from core.plan.plan import make_plan
 from core.scenes import SCENES
-from core.sweep.plan import make_plan
 
 POINTS = 150
 EPS = np.finfo(float).eps

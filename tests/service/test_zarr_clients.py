@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.sweep import prepare_content, tabulate
+from core.kinds import prepare_content, tabulate
 from core.sweep.zarr_view import ZarrView
 
 ENDS = {"frequency": (20, 120), "amplitude": (1e-4, 1e-3), "alpha": (0, 90), "beta": (0, 90)}

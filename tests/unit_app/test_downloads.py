@@ -24,8 +24,9 @@ from app.routes.sweeps import prefers_binary
 from app.settings import Settings
 from app.store import NETCDF
 from app.zarr_views import ZarrViews
+from core.kinds import prepare_content
 from core.study import parse_study
-from core.sweep import prepare_content, sweep
+from core.sweep import sweep
 from core.sweep.zarr_view import ZarrView
 
 STUDY = {

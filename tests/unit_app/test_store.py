@@ -26,7 +26,7 @@ from app.store import NETCDF, Store, identifier
 from app.zarr_views import ZarrViews
 from core.dataset.netcdf import write_netcdf
 from core.kinds import prepare_content, tabulate
-from core.sweep.pieces import Computed, Cut
+from core.plan.pieces import Computed, Cut
 
 SWEEP = {
     "kind": "sweep",

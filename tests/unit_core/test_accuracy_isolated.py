@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
+from core.plan.plan import make_plan
 from core.scenes import SCENES
-from core.sweep.plan import make_plan
 
 BAR = 8
 DIGITS = 50

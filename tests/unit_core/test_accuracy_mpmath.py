@@ -26,9 +26,9 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
+from core.plan.plan import make_plan, scene_parameters
 from core.quantities import QUANTITIES
 from core.scenes import ALIASES, SCENES
-from core.sweep.plan import make_plan, scene_parameters
 
 BAR = 8
 DIGITS = 60

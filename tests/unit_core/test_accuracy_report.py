@@ -20,12 +20,12 @@ from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table, Variable
 from core.errors import StudyError
 from core.kinds import prepare_content
-from core.motion.equations import run_equations
+from core.plan.equations import run_equations
+from core.plan.grid import Grid
+from core.plan.plan import make_plan, scene_parameters
 from core.scenes import ALIASES, SCENES
 from core.study.load import read_content
 from core.study.values import Points, Span
-from core.sweep.grid import Grid
-from core.sweep.plan import make_plan, scene_parameters
 from core.sweep.precise import (
     CONTEXT,
     DIGITS,

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from core.errors import StudyError
+from core.plan.evaluate import evaluate
 from core.quantities import REGIMES
 from core.scenes import SCENES
 from core.study import parse_study
 from core.sweep import prepare, sweep
-from core.sweep.evaluate import evaluate
 
 SCENE = "cylinder-rolling"
 # P = 39.4784176043574 m/s2

@@ -7,8 +7,8 @@ import pytest
 
 from core.dataset.netcdf import write_netcdf
 from core.kinds import KINDS, prepare, prepare_content, tabulate
+from core.plan.pieces import Cut, join
 from core.study import load_study
-from core.sweep.pieces import Cut, join
 from core.watch import Watch
 
 CONFIGS = Path(__file__).parents[2] / "configs"

@@ -10,15 +10,16 @@ import pytest
 
 from core.catalogue import describe, study_schema
 from core.errors import LimitError, SceneError, StudyError
+from core.kinds import prepare_content
 from core.motion import SYSTEMS, simulate
 from core.optimise import optimise
+from core.plan.plan import make_plan, scene_parameters
 from core.quantities import FAMILIES, QUANTITIES, REGIMES
 from core.scenes import ALIASES, SCENES, Condition, Equation
 from core.scenes.scene import Scene
 from core.study import load_study, parse_study
 from core.study.models import STUDIES
-from core.sweep import make_plan, prepare, prepare_content, sweep
-from core.sweep.plan import scene_parameters
+from core.sweep import prepare, sweep
 
 DRIVE = ("frequency", "amplitude", "beta")
 EVERY_VARIANT = [(name, variant) for name, scene in SCENES.items() for variant in scene.variants]
@@ -135,7 +136,7 @@ def test_an_output_keeps_only_the_dimensions_that_it_depends_on():
 
 
 def test_results_do_not_depend_on_blocks_or_on_the_presence_of_other_axes():
-    from core.sweep.evaluate import evaluate
+    from core.plan.evaluate import evaluate
 
     study = parse_study(
         content(

@@ -18,9 +18,9 @@ from core.optimise.robust import (
     robust_value,
     sensitivities,
 )
+from core.plan import plan as plans
 from core.scenes import SCENES
 from core.scenes.scene import Equation, Scene
-from core.sweep import plan as plans
 
 
 def sibling(name):

@@ -233,7 +233,7 @@ class TestDatasets:
 
 
 def needed(system, method) -> set[str]:
-    from core.sweep.plan import scene_parameters
+    from core.plan.plan import scene_parameters
 
     return set(scene_parameters(system, method)) - {"friction_static", "friction_kinetic"}
 

@@ -20,9 +20,13 @@ from app.store import Store
 from core.catalogue import study_schema
 from core.errors import StudyError
 from core.kinds import KINDS, is_whole, prepare_content, tabulate
-from core.sweep.pieces import Computed, Cut, join
-from core.sweep.verify import BOUND, chosen_places, rounding_of
+from core.plan.pieces import Computed, Cut, join
+from core.plan.sample import chosen_places
+from core.scenes import SCENES
+from core.sweep.verify import rounding_of
 from core.watch import Watch
+
+BOUND = SCENES["rectangle-on-track"].rounding_bound
 
 motion_prepare = importlib.import_module("core.motion.prepare")  # a function has its name
 

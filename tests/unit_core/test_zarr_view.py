@@ -20,9 +20,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.errors import VibrafeedError
+from core.kinds import prepare_content
 from core.study.values import Points, Span
-from core.sweep import Sweep, prepare_content, tabulate
-from core.sweep.zarr_view import CHUNK_CELLS, ZarrView, axis_values, chunk_shape, open_lazily
+from core.sweep import Sweep, tabulate
+from core.sweep.lazy import open_lazily
+from core.sweep.zarr_view import CHUNK_CELLS, ZarrView, axis_values, chunk_shape
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 SWEEPS = {

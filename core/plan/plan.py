@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from core.errors import Problem, StudyError, suggestion
 from core.quantities import QUANTITIES, REGIMES
 from core.scenes import ALIASES, SCENES, Condition, Equation, Scene
+from core.scenes.graph import behind
 
 # Parameters that may be given in another way; the error for a missing one names the way to write.
 WRITTEN_AS = {"friction_static": "friction", "friction_kinetic": "friction"}
@@ -60,6 +61,19 @@ class Plan:
     def only(self, output: str) -> Plan:
         """Return the plan of one of the outputs alone, with the parameters that it needs."""
         return _Walk(self.scene, self.variant, self.parameters, (output,)).plan()
+
+    def part(self, outputs: Collection[str], conditions: Collection[Condition]) -> Plan:
+        """Return the part of the plan that some of its outputs and conditions pull."""
+        wanted = [*outputs, *(name for condition in conditions for name in condition.inputs)]
+        needed = behind(wanted, {e.gives: e for e in self.equations}.get)
+        return replace(
+            self,
+            outputs=tuple(outputs),
+            equations=tuple(e for e in self.equations if e.gives in needed),
+            conditions=tuple(conditions),
+            parameters=tuple(name for name in self.parameters if name in needed),
+            defaults={name: value for name, value in self.defaults.items() if name in needed},
+        )
 
     def depends_on(self, axes: Collection[str]) -> dict[str, frozenset[str]]:
         """Return, for each quantity of the plan, the axes that it depends on."""

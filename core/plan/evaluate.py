@@ -13,14 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from core.quantities import REGIMES
+from core.plan.equations import Known, regimes, run
+from core.plan.grid import Grid
+from core.plan.plan import Plan
 from core.scenes import Equation
-from core.sweep.grid import Grid
-from core.sweep.plan import Plan
 
 BLOCK_CELLS = 32_768  # 256 KiB an array: a handful of them stay in a second-level cache
 
-Arrays = dict[str, NDArray[np.float64]]
 Progress = Callable[[int], object]
 
 
@@ -69,11 +68,11 @@ def evaluate(
     results["regime"] = np.empty(
         tuple(grid.shape[axis] for axis in grid.dims(depends["regime"])), dtype=np.int8
     )
-    known = {name: value for name, value in grid.si().items() if name in plan.parameters}
+    known: Known = {name: value for name, value in grid.si().items() if name in plan.parameters}
     known.update({name: np.asarray(value) for name, value in plan.defaults.items()})
     at_start = [e for e in plan.equations if not depends[e.gives] & set(sliced)]
     writer = _Writer(plan, grid, depends, results, progress)
-    _descend(levels, 0, _run(at_start, known), {}, writer)
+    _descend(levels, 0, run(at_start, known), {}, writer)
     return results
 
 
@@ -106,14 +105,8 @@ def _levels(
     return levels
 
 
-def _run(equations: list[Equation] | tuple[Equation, ...], known: Arrays) -> Arrays:
-    for equation in equations:
-        known[equation.gives] = equation.function(**{n: known[n] for n in equation.inputs})
-    return known
-
-
 def _descend(
-    levels: list[_Level], depth: int, known: Arrays, where: dict[str, slice], writer: _Writer
+    levels: list[_Level], depth: int, known: Known, where: dict[str, slice], writer: _Writer
 ) -> None:
     """Loop over the slices of one axis and hand each to the next level; write at the bottom."""
     if depth == len(levels):
@@ -128,7 +121,7 @@ def _descend(
         if values is not None:
             inner[level.axis] = values.take(range(piece.start, piece.stop), axis=level.position)
         _descend(
-            levels, depth + 1, _run(level.equations, inner), {**where, level.axis: piece}, writer
+            levels, depth + 1, run(level.equations, inner), {**where, level.axis: piece}, writer
         )
 
 
@@ -148,7 +141,7 @@ class _Writer:
         self.positions = {name: position for position, name in enumerate(grid.axes)}
         self.all_dims = grid.dims(set().union(*self.dims.values()))
 
-    def write(self, known: Arrays, where: Mapping[str, slice]) -> None:
+    def write(self, known: Known, where: Mapping[str, slice]) -> None:
         for name in self.plan.outputs:
             self._put(name, known[name], where)
         self._put("regime", regimes(self.plan, known), where)
@@ -169,12 +162,3 @@ class _Writer:
             dropped = tuple(p for axis, p in self.positions.items() if axis not in dims)
             block = block.squeeze(axis=dropped)
         self.results[name][place] = block
-
-
-def regimes(plan: Plan, known: Arrays) -> NDArray[np.int8]:
-    """Return the regime of each cell: the first condition that holds, or what remains."""
-    regime = np.asarray(np.int8(REGIMES[plan.otherwise].value))
-    for condition in reversed(plan.conditions):
-        holds = condition.function(**{name: known[name] for name in condition.inputs})
-        regime = np.where(holds, np.int8(REGIMES[condition.regime].value), regime)
-    return regime

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.dataset.table import Table
-from core.sweep.prepare import Box, Prepared
+from core.plan.prepared import Box, Prepared
 from core.watch import Watch
 
 Study = TypeVar("Study", bound=Prepared)

@@ -1,0 +1,1 @@
+"""What every kind of study shares: plan, grid, evaluation, pieces, labels, sampled cells."""

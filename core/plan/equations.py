@@ -1,0 +1,45 @@
+"""Running the equations of a plan on arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.plan.plan import Plan
+from core.quantities import REGIMES
+from core.scenes import Equation
+from core.watch import Watch
+
+Known = dict[str, Any]
+"""Quantities by name: arrays that broadcast, SI units, and bundles of them."""
+
+
+def run_equations(plan: Plan, given: Mapping[str, Any], watch: Watch | None = None) -> Known:
+    """Return every quantity of a plan on whole arrays, SI units: given, default and computed.
+
+    `given` holds the parameters; equations that take long ask the watch.
+    """
+    known: Known = {name: np.asarray(value) for name, value in plan.defaults.items()}
+    return run(plan.equations, known | dict(given), watch)
+
+
+def run(equations: Iterable[Equation], known: Known, watch: Watch | None = None) -> Known:
+    """Add what equations give, one after another, to what is known; return that."""
+    for equation in equations:
+        watched = {"watch": watch} if equation.takes_long else {}
+        known[equation.gives] = equation.function(
+            **{name: known[name] for name in equation.inputs}, **watched
+        )
+    return known
+
+
+def regimes(plan: Plan, known: Mapping[str, Any]) -> NDArray[np.int8]:
+    """Return the regime of each cell: the first condition that holds, or what remains."""
+    regime = np.asarray(np.int8(REGIMES[plan.otherwise].value))
+    for condition in reversed(plan.conditions):
+        holds = condition.function(**{name: known[name] for name in condition.inputs})
+        regime = np.where(holds, np.int8(REGIMES[condition.regime].value), regime)
+    return regime

@@ -1,0 +1,71 @@
+"""The labels of a result of any kind: coordinates, outputs, and attributes of the whole."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import core
+from core.dataset.table import CONVENTIONS, REFERENCES, Variable, quantity_attributes
+from core.plan.grid import Grid, from_si
+from core.plan.plan import Plan
+from core.plan.prepared import Prepared
+from core.quantities import QUANTITIES
+
+
+def coordinates_of(plan: Plan, grid: Grid) -> dict[str, Variable]:
+    """Return the axes of a grid, and the values of fixed parameters and defaults of the plan."""
+    coordinates = {
+        name: Variable((name,), grid.coordinate(name), quantity_attributes(name))
+        for name in grid.axes
+    }
+    fixed = {name: value for name, value in grid.fixed.items() if name in plan.parameters}
+    fixed |= {name: _edge(name, value) for name, value in plan.defaults.items()}
+    return coordinates | {
+        name: Variable((), np.asarray(value, dtype=np.float64), quantity_attributes(name))
+        for name, value in fixed.items()
+    }
+
+
+def outputs_of(prepared: Prepared, arrays: Mapping[str, NDArray[Any]]) -> dict[str, Variable]:
+    """Return the asked outputs, labelled; `arrays` are in the units of the code."""
+    plan = prepared.plan
+    equations = {equation.gives: equation for equation in plan.equations}
+    return {
+        name: Variable(
+            prepared.dims[name],
+            from_si(name, arrays[name]),
+            quantity_attributes(
+                name,
+                equation=equations[name].source,
+                **{plan.scene.choice: plan.scene.variant_of(plan.variant, name)},
+            ),
+        )
+        for name in plan.outputs
+    }
+
+
+def _edge(name: str, value: float) -> float:
+    return float(np.rad2deg(value)) if QUANTITIES[name].is_angle else value
+
+
+def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
+    """Return the attributes of a whole result; `how` says how it was made."""
+    study, plan = prepared.study, prepared.plan
+    attributes = {
+        "Conventions": CONVENTIONS,
+        "title": study.title or plan.scene.title,
+        "source": f"vibrafeed {core.__version__}, {how}",
+        "references": REFERENCES,
+        "comment": plan.scene.validity,
+        "scene": plan.scene.name,
+        plan.scene.choice: plan.variant,
+        "study": study.canonical(),
+        "study_sha256": study.key(),
+    }
+    if study.notes:
+        attributes["notes"] = study.notes
+    return attributes

@@ -1,0 +1,213 @@
+"""From a study to what can be evaluated: the plan and the grid, checked together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Self
+
+from core.errors import LimitError, Problem, StudyError, suggestion
+from core.plan.grid import Grid
+from core.plan.plan import Plan, plan_scene
+from core.quantities import QUANTITIES
+from core.scenes import Scene
+from core.study.models import PARAMETERS, GridStudy, Study
+from core.study.values import Values
+
+Box = Mapping[str, tuple[int, int]]
+"""A part of a grid: start and stop on the axes of which it is not the whole."""
+
+MOST_SECONDS_TO_VERIFY = 100.0
+
+BYTES = {"regime": 1, "motion_status": 1}  # of one value; 8 for all others
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """A study that can be carried out: its plan and its grid."""
+
+    study: Study
+    plan: Plan
+    grid: Grid
+
+    @cached_property
+    def dims(self) -> dict[str, tuple[str, ...]]:
+        """The axes that each output keeps, `regime` last."""
+        depends = self.plan.depends_on(self.grid.axes)
+        return {name: self.grid.dims(depends[name]) for name in (*self.plan.outputs, "regime")}
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """The unit of each output."""
+        return {name: QUANTITIES[name].unit for name in self.dims}
+
+    @property
+    def cells(self) -> int:
+        """Number of points of the grid."""
+        return self.grid.cells
+
+    @property
+    def bytes(self) -> int:
+        """Bytes that the outputs take, uncompressed."""
+        return sum(self.grid.size(dims) * BYTES.get(name, 8) for name, dims in self.dims.items())
+
+    @property
+    def cut_axes(self) -> tuple[str, ...]:
+        """The axes along which the study may be carried out in pieces."""
+        return tuple(self.grid.axes)
+
+    def within(self, box: Box) -> Self:
+        """Return the same study on a part of its grid."""
+        return replace(self, grid=self.grid.within(box))
+
+    @property
+    def seconds_a_cell(self) -> float:
+        """Roughly what a point takes on one core: enough to tell short from long."""
+        raise NotImplementedError
+
+    @property
+    def verified_by(self) -> str:
+        """What random cells are evaluated by again if the study says so; empty if nothing can."""
+        return "50 digits"
+
+    @property
+    def seconds_a_verified_cell(self) -> float:
+        """Roughly what evaluating a point again takes."""
+        return self.plan.scene.seconds_a_verified_cell
+
+    @property
+    def seconds_to_verify(self) -> float:
+        """Roughly what verifying takes, if the study asks for it."""
+        asked = min(self.study.verify or 0, self.cells)
+        return asked * self.seconds_a_verified_cell if asked else 0.0
+
+    @property
+    def computing_share(self) -> float:
+        """Roughly the share of computing in the time that computing and verifying take."""
+        seconds = self.cells * self.seconds_a_cell
+        return seconds / (seconds + self.seconds_to_verify)
+
+    def unverified(self) -> Self:
+        """Return the study without its wish to be verified."""
+        return replace(self, study=self.study.model_copy(update={"verify": None}))
+
+    def check_verification(self) -> Self:
+        """Return the study; raise `StudyError` if verifying it would take too long."""
+        if self.study.verify is None:
+            return self
+        if not self.verified_by:
+            message = "no other method follows this motion"
+            raise StudyError([Problem("verify", message, "Leave it out")])
+        if self.seconds_to_verify > MOST_SECONDS_TO_VERIFY:
+            each = self.seconds_a_verified_cell
+            most = int(MOST_SECONDS_TO_VERIFY / each)
+            message = f"{self.verified_by} take{'s' * self.verified_by.startswith('the')} some "
+            message += f"{each:g} s a cell"
+            raise StudyError([Problem("verify", message, f"Give at most {most:,}")])
+        return self
+
+    def check_limits(self, *, cells: int, bytes_: int) -> None:
+        """Raise `LimitError` if the study has more cells or bytes than allowed."""
+        for limit, asked, allowed in (("cells", self.cells, cells), ("bytes", self.bytes, bytes_)):
+            if asked > allowed:
+                raise LimitError(limit, asked, allowed, self._what_fits(allowed / asked))
+
+    def _what_fits(self, share: float) -> str:
+        longest = max(self.grid.shape, key=lambda name: self.grid.shape[name])
+        fitting = int(self.grid.shape[longest] * share)
+        if fitting >= 2:
+            points = self.grid.shape[longest]
+            return f"It fits with {fitting:,} instead of {points:,} values of {longest}"
+        axes = len(self.grid.shape)
+        each = int((self.cells * share) ** (1 / axes))
+        if each >= 2:
+            return f"It fits with {each:,} values on each of the {axes} axes"
+        return f"It fits with fewer than {axes} ranged parameters"
+
+
+Chosen = tuple[Scene, str, list[Problem]]
+"""The scene of a study, the variant in force, and what is wrong with the one that it names."""
+
+
+def plan_study(
+    study: GridStudy,
+    outputs: Iterable[str],
+    chosen: Chosen,
+    more: Mapping[str, Values] | None = None,
+) -> tuple[Plan, Grid]:
+    """Return plan and grid of a study of any kind; raise `StudyError` with every problem.
+
+    `more` holds values of parameters that the study gives elsewhere.
+    """
+    values = {**study.values(), **(more or {})}
+    grid = Grid.of(values)
+    scene, variant, problems = chosen
+    problems += broken_constraints(scene, variant, grid)
+    try:
+        plan = plan_scene(scene, variant, tuple(outputs), values)
+    except StudyError as error:
+        raise StudyError([*error.problems, *problems]) from None
+    if problems:
+        raise StudyError(problems)
+    return plan, grid
+
+
+def further_problems(
+    content: object,
+    known: StudyError,
+    chosen: Callable[[Mapping[str, Any]], Chosen],
+    outputs: tuple[str, ...] = (),
+) -> list[Problem]:
+    """Return what a plan of unsound content would object to, as far as it can be told.
+
+    Parameters
+    ----------
+    content : object
+        What stands in a file or request.
+    known : StudyError
+        What has been found; its places are not blamed again.
+    chosen : callable
+        Returns the scene and the variant in force of the content.
+    outputs : tuple of str
+        Those of a study that names none.
+    """
+    if not isinstance(content, Mapping):
+        return []
+    asked, parameters = content.get("outputs", outputs), content.get("parameters")
+    if not (
+        isinstance(content.get("scene"), str)
+        and isinstance(asked, list | tuple)
+        and all(isinstance(name, str) for name in asked)
+        and isinstance(parameters, Mapping)
+    ):
+        return []
+    given = [_meant(str(name)) for name in parameters]
+    found: list[Problem] = []
+    try:
+        scene, variant, found = chosen(content)
+        plan_scene(scene, variant, asked, [name for name in given if name])
+    except StudyError as error:
+        found = [*found, *error.problems]
+    places = {problem.place for problem in known.problems}
+    return [problem for problem in found if problem.place not in places]
+
+
+def _meant(name: str) -> str:
+    """Return the parameter that a key stands for, mistyped or not; empty if none is near."""
+    if name in PARAMETERS:
+        return name
+    guess = suggestion(name, PARAMETERS, otherwise="")
+    return guess.split("'")[1] if guess.startswith("Did you mean") else ""
+
+
+def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:
+    """Yield the relations between given parameters that do not hold."""
+    given = {*grid.axes, *grid.fixed}
+    for constraint in scene.constraints:
+        concerned = constraint.variant in ("", variant)
+        if concerned and set(constraint.parameters) <= given:
+            ends = [end for name in constraint.parameters for end in grid.bounds(name)]
+            if not constraint.holds(*ends):
+                place = f"parameters.{constraint.parameters[0]}"
+                yield Problem(place, constraint.message, constraint.fix)

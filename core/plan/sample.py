@@ -1,0 +1,106 @@
+"""The random cells of a study that are verified, and what is told of them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.mechanics.arrays import Array
+from core.plan.grid import Grid, axis_values, random_places
+from core.plan.prepared import Prepared
+from core.quantities import QUANTITIES
+
+LEFT_OUT = "verified_left_out"
+"""The attribute that tells how many cells a stop left without verifying; none if it did not."""
+
+Places = Mapping[str, NDArray[np.int64]]
+
+
+def chosen_places(prepared: Prepared) -> tuple[Places, int]:
+    """Return the position on each axis of the cells to verify, and their number.
+
+    They are all different, and the same for equal studies.
+    """
+    grid, asked = prepared.grid, prepared.study.verify or 0
+    return random_places(grid, asked, prepared.study.key()), min(asked, grid.cells)
+
+
+@dataclass(frozen=True)
+class Sample:
+    """The cells of a study that are verified.
+
+    Attributes
+    ----------
+    grid : Grid
+        The study's.
+    places : mapping of str to ndarray
+        Where the cells lie on each axis.
+    count : int
+        Number of the cells.
+    chosen : int
+        The same, with those that a stop left without anything to verify.
+    """
+
+    grid: Grid
+    places: Places
+    count: int
+    chosen: int
+
+    def at(self, values: NDArray[np.generic], dims: Collection[str]) -> Array:
+        """Return an array over some axes of the grid at these cells, shape (count,)."""
+        chosen = values[tuple(self.places[name] for name in dims)]
+        return np.broadcast_to(np.asarray(chosen, dtype=np.float64), self.count)
+
+    def where(self, cell: int) -> str:
+        """Return where one of them lies, such as ``at frequency 50 Hz, beta 30 degree``."""
+        parts = []
+        for name, axis in self.grid.axes.items():
+            k = int(self.places[name][cell])
+            unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
+            value = float(axis_values(axis, k, k + 1)[0])
+            parts.append(f"{name} {value:.12g}" + ("" if unit == "1" else f" {unit}"))
+        return f"at {', '.join(parts)}" if parts else "at the only cell"
+
+    def told(
+        self, against: str, worst: str = "", *, evaluated: int = 0, compared: int = 0
+    ) -> dict[str, str | int]:
+        """Return what verifying found, as attributes of the result.
+
+        Parameters
+        ----------
+        against : str
+            By what the cells are evaluated again.
+        worst : str
+            One sentence about those that are compared.
+        evaluated, compared : int
+            Cells that no stop left out, and those of them of which there was anything to compare.
+        """
+        told: dict[str, str | int] = {"verified_cells": compared, "verified_against": against}
+        left = self.chosen - evaluated
+        if not left:
+            return told | {"verified_worst": worst}
+        stop = f"stopped before {left:,} of {self.chosen:,} cells could be verified"
+        words = f"{worst}; {stop}" if worst else stop
+        return told | {"verified_worst": words, LEFT_OUT: left}
+
+
+def sample_of(
+    prepared: Prepared,
+    arrays: Mapping[str, NDArray[np.generic]],
+    unfinished: tuple[str, int] | None = None,
+) -> Sample:
+    """Return the cells of a study to verify.
+
+    `unfinished` are the status, among what was computed, and its value where a stop left a cell.
+    """
+    places, chosen = chosen_places(prepared)
+    sample = Sample(prepared.grid, places, chosen, chosen)
+    if unfinished is None:
+        return sample
+    name, value = unfinished
+    finished = sample.at(arrays[name], prepared.dims[name]) != value
+    places = {axis: place[finished] for axis, place in places.items()}
+    return replace(sample, places=places, count=int(finished.sum()))

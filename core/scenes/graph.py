@@ -1,0 +1,70 @@
+"""The one walk through equations, from what is wanted back to what is given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Protocol, TypeVar
+
+
+class Step(Protocol):
+    """What gives one quantity from others: an equation."""
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the quantities that it needs."""
+        ...
+
+
+Some = TypeVar("Some", bound=Step)
+
+
+class CycleError(ValueError):
+    """A quantity needs itself; `path` leads from it to itself."""
+
+    def __init__(self, path: tuple[str, ...]):
+        super().__init__(" needs ".join(path))
+        self.path = path
+
+
+def behind(
+    wanted: Iterable[str],
+    producer: Callable[[str], Some | None],
+    enters: Callable[[Some], bool] = lambda step: True,
+) -> Mapping[str, Some | None]:
+    """Return what is wanted and all that it needs, each after what it needs itself.
+
+    Parameters
+    ----------
+    wanted : iterable of str
+        Names of quantities.
+    producer : callable
+        Returns what gives a quantity; None if that has to be given from outside.
+    enters : callable
+        Whether to go on to what a step needs.
+
+    Returns
+    -------
+    mapping of str to Step or None
+        What gives each quantity, in an order in which they can be computed.
+
+    Raises
+    ------
+    CycleError
+        If a quantity needs itself.
+    """
+    met: dict[str, Some | None] = {}
+
+    def visit(name: str, path: tuple[str, ...]) -> None:
+        if name in path:
+            raise CycleError((*path, name))
+        if name in met:
+            return
+        step = producer(name)
+        if step is not None and enters(step):
+            for needed in step.inputs:
+                visit(needed, (*path, name))
+        met[name] = step
+
+    for name in wanted:
+        visit(name, ())
+    return met

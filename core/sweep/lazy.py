@@ -1,0 +1,33 @@
+"""A sweep of any size as a dataset that is evaluated where it is read."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from core.errors import VibrafeedError
+from core.sweep.prepare import Sweep
+from core.sweep.zarr_view import ZarrView
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def open_lazily(sweep: Sweep) -> xarray.Dataset:
+    """Return the dataset of a sweep of any size; what is read of it is computed when it is read.
+
+    Raises
+    ------
+    VibrafeedError
+        If zarr, which reads the chunks, is not installed.
+    """
+    try:
+        from core.sweep.zarr_store import ViewStore  # loads zarr, which few need
+    except ModuleNotFoundError as error:
+        raise VibrafeedError(
+            f"Reading a sweep that is not stored needs {error.name}: "
+            "pip install 'vibrafeed[cluster]'"
+        ) from error
+    import xarray
+
+    store = ViewStore(ZarrView(sweep))
+    return xarray.open_zarr(store, consolidated=True, zarr_format=3, chunks=None)
