@@ -83,9 +83,8 @@ def engine_rows(name: str) -> list[Row]:
 def ours() -> list[Row]:
     """Return the lines of this project's methods."""
     from benchmarks.lockstep import lockstep_velocities
+    from benchmarks.motions import planar_motion, regularised_motion
     from core import __version__
-    from core.motion.planar import planar_motion
-    from core.motion.regularised import regularised_motion
 
     def by_events(groups: dict[str, float]) -> float:
         return float(planar_motion(**groups, tolerance=1e-12, most_periods=1000).velocity)

@@ -15,11 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from core.motion.methods import reference_on_plane, reference_on_track, stepped_on_track
-from core.motion.motion import STATUS, Motion
-from core.motion.planar import planar_motion
-from core.motion.regularised import regularised_motion
-from core.motion.stepping import planar_stepped_motion, stepped_motion
+from benchmarks.motions import (
+    follow,
+    planar_motion,
+    planar_stepped_motion,
+    regularised_motion,
+    stepped_motion,
+)
+from core.motion.result import STATUS, Motion
 from core.optimise.exact import STATUS as OPTIMUM
 from core.optimise.known_answers import by_closed_form, is_closed
 from core.optimise.methods import METHODS, SEARCH_BUDGET, by_search
@@ -138,7 +141,7 @@ def rated(
 ) -> Measured:
     """Return how honest stated errors are beside the true ones, of the judged studies.
 
-    Most methods give no value where they can state no error (`core.motion.motion.checked`); that of
+    Most methods give no value where they can state no error (`core.motion.result.checked`); that of
     regularised friction is NaN where its coarser runs cannot be compared.
     """
     stating = np.isfinite(stated)
@@ -258,9 +261,7 @@ def events_against_reference(count: int) -> list[Measured]:
     started = time.perf_counter()
     found = by_events(groups)
     took = time.perf_counter() - started
-    exact = reference_on_plane(0.0)(
-        **groups, drive_number_across=np.zeros(()), most_periods=np.array(100.0)
-    )
+    exact = follow("reference", **groups, most_periods=np.array(100.0))
     both = np.isin(exact.status, REPEATS) & (exact.multiple == found.multiple)
     several = found.impacts * found.multiple > 1.5
     error = exact.error + REFERENCE
@@ -282,16 +283,22 @@ def wall_against_reference(count: int) -> list[Measured]:
         "gravity_number_across": groups["gravity_number_normal"] * np.sin(lean),
         "gravity_number_normal": groups["gravity_number_normal"] * np.cos(lean),
         "curvature_number": random.uniform(0, 0.02, count) * (random.random(count) < 0.5),
+        "wall_friction": groups["friction_kinetic"],
+        "wall_restitution": groups["restitution"],
     }
     started = time.perf_counter()
-    found = stepped_on_track(
-        **groups, steps_per_period=np.array(200.0), most_periods=np.array(200.0)
+    found = follow(
+        "time-stepping",
+        **groups,
+        wall=True,
+        steps_per_period=np.array(200.0),
+        most_periods=np.array(200.0),
     )
     took = time.perf_counter() - started
     repeats = np.isin(found.status, REPEATS)
     groups = {name: values[repeats] for name, values in groups.items()}
     found = Motion._make([field[repeats] for field in found])
-    exact = reference_on_track(**groups, most_periods=np.array(60.0))
+    exact = follow("reference", **groups, wall=True, most_periods=np.array(60.0))
     both = np.isin(exact.status, REPEATS)
     exact = exact._replace(error=exact.error + REFERENCE)
     return _same_and_all("time stepping at the wall", found, exact, both, both, took)

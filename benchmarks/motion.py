@@ -17,9 +17,9 @@ from itertools import pairwise
 import numpy as np
 
 from benchmarks.lockstep import lockstep_velocities
+from benchmarks.motions import planar_motion
 from core.motion.kernels.planar import solve_cells
-from core.motion.motion import COLUMNS
-from core.motion.planar import planar_motion
+from core.motion.result import COLUMNS
 from core.quantities import MOTION_STATUSES
 
 Groups = dict[str, np.ndarray]

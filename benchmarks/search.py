@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 from scipy import optimize
 
+from benchmarks.motions import planar_motion
 from core.mechanics.arrays import Array
-from core.motion.planar import planar_motion
 from core.optimise.search import search_maximum
 
 GRAVITY = 9.81

@@ -13,9 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.motions import planar_stepped_motion, reference_motion, stepped_motion, stepped_path
 from core.accuracy.curves import fitted_slope
-from core.motion.reference import reference_motion
-from core.motion.stepping import planar_stepped_motion, stepped_motion, stepped_path
 
 STEPS = (100, 300, 1000, 3000, 10000, 30000, 100000)
 REST = {"drive_number_along": 0.0, "drive_number_across": 0.0, "drive_number_normal": 0.0}

@@ -852,7 +852,7 @@ def _explicit_crawls() -> tuple[float, float, str]:
     """Return how far RK45 falls short of needing 1,000 times Radau's evaluations a period."""
     from scipy.integrate import solve_ivp
 
-    from core.motion.regularised import Cell, laws
+    from core.motion.methods.regularised.laws import Cell, laws
 
     slip, span = 1e-9, 1e-5
     drive = 24e-6 * (2 * math.pi * 60) ** 2 / 9.8

@@ -12,9 +12,9 @@ from core.accuracy.curves import Curve, Measured, Point, single
 from core.accuracy.motion import is_point_part
 from core.errors import StudyError
 from core.mechanics.arrays import Array
-from core.motion.motion import ANSWERED, STATUS
 from core.motion.prepare import Simulation
 from core.motion.prepare import prepare as prepare_motion
+from core.motion.result import ANSWERED, STATUS
 from core.motion.systems import SYSTEMS
 from core.plan.equations import regimes, run_equations
 from core.plan.plan import plan_scene, scene_parameters

@@ -14,8 +14,8 @@ from core.accuracy import engines
 from core.accuracy.cells import random_cells
 from core.accuracy.curves import STEEP, Curve, Measured, Point
 from core.mechanics.arrays import Array
-from core.motion.motion import STATUS
 from core.motion.prepare import Simulation
+from core.motion.result import STATUS
 from core.plan.equations import run_equations
 from core.plan.grid import Grid
 from core.plan.plan import plan_scene, scene_parameters

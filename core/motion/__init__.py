@@ -1,7 +1,7 @@
 """Motion in time: stick, slide, hop, and the true mean velocity over whole grids."""
 
-from core.motion.motion import Motion
 from core.motion.prepare import Simulation, further, prepare
+from core.motion.result import Motion
 from core.motion.run import compute, label, simulate, tabulate
 from core.motion.systems import SYSTEMS
 

@@ -7,75 +7,71 @@ from dataclasses import replace
 from typing import Any
 
 from core.errors import Problem, StudyError
-from core.motion.course import COURSES
-from core.motion.systems import SYSTEMS
+from core.motion.method import Method
+from core.motion.systems import SYSTEMS, methods_of
 from core.plan.grid import Grid
-from core.plan.plan import choose_scene
+from core.plan.plan import Plan, choose_scene
 from core.plan.prepared import Chosen, Prepared, broken_constraints, further_problems, plan_study
 from core.quantities import QUANTITIES
 from core.scenes import Scene
 from core.study.models import SimulateStudy
-from core.study.values import Fixed
+from core.study.values import Fixed, Values
 
 DEFAULT_OUTPUTS = ("conveying_velocity",)
-TUMBLING = ("rectangle-isolated", "cylinder-isolated")
-PLANAR_METHOD = "events"
 SCALES = ("velocity_scale", "length_scale")
 ERROR = "conveying_velocity_error"
-OTHERS = {
-    "events": ("reference", "time-stepping"),
-    "time-stepping": ("events", "reference"),
-    "reference": ("events", "time-stepping"),
-    "regularised": ("events", "reference"),
-    "regularised-BDF": ("events", "reference"),
-    "regularised-LSODA": ("events", "reference"),
-}
-"""By what a method is verified: the most exact of the others that can follow the motion."""
-
-SECONDS_A_CELL = {
-    "events": 5e-6, "time-stepping": 1.5e-3, "reference": 0.5,
-    "regularised": 2.0, "regularised-BDF": 2.0, "regularised-LSODA": 0.5,
-}  # fmt: skip
-SECONDS_A_BOUNCE = 3e-4  # of a point of `events` with restitution, and of a tumbling part
 
 
 class Simulation(Prepared):
-    """A study of motion that can be carried out; `plan.variant` is the method."""
+    """A study of motion that can be carried out; `plan.variant` names the method."""
 
     study: SimulateStudy
+
+    @property
+    def method(self) -> Method:
+        """The method that follows the motion."""
+        return methods_of(self.plan.scene.name)[self.plan.variant]
 
     @property
     def seconds_a_cell(self) -> float:
         """As in `Prepared`."""
         bounces = self.grid.axes.keys() & {"restitution"} or self.grid.fixed.get("restitution")
-        if self.plan.variant == "events" and (bounces or self.plan.scene.name in TUMBLING):
-            return SECONDS_A_BOUNCE
-        return SECONDS_A_CELL[self.plan.variant]
+        return self.method.seconds(bool(bounces))
 
     @property
     def verified_by(self) -> str:
         """As in `Prepared`."""
-        other = other_method(self.plan.scene, self.plan.variant, self.grid)
-        return f"the method {other}" if other else ""
+        other = other_method(self.plan, self.grid)
+        return f"the method {other.name}" if other else ""
 
     @property
     def seconds_a_verified_cell(self) -> float:
         """As in `Prepared`."""
-        other = other_method(self.plan.scene, self.plan.variant, self.grid)
-        return SECONDS_A_CELL[other] if other else 0.0
+        other = other_method(self.plan, self.grid)
+        return other.seconds_a_cell if other else 0.0
 
 
-def other_method(scene: Scene, method: str, grid: Grid, free: Collection[str] = ()) -> str | None:
+def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method | None:
     """Return the method that verifies the motions of a grid by another one; None if there is none.
 
     `free` are parameters that are not on the grid and take any value.
     """
-    for other in OTHERS[method]:
-        concerned = [one for one in scene.constraints if one.variant == other]
+    scene, methods = plan.scene, methods_of(plan.scene.name)
+    for name in methods[plan.variant].checked_by:
+        concerned = [one for one in scene.constraints if one.variant == name]
         held = not any(set(one.parameters) & set(free) for one in concerned)
-        if other in scene.variants and held and not [*broken_constraints(scene, other, grid)]:
-            return other
+        if name in scene.variants and held and not [*broken_constraints(scene, name, grid)]:
+            return methods[name]
     return None
+
+
+def stays_planar(values: Mapping[str, Values], free: Collection[str] = ()) -> bool:
+    """Return whether a study's motions stay in the vertical plane of the track: alpha is 0.
+
+    `free` are parameters that take any value.
+    """
+    across = values.get("alpha")
+    return "alpha" not in free and (across is None or across.canonical() == 0)
 
 
 def prepare(study: SimulateStudy) -> Simulation:
@@ -86,10 +82,7 @@ def prepare(study: SimulateStudy) -> Simulation:
     StudyError
         With every problem of scene, method, outputs, settings and parameters.
     """
-    across = study.values().get("alpha")
-    planar = across is None or across.canonical() == 0
-
-    chosen = _choose(study.scene, study.method, planar)
+    chosen = _choose(study.scene, study.method, stays_planar(study.values()))
     scene, method, _ = chosen
     settings = study.settings()
     # `motion_status` tells how each value was found: it is never left out.
@@ -121,8 +114,8 @@ def further(content: Mapping[str, Any], known: StudyError) -> list[Problem]:
 def find_system(name: str, method: str | None, planar: bool = True) -> tuple[Scene, str]:
     """Return a system and the method in force.
 
-    Where none is named that is `events` if the motion stays in one vertical plane and the system
-    has that method, else the system's own choice.
+    Where none is named that is the one for motion in a vertical plane, if the motion stays in it
+    and the system has such a method, else the system's own choice.
 
     Raises
     ------
@@ -137,8 +130,9 @@ def find_system(name: str, method: str | None, planar: bool = True) -> tuple[Sce
 
 def _choose(name: str, method: str | None, planar: bool) -> Chosen:
     scene, chosen, problems = choose_scene(name, method, SYSTEMS)
-    if chosen != method and planar and PLANAR_METHOD in scene.variants:
-        chosen = PLANAR_METHOD
+    if chosen != method and planar:
+        methods = methods_of(name)
+        chosen = next((one for one in scene.variants if methods[one].planar), chosen)
     return scene, chosen, problems
 
 
@@ -161,7 +155,8 @@ def _wrong_course(study: SimulateStudy, scene: Scene, method: str) -> list[Probl
         ranged = ", ".join(QUANTITIES[name].label.lower() for name in axes)
         fix = f"Give one value of {', '.join(axes)}, or leave trajectory out"
         problems.append(Problem("trajectory", f"it shows one point, and {ranged} is ranged", fix))
-    followed = list(COURSES[scene.name])
+    methods = methods_of(scene.name)
+    followed = [name for name in scene.variants if methods[name].course is not None]
     if method not in followed:
         fix = f"Set method to {' or '.join(followed)}"
         message = f"the method {method} of {scene.name} gives means only"

@@ -14,8 +14,10 @@ from core.dataset.table import (
     quantity_attributes,
     regime_attributes,
 )
-from core.motion.course import COURSE_FLAGS, COURSES, Course
+from core.motion.course import COURSE_FLAGS, Course, CourseAsked
+from core.motion.groups import Contacts
 from core.motion.prepare import Simulation, prepare
+from core.motion.systems import CONTACTS
 from core.motion.verify import accuracy, verified
 from core.plan.equations import regimes, run_equations
 from core.plan.labels import coordinates_of, global_attributes, outputs_of
@@ -106,11 +108,13 @@ def _evaluate(prepared: Simulation, watch: Watch) -> dict[str, Any]:
 
 def _course(prepared: Simulation, known: dict[str, Any]) -> Course:
     """Return what the part does at the asked times."""
-    asked = prepared.study.trajectory
-    assert asked is not None
-    motion = next(e for e in prepared.plan.equations if e.takes_long)
+    samples, scene = prepared.study.trajectory, prepared.plan.scene.name
+    follow = prepared.method.course
+    assert samples is not None
+    assert follow is not None  # the study would have been refused
+    motion = next(equation for equation in prepared.plan.equations if equation.takes_long)
     arguments = {name: known[name] for name in motion.inputs}
-    return COURSES[prepared.plan.scene.name][prepared.plan.variant](asked, arguments, known)
+    return follow(CONTACTS.get(scene, Contacts()))(CourseAsked(samples, arguments, known))
 
 
 def _squeezed(prepared: Simulation, name: str, values: NDArray[Any]) -> NDArray[Any]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array, Mask, ratio
-from core.motion.motion import Motion
+from core.motion.result import Motion
 
 
 def drive_number(*, vibration_acceleration: Array, gravity: Array) -> Array:

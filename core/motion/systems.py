@@ -1,21 +1,24 @@
 """The systems that can be simulated: a scene's coordinates and contacts, by method.
 
 The systems are scenes of their own: the same parameters, other equations. What a closed-form scene
-calls a variant is a method here. Nothing that computes is loaded before it is called.
+calls a variant is a method here: every method of `METHODS` that follows the contacts of a system is
+one of its variants. Nothing that computes is loaded before it is called.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 
 import numpy as np
 
 from core.mechanics import vibration
 from core.mechanics.arrays import Mask
-from core.motion import methods, scales
-from core.motion.motion import STATUS, Motion
-from core.motion.planar import planar_motion
+from core.motion import groups, scales
+from core.motion.groups import SOLID_CYLINDER, Contacts
+from core.motion.method import Method
+from core.motion.methods import METHODS
+from core.motion.result import STATUS, Motion
 from core.motion.tumbling_scene import cylinder, rectangle, tumbling_scene
 from core.scenes.scene import (
     STANDARD_GRAVITY,
@@ -39,7 +42,7 @@ def _has_status(*names: str) -> Callable[..., Mask]:
 
 def _is_stuck(*, motion: Motion) -> Mask:
     """Return where friction holds the part all the time."""
-    return motion.stick == 1
+    return motion.only("stick")
 
 
 def _is_period_doubled(*, motion: Motion) -> Mask:
@@ -49,7 +52,7 @@ def _is_period_doubled(*, motion: Motion) -> Mask:
 
 def _hops_on(*, motion: Motion) -> Mask:
     """Return where the part is in the air all the time but for impacts."""
-    return motion.flight >= 1 - 1e-12
+    return motion.only("flight")
 
 
 def _hops(*, motion: Motion) -> Mask:
@@ -119,125 +122,97 @@ TRACK_SCALES = (
     Equation("curvature_number", scales.curvature_number, "theory 13.10"),
 )
 
-PLANE_DEFAULTS = {
-    "alpha": 0.0,
-    "gamma": 0.0,
-    "gravity": STANDARD_GRAVITY,
-    "restitution": 0.0,
-    "tolerance": 1e-12,
-    "most_periods": 1000.0,
-}
-STEPPING_DEFAULTS = {"steps_per_period": 1000.0, "most_periods": 200.0}
-REGULARISED_DEFAULTS = {
-    "tolerance": 1e-7,
-    "most_periods": 100.0,
-    "slip_speed": 1e-4,
-    "contact_stiffness": 1e8,
-}
+PLANAR = (*PLANAR_SCALES, Equation("groups", groups.planar_groups, "theory 13.2"))
+ON_FLOOR = (*SPATIAL_SCALES, Equation("groups", groups.floor_groups, "theory 13.1"))
+ON_TRACK = (*TRACK_SCALES, Equation("groups", groups.track_groups, "theory 13.1"))
 
-PLANAR = Constraint(
-    ("alpha",),
-    lambda least, largest: least == largest == 0.0,
-    "the method events follows motion in one vertical plane, with alpha = 0",
-    "Leave alpha out, or set method = 'time-stepping'",
-    variant="events",
-)
 DRIVEN = Constraint(
     ("frequency",),
     lambda least, largest: least >= 1e-9 and largest <= 1e12,
     "there is no period to take a mean over, or one that floating numbers do not hold",
     "Give a frequency from 1e-9 Hz to 1e12 Hz",
 )
-MOST_FRICTION = tuple(
-    Constraint(
-        (name,),
-        lambda _, largest: largest <= 1000,
-        "the reference method integrates friction, and loses its digits above 1000",
-        "Give at most 1000, or set method = 'events'",
-        variant="reference",
-    )
-    for name in ("friction", "friction_kinetic")
-)
+DEFAULTS = {"alpha": 0.0, "gamma": 0.0, "gravity": STANDARD_GRAVITY, "restitution": 0.0}
 VALIDITY = (
     "The part is a point with contact conditions: it does not tip. It starts at rest on the floor. "
     "Mean values are those of the motion that it falls into."
 )
 
 
-def _plane(name: str, title: str, rolling: float) -> Scene:
-    def motion(scale: tuple[Equation, ...], function: Callable[..., Motion], source: str) -> Any:
-        return (*scale, Equation("motion", function, source), *RESULTS)
+def _conveying(
+    name: str,
+    title: str,
+    contacts: Contacts,
+    *,
+    in_space: tuple[Equation, ...],
+    defaults: Mapping[str, float] = MappingProxyType({}),
+    more: str = "",
+) -> Scene:
+    """Return the system of a part that is conveyed; `in_space` are its scales and groups."""
+    methods = [one for one in METHODS["conveying"].values() if one.follows(contacts)]
 
-    variants = {
-        "events": motion(PLANAR_SCALES, planar_motion, "theory 13.2-13.8"),
-        "time-stepping": motion(SPATIAL_SCALES, methods.stepped_on_plane(rolling), "theory 13.9"),
-        "reference": motion(SPATIAL_SCALES, methods.reference_on_plane(rolling), "theory 13.1"),
-    }
-    # Regularised friction acts on the part itself, so that only a block has it in space.
-    solvers = {"regularised": "Radau", "regularised-BDF": "BDF", "regularised-LSODA": "LSODA"}
-    if rolling == 0:
-        variants |= {
-            method: motion(SPATIAL_SCALES, methods.regularised_by(solver), "theory 13.1")
-            for method, solver in solvers.items()
-        }
+    def equations(method: Method) -> tuple[Equation, ...]:
+        motion = Equation("motion", method.follow(contacts), method.source)
+        return (*(PLANAR if method.planar else in_space), motion, *RESULTS)
+
     return Scene(
         name=name,
         title=title,
         source="theory 13",
-        validity=VALIDITY,
-        variants=variants,
+        validity=VALIDITY + more,
+        variants={method.name: equations(method) for method in methods},
         default_variant="time-stepping",
-        conditions=dict.fromkeys(variants, CONDITIONS),
-        defaults=PLANE_DEFAULTS,
-        constraints=(STATIC_ABOVE_KINETIC, DRIVEN, PLANAR, *MOST_FRICTION),
+        conditions={method.name: CONDITIONS for method in methods},
+        defaults={**DEFAULTS, **defaults},
+        constraints=(
+            STATIC_ABOVE_KINETIC,
+            DRIVEN,
+            *(refusal for method in methods for refusal in method.refuses),
+        ),
         choice="method",
-        variant_defaults={
-            "time-stepping": STEPPING_DEFAULTS,
-            "reference": {"most_periods": 100.0},
-            **dict.fromkeys(solvers, REGULARISED_DEFAULTS),
-        },
+        variant_defaults={method.name: method.defaults for method in methods},
     )
 
 
-TRACK = Scene(
-    name="rectangle-on-track",
-    title="Motion in time of a rectangular part on the track, with floor and wall",
-    source="theory 13",
-    validity=VALIDITY + " The wall has the friction and the restitution of the floor. The track is "
-    "straight unless the study gives its radius.",
-    variants={
-        "time-stepping": (
-            *TRACK_SCALES,
-            Equation("motion", methods.stepped_on_track, "theory 13.1, 13.9"),
-            *RESULTS,
-        ),
-        "reference": (
-            *TRACK_SCALES,
-            Equation("motion", methods.reference_on_track, "theory 13.1"),
-            *RESULTS,
-        ),
-    },
-    default_variant="time-stepping",
-    conditions={"time-stepping": CONDITIONS, "reference": CONDITIONS},
-    defaults={**PLANE_DEFAULTS, "delta": 0.0, "curvature_number": 0.0},
-    constraints=(STATIC_ABOVE_KINETIC, DRIVEN, *MOST_FRICTION),
-    choice="method",
-    variant_defaults={"time-stepping": STEPPING_DEFAULTS, "reference": {"most_periods": 100.0}},
-)
-
+CONTACTS: dict[str, Contacts] = {
+    "rectangle-on-plane": Contacts(),
+    "cylinder-on-plane": Contacts(rolling=SOLID_CYLINDER),
+    "rectangle-on-track": Contacts(wall=True),
+}
+"""What the parts that are conveyed can touch, by the name of their scene."""
 
 SYSTEMS: dict[str, Scene] = {
-    system.name: system
-    for system in (
-        _plane("rectangle-on-plane", "Motion in time of a rectangular part on a plane", 0.0),
-        _plane(
-            "cylinder-on-plane",
-            "Motion in time of a cylinder on a plane, its axis along the track",
-            methods.SOLID_CYLINDER,
-        ),
-        TRACK,
-        tumbling_scene("rectangle-isolated", "Tumbling rectangular part on a plane", rectangle),
-        tumbling_scene("cylinder-isolated", "Tumbling cylindrical part on a plane", cylinder),
-    )
+    "rectangle-on-plane": _conveying(
+        "rectangle-on-plane",
+        "Motion in time of a rectangular part on a plane",
+        CONTACTS["rectangle-on-plane"],
+        in_space=ON_FLOOR,
+    ),
+    "cylinder-on-plane": _conveying(
+        "cylinder-on-plane",
+        "Motion in time of a cylinder on a plane, its axis along the track",
+        CONTACTS["cylinder-on-plane"],
+        in_space=ON_FLOOR,
+    ),
+    "rectangle-on-track": _conveying(
+        "rectangle-on-track",
+        "Motion in time of a rectangular part on the track, with floor and wall",
+        CONTACTS["rectangle-on-track"],
+        in_space=ON_TRACK,
+        defaults={"delta": 0.0, "curvature_number": 0.0},
+        more=" The wall has the friction and the restitution of the floor. The track is straight "
+        "unless the study gives its radius.",
+    ),
+    "rectangle-isolated": tumbling_scene(
+        "rectangle-isolated", "Tumbling rectangular part on a plane", rectangle
+    ),
+    "cylinder-isolated": tumbling_scene(
+        "cylinder-isolated", "Tumbling cylindrical part on a plane", cylinder
+    ),
 }
 """Every system that can be simulated, by the name of its scene."""
+
+
+def methods_of(scene: str) -> Mapping[str, Method]:
+    """Return the methods that a system has, and others of its sort, by name."""
+    return METHODS["conveying" if scene in CONTACTS else "tumbling"]

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import wraps
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array, Mask
-from core.motion.motion import STATUS
-from core.motion.tumbling import Cylinder, Method, Part, Rectangle, Tumble, tumbling_motion
+from core.motion.bodies import Cylinder, Part, Rectangle
+from core.motion.groups import Contacts
+from core.motion.methods import METHODS
+from core.motion.methods.tumbling import Throw, Tumble
+from core.motion.result import STATUS
 from core.scenes.scene import STANDARD_GRAVITY, STATIC_ABOVE_KINETIC, Condition, Equation, Scene
-from core.watch import Watch
 
 
 def rectangle(*, length: Array, height: Array) -> Part:
@@ -26,7 +26,7 @@ def cylinder(*, length: Array, diameter: Array) -> Part:
     return Cylinder(length, diameter)
 
 
-def tumble(
+def throw(
     *,
     tumbling_part: Part,
     friction_static: Array,
@@ -43,11 +43,9 @@ def tumble(
     velocity_along: Array,
     velocity_upward: Array,
     pitch_rate: Array,
-    method: Method = "events",
-    watch: Watch | None = None,
-) -> Tumble:
-    """Return how the part tumbles from its start to the end of the duration."""
-    return tumbling_motion(
+) -> Throw:
+    """Return the part, the plane and the start."""
+    return Throw(
         part=tumbling_part,
         friction_static=friction_static,
         friction_kinetic=friction_kinetic,
@@ -63,16 +61,7 @@ def tumble(
         velocity_along=velocity_along,
         velocity_upward=velocity_upward,
         pitch_rate=pitch_rate,
-        law="pfeiffer_glocker" if method == "events" else "moreau",
-        method=method,
-        watch=watch,
     )
-
-
-@wraps(tumble)
-def stepped_tumble(**arguments: Any) -> Tumble:
-    """Return the same by time stepping."""
-    return tumble(**arguments, method="stepping")
 
 
 def final_pitch(*, tumble: Tumble) -> Array:
@@ -144,7 +133,10 @@ CONDITIONS = (
 
 def tumbling_scene(name: str, title: str, part: Callable[..., Part]) -> Scene:
     """Return the system of a tumbling part of one shape."""
-    body = Equation("tumbling_part", part, "theory 2.1")
+    numbers = (
+        Equation("tumbling_part", part, "theory 2.1"),
+        Equation("throw", throw, "theory 2.1"),
+    )
     return Scene(
         name=name,
         title=title,
@@ -153,11 +145,15 @@ def tumbling_scene(name: str, title: str, part: Callable[..., Part]) -> Scene:
         "the plane with its corners, rocks, slides, and comes to rest on a side. After many "
         "impacts with much restitution its details depend on the last digit.",
         variants={
-            "events": (body, Equation("tumble", tumble, "theory 2.3, 5.3"), *RESULTS),
-            "time-stepping": (body, Equation("tumble", stepped_tumble, "theory 13.9"), *RESULTS),
+            method.name: (
+                *numbers,
+                Equation("tumble", method.follow(Contacts()), method.source),
+                *RESULTS,
+            )
+            for method in METHODS["tumbling"].values()
         },
         default_variant="events",
-        conditions={"events": CONDITIONS, "time-stepping": CONDITIONS},
+        conditions=dict.fromkeys(METHODS["tumbling"], CONDITIONS),
         defaults={
             "gamma": 0.0,
             "gravity": STANDARD_GRAVITY,

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.motion.motion import STATUS
 from core.motion.prepare import ERROR, Simulation, other_method
+from core.motion.result import STATUS
+from core.motion.systems import methods_of
 from core.plan.equations import run_equations
 from core.plan.grid import from_si
 from core.plan.plan import Plan, plan_scene, scene_parameters
@@ -24,17 +25,10 @@ SOUND = [STATUS[name] for name in ("periodic", "at_rest", "neutral", "settled")]
 NOT_COMPARED = (ERROR, "motion_status", "impacts_per_period", "impact_count")
 """What each method has of its own: of shrinking hops each counts those that it resolves."""
 
-ERRORS = {
-    "events": "rounding, where the motion repeats",
-    "time-stepping": "of first order in the step; of second for a planar motion without hops",
-    "reference": "about ten digits, where the motion repeats",
-    "regularised": "falls with slip_speed and with the inverse of contact_stiffness",
-}
-
 
 def accuracy(plan: Plan) -> str:
     """Return what is known of the error of a method, in words."""
-    text = ERRORS[plan.variant.partition("-B")[0].partition("-L")[0]]
+    text = methods_of(plan.scene.name)[plan.variant].accuracy
     if ERROR in plan.outputs:
         return f"{text}; {ERROR} states it for each cell"
     if ERROR in plan.scene.outputs(plan.variant):
@@ -164,9 +158,9 @@ def verified(
         return {}
     plan = prepared.plan
     sample = sample_of(prepared, arrays, ("motion_status", STATUS["not_computed"]))
-    method = other_method(plan.scene, plan.variant, prepared.grid)
-    assert method is not None  # the study would have been refused
-    against = f"the method {method}"
+    other = other_method(plan, prepared.grid)
+    assert other is not None  # the study would have been refused
+    against = f"the method {other.name}"
     if not sample.count or watch.stopped():
         return sample.told(against)
     cells = prepared.grid.at(sample.places, sample.count, plan.parameters)
@@ -174,7 +168,7 @@ def verified(
         name: np.asarray(from_si(name, sample.at(arrays[name], prepared.dims[name])))
         for name in plan.outputs
     }
-    found = compare(plan, cells, got, method, watch)
+    found = compare(plan, cells, got, other.name, watch)
     evaluated, compared = int(found.evaluated.sum()), int(found.compared.sum())
     worst = found.in_words(sample.where(found.cell)) if evaluated else ""
     return sample.told(against, worst, evaluated=evaluated, compared=compared)

@@ -11,7 +11,8 @@ import numpy as np
 
 from core.errors import Problem as Wrong
 from core.errors import StudyError, suggestion
-from core.motion.prepare import SECONDS_A_CELL, find_system, other_method
+from core.motion.method import Method
+from core.motion.prepare import find_system, other_method, stays_planar
 from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS, default_method, refusal
 from core.optimise.problem import CONTACTS, LIMIT, Kept, Problem, Variable
@@ -98,24 +99,23 @@ class Optimisation(Prepared):
         return QUICK_SECONDS if self.method in QUICK else OTHER_SECONDS
 
     @property
-    def other_motion(self) -> str | None:
+    def other_motion(self) -> Method | None:
         """The method that follows the motions again, if the outputs are those of a motion."""
-        plan, names = self.plan, self.problem.names
-        return other_method(plan.scene, plan.variant, self.designs, names)
+        return other_method(self.plan, self.designs, self.problem.names)
 
     @property
     def verified_by(self) -> str:
         """As in `Prepared`."""
         if not self.problem.is_motion:
             return super().verified_by
-        return f"the method {self.other_motion}" if self.other_motion else ""
+        return f"the method {self.other_motion.name}" if self.other_motion else ""
 
     @property
     def seconds_a_verified_cell(self) -> float:
         """As in `Prepared`."""
         if not self.problem.is_motion:
             return super().seconds_a_verified_cell + RIVAL_SECONDS
-        return SECONDS_A_CELL[self.other_motion] if self.other_motion else 0.0
+        return self.other_motion.seconds_a_cell if self.other_motion else 0.0
 
     @property
     def cut_axes(self) -> tuple[str, ...]:
@@ -145,7 +145,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     problems: list[Wrong] = []
     asked = tuple(dict.fromkeys((*_criterion_outputs(study), *study.outputs)))
     scene, variant, wrong_variant = choose_problem_scene(
-        study.scene, study.variant, asked, _is_planar(study, values)
+        study.scene, study.variant, asked, stays_planar(values, study.bounds())
     )
     kept = tuple(_kept(study, scene, variant))
     outputs = tuple(dict.fromkeys((*asked, *(one.output for one in kept))))
@@ -258,11 +258,6 @@ def choose_problem_scene(
 def _criterion_outputs(study: OptimiseStudy) -> tuple[str, ...]:
     against = getattr(study.criterion, "against", None)
     return (study.criterion.output, *((against,) if against else ()))
-
-
-def _is_planar(study: OptimiseStudy, values: Mapping[str, Values]) -> bool:
-    across = values.get("alpha")
-    return "alpha" not in study.bounds() and (across is None or across.canonical() == 0)
 
 
 def _kept(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[Kept]:

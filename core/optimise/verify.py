@@ -121,7 +121,9 @@ def _outputs(
         got = {name: known[name][chosen] for name in names}
         other = prepared.other_motion
         assert other is not None  # the study would have been refused
-        return compare(plan, cells, got, other, watch), f"the motion by the method {other}"
+        return compare(
+            plan, cells, got, other.name, watch
+        ), f"the motion by the method {other.name}"
     values = {name: np.asarray(to_si(name, known[name][chosen])) for name in names}
     return rounding_of(plan, cells, values, watch), AGAINST
 

@@ -38,6 +38,7 @@ SCALES: dict[str, Quantity] = {
     "length_scale": Quantity(
         "m", "g/w^2", "Length scale", "Gravity over circular frequency squared."
     ),
+    "groups": Quantity("1", "", "Groups", "The dimensionless numbers of a part.", bundle=True),
     "motion": Quantity(
         "1", "", "Motion", "Motion over a period, in the scales of the drive.", bundle=True
     ),
@@ -130,6 +131,7 @@ TUMBLING: dict[str, Quantity] = {
         "J kg-1", "e_l", "Energy lost per mass", "Energy that impacts and friction took."
     ),
     "tumbling_part": Quantity("1", "", "Tumbling part", "Its shape and size.", bundle=True),
+    "throw": Quantity("1", "", "Throw", "The tumbling part, the plane, the start.", bundle=True),
     "path_along": Quantity("m", "x", "Centre along the plane", "Place of the centre."),
     "path_height": Quantity("m", "y", "Height of the centre", "Height of the centre."),
     "path_pitch": Quantity("degree", "xi", "Pitch", "Pitch, clockwise, with all its turns."),

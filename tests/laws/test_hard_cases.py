@@ -24,7 +24,7 @@ from core.accuracy.extremes import (
 )
 from core.accuracy.hard_cases import HARD_CASES, HardCase
 from core.accuracy.textbook import Answer, exact
-from core.motion import motion
+from core.motion import cells
 from core.watch import Watch
 
 BY_NAME = {case.name: case for case in HARD_CASES}
@@ -99,14 +99,14 @@ def test_names_are_unique_and_every_family_has_cases() -> None:
 
 def test_equal_cells_of_motion_are_found_to_be_equal(monkeypatch: pytest.MonkeyPatch) -> None:
     computed = []
-    different = motion._different
+    different = cells._different
 
     def watched(groups: np.ndarray) -> tuple:
         rows, where = different(groups)
         computed.append((groups.shape[0], rows.shape[0]))
         return rows, where
 
-    monkeypatch.setattr(motion, "_different", watched)
+    monkeypatch.setattr(cells, "_different", watched)
     extremes.result_of(BY_NAME["equal cells of motion"].content)
     assert computed == [(4, 3)]
 

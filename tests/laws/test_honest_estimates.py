@@ -16,8 +16,8 @@ from benchmarks.honest_estimates import (
     random_groups,
     rated,
 )
-from core.motion.motion import STATUS
-from core.motion.planar import planar_motion
+from benchmarks.motions import planar_motion
+from core.motion.result import STATUS
 
 STUDIES = {"stepping": 800, "spatial": 800, "events": 800, "chaos": 300}
 

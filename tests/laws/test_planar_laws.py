@@ -9,8 +9,8 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from core.motion.motion import Motion
-from core.motion.planar import planar_motion, planar_path
+from benchmarks.motions import planar_motion, planar_path
+from core.motion.result import Motion
 from core.quantities import MOTION_STATUSES
 
 STATUS = {name: flag.value for name, flag in MOTION_STATUSES.items()}

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.motion.motion import STATUS
-from core.motion.reference import reference_motion, reference_path
-from core.motion.stepping import stepped_path
+from benchmarks.motions import reference_motion, reference_path, stepped_path
+from core.motion.result import STATUS
 
 GRAVITY = 9.8
 NO_DRIVE: dict[str, Any] = {

@@ -8,19 +8,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from core.motion import regularised
-from core.motion.motion import STATUS
-from core.motion.regularised import (
-    COARSER,
-    PEAK,
-    SAFETY,
-    SOFTER,
-    SOLVERS,
-    TWICE_COARSER,
-    Cell,
-    laws,
-    regularised_motion,
-)
+from benchmarks.motions import regularised_motion
+from core.motion.methods import regularised
+from core.motion.methods.regularised import COARSER, SAFETY, SOFTER, SOLVERS, TWICE_COARSER
+from core.motion.methods.regularised.laws import PEAK, Cell, laws
+from core.motion.result import STATUS
 
 RANDOM = np.random.default_rng(139)
 GRAVITY = 9.8

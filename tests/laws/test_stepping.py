@@ -10,9 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.motion.motion import STATUS
-from core.motion.reference import reference_motion, reference_path
-from core.motion.stepping import planar_stepped_motion, stepped_motion, stepped_path
+from benchmarks.motions import (
+    planar_stepped_motion,
+    reference_motion,
+    reference_path,
+    stepped_motion,
+    stepped_path,
+)
+from core.motion.result import STATUS
 
 GRAVITY = 9.8
 NO_DRIVE: dict[str, Any] = {
@@ -341,6 +346,6 @@ def test_what_is_refused() -> None:
 
 
 def test_the_module_loads_no_compiler() -> None:
-    code = "import sys, core.motion.stepping; print('numba' in sys.modules)"
+    code = "import sys, core.motion.methods.stepping; print('numba' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"

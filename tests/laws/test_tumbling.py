@@ -8,10 +8,12 @@ import sys
 import numpy as np
 import pytest
 
+from benchmarks.motions import tumbling_motion, tumbling_path
 from core.mechanics import impact
+from core.motion.bodies import Ball, Cylinder, Rectangle
 from core.motion.kernels import tumbling as kernel
-from core.motion.motion import STATUS
-from core.motion.tumbling import Ball, Cylinder, Rectangle, tumbling_motion, tumbling_path
+from core.motion.methods import tumbling
+from core.motion.result import STATUS
 
 GRAVITY = 9.81
 LAWS = ["pfeiffer_glocker", "moreau"]
@@ -173,14 +175,8 @@ def test_an_impact_of_a_corner_is_that_of_the_impact_scenes(law, shape):
 
 
 def cells_of(part, **given):
-    from core.motion import tumbling
-
-    defaults = dict.fromkeys(
-        ("gamma", "frequency", "amplitude", "beta", "start_phase", "gap_normal", "pitch",
-         "velocity_along", "velocity_upward", "pitch_rate"), 0.0,
-    )  # fmt: skip
     rest = {"friction_static": None, "gravity": GRAVITY, "duration": 1.0, "time_step": None}
-    return tumbling._cells(part=part, **{**defaults, **rest, **given})
+    return tumbling._cells(tumbling.Throw(part=part, **{**rest, **given}))
 
 
 @pytest.mark.parametrize("eps", [0.0, 0.4, 1.0])
@@ -435,5 +431,5 @@ def test_arguments_broadcast():
 
 
 def test_the_public_module_loads_without_the_compiler():
-    code = "import sys, core.motion.tumbling; sys.exit('numba' in sys.modules)"
+    code = "import sys, core.motion.methods.tumbling; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

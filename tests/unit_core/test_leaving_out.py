@@ -23,7 +23,7 @@ from core.accuracy.leaving_out import (
     to_markdown,
     to_table,
 )
-from core.motion import methods
+from core.motion.methods import stepping
 from core.motion.systems import SYSTEMS
 from core.scenes import ALIASES, SCENES
 
@@ -137,11 +137,14 @@ def test_nothing_across_is_carried_where_nothing_drives_across(monkeypatch):
     scene = SYSTEMS["rectangle-on-plane"]
     content = study_of(scene, "time-stepping", "conveying_velocity")
 
-    def refuse(**_):
-        raise AssertionError("a motion in space was asked for")
+    run = stepping.stepped_motion
+
+    def refuse(*arguments, planar, **settings):
+        assert planar, "a motion in space was asked for"
+        return run(*arguments, planar=planar, **settings)
 
     along = {**content, "parameters": {**content["parameters"], "alpha": 0.0}}
-    monkeypatch.setattr(methods, "stepped_motion", refuse)
+    monkeypatch.setattr(stepping, "stepped_motion", refuse)
     kinds.tabulate(kinds.prepare_content(along))
     with pytest.raises(AssertionError, match="in space"):
         kinds.tabulate(kinds.prepare_content(content))

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from core.motion.planar import planar_motion, planar_path
+from benchmarks.motions import planar_motion, planar_path
 from core.quantities import MOTION_STATUSES
 
 STATUS = {name: flag.value for name, flag in MOTION_STATUSES.items()}

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from core.motion.planar import planar_motion
+from benchmarks.motions import planar_motion
 from core.optimise.search import MESSAGES, search_many, search_maximum
 from core.watch import Watch
 

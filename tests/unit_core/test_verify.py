@@ -20,6 +20,7 @@ from app.store import Store
 from core.catalogue import study_schema
 from core.errors import StudyError
 from core.kinds import KINDS, is_whole, prepare_content, tabulate
+from core.motion.methods import METHODS
 from core.plan.pieces import Computed, Cut, join
 from core.plan.sample import chosen_places
 from core.scenes import SCENES
@@ -459,8 +460,8 @@ def test_the_schema_has_it():
 
 
 def test_a_motion_without_another_method_is_refused(monkeypatch):
-    others = motion_prepare.OTHERS
-    monkeypatch.setattr(motion_prepare, "OTHERS", dict.fromkeys(others, ()))
+    alone = {name: replace(one, checked_by=()) for name, one in METHODS["conveying"].items()}
+    monkeypatch.setattr(motion_prepare, "methods_of", lambda scene: alone)
     with pytest.raises(StudyError, match="no other method"):
         prepare_content(MOTION)
 

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from core.motion.compiled import compiled
-from core.motion.motion import STATUS, Motion
+from core.motion.result import STATUS, Motion
 from core.quantities import MOTION_MODES
 
 PERIODIC = STATUS["periodic"]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.motion.compiled import compiled
-from core.motion.motion import STATUS
+from core.motion.result import STATUS
 
 Floats = NDArray[np.float64]
 

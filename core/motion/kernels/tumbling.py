@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.motion.compiled import compiled
-from core.motion.motion import STATUS
+from core.motion.result import STATUS
 
 LIMIT_REACHED, SETTLED = STATUS["limit_reached"], STATUS["settled"]
 NO_SOLUTION, MOVING = STATUS["no_solution"], STATUS["moving"]

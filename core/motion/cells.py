@@ -1,69 +1,16 @@
-"""The result of every method, and how cells are shared out among threads."""
+"""How cells are shared out among threads, whatever the kernel."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.quantities import MOTION_STATUSES
+from core.motion.result import COLUMNS, STATUS
 from core.watch import Watch
-
-
-class Motion(NamedTuple):
-    """Motion over a period of the drive once it repeats, in the scales of the drive.
-
-    All arrays have one shape, that of the arguments broadcast. Lengths are in g/w^2, velocities in
-    g/w, times in 1/w, where w is the circular frequency (theory 13.8).
-
-    Attributes
-    ----------
-    velocity : ndarray
-        Mean velocity along the track; NaN where there is none.
-    spread : ndarray
-        Standard deviation of the means of runs from several phases; 0 where the motion repeats.
-    error : ndarray
-        Estimate of the error of `velocity` by the method itself.
-    stick, forward, backward, flight : ndarray
-        Fractions of the period; they add up to 1.
-    impacts : ndarray
-        Impacts on the floor per period; a run of ever smaller hops counts as those resolved.
-    landing_speed : ndarray
-        Largest speed normal to the floor before an impact.
-    hop_height : ndarray
-        Largest distance from the floor.
-    multiple : ndarray
-        Periods of the drive after which the motion repeats; 0 where it does not.
-    status : ndarray of int8
-        Value of a `MOTION_STATUSES` entry.
-    """
-
-    velocity: Array
-    spread: Array
-    error: Array
-    stick: Array
-    forward: Array
-    backward: Array
-    flight: Array
-    impacts: Array
-    landing_speed: Array
-    hop_height: Array
-    multiple: Array
-    status: NDArray[np.int8]
-
-
-STATUS: Mapping[str, int] = {name: flag.value for name, flag in MOTION_STATUSES.items()}
-
-ANSWERED = ("periodic", "at_rest", "aperiodic", "neutral")
-"""Statuses of cells that have a mean velocity."""
-
-COLUMNS = len(Motion._fields) - 1
-"""Columns of a kernel's table, one a field of `Motion` in its order, without the status."""
 
 Kernel = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int8]], object]
 
@@ -121,28 +68,6 @@ def run_cells(
             for done in pool.map(run, starts):
                 watch.advance(done / cells)
     return (table, status) if where is None else (table[where], status[where])
-
-
-def motion_of(
-    table: NDArray[np.float64], status: NDArray[np.int8], shape: tuple[int, ...]
-) -> Motion:
-    """Return a kernel's table as a `Motion` of arrays of a shape."""
-    columns = [np.ascontiguousarray(column).reshape(shape) for column in table.T]
-    return checked(Motion._make([*columns, status.reshape(shape)]))
-
-
-def checked(motion: Motion) -> Motion:
-    """Return the motion with no value passed off as an answer that is none.
-
-    A cell that overflowed, or that was in the air all along without landing, has `limit_reached`.
-    """
-    answered = np.isin(motion.status, [STATUS[name] for name in ANSWERED])
-    finite = np.logical_and.reduce([np.isfinite(field) for field in motion[:-1]])
-    never_landed = (motion.flight > 0) & (motion.impacts == 0)
-    lost = answered & (~finite | never_landed)
-    fields = [np.where(lost, np.nan, field) for field in motion[:-1]]
-    status = np.where(lost, np.int8(STATUS["limit_reached"]), motion.status)
-    return Motion._make([*fields, status])
 
 
 def _different(

@@ -1,0 +1,72 @@
+"""The bodies that tumble: what their shape and mass mean for motion in a vertical plane."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from core.mechanics.arrays import Array
+from core.scenes import cylinder_isolated, rectangle_isolated
+
+
+class Body(NamedTuple):
+    """The numbers of a part's motion (theory 2.1); `turning` is 0 of a ball, which has no sides."""
+
+    half_diagonal: Array
+    inertia_ratio: Array
+    corner_angle: Array
+    turning: Array
+
+
+class Rectangle(NamedTuple):
+    """A rectangular part; at pitch 0 it lies on a side of its length [m]."""
+
+    length: ArrayLike
+    height: ArrayLike
+
+    def body(self) -> Body:
+        """Return the numbers of its motion (theory 2.1)."""
+        h, b = (np.asarray(side, dtype=float) for side in self)
+        return Body(
+            rectangle_isolated.half_diagonal(height=b, length=h),
+            rectangle_isolated.inertia_ratio(),
+            rectangle_isolated.corner_angle(height=b, length=h),
+            np.ones(()),
+        )
+
+
+class Cylinder(NamedTuple):
+    """A cylindrical part whose axis stays in the plane of motion; at pitch 0 it lies on its side.
+
+    Its rim strikes the plane; it does not roll about its axis [m].
+    """
+
+    length: ArrayLike
+    diameter: ArrayLike
+
+    def body(self) -> Body:
+        """Return the numbers of its motion (theory 6)."""
+        h, d = (np.asarray(side, dtype=float) for side in self)
+        direction = cylinder_isolated.corner_direction(diameter=d, length=h)
+        return Body(
+            cylinder_isolated.half_diagonal(diameter=d, length=h),
+            cylinder_isolated.inertia_ratio(corner_direction=direction),
+            cylinder_isolated.corner_angle(diameter=d, length=h),
+            np.ones(()),
+        )
+
+
+class Ball(NamedTuple):
+    """A ball, whose one contact lies below its centre [m]."""
+
+    radius: ArrayLike
+
+    def body(self) -> Body:
+        """Return the numbers of its motion; m R^2/I = 5/2."""
+        radius = np.asarray(self.radius, dtype=float)
+        return Body(radius, np.full((), 2.5), np.full((), np.pi / 2), np.zeros(()))
+
+
+Part = Rectangle | Cylinder | Ball

@@ -1,0 +1,176 @@
+"""The groups: the dimensionless numbers of a part, one bundle from the plan to a method's edge.
+
+Lengths are in g/w^2, velocities in g/w and accelerations in g, where w is the circular frequency of
+the drive (theory 13.8): equal groups move alike, whatever their size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.mechanics.arrays import Array
+
+Numbers: TypeAlias = Any
+"""An array of many parts, or the plain number of one."""
+
+
+class Groups(NamedTuple):
+    """The numbers that the motion of a part depends on; fields broadcast.
+
+    What a scene has not is left at 0, which costs no array.
+
+    Attributes
+    ----------
+    drive_number_along, drive_number_across, drive_number_normal : array_like
+        Components of the drive's acceleration over g: A0 w^2/g times (cos(beta) cos(alpha),
+        cos(beta) sin(alpha), sin(beta)).
+    gravity_number_along, gravity_number_across, gravity_number_normal : array_like
+        sin(gamma), cos(gamma) sin(delta), cos(gamma) cos(delta).
+    curvature_number : array_like
+        g/(w^2 R); 0 for a straight track.
+    friction_static, friction_kinetic : array_like
+        Coefficients at the floor.
+    wall_friction : array_like
+        Coefficient at the wall.
+    restitution, wall_restitution : array_like
+        Of impacts on the floor and on the wall, 0 to 1.
+    """
+
+    drive_number_along: Numbers
+    drive_number_normal: Numbers
+    gravity_number_along: Numbers
+    gravity_number_normal: Numbers
+    friction_static: Numbers
+    friction_kinetic: Numbers
+    restitution: Numbers = 0.0
+    drive_number_across: Numbers = 0.0
+    gravity_number_across: Numbers = 0.0
+    curvature_number: Numbers = 0.0
+    wall_friction: Numbers = 0.0
+    wall_restitution: Numbers = 0.0
+
+    @property
+    def planar(self) -> bool:
+        """Whether nothing pushes any of the parts across the track."""
+        return not (np.any(self.drive_number_across) or np.any(self.gravity_number_across))
+
+    def single(self) -> Groups:
+        """Return the groups of one part as plain numbers; raise if there are several parts."""
+        return Groups._make(np.asarray(number).item() for number in self)
+
+
+class Contacts(NamedTuple):
+    """What a part can touch, and how it touches: no number of a cell but what a system is.
+
+    Attributes
+    ----------
+    wall : bool
+        Whether there is a wall beside the floor.
+    rolling : float
+        m r^2/I for a cylinder whose axis lies along the track; 0 for a block.
+    """
+
+    wall: bool = False
+    rolling: float = 0.0
+
+
+BLOCK_ON_FLOOR = Contacts()
+SOLID_CYLINDER = 2.0  # m r^2/I about its axis
+
+
+def table(columns: Iterable[ArrayLike]) -> tuple[NDArray[np.float64], tuple[int, ...]]:
+    """Return columns broadcast, one row a cell, and the shape of the cells."""
+    arrays = np.broadcast_arrays(*(np.asarray(column, dtype=np.float64) for column in columns))
+    return np.stack([array.ravel() for array in arrays], axis=-1), arrays[0].shape
+
+
+def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
+    """Return the groups of every cell as plain numbers, and the shape of the cells."""
+    rows, shape = table(groups)
+    return (Groups._make(row) for row in rows.tolist()), shape
+
+
+# --- as equations of a system
+
+
+def planar_groups(
+    *,
+    drive_number_along: Array,
+    drive_number_normal: Array,
+    gravity_number_along: Array,
+    gravity_number_normal: Array,
+    friction_static: Array,
+    friction_kinetic: Array,
+    restitution: Array,
+) -> Groups:
+    """Return the groups of a part that moves along the track and normal to it."""
+    return Groups(
+        drive_number_along,
+        drive_number_normal,
+        gravity_number_along,
+        gravity_number_normal,
+        friction_static,
+        friction_kinetic,
+        restitution,
+    )
+
+
+def floor_groups(
+    *,
+    drive_number_along: Array,
+    drive_number_across: Array,
+    drive_number_normal: Array,
+    gravity_number_along: Array,
+    gravity_number_normal: Array,
+    friction_static: Array,
+    friction_kinetic: Array,
+    restitution: Array,
+) -> Groups:
+    """Return the groups of a part that moves in space on a floor without a wall."""
+    return Groups(
+        drive_number_along,
+        drive_number_normal,
+        gravity_number_along,
+        gravity_number_normal,
+        friction_static,
+        friction_kinetic,
+        restitution,
+        drive_number_across,
+    )
+
+
+def track_groups(
+    *,
+    drive_number_along: Array,
+    drive_number_across: Array,
+    drive_number_normal: Array,
+    gravity_number_along: Array,
+    gravity_number_across: Array,
+    gravity_number_normal: Array,
+    curvature_number: Array,
+    friction_static: Array,
+    friction_kinetic: Array,
+    restitution: Array,
+) -> Groups:
+    """Return the groups of a part on floor and wall.
+
+    The wall has the kinetic friction and the restitution of the floor.
+    """
+    return Groups(
+        drive_number_along,
+        drive_number_normal,
+        gravity_number_along,
+        gravity_number_normal,
+        friction_static,
+        friction_kinetic,
+        restitution,
+        drive_number_across,
+        gravity_number_across,
+        curvature_number,
+        wall_friction=friction_kinetic,
+        wall_restitution=restitution,
+    )

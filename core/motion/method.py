@@ -1,0 +1,77 @@
+"""What a method of motion is: the one seam between a way of following a part and all the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+from core.motion.course import Course, CourseAsked
+from core.motion.groups import Contacts
+from core.scenes import Constraint
+
+Follow = Callable[..., Any]
+"""An equation: takes by keyword a part's numbers, the settings that it needs and a `watch`; returns
+a `Motion`, or a `Tumble` of a part that tumbles."""
+
+FollowCourse = Callable[[CourseAsked], Course]
+
+
+def everything(contacts: Contacts) -> bool:
+    """Return True: the method follows parts with any contacts."""
+    del contacts
+    return True
+
+
+@dataclass(frozen=True)
+class Method:
+    """One way to follow the motion of a part: what it takes, costs, knows of its error, refuses.
+
+    Attributes
+    ----------
+    name : str
+        As a study names it.
+    follow : callable
+        Takes the `Contacts` of a system; returns the equation that follows its cells.
+    source : str
+        Where the theory tells of it.
+    accuracy : str
+        What is known of its error, in words.
+    seconds_a_cell : float
+        Roughly what a cell takes on one core: enough to tell short from long.
+    seconds_a_bounce : float or None
+        The same of a cell with restitution, where that takes longer.
+    planar : bool
+        Whether it follows motion in one vertical plane only; it is then the default there.
+    defaults : mapping of str to float
+        Its settings where a study leaves them out.
+    course : callable or None
+        Takes the `Contacts` of a system; returns what follows one part in time. None if the method
+        gives means only.
+    checked_by : tuple of str
+        The methods by which it is verified, the most exact first.
+    refuses : tuple of Constraint
+        What a study must respect that asks for it.
+    follows : callable
+        Takes the `Contacts` of a system; returns whether the method can follow it.
+    """
+
+    name: str
+    follow: Callable[[Contacts], Follow]
+    source: str
+    accuracy: str
+    seconds_a_cell: float
+    seconds_a_bounce: float | None = None
+    planar: bool = False
+    defaults: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    course: Callable[[Contacts], FollowCourse] | None = None
+    checked_by: tuple[str, ...] = ()
+    refuses: tuple[Constraint, ...] = ()
+    follows: Callable[[Contacts], bool] = everything
+
+    def seconds(self, bounces: bool) -> float:
+        """Return roughly what a cell takes, with restitution or without."""
+        if bounces and self.seconds_a_bounce is not None:
+            return self.seconds_a_bounce
+        return self.seconds_a_cell

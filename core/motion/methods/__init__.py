@@ -1,0 +1,24 @@
+"""Every method of motion: one file each, and one line here."""
+
+from core.motion.method import Method
+from core.motion.methods import tumbling
+from core.motion.methods.events import EVENTS
+from core.motion.methods.reference import REFERENCE
+from core.motion.methods.regularised import BDF, LSODA, RADAU
+from core.motion.methods.stepping import TIME_STEPPING
+
+METHODS: dict[str, dict[str, Method]] = {
+    "conveying": {
+        "events": EVENTS,
+        "time-stepping": TIME_STEPPING,
+        "reference": REFERENCE,
+        "regularised": RADAU,
+        "regularised-BDF": BDF,
+        "regularised-LSODA": LSODA,
+    },
+    "tumbling": {
+        "events": tumbling.EVENTS,
+        "time-stepping": tumbling.TIME_STEPPING,
+    },
+}
+"""The methods by what they follow, a part that is conveyed or one that tumbles, and by name."""

@@ -1,0 +1,177 @@
+"""From event to event, in the plane of the track and its normal (theory 13.2 to 13.8).
+
+In each mode of contact, in the plane, the equation of motion is that of one driven mass,
+
+    u' = C sin(tau) - k,    v(tau) = v0 + C (cos tau0 - cos tau) - k (tau - tau0),
+
+whose ends (lift-off, landing, stop, start of a slip) are isolated roots: exact but for rounding.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.mechanics.arrays import Array
+from core.motion.cells import run_cells
+from core.motion.course import Course, CourseAsked, track_of
+from core.motion.groups import Contacts, Groups, table
+from core.motion.method import Follow, FollowCourse, Method
+from core.motion.result import Motion, motion_of
+from core.quantities import MOTION_MODES
+from core.scenes import Constraint
+from core.watch import Watch
+
+COLUMNS = (
+    "drive_number_along",
+    "drive_number_normal",
+    "gravity_number_along",
+    "gravity_number_normal",
+    "friction_static",
+    "friction_kinetic",
+    "restitution",
+)
+"""The groups that a planar motion depends on, in the order of the kernel."""
+
+
+class Path(NamedTuple):
+    """The motion of one part at asked phases of its cycle, in the scales of `Motion`.
+
+    Attributes
+    ----------
+    phase : ndarray, shape (n,)
+        Phase of the drive, from the start of a period.
+    along, height : ndarray, shape (n,)
+        Position on the track, from that at the first phase, and distance from the floor.
+    velocity_along, velocity_normal : ndarray, shape (n,)
+        Velocities relative to the track.
+    mode : ndarray of int8, shape (n,)
+        Value of a `MOTION_MODES` entry.
+    """
+
+    phase: Array
+    along: Array
+    height: Array
+    velocity_along: Array
+    velocity_normal: Array
+    mode: NDArray[np.int8]
+
+
+def planar_motion(
+    groups: Groups, *, tolerance: ArrayLike, most_periods: ArrayLike, watch: Watch | None = None
+) -> Motion:
+    """Return the motion that a part falls into from rest on the floor, theory 13.2 to 13.8.
+
+    Exact but for rounding where the motion repeats: every flow is closed, every event is isolated.
+    `tolerance` bounds the error of the sliding velocity at the start of the cycle, as a share of
+    the drive; `most_periods` bounds how long an aperiodic motion is followed. Equal cells are
+    computed once; restitution plays no part in a cell that never lifts off.
+    """
+    from core.motion.kernels.planar import solve_cells
+
+    lifts = np.abs(groups.drive_number_normal) > groups.gravity_number_normal
+    groups = groups._replace(restitution=np.where(lifts, groups.restitution, 0.0))
+    cells, shape = table([*_columns(groups), tolerance, most_periods])
+    return motion_of(*run_cells(solve_cells, cells, watch=watch), shape)
+
+
+def planar_path(groups: Groups, *, tolerance: float, most_periods: float, phases: Array) -> Path:
+    """Return the motion of one part at phases since the start of its cycle, exact at each.
+
+    Parameters
+    ----------
+    groups : Groups
+        Of one part.
+    tolerance, most_periods : float
+        As in `planar_motion`.
+    phases : ndarray, shape (n,)
+        Phases from the start of a period of the drive, at least 0; beyond the cycle's end it goes
+        on with the next one. An aperiodic motion is shown over the last stretch that was followed,
+        some periods long; beyond it all is NaN, and the mode is unknown.
+    """
+    from core.motion.kernels.planar import follow, sample
+
+    cell = np.array([*_columns(groups), tolerance, most_periods])
+    pieces, shift, way, repeats = follow(cell)
+    samples = sample(pieces, cell, shift, phases, repeats)
+    return Path(
+        phases,
+        way * samples[:, 0],
+        samples[:, 1],
+        way * samples[:, 2],
+        samples[:, 3],
+        _modes(samples[:, 4], way),
+    )
+
+
+def _columns(groups: Groups) -> list[ArrayLike]:
+    return [getattr(groups, name) for name in COLUMNS]
+
+
+def _modes(values: Array, way: float) -> NDArray[np.int8]:
+    modes = values.astype(np.int8)
+    forward, backward = MOTION_MODES["forward"].value, MOTION_MODES["backward"].value
+    if way < 0:
+        turned = {forward: backward, backward: forward}
+        modes = np.array([turned.get(mode, mode) for mode in modes.tolist()], dtype=np.int8)
+    return modes
+
+
+def _follow(contacts: Contacts) -> Follow:
+    """Return the equation; a cylinder that slides along its axis moves as a block does."""
+    del contacts
+
+    def motion(
+        *, groups: Groups, tolerance: Array, most_periods: Array, watch: Watch | None = None
+    ) -> Motion:
+        """Return the motion from rest from event to event, theory 13.2 to 13.8."""
+        return planar_motion(groups, tolerance=tolerance, most_periods=most_periods, watch=watch)
+
+    return motion
+
+
+def _course(contacts: Contacts) -> FollowCourse:
+    """Return what gives the course over a cycle of a part that moves in one vertical plane."""
+    del contacts
+
+    def course(asked: CourseAsked) -> Course:
+        speed, length = asked.scale("velocity_scale"), asked.scale("length_scale")
+        times, phases = asked.times()
+        settings = {name: asked.setting(name) for name in ("tolerance", "most_periods")}
+        path = planar_path(asked.groups, **settings, phases=phases)
+        values = {
+            "position_along": path.along * length,
+            "height_above_floor": path.height * length,
+            "relative_velocity_along": path.velocity_along * speed,
+            "relative_velocity_normal": path.velocity_normal * speed,
+            **track_of(asked.groups, length * np.sin(phases)),
+        }
+        return Course(times, values, {"motion_mode": path.mode})
+
+    return course
+
+
+EVENTS = Method(
+    name="events",
+    follow=_follow,
+    source="theory 13.2-13.8",
+    accuracy="rounding, where the motion repeats",
+    seconds_a_cell=5e-6,
+    seconds_a_bounce=3e-4,
+    planar=True,
+    defaults={"tolerance": 1e-12, "most_periods": 1000.0},
+    course=_course,
+    checked_by=("reference", "time-stepping"),
+    refuses=(
+        Constraint(
+            ("alpha",),
+            lambda least, largest: least == largest == 0.0,
+            "the method events follows motion in one vertical plane, with alpha = 0",
+            "Leave alpha out, or set method = 'time-stepping'",
+            variant="events",
+        ),
+    ),
+    follows=lambda contacts: not contacts.wall,
+)

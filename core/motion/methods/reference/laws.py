@@ -1,0 +1,196 @@
+"""The laws of motion of one part in each mode of contact, as smooth equations (theory 13.1).
+
+For rectangle and cylinder on floor and wall, relative to the track: the free part has
+
+    dx = c_x sin(phase) - g_x,    dy = c_y sin(phase) - g_y - k (u_x + c_x cos(phase))^2,
+    dz = c_z sin(phase) - g_z,
+
+and every contact adds its normal force and friction, by whether it sticks or slips.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.motion.groups import Contacts, Groups
+
+X, Y, Z, UX, UY, UZ, SPIN = range(7)
+
+
+class Mode(NamedTuple):
+    """Which contacts carry, and whether they slip; both do or neither."""
+
+    floor: bool
+    wall: bool
+    slips: bool
+
+
+class Forces(NamedTuple):
+    """Normal forces per weight, and the rates of the three velocities and the spin."""
+
+    normal: float
+    side: float
+    rates: tuple[float, float, float, float]
+
+
+class Laws:
+    """The laws of one part: its forces in each mode, and the equations that integrate them.
+
+    Parameters
+    ----------
+    groups : Groups
+        Of one part, as plain numbers.
+    contacts : Contacts
+        What it can touch.
+    absolute_speed : bool
+        Whether the centripetal acceleration is that of the speed in space; else of the speed
+        relative to the track.
+    """
+
+    def __init__(self, groups: Groups, contacts: Contacts, absolute_speed: bool = True) -> None:
+        self.groups, self.contacts, self.absolute_speed = groups, contacts, absolute_speed
+        self.response = 1.0 + contacts.rolling
+
+    def free(self, phase: float, ux: float) -> tuple[float, float, float]:
+        """Return the acceleration of a free part relative to the track (theory 13.1)."""
+        p, sine = self.groups, math.sin(phase)
+        speed = ux + p.drive_number_along * math.cos(phase) if self.absolute_speed else ux
+        return (
+            p.drive_number_along * sine - p.gravity_number_along,
+            p.drive_number_across * sine
+            - p.gravity_number_across
+            - p.curvature_number * speed * speed,
+            p.drive_number_normal * sine - p.gravity_number_normal,
+        )
+
+    def forces(self, phase: float, mode: Mode, ux: float, e: tuple[float, float]) -> Forces:
+        """Return forces and rates in a mode; `e` is the direction of the slip, if it slips."""
+        p, (dx, dy, dz) = self.groups, self.free(phase, ux)
+        if mode.floor and mode.wall:
+            if not mode.slips:
+                return Forces(-dz, -dy, (0.0, 0.0, 0.0, 0.0))
+            k, m, es = p.friction_kinetic, p.wall_friction, e[1]
+            normal = (-dz + m * es * dy) / (1.0 + m * k * es * es)
+            side = -dy + k * es * normal
+            drag = k * normal + m * side
+            return Forces(
+                normal, side, (dx - drag * e[0], 0.0, 0.0, -self.contacts.rolling * drag * es)
+            )
+        if mode.floor:
+            if mode.slips:
+                fx, fy = (p.friction_kinetic * dz * component for component in e)
+            else:
+                fx, fy = -dx, -dy / self.response
+            return Forces(-dz, 0.0, (dx + fx, dy + fy, 0.0, self.contacts.rolling * fy))
+        if mode.wall:
+            if mode.slips:
+                wx, wz = (p.wall_friction * dy * component for component in e)
+            else:
+                wx, wz = -dx, -dz / self.response
+            return Forces(0.0, -dy, (dx + wx, 0.0, dz + wz, -self.contacts.rolling * wz))
+        return Forces(0.0, 0.0, (dx, dy, dz, 0.0))
+
+    def slip(self, mode: Mode, state: Array) -> tuple[float, float]:
+        """Return the two components of the slip of the contact, or of both contacts at once."""
+        if mode.floor and mode.wall:  # the floor has (u_x, spin), the wall (u_x, -spin)
+            return float(state[UX]), float(state[SPIN])
+        if mode.floor:
+            return float(state[UX]), float(state[UY] + state[SPIN])
+        return float(state[UX]), float(state[UZ] - state[SPIN])
+
+    def impending(self, phase: float, mode: Mode) -> tuple[float, float, float, float]:
+        """Return push (two components), what sliding takes of it, and what sticking could."""
+        p, (dx, dy, dz) = self.groups, self.free(phase, 0.0)
+        if mode.floor and mode.wall:
+            side = -p.wall_friction * dy
+            return dx, 0.0, -p.friction_kinetic * dz + side, -p.friction_static * dz + side
+        if mode.floor:
+            return dx, dy, -p.friction_kinetic * dz, -p.friction_static * dz
+        return dx, dz, -p.wall_friction * dy, -p.wall_friction * dy
+
+    def excess(self, phase: float, mode: Mode) -> float:
+        """Return by how much the push is more than friction holds."""
+        first, second, _, hold = self.impending(phase, mode)
+        return math.hypot(first, second / self.response) - hold
+
+    def onset_direction(self, phase: float, mode: Mode) -> tuple[float, float]:
+        """Return the direction in which slip begins: the secular equation of theory 7.3."""
+        first, second, slide, _ = self.impending(phase, mode)
+        return self.secular(first, second, slide)
+
+    def secular(self, first: float, second: float, slide: float) -> tuple[float, float]:
+        """Return the direction of the slip left by friction of the size `slide`."""
+        response, size = self.response, math.hypot(first, second)
+        if response == 1.0:
+            return first / size, second / size
+        low, high = 0.0, size
+        for _ in range(200):  # halving: slow, and without anything of the stepping method
+            z = 0.5 * (low + high)
+            if z in (low, high):
+                break
+            if math.hypot(first / (z + slide), second / (z + response * slide)) > 1.0:
+                low = z
+            else:
+                high = z
+        e = first / (high + slide), second / (high + response * slide)
+        return e[0] / math.hypot(*e), e[1] / math.hypot(*e)
+
+    def pack(self, mode: Mode, state: Array) -> Array:
+        """Return the unknowns of a mode: of a slip its size and direction, smooth through zero."""
+        if not mode.slips or not (mode.floor or mode.wall):
+            return state.copy()
+        first, second = self.slip(mode, state)
+        other = state[UY] if mode.floor else state[UZ]
+        return np.array([
+            *state[:UX], math.hypot(first, second), math.atan2(second, first), other,
+        ])  # fmt: skip
+
+    def unpack(self, mode: Mode, unknowns: Array) -> Array:
+        """Return the state of a mode's unknowns."""
+        if not mode.slips or not (mode.floor or mode.wall):
+            return unknowns
+        x, y, z, size, angle, other = unknowns
+        first, second = size * math.cos(angle), size * math.sin(angle)
+        if mode.floor and mode.wall:
+            return np.array([x, y, z, first, 0.0, 0.0, second])
+        spin = second - other if mode.floor else other - second
+        if self.contacts.rolling == 0.0:
+            other, spin = second, 0.0
+        if mode.floor:
+            return np.array([x, y, z, first, other, 0.0, spin])
+        return np.array([x, y, z, first, 0.0, other, spin])
+
+    def derivative(self, mode: Mode) -> Callable[[float, Array], Array]:
+        """Return the right-hand side of a mode."""
+
+        def stuck_or_free(phase: float, s: Array) -> Array:
+            rates = self.forces(phase, mode, float(s[UX]), (0.0, 0.0)).rates
+            return np.array([s[UX], s[UY], s[UZ], *rates])
+
+        def sliding(phase: float, unknowns: Array) -> Array:
+            state = self.unpack(mode, unknowns)
+            size, angle = unknowns[3], unknowns[4]
+            e = math.cos(angle), math.sin(angle)
+            ax, ay, az, spin = self.forces(phase, mode, float(state[UX]), e).rates
+            second = spin if mode.floor and mode.wall else ay + spin if mode.floor else az - spin
+            turn = e[0] * second - e[1] * ax
+            # A slip that stays on one line passes through zero there; it does not turn.
+            turning = turn / size if abs(turn) > 1e-15 and size != 0.0 else 0.0
+            return np.array([
+                state[UX], state[UY], state[UZ], e[0] * ax + e[1] * second, turning,
+                ay if mode.floor else az,
+            ])  # fmt: skip
+
+        return sliding if mode.slips and (mode.floor or mode.wall) else stuck_or_free
+
+    def stopping(self, first: float, second: float, limit: float) -> tuple[float, float]:
+        """Return the impulse of friction that stops a slip, or as much as the disc allows."""
+        if math.hypot(first, second / self.response) <= limit:
+            return -first, -second / self.response
+        e = self.secular(first, second, limit)
+        return -limit * e[0], -limit * e[1]

@@ -1,0 +1,196 @@
+"""Smooth laws of friction and of the floor, and the equation of motion of a part under them.
+
+With slip speed s and a coefficient mu(v) that falls from static to kinetic, friction and floor are
+
+    F = -mu(|v|) N v/sqrt(v^2 + s^2),    N = max(0, -k z - d min(1, -k z/onset) z').
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+
+PEAK = 3.0
+"""Speed of the static peak, and the limit of sticking, in slip speeds.
+
+Up to here friction grows with speed and holds the part by creep. At 3 slip speeds the law without
+a peak has 95 % of its final value.
+"""
+
+
+@dataclass(frozen=True)
+class Laws:
+    """The regularised laws of one cell, all dimensionless.
+
+    Attributes
+    ----------
+    friction_kinetic, friction_static : float
+        Coefficients at large speeds and at the peak.
+    slip_speed : float
+        Speed below which friction gives way, in g/w.
+    stiffness, damping : float
+        Of the floor, over the mass, in w^2 and w.
+    """
+
+    friction_kinetic: float
+    friction_static: float
+    slip_speed: float
+    stiffness: float
+    damping: float
+
+    @property
+    def onset(self) -> float:
+        """Force of the spring, over the weight, at which the damper has set in.
+
+        It sets in over the depth to which the weight presses the spring. If it set in at once, the
+        force would jump at a landing, and integrators end there: the step that their tolerance asks
+        for is below the spacing of floating numbers. On floors stiffer than 1e8 that depth itself
+        is passed in so short a time; there it is 1e-4 of the depth to which an impact at g/w goes.
+        """
+        return max(1.0, 1e-4 * math.sqrt(self.stiffness))
+
+    def friction(self, speed: float) -> tuple[float, float]:
+        """Return force/(normal force x speed), and its derivative by speed over speed.
+
+        The coefficient falls from the static to the kinetic one as a Gaussian of the speed. Its
+        height and width are those for which the force has its maximum, the static coefficient
+        exactly, at `PEAK` slip speeds; all shapes with a lower or higher peak would break loose at
+        a wrong load however small the slip speed is.
+        """
+        square = speed * speed
+        root = math.sqrt(square + self.slip_speed * self.slip_speed)
+        value = self.friction_kinetic / root
+        slope = -self.friction_kinetic / root**3
+        if self.friction_static > self.friction_kinetic:
+            peak = self.friction_static * math.sqrt(1 + PEAK**2) / PEAK
+            extra = peak - self.friction_kinetic
+            width = 2 * (1 + PEAK**2) * extra / peak  # square, in that of the speed of the peak
+            width *= (PEAK * self.slip_speed) ** 2
+            bump = extra * math.exp(((PEAK * self.slip_speed) ** 2 - square) / width)
+            value += bump / root
+            slope -= bump / root**3 + 2 * bump / (width * root)
+        return value, slope
+
+    def unclamped(self, height: float, velocity: float) -> float:
+        """Return the force of spring and damper over the weight, which may pull (Kelvin-Voigt)."""
+        spring = -self.stiffness * height
+        return spring - self.damping * min(1.0, spring / self.onset) * velocity
+
+    def normal(self, height: float, velocity: float) -> tuple[float, float, float]:
+        """Return the force of the floor over the weight, and its derivatives; it never pulls."""
+        force = self.unclamped(height, velocity) if height < 0 else 0.0
+        if force <= 0:
+            return 0.0, 0.0, 0.0
+        spring = -self.stiffness * height
+        by_height = -self.stiffness
+        if spring < self.onset:
+            by_height += self.damping * self.stiffness * velocity / self.onset
+        return force, by_height, -self.damping * min(1.0, spring / self.onset)
+
+
+def damping_ratio(restitution: float, stiffness: float) -> float:
+    """Return the damping ratio of a floor that never pulls, with the given restitution.
+
+    With a damping ratio sin a an impact ends, when the force is 0, at the share
+    exp(-(pi - 2a) tan a) of its speed; with cosh b at exp(-2b coth b). Both are independent of the
+    speed, as Newton's law asks; with Hunt and Crossley's damper they are not. A restitution of 0
+    needs endless damping, which would let the part sink and rise slowly. The ratio stays below
+    (stiffness^(1/2)/8)^(1/3), but at least 1: there a landing at g/w under the full weight ends
+    without any rebound, and the floor still recovers in a time of order stiffness^(-1/3).
+    """
+    most = max(1.0, (math.sqrt(stiffness) / 8) ** (1 / 3))
+    if restitution >= 1:
+        return 0.0
+
+    from scipy.optimize import brentq
+
+    def exponent(ratio: float) -> float:
+        if ratio < 1:
+            angle = math.asin(ratio)
+            return (math.pi - 2 * angle) * math.tan(angle)
+        arc = math.acosh(ratio)
+        return 2 * arc / math.tanh(arc) if arc > 0 else 2.0
+
+    if restitution <= math.exp(-exponent(most)):
+        return most
+    return brentq(lambda ratio: exponent(ratio) + math.log(restitution), 0.0, most, xtol=1e-14)
+
+
+def laws(
+    friction_kinetic: float,
+    friction_static: float,
+    restitution: float,
+    slip_speed: float,
+    stiffness: float,
+) -> Laws:
+    """Return the laws with the damping that gives the restitution."""
+    damping = 2 * damping_ratio(restitution, stiffness) * math.sqrt(stiffness)
+    static = max(friction_static, friction_kinetic)
+    return Laws(friction_kinetic, static, slip_speed, stiffness, damping)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One part on one track: the right-hand side of its motion and its Jacobian.
+
+    The state is the position and the velocity, (x, z, u_x, u_z) in the plane and
+    (x, y, z, u_x, u_y, u_z) in space.
+
+    Attributes
+    ----------
+    laws : Laws
+    drive, gravity : tuple of float
+        Along the track, (across it,) and normal to the floor.
+    """
+
+    laws: Laws
+    drive: tuple[float, ...]
+    gravity: tuple[float, ...]
+
+    @property
+    def coordinates(self) -> int:
+        """2 in the plane, 3 in space."""
+        return len(self.drive)
+
+    def rest(self) -> Array:
+        """Return the state at rest, sunk as deep as the weight asks, so that nothing bounces."""
+        state = np.zeros(2 * self.coordinates)
+        state[self.coordinates - 1] = -self.gravity[-1] / self.laws.stiffness
+        return state
+
+    def rate(self, phase: float, state: Array) -> list[float]:
+        """Return the derivative of the state (theory 13.1)."""
+        n = self.coordinates
+        position, *velocity = state[n - 1 :].tolist()
+        force, _, _ = self.laws.normal(position, velocity[-1])
+        sine = math.sin(phase)
+        free = [d * sine - g for d, g in zip(self.drive, self.gravity, strict=True)]
+        free[-1] += force
+        if force > 0:
+            resistance = force * self.laws.friction(math.hypot(*velocity[:-1]))[0]
+            for i in range(n - 1):
+                free[i] -= resistance * velocity[i]
+        return velocity + free
+
+    def jacobian(self, phase: float, state: Array) -> Array:
+        """Return the derivative of `rate` by the state."""
+        del phase  # the drive does not depend on the state
+        n = self.coordinates
+        position, *velocity = state[n - 1 :].tolist()
+        matrix = np.zeros((2 * n, 2 * n))
+        matrix[range(n), range(n, 2 * n)] = 1.0
+        force, by_height, by_climb = self.laws.normal(position, velocity[-1])
+        if force > 0:
+            sliding = np.array(velocity[:-1])
+            value, slope = self.laws.friction(math.hypot(*velocity[:-1]))
+            direction = np.append(-value * sliding, 1.0)  # of the contact force
+            matrix[n:, n - 1] = by_height * direction
+            matrix[n:, 2 * n - 1] = by_climb * direction
+            matrix[n:-1, n:-1] -= force * (
+                value * np.eye(n - 1) + slope * np.outer(sliding, sliding)
+            )
+        return matrix

@@ -1,0 +1,230 @@
+"""Integration of one part period by period, until its motion repeats."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.motion.methods.regularised.laws import PEAK, Cell
+
+LARGEST_MULTIPLE = 8
+"""Periods of the drive over which the motion may repeat."""
+
+MOST_RESTARTS = 20
+"""Pieces of one period, each with a time of its own."""
+
+STEPS = 50
+"""Fewest steps a period: none may leap over a whole hop or slip."""
+
+PERIOD = 2 * math.pi
+
+
+class SpentError(Exception):
+    """The evaluations of a cell are used up."""
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """A stretch of a period: the phase that it begins at, and scipy's solution since then."""
+
+    phase: float
+    found: Any
+
+
+@dataclass(frozen=True)
+class _Period:
+    """One period of motion, in the pieces that the integrator needed."""
+
+    pieces: tuple[_Piece, ...]
+
+    @property
+    def end(self) -> Array:
+        """State at the end."""
+        return self.pieces[-1].found.y[:, -1]
+
+    @property
+    def phases(self) -> Array:
+        """Phases of the steps, ascending; some may be equal."""
+        return np.concatenate([piece.phase + piece.found.t for piece in self.pieces])
+
+    def at(self, phase: float) -> Array:
+        """Return the state at a phase; the options must have asked for dense output."""
+        piece = next(p for p in reversed(self.pieces) if p.phase <= phase)
+        return piece.found.sol(phase - piece.phase)
+
+
+class Run:
+    """Integration of a cell, period by period, with an account of the evaluations."""
+
+    def __init__(self, cell: Cell, solver: str, tolerance: float, evaluations: int) -> None:
+        self.cell, self.solver, self.left = cell, solver, evaluations
+        n = cell.coordinates
+        slip, stiffness = cell.laws.slip_speed, cell.laws.stiffness
+        # What counts is a creep as a share of the slip speed, and a depth as a share of the
+        # depth under the weight.
+        absolute = np.full(2 * n, tolerance)
+        absolute[n - 1] = tolerance / stiffness
+        absolute[n:-1] = tolerance * min(1.0, 10 * slip)
+        self.options: dict[str, Any] = {
+            "method": solver,
+            "rtol": tolerance,
+            "atol": absolute,
+            "max_step": PERIOD / STEPS,
+            "jac": cell.jacobian,
+        }
+
+    def rate(self, phase: float, state: Array) -> list[float]:
+        """Return the derivative of the state; raise `SpentError` if no evaluation is left."""
+        if self.left <= 0:
+            raise SpentError
+        self.left -= 1
+        return self.cell.rate(phase, state)
+
+    def period(self, state: Array) -> _Period:
+        """Return the motion over one period from the state, the position set back to 0.
+
+        A step may have to be shorter than ten spacings of the phase, where an integrator ends; it
+        then goes on with the time counted from there, whose spacings are as short as need be.
+        """
+        start = state.copy()
+        start[: self.cell.coordinates - 1] = 0.0
+        phase, pieces = 0.0, []
+        for _ in range(MOST_RESTARTS):
+            found = self._from(phase, start)
+            pieces.append(_Piece(phase, found))
+            if found.success:
+                return _Period(tuple(pieces))
+            phase, start = phase + float(found.t[-1]), found.y[:, -1]
+        raise SpentError
+
+    def _from(self, phase: float, start: Array) -> Any:
+        """Return scipy's solution from a phase to the end of the period, or to where it ends."""
+        from scipy.integrate import solve_ivp
+
+        def rate(since: float, state: Array) -> list[float]:
+            return self.rate(phase + since, state)
+
+        return solve_ivp(rate, (0.0, PERIOD - phase), start, **self.options)
+
+
+@dataclass
+class Orbit:
+    """What a run came to: the last states at the end of a period, and the mean velocity."""
+
+    states: list[Array]
+    velocity: float
+    multiple: int
+    status: str
+
+
+def orbit_of(run: Run, state: Array, most_periods: int, closeness: float) -> Orbit:
+    """Return the motion once it repeats, or what there is when the periods are used up."""
+    n = run.cell.coordinates
+    weight = run.cell.laws.friction_kinetic * run.cell.gravity[-1]
+    steep = math.hypot(*run.cell.gravity[:-1]) > weight * (1 + 1e-12)
+    swing = 2 * math.hypot(*run.cell.drive[:-1]) + run.cell.laws.slip_speed
+    # The position at the end of a period is its travel, since it starts at 0.
+    states = [state]
+
+    def gap(place: int, multiple: int) -> float:
+        return float(np.max(np.abs(states[place] - states[place - multiple])))
+
+    def mean(periods: int) -> float:
+        return float(np.mean([s[0] for s in states[-periods:]])) / PERIOD
+
+    try:
+        for done in range(1, most_periods + 1):
+            states.append(run.period(states[-1]).end)
+            # The first state has no travel of its own, and the rate takes one period more.
+            for multiple in range(1, min(LARGEST_MULTIPLE, done - 2) + 1):
+                now, before = gap(-1, multiple), gap(-2, multiple)
+                # The gaps still to come are a geometric series of the rate at which they shrink.
+                if now < closeness * max(0.01, 1 - now / max(before, closeness * 1e-9)):
+                    return Orbit(states[-1 - multiple :], mean(multiple), multiple, "periodic")
+            # Faster than the drive can turn it round, and the slope is steeper than friction.
+            slow, fast = (math.hypot(*s[n:-1]) for s in states[-2:])
+            if steep and fast > slow > swing:
+                return Orbit(states[-2:], math.nan, 0, "runaway")
+    except SpentError:
+        pass
+    velocity = mean(len(states) // 2) if len(states) > 1 else math.nan
+    return Orbit(states[-2:], velocity, 0, "limit_reached")
+
+
+def _crossings(
+    function: Callable[[Array], float], state_at: Callable[[float], Array], phases: Array
+) -> list[float]:
+    """Return where the function of the state changes its sign between the phases.
+
+    scipy's own search for events fails where an interpolant misses the end of a step by rounding.
+    """
+    from scipy.optimize import brentq
+
+    def value(phase: float) -> float:
+        return function(state_at(phase))
+
+    values = [value(phase) for phase in phases]
+    return [
+        brentq(value, start, end, xtol=1e-12) if before else start
+        for (start, end), (before, after) in zip(pairwise(phases), pairwise(values), strict=True)
+        if (before < 0) != (after < 0)
+    ]
+
+
+def measures_of(run: Run, orbit: Orbit) -> dict[str, float]:
+    """Return the shares of the period and the impacts, over the periods until it repeats."""
+    n = run.cell.coordinates
+    law = run.cell.laws
+    limit = PEAK * law.slip_speed
+
+    def release(state: Array) -> float:
+        """Return what is negative where the floor presses."""
+        height = float(state[n - 1])
+        return height if height >= 0 else -law.unclamped(height, float(state[-1]))
+
+    def slip(state: Array) -> float:
+        return math.hypot(*state[n:-1]) - limit
+
+    def along(state: Array) -> float:
+        return float(state[n])
+
+    def climb(state: Array) -> float:
+        return float(state[-1])
+
+    run.options["dense_output"] = True
+    share = dict.fromkeys(("stick", "forward", "backward", "flight"), 0.0)
+    impacts, landing, hop = 0, 0.0, 0.0
+    periods = max(1, orbit.multiple)
+    state = orbit.states[0]
+    for _ in range(periods):
+        found = run.period(state)
+        at, steps = found.at, found.phases
+        phases = np.sort(np.concatenate([steps, (steps[1:] + steps[:-1]) / 2]))
+        cuts = {
+            function: _crossings(function, at, phases) for function in (release, slip, along, climb)
+        }
+        ends = np.unique(np.concatenate([[0.0, PERIOD], *cuts.values()]))
+        kinds = []
+        for start, end in pairwise(ends):
+            middle = at((start + end) / 2)
+            if release(middle) >= 0:
+                kind = "flight"
+            elif slip(middle) < 0:
+                kind = "stick"
+            else:
+                kind = "forward" if middle[n] > 0 else "backward"
+            kinds.append(kind)
+            share[kind] += (end - start) / (PERIOD * periods)
+        for (before, after), phase in zip(pairwise(kinds), ends[1:-1], strict=True):
+            if before == "flight" and after != "flight":
+                impacts += 1
+                landing = max(landing, -climb(at(phase)))
+        hop = max([hop, *(at(phase)[n - 1] for phase in cuts[climb])])
+        state = found.end
+    return {**share, "impacts": impacts / periods, "landing_speed": landing, "hop_height": hop}

@@ -1,0 +1,292 @@
+"""Time stepping of a part in space, with floor and wall, in a curve, rolling (theory 13.1, 13.9).
+
+The midpoint rule of Moreau and Jean with Newton's impact law, over a step h from t to t + h:
+
+    u(t + h) = u(t) + h a(t + h/2) + i,    q(t + h) = q(t) + h (u(t) + u(t + h))/2,
+
+where the impulses i of the contacts that touch at t + h/2 obey the laws of impact and friction. It
+is of first order in the step; planar motion has an exact method elsewhere.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.mechanics.arrays import Array
+from core.motion.cells import run_cells
+from core.motion.course import Course, CourseAsked, track_of
+from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, table
+from core.motion.method import Follow, FollowCourse, Method
+from core.motion.path import Path
+from core.motion.result import Motion, motion_of
+from core.quantities import MOTION_MODES
+from core.watch import Watch
+
+MOST_STEPS = 100_000_000
+"""Steps of one path, and steps of one period times periods of one cell; more is refused."""
+
+
+SLOW = 1e-9  # in g/w: a normal velocity of a part that stays on the floor
+
+COLUMNS = (
+    "drive_number_along",
+    "drive_number_across",
+    "drive_number_normal",
+    "gravity_number_along",
+    "gravity_number_across",
+    "gravity_number_normal",
+    "curvature_number",
+    "friction_static",
+    "friction_kinetic",
+    "wall_friction",
+    "restitution",
+    "wall_restitution",
+)
+"""The groups in the order of the kernel."""
+
+
+def stepped_motion(
+    groups: Groups,
+    contacts: Contacts = BLOCK_ON_FLOOR,
+    *,
+    planar: bool = False,
+    absolute_speed: bool = True,
+    steps_per_period: int = 1000,
+    most_periods: int = 200,
+    tolerance: float = 1.0,
+    watch: Watch | None = None,
+) -> Motion:
+    """Return the motion of a part on the floor, and at the wall if there is one, in space.
+
+    The part starts at rest on the floor, touching the wall, at phase 0. Each cell runs with n =
+    `steps_per_period` steps and with 2n + 1. `velocity` and all else are those of the finer run,
+    not extrapolated over the step: landings fall within steps at places that differ from run to
+    run, so that the error, though of first order, is no smooth function of the step, and an
+    extrapolation would amplify its irregular part. For the same reason there is a third run, with
+    n steps from half a step earlier. `error` is three times the largest of the differences of the
+    velocity to both coarser runs, the doubt about the transient's end, and `spread`; with hops a
+    seventh of what a step changes is added, since all runs may agree by chance (theory 13.9).
+
+    The motion is `periodic` if it comes back exactly, or over 16 periods to within a small part of
+    what one step changes, or, after four times as many, to within what one step changes. A
+    transient without hops that dies out slowly is extrapolated to its end. If it does not come
+    back, means are over the last three quarters of the periods run, and `spread` is the standard
+    deviation of the means of eight batches of them.
+
+    Without hops the planar method is of second order: slips start and stop within a step. With
+    hops, in space and in a curve, it is of first order. Where static friction exceeds kinetic, a
+    slip in space that nearly stops, nearer than a step can tell, is taken to stop.
+
+    Parameters
+    ----------
+    groups : Groups
+        Static friction holds what sticks and what stops; what concerns the wall does nothing
+        without one.
+    contacts : Contacts
+        Without a wall the position across is not carried. The contact of a cylinder slips across
+        with the speed of the centre less that of the surface.
+    planar : bool
+        Whether nothing across the track is carried at all: for a drive along it (alpha = 0), no
+        wall and no lean. With these values either way finds the same numbers.
+    absolute_speed : bool
+        Whether the centripetal acceleration is that of the speed in space; else of the speed
+        relative to the track.
+    steps_per_period : int
+        Steps of the coarser run, at least 8.
+    most_periods : int
+        Periods after which a motion counts as aperiodic, at least 8.
+    tolerance : float
+        What counts as coming back, in terms of the largest change of velocity in one step.
+    watch : Watch, optional
+        May stop it between cells.
+
+    Returns
+    -------
+    Motion
+        Arrays of the shape of the groups broadcast. `stick` is the share in which the floor
+        contact does not move along the track; `flight` that in which the floor carries nothing.
+
+    Raises
+    ------
+    ValueError
+        If a count is out of its range.
+    """
+    from core.motion.kernels.stepping import FLOOR, PLANAR, WALL, step_cells
+
+    _check(steps_per_period, most_periods, tolerance, contacts)
+    cells, shape = table(getattr(groups, name) for name in COLUMNS)
+    coarse, shifted = _waves(steps_per_period), _waves(steps_per_period, shift=-0.5)
+    fine = _waves(2 * steps_per_period + 1)  # odd, so that no middle of a step is one of both
+    if planar:
+        scene, rolling, absolute_speed = PLANAR, 0.0, False
+    else:
+        scene, rolling = WALL if contacts.wall else FLOOR, float(contacts.rolling)
+
+    def kernel(
+        piece: NDArray[np.float64], rows: NDArray[np.float64], status: NDArray[np.int8]
+    ) -> None:
+        step_cells(
+            scene, rolling, absolute_speed, coarse, shifted, fine, most_periods, tolerance,
+            piece, rows, status,
+        )  # fmt: skip
+
+    # A cell takes milliseconds: small pieces let a run be stopped soon and share out evenly.
+    return motion_of(*run_cells(kernel, cells, piece=32, watch=watch), shape)
+
+
+def stepped_path(
+    groups: Groups,
+    contacts: Contacts = BLOCK_ON_FLOOR,
+    *,
+    phases: ArrayLike,
+    absolute_speed: bool = True,
+    steps_per_period: int = 1000,
+    position: Sequence[float] = (0.0, 0.0, 0.0),
+    velocity: Sequence[float] = (0.0, 0.0, 0.0),
+    spin: float = 0.0,
+) -> Path:
+    """Return where one part is at given phases, from a given state at the first of them.
+
+    Parameters
+    ----------
+    phases : array_like, shape (n,)
+        Ascending; the steps, 2 pi/`steps_per_period` long, are counted from the first.
+    position, velocity : sequence of 3 floats
+        At the first phase: along, across and normal.
+    spin : float
+        Velocity across that the spin of a cylinder gives its lowest point; rolling has minus the
+        velocity across. Of a block 0.
+
+    Other parameters are those of `stepped_motion`.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    ValueError
+        If phases are not finite and ascending, or need more than `MOST_STEPS` steps.
+    """
+    from core.motion.kernels.stepping import path
+
+    asked = np.atleast_1d(np.asarray(phases, dtype=np.float64))
+    if asked.ndim != 1 or asked.size == 0 or not np.all(np.isfinite(asked)):
+        raise ValueError("phases must be a row of finite numbers")
+    if np.any(np.diff(asked) < 0.0):
+        raise ValueError("phases must ascend")
+    _check(steps_per_period, 8, 1.0, contacts)
+    step = 2.0 * math.pi / steps_per_period
+    steps = (asked[-1] - asked[0]) / step
+    if steps > MOST_STEPS:
+        raise ValueError(f"phases need {steps:.3g} steps; the limit is {MOST_STEPS:,}")
+    cell = np.array([getattr(groups, name) for name in COLUMNS], dtype=np.float64)
+    start = np.array([*position, *velocity, spin], dtype=np.float64)
+    if start.size != 7 or not (np.all(np.isfinite(cell)) and np.all(np.isfinite(start))):
+        raise ValueError("groups, position (3) and velocity (3) must be finite")
+    places, speeds = np.full((asked.size, 3), np.nan), np.full((asked.size, 3), np.nan)
+    path(
+        contacts.wall, float(contacts.rolling), absolute_speed, cell, asked, step,
+        math.ceil(steps) + 1, start, places, speeds,
+    )  # fmt: skip
+    return Path(asked, places, speeds)
+
+
+def _waves(steps: int, shift: float = 0.0) -> Array:
+    """Return sine and cosine of the drive at the middles of the steps of a period, (2, steps)."""
+    phases = (np.arange(steps) + 0.5 + shift) * (2.0 * math.pi / steps)
+    return np.stack([np.sin(phases), np.cos(phases)])
+
+
+def _check(steps_per_period: int, most_periods: int, tolerance: float, contacts: Contacts) -> None:
+    """Raise if a count or a plain number is out of its range."""
+    if steps_per_period < 8 or most_periods < 8:
+        raise ValueError("steps_per_period and most_periods must be at least 8")
+    if 4 * steps_per_period * most_periods > MOST_STEPS:
+        raise ValueError(f"a cell may take {MOST_STEPS:,} steps at most")
+    rolling = contacts.rolling
+    if not (tolerance >= 0.0 and rolling >= 0.0 and math.isfinite(rolling)):
+        raise ValueError("tolerance and rolling must not be negative")
+
+
+def _follow(contacts: Contacts) -> Follow:
+    """Return the equation; where nothing pushes a part across, nothing across is carried."""
+
+    def motion(
+        *, groups: Groups, steps_per_period: Array, most_periods: Array, watch: Watch | None = None
+    ) -> Motion:
+        """Return the motion from rest by the midpoint rule of Moreau and Jean, theory 13.9."""
+        return stepped_motion(
+            groups,
+            contacts,
+            planar=not contacts.wall and groups.planar,
+            steps_per_period=int(steps_per_period),
+            most_periods=int(most_periods),
+            watch=watch,
+        )
+
+    return motion
+
+
+def _course(contacts: Contacts) -> FollowCourse:
+    """Return what gives the course of a part from rest.
+
+    It is shown after as many periods as the study follows it for; the steps are those of the finest
+    run that gave its mean.
+    """
+
+    def course(asked: CourseAsked) -> Course:
+        speed, length = asked.scale("velocity_scale"), asked.scale("length_scale")
+        times, phases = asked.times()
+        steps = 2 * int(asked.setting("steps_per_period")) + 1
+        before = 2 * np.pi * asked.setting("most_periods")
+        path = stepped_path(
+            asked.groups,
+            contacts,
+            steps_per_period=steps,
+            phases=np.concatenate([[0.0], before + phases]),
+        )
+        position, velocity = path.position[1:], path.velocity[1:]
+        values = {
+            "position_along": (position[:, 0] - position[0, 0]) * length,
+            "height_above_floor": np.maximum(position[:, 2], 0.0) * length,
+            "relative_velocity_along": velocity[:, 0] * speed,
+            "relative_velocity_normal": velocity[:, 2] * speed,
+            **track_of(asked.groups, length * np.sin(phases)),
+        }
+        if contacts.wall:
+            values["distance_from_wall"] = np.maximum(position[:, 1], 0.0) * length
+        return Course(
+            times, values, {"motion_mode": _modes(asked.groups, position, velocity, steps)}
+        )
+
+    return course
+
+
+def _modes(groups: Groups, position: Array, velocity: Array, steps: int) -> NDArray[np.int8]:
+    """Return the mode of a part at each place of its path."""
+    # On the floor the normal velocity is 0; gaps below what the drive covers in a step are the
+    # method's own.
+    gap = abs(groups.drive_number_normal) * (2 * np.pi / steps) ** 2
+    flies = (np.abs(velocity[:, 2]) > SLOW) | (position[:, 2] > gap)
+    slides = np.where(velocity[:, 0] > 0, "forward", "backward")
+    modes = np.where(flies, "flight", slides)
+    modes = np.where((modes != "flight") & (velocity[:, 0] == 0), "stick", modes)
+    modes = np.where(np.isnan(position[:, 0]), "unknown", modes)
+    return np.array([MOTION_MODES[mode].value for mode in modes.tolist()], dtype=np.int8)
+
+
+TIME_STEPPING = Method(
+    name="time-stepping",
+    follow=_follow,
+    source="theory 13.1, 13.9",
+    accuracy="of first order in the step; of second for a planar motion without hops",
+    seconds_a_cell=1.5e-3,
+    defaults={"steps_per_period": 1000.0, "most_periods": 200.0},
+    course=_course,
+    checked_by=("events", "reference"),
+)

@@ -1,0 +1,350 @@
+"""Tumbling: a part that falls on a plane, strikes it with its corners, rocks and comes to rest.
+
+Motion in the plane of the transport and the normal, with pitch (theory 2, 6); the plane may vibrate
+and climb. The part is a rectangle, a cylinder seen along its side (a rectangle with the cylinder's
+moment of inertia) or a ball. Two methods, which check each other:
+
+``"events"``
+    From event to event: free flight in closed form, motion on one corner or on a side with the
+    contact laws of accelerations (theory 2.3, 2.4) by Runge-Kutta steps of order 4 in pitch and
+    slide alone, so that nothing sinks; impacts, lift-off, stick and slip, and tipping at their own
+    time, found within the step; impacts by the laws of theory 5.3. Endless series of ever smaller
+    impacts, bounces as well as rocking, end where the velocity off the plane falls below 1e-6 of
+    sqrt(acceleration * half diagonal). After many impacts with much restitution the motion is
+    chaotic, and its details depend on the last digit.
+``"stepping"``
+    The midpoint rule of Moreau and Jean with all corners (theory 13.9), Moreau's impact law and
+    projected Gauss-Seidel; error of the order of the step.
+
+All values are SI. Other motions of this package come in the scales of the drive; tumbling does not:
+its size enters, the plane may be at rest, and it takes seconds, not periods. Its own scale is the
+time sqrt(half diagonal/gravity), the measure of the default step and of the tolerances: two parts
+of one shape and one ratio of drive to that scale tumble alike.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.mechanics.arrays import Array, Mask
+from core.motion.bodies import Part
+from core.motion.cells import run_cells
+from core.motion.course import Course, CourseAsked
+from core.motion.groups import Contacts
+from core.motion.method import Follow, FollowCourse, Method
+from core.scenes.scene import STANDARD_GRAVITY
+from core.watch import Watch
+
+Law = Literal["pfeiffer_glocker", "moreau"]
+Way = Literal["events", "stepping"]
+
+STEPS_A_PERIOD = 64
+STEP_IN_FALLS = 0.02  # of sqrt(half diagonal/gravity)
+
+
+class Throw(NamedTuple):
+    """One part, or many, thrown on a plane: all that their tumbling depends on.
+
+    The plane moves as amplitude * sin(2 pi frequency t + start_phase) in the direction beta above
+    itself; velocities are relative to it. Scalars and arrays broadcast; lengths in m, times in s,
+    angles in rad.
+
+    Attributes
+    ----------
+    part : Rectangle, Cylinder or Ball
+        Shape and size.
+    friction_kinetic, friction_static : array_like
+        Coulomb friction in sliding and at rest; the latter, by default the same, may not be less.
+        Impacts take the former.
+    restitution : array_like
+        From 0 to 1, as the impact law understands it (theory 5.3).
+    duration : array_like
+        Time after which the run ends; it ends earlier where the part rests for good.
+    gravity, gamma : array_like
+        Gravity and climb angle of the plane.
+    frequency, amplitude, beta, start_phase : array_like
+        Drive; no drive by default.
+    gap_normal : array_like
+        Height of the lowest corner above the plane at the start.
+    pitch, pitch_rate : array_like
+        Pitch and its rate at the start, clockwise; 0 lies flat on side 1.
+    velocity_along, velocity_upward : array_like
+        Velocity of the centre at the start.
+    time_step : array_like, optional
+        Largest step; by default 1/50 of sqrt(half diagonal/gravity), 1/64 of a period at most.
+        Steps are shorter where the part turns fast. ``"stepping"`` is of first order in it.
+    law : {"pfeiffer_glocker", "moreau"}
+        Impact law; ``"stepping"`` knows Moreau's only.
+    """
+
+    part: Part
+    friction_kinetic: ArrayLike
+    restitution: ArrayLike
+    duration: ArrayLike
+    friction_static: ArrayLike | None = None
+    gravity: ArrayLike = STANDARD_GRAVITY
+    gamma: ArrayLike = 0.0
+    frequency: ArrayLike = 0.0
+    amplitude: ArrayLike = 0.0
+    beta: ArrayLike = 0.0
+    start_phase: ArrayLike = 0.0
+    gap_normal: ArrayLike = 0.0
+    pitch: ArrayLike = 0.0
+    velocity_along: ArrayLike = 0.0
+    velocity_upward: ArrayLike = 0.0
+    pitch_rate: ArrayLike = 0.0
+    time_step: ArrayLike | None = None
+    law: Law = "pfeiffer_glocker"
+
+
+class Tumble(NamedTuple):
+    """How parts tumbled; all arrays have the shape of the arguments broadcast, SI and radians.
+
+    Attributes
+    ----------
+    pitch : ndarray
+        Pitch at the end, clockwise, with all its turns.
+    resting_side : ndarray
+        Side that lies on the plane at the end: 1 at pitch 0, 2 at 90 degrees, 3 at 180, 4 at 270;
+        0 if none. A ball that touches without bouncing lies on side 1.
+    settling_time : ndarray
+        Time from which the part lies at rest for good; NaN unless the status is settled.
+    impacts : ndarray
+        Impacts, those of both ends of a side at once counting as one.
+    largest_bounce : ndarray
+        Largest height of the lowest corner above the plane at the end of a step after the first
+        impact.
+    velocity : ndarray
+        Displacement of the centre relative to the plane over the duration; where there was no
+        solution, over the time until then.
+    energy_lost : ndarray
+        Energy per mass that impacts and friction took, relative to the plane [J kg-1].
+    status : ndarray of int8
+        Value of a `MOTION_STATUSES` entry: settled, at rest for good whatever the phase of the
+        drive; moving, at the end of the duration; limit_reached, stopped earlier by the limit on
+        steps and impacts; no_solution,
+        a corner slid where the contact laws have no solution or several (theory 2.3).
+    """
+
+    pitch: Array
+    resting_side: Array
+    settling_time: Array
+    impacts: Array
+    largest_bounce: Array
+    velocity: Array
+    energy_lost: Array
+    status: NDArray[np.int8]
+
+
+class TumblePath(NamedTuple):
+    """The motion of one part, an array a quantity over the times asked for, SI and radians.
+
+    After the end of a run that found no solution all but `time` are NaN, and no corner touches.
+
+    Attributes
+    ----------
+    time, along, upward, pitch : ndarray, shape (n,)
+        Time, place of the centre along and above the plane, pitch.
+    velocity_along, velocity_upward, pitch_rate : ndarray, shape (n,)
+        Their rates, relative to the plane.
+    energy_lost : ndarray, shape (n,)
+        Energy per mass lost so far.
+    gap_normal : ndarray, shape (n,)
+        Height of the lowest corner above the plane.
+    touching : ndarray of bool, shape (n, 4)
+        Corners that carry the part: lower right, lower left, upper left, upper right at pitch 0.
+        A ball has the first only.
+    """
+
+    time: Array
+    along: Array
+    upward: Array
+    pitch: Array
+    velocity_along: Array
+    velocity_upward: Array
+    pitch_rate: Array
+    energy_lost: Array
+    gap_normal: Array
+    touching: Mask
+
+
+def tumbling_motion(throw: Throw, *, method: Way = "events", watch: Watch | None = None) -> Tumble:
+    """Return how parts tumble on a plane from their start to the end of the duration.
+
+    Wrong values, such as a restitution above 1, raise ValueError.
+
+    Parameters
+    ----------
+    throw : Throw
+        The parts, the plane and the start.
+    method : {"events", "stepping"}
+        See the module.
+    watch : Watch, optional
+        May stop it between parts.
+    """
+    from core.motion.kernels import tumbling as kernel
+
+    cells, shape = _cells(throw)
+    _check(method, throw.law)
+    events = method == "events"
+    run = kernel.tumble_events if events else kernel.tumble_steps
+    columns_of_all = len(Tumble._fields) - 1
+    table, status = run_cells(run, cells, piece=16, columns=columns_of_all, watch=watch)
+    columns = [column.reshape(shape) for column in table.T]
+    return Tumble(**dict(zip(Tumble._fields, columns, strict=False)), status=status.reshape(shape))
+
+
+def tumbling_path(throw: Throw, *, times: ArrayLike, method: Way = "events") -> TumblePath:
+    """Return the motion of one part at the given times, which ascend from 0 or later [s].
+
+    Every field of the throw is a single value; its duration is not looked at. After the part has
+    come to rest for good its state stays. ``"events"`` gives the states at the very times,
+    ``"stepping"`` those of the first step that reaches each.
+    """
+    from core.motion.kernels import tumbling as kernel
+
+    moments = np.atleast_1d(np.asarray(times, dtype=float))
+    if moments.ndim != 1 or not moments.size or moments[0] < 0 or np.any(np.diff(moments) < 0):
+        raise ValueError("times have to ascend from 0 or later")
+    end = max(moments[-1], np.finfo(float).tiny)
+    cells, shape = _cells(throw._replace(duration=end))
+    if shape != ():
+        raise ValueError("a path is that of one part: every argument has to be a single value")
+    _check(method, throw.law)
+    run = kernel.path_events if method == "events" else kernel.path_steps
+    rows = np.full((moments.size, kernel.PATH_COLUMNS), np.nan)
+    run(cells[0], moments, rows)
+    numbers = dict(zip(TumblePath._fields[1:9], rows.T[1:9].copy(), strict=True))
+    return TumblePath(time=moments, **numbers, touching=rows[:, 9:] == 1)
+
+
+def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
+    """Return the kernel's rows and the shape of the fields broadcast."""
+    from core.motion.kernels import tumbling as kernel
+
+    laws = {"pfeiffer_glocker": kernel.PFEIFFER_GLOCKER, "moreau": kernel.MOREAU}
+    body = throw.part.body()
+    circular_frequency = 2 * np.pi * np.asarray(throw.frequency, dtype=float)
+    acceleration = np.asarray(throw.amplitude, dtype=float) * circular_frequency**2
+    weight = np.asarray(throw.gravity, dtype=float)
+    time_step = throw.time_step
+    if time_step is None:
+        step = STEP_IN_FALLS * np.sqrt(body.half_diagonal / weight)
+        rate = np.where(acceleration > 0, circular_frequency, 0.0)
+        with np.errstate(divide="ignore"):
+            step = np.minimum(step, 2 * np.pi / STEPS_A_PERIOD / rate)
+        time_step = step
+    given: dict[str, ArrayLike] = {
+        **body._asdict(),
+        "pull_along": weight * np.sin(throw.gamma),
+        "pull_normal": weight * np.cos(throw.gamma),
+        "drive_along": acceleration * np.cos(throw.beta),
+        "drive_normal": acceleration * np.sin(throw.beta),
+        "circular_frequency": circular_frequency,
+        "start_phase": throw.start_phase,
+        "friction_kinetic": throw.friction_kinetic,
+        "friction_static": (
+            throw.friction_kinetic if throw.friction_static is None else throw.friction_static
+        ),
+        "restitution": throw.restitution,
+        "gap_normal": throw.gap_normal,
+        "pitch": throw.pitch,
+        "velocity_along": throw.velocity_along,
+        "velocity_upward": throw.velocity_upward,
+        "pitch_rate": throw.pitch_rate,
+        "duration": throw.duration,
+        "time_step": time_step,
+        "law": laws[throw.law],
+    }
+    columns = np.broadcast_arrays(
+        *(np.asarray(given[name], dtype=float) for name in kernel.Cell._fields)
+    )
+    shape = columns[0].shape
+    rows = np.stack([column.ravel() for column in columns], axis=1)
+    named = dict(zip(kernel.Cell._fields, rows.T, strict=True))
+    positive = ("half_diagonal", "duration", "time_step", "pull_normal")
+    for name in positive:
+        if not np.all(named[name] > 0):
+            raise ValueError(f"{name} has to be positive")
+    for name in ("gap_normal", "friction_kinetic", "restitution"):
+        if not np.all(named[name] >= 0):
+            raise ValueError(f"{name} may not be negative")
+    if not np.all(named["friction_static"] >= named["friction_kinetic"]):
+        raise ValueError("friction_static may not be below friction_kinetic")
+    if not np.all(named["restitution"] <= 1):
+        raise ValueError("restitution may not be above 1")
+    if not np.all(np.isfinite(rows)):
+        raise ValueError("every argument has to be finite")
+    return rows, shape
+
+
+def _check(method: Way, law: Law) -> None:
+    """Raise ValueError where the method does not know the law."""
+    if method not in ("events", "stepping"):
+        raise ValueError("method has to be 'events' or 'stepping'")
+    if method == "stepping" and law != "moreau":
+        raise ValueError("stepping knows Moreau's impact law only: law has to be 'moreau'")
+
+
+def _by(name: str, way: Way, law: Law, **known: Any) -> Method:
+    """Return the method, as the systems of tumbling parts call it."""
+
+    def follow(contacts: Contacts) -> Follow:
+        del contacts
+
+        def tumble(*, throw: Throw, watch: Watch | None = None) -> Tumble:
+            """Return how the part tumbles from its start to the end of the duration."""
+            return tumbling_motion(throw._replace(law=law), method=way, watch=watch)
+
+        return tumble
+
+    return Method(name=name, follow=follow, **known)
+
+
+def _course(contacts: Contacts) -> FollowCourse:
+    """Return what gives the course of a tumbling part from its start."""
+    del contacts
+
+    def course(asked: CourseAsked) -> Course:
+        throw: Throw = asked.arguments["throw"]
+        duration, samples = np.asarray(throw.duration).item(), asked.samples
+        if isinstance(samples, int):
+            times = np.linspace(0.0, duration, samples + 1)
+        else:
+            times = np.array(samples)
+        path = tumbling_path(throw, times=times)
+        values = {
+            "path_along": path.along,
+            "path_height": path.upward,
+            "path_pitch": np.rad2deg(path.pitch),
+            "path_gap": path.gap_normal,
+            "path_corners": path.touching.sum(axis=1).astype(float),
+        }
+        return Course(times, values, {})
+
+    return course
+
+
+EVENTS = _by(
+    "events",
+    "events",
+    "pfeiffer_glocker",
+    source="theory 2.3, 5.3",
+    accuracy="of fourth order in the step while a corner or a side is on the plane, some 1e-8 of "
+    "the energy; exact in flight; endless runs of impacts are cut off at 1e-6 of the fall's speed",
+    seconds_a_cell=3e-4,
+    course=_course,
+    checked_by=("time-stepping",),
+)
+TIME_STEPPING = _by(
+    "time-stepping",
+    "stepping",
+    "moreau",
+    source="theory 13.9",
+    accuracy="of first order in the step",
+    seconds_a_cell=1.5e-3,
+    checked_by=("events",),
+)
