@@ -19,16 +19,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.motion.compiled import compiled
-from core.motion.motion import STATUS, Motion
-from core.quantities import MOTION_MODES
-
-PERIODIC = STATUS["periodic"]
-AT_REST = STATUS["at_rest"]
-APERIODIC = STATUS["aperiodic"]
-RUNAWAY = STATUS["runaway"]
-NEUTRAL = STATUS["neutral"]
-LIMIT_REACHED = STATUS["limit_reached"]
+from core.compiled import compiled
+from core.motion.kernels.statuses import (
+    APERIODIC,
+    AT_REST,
+    BACKWARD,
+    FLYING,
+    FORWARD,
+    LIMIT_REACHED,
+    NEUTRAL,
+    PERIODIC,
+    RUNAWAY,
+    STICK,
+    UNKNOWN,
+)  # fmt: skip
 
 TURN = 2 * math.pi
 CONTACT, FLIGHT = 0, 1
@@ -258,6 +262,7 @@ def _height(w, s, gn, tau, span, known):
 
 
 COLUMNS_OF_ROW = 5
+RESULTS = 11  # of a cell: the fields of `Motion`, without the status
 
 
 @compiled
@@ -573,11 +578,6 @@ def _log(log, used, at, span, mode, u, w, x):
         log[used, 3], log[used, 4], log[used, 5] = u, w, x
         return used + 1
     return used
-
-
-STICK, FORWARD, BACKWARD, FLYING, UNKNOWN = (
-    MOTION_MODES[name].value for name in ("stick", "forward", "backward", "flight", "unknown")
-)
 
 
 @compiled
@@ -1062,7 +1062,7 @@ def follow(group):
     rows = np.empty((MOST_SEGMENTS, COLUMNS_OF_ROW))
     sums = np.empty(5)
     log = np.empty((4 * MOST_SEGMENTS, 6))
-    result = np.empty(len(Motion._fields) - 1)
+    result = np.empty(RESULTS)
     log[:, 1] = -1.0
     c, s, gs, phase, way = _upright(group[0], group[1], group[2])
     status, count, u, _ = _solve(group, rows, sums, log, result)

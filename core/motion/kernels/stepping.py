@@ -12,8 +12,16 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.motion.compiled import compiled
-from core.motion.motion import STATUS
+from core.compiled import compiled
+from core.motion.kernels.statuses import (
+    APERIODIC,
+    AT_REST,
+    LIMIT_REACHED,
+    NEUTRAL,
+    NO_SOLUTION,
+    PERIODIC,
+    RUNAWAY,
+)  # fmt: skip
 
 Floats = NDArray[np.float64]
 
@@ -56,10 +64,6 @@ left where several landings, and friction, have a say. Three runs differ too lit
 a safety of 2 and nothing else the true error was larger in 3 % of random studies, up to 34 times;
 `benchmarks.honest_estimates` tells what is left.
 """
-
-PERIODIC, AT_REST, APERIODIC = STATUS["periodic"], STATUS["at_rest"], STATUS["aperiodic"]
-RUNAWAY, NEUTRAL = STATUS["runaway"], STATUS["neutral"]
-LIMIT_REACHED, NO_SOLUTION = STATUS["limit_reached"], STATUS["no_solution"]
 
 
 @compiled

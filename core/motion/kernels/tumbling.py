@@ -13,12 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.mechanics.arrays import Array
-from core.motion.compiled import compiled
-from core.motion.motion import STATUS
+from core.compiled import compiled
+from core.motion.kernels.statuses import LIMIT_REACHED, MOVING, NO_SOLUTION, SETTLED
 
-LIMIT_REACHED, SETTLED = STATUS["limit_reached"], STATUS["settled"]
-NO_SOLUTION, MOVING = STATUS["no_solution"], STATUS["moving"]
+Array = NDArray[np.float64]
 
 PFEIFFER_GLOCKER, MOREAU = 0, 1
 
