@@ -160,6 +160,17 @@ def test_the_digest_covers_all_that_kernels_import():
             assert found, f"{file.name} imports {module}"
 
 
+def test_every_function_of_a_kernel_file_is_compiled():
+    found = 0
+    for file in compiled.sources():
+        if "kernels" in file.parts:
+            for node in ast.walk(ast.parse(file.read_text())):
+                if isinstance(node, ast.FunctionDef):
+                    found += 1
+                    assert [ast.unparse(made) for made in node.decorator_list] == ["compiled"]
+    assert found > 100
+
+
 def imported(file: Path) -> list[str]:
     """Return the modules of ours that a file imports."""
     nodes = list(ast.walk(ast.parse(file.read_text())))

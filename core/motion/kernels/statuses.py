@@ -2,20 +2,35 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from core.quantities.flags import MOTION_MODES, MOTION_STATUSES
 
-PERIODIC = MOTION_STATUSES["periodic"].value
-AT_REST = MOTION_STATUSES["at_rest"].value
-APERIODIC = MOTION_STATUSES["aperiodic"].value
-RUNAWAY = MOTION_STATUSES["runaway"].value
-NEUTRAL = MOTION_STATUSES["neutral"].value
-LIMIT_REACHED = MOTION_STATUSES["limit_reached"].value
-NO_SOLUTION = MOTION_STATUSES["no_solution"].value
-SETTLED = MOTION_STATUSES["settled"].value
-MOVING = MOTION_STATUSES["moving"].value
 
-STICK = MOTION_MODES["stick"].value
-FORWARD = MOTION_MODES["forward"].value
-BACKWARD = MOTION_MODES["backward"].value
-FLYING = MOTION_MODES["flight"].value
-UNKNOWN = MOTION_MODES["unknown"].value
+class Status(NamedTuple):
+    """The values of the statuses that a kernel may give."""
+
+    periodic: int
+    at_rest: int
+    aperiodic: int
+    runaway: int
+    neutral: int
+    limit_reached: int
+    no_solution: int
+    settled: int
+    moving: int
+
+
+class Mode(NamedTuple):
+    """The values of the modes."""
+
+    stick: int
+    forward: int
+    backward: int
+    flight: int
+    unknown: int
+
+
+STATUS = Status(**{name: MOTION_STATUSES[name].value for name in Status._fields})
+MODE = Mode(**{name: MOTION_MODES[name].value for name in Mode._fields})
+MODES = 4  # in which time is spent: all but the unknown
