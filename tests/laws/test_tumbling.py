@@ -11,7 +11,9 @@ import pytest
 from benchmarks.motions import tumbling_motion, tumbling_path
 from core.mechanics import impact
 from core.motion.bodies import Ball, Cylinder, Rectangle
-from core.motion.kernels import tumbling as kernel
+from core.motion.kernels.tumbling.geometry import corner_at, speed_scale
+from core.motion.kernels.tumbling.impact import strike
+from core.motion.kernels.tumbling.tables import SLOW, STATE, cell_of
 from core.motion.methods import tumbling
 from core.motion.result import STATUS
 
@@ -144,17 +146,17 @@ def test_an_impact_of_a_corner_is_that_of_the_impact_scenes(law, shape):
     part = shape(0.03, 0.02)
     cells, _ = cells_of(part, friction_kinetic=mu, restitution=eps, law=law)
     for number in range(count):
-        cell = kernel.cell_of(cells[number])
-        state, after = np.zeros(kernel.STATE), np.empty(kernel.STATE)
-        state[kernel.PITCH] = draw(0.05, 1.5)
-        s, c = kernel.corner_at(cell, 0, state[kernel.PITCH])
+        cell = cell_of(cells[number])
+        state, after = np.zeros(len(STATE)), np.empty(len(STATE))
+        state[STATE.pitch] = draw(0.05, 1.5)
+        s, c = corner_at(cell, 0, state[STATE.pitch])
         rho, kappa = cell.half_diagonal, cell.inertia_ratio
-        state[kernel.UP] = rho * s
+        state[STATE.up] = rho * s
         state[3:6] = draw(-1, 1), draw(-1, 1), draw(-50, 50)
         u_n, u_t = state[4] - rho * state[5] * c, state[3] - rho * state[5] * s
         before = state.copy()
-        struck = kernel.strike(cell, state, after)
-        assert struck == (u_n < -kernel.SLOW * kernel.speed_scale(cell))
+        struck = strike(cell, state, after)
+        assert struck == (u_n < -SLOW * speed_scale(cell))
         if not struck:
             continue
         given = [np.asarray(value) for value in
@@ -171,7 +173,7 @@ def test_an_impact_of_a_corner_is_that_of_the_impact_scenes(law, shape):
         # The angular momentum about the corner stays, whatever the impulse.
         about = rho * (change[4] * c + change[3] * s) + rho**2 / kappa * change[5]
         assert about == pytest.approx(0, abs=1e-12 * rho)
-        assert state[kernel.LOST] >= -1e-12
+        assert state[STATE.lost] >= -1e-12
 
 
 def cells_of(part, **given):

@@ -411,7 +411,7 @@ def test_it_runs_where_no_cache_can_be_written():
         "class Nowhere(c.CacheImpl):\n"
         "    _locator_classes = []\n"
         "c.CompileResultCacheImpl._locator_classes = []\n"
-        "from core.motion.compiled import compiled\n"
+        "from core.compiled import compiled\n"
         "@compiled\n"
         "def double(x):\n"
         "    return 2 * x\n"

@@ -1,1 +1,1 @@
-"""Compiled kernels, one file a system: the cache of compiled code looks at the date of one file."""
+"""Compiled kernels, a package a method; of ours they import each other and flags only."""

@@ -18,7 +18,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from core.motion.compiled import compiled
+from core.compiled import compiled
 
 Numbers = NDArray[np.float64]
 

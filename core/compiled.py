@@ -1,0 +1,154 @@
+"""Compilation of the kernels: numba, cached on disk by the content of all kernel files.
+
+numba's own cache watches the one file a function stands in, so that a kernel which calls into
+another file would keep the old callee. Here the cached code lies in a folder named after a digest
+of everything that it can depend on: of the kernel files of every package, of the flags that they
+freeze, of this file, and of the versions and settings of the compiler. A change of any of them
+opens a new folder; dates and places of files play no part. numba itself keeps the entries of one
+folder apart by argument types and by processor.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import llvmlite
+import numba
+import numpy as np
+from numba.core import caching
+from numba.misc.appdirs import AppDirs
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+CORE = Path(__file__).resolve().parent
+
+FROZEN = ("compiled.py", "quantities/flags.py")
+"""What kernels may import besides kernel files; the values are frozen into the cached code."""
+
+SETTINGS = (
+    "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "DISABLE_INTEL_SVML", "LOOP_VECTORIZE", "OPT",
+    "SLP_VECTORIZE",
+)  # fmt: skip
+"""Settings of numba that change code and that its own cache does not look at."""
+
+KEPT = 8
+"""Folders of other digests that stay, the last used: a branch or two, and versions side by side."""
+
+_settings: Any = numba.config
+_user_caches = AppDirs(appname="vibrafeed", appauthor=False)  # type: ignore[no-untyped-call]
+
+
+def compiled(function: Function) -> Function:
+    """Return the function compiled for scalars and arrays; it releases the interpreter's lock.
+
+    Kernels stay sequential: a pool of threads shares out the cells, so that two requests of one
+    process can run at a time, a batch can be stopped between pieces, and results do not depend on
+    the number of threads.
+
+    The code is cached in a folder of `NUMBA_CACHE_DIR`; without that variable, beside this file or,
+    where that cannot be written, among the user's caches. A function that stands in no kernel file,
+    or for which no folder can be written or read, is compiled once a process.
+    """
+    dispatcher: Any = numba.njit(nogil=True, error_model="numpy")(function)
+    with contextlib.suppress(RuntimeError):  # no folder for it
+        dispatcher._cache = _Cache(function)  # type: ignore[no-untyped-call]
+    return dispatcher
+
+
+@functools.cache
+def sources() -> tuple[Path, ...]:
+    """Return the files that cached code depends on, in a fixed order."""
+    kernels = sorted(CORE.glob("*/kernels/**/*.py"))
+    return (*kernels, *(CORE / name for name in FROZEN))
+
+
+@functools.cache
+def digest() -> str:
+    """Return the name of all that cached code depends on, 16 hexadecimal digits."""
+    settings = {name: str(getattr(_settings, name, None)) for name in SETTINGS}
+    versions = (numba.__version__, llvmlite.__version__, np.__version__)
+    content = hashlib.sha256(repr((versions, settings)).encode())
+    for file in sources():
+        content.update(f"\n{file.relative_to(CORE).as_posix()}\n".encode())
+        content.update(hashlib.sha256(file.read_bytes()).digest())
+    return content.hexdigest()[:16]
+
+
+@functools.cache
+def folder() -> Path | None:
+    """Return the folder of the cached code, made if need be.
+
+    The first that can be written, else the first that is there (an image may ship it); else None.
+    """
+    places = [CORE / "__pycache__", Path(_user_caches.user_cache_dir)]
+    if _settings.CACHE_DIR:
+        places = [Path(_settings.CACHE_DIR)]
+    folders = [place / f"kernels-{digest()}" for place in places]
+    for found in folders:
+        with contextlib.suppress(OSError):
+            found.mkdir(parents=True, exist_ok=True)
+            os.utime(found)  # it is in use
+            if os.access(found, os.W_OK):
+                _forget_old(found)
+                return found
+    return next((found for found in folders if os.access(found, os.R_OK)), None)
+
+
+def _forget_old(current: Path) -> None:
+    """Remove the folders of other digests but the last used."""
+    others = set(current.parent.glob("kernels-" + 16 * "[0-9a-f]")) - {current}
+    with contextlib.suppress(OSError):  # another process removes the same ones
+        for other in sorted(others, key=os.path.getmtime, reverse=True)[KEPT:]:
+            shutil.rmtree(other, ignore_errors=True)
+
+
+class _Place(caching._CacheLocator):
+    """Where numba finds the code of one function, and what tells that it is that of its source."""
+
+    def __init__(self, file: str, module: str, line: int, path: Path) -> None:
+        self._py_file, self._lineno = file, line
+        self._module, self._path = module, path
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], file: str) -> _Place | None:
+        """Return the place; None for a function of another file, or if there is no folder."""
+        if Path(file).resolve() not in sources():
+            return None
+        path = folder()
+        line = function.__code__.co_firstlineno
+        return None if path is None else cls(file, function.__module__, line, path)
+
+    def get_cache_path(self) -> str:
+        return str(self._path)
+
+    def get_source_stamp(self) -> str:
+        return digest()
+
+    def get_disambiguator(self) -> str:
+        return f"{self._module}-{self._lineno}"  # two kernels may have files of one name
+
+    def ensure_cache_path(self) -> None:
+        self._path.mkdir(parents=True, exist_ok=True)
+
+
+class _Entry(caching.CompileResultCacheImpl):
+    """How numba writes compiled code; in our place only."""
+
+    _locator_classes: list[type[object]] = [_Place]  # noqa: RUF012 numba declares it so
+
+
+class _Cache(caching.FunctionCache):
+    """The cached code of one function; what cannot be written is compiled again next time."""
+
+    _impl_class = _Entry
+
+    def save_overload(self, signature: Any, data: Any) -> None:
+        with contextlib.suppress(OSError):
+            super().save_overload(signature, data)  # type: ignore[no-untyped-call]

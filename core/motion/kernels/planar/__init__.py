@@ -1,0 +1,23 @@
+"""Event-driven motion in a vertical plane along the track (theory 13.2 to 13.8), compiled.
+
+Scales: phase tau = w t, lengths g/w^2, velocities g/w, accelerations g. The drive accelerates the
+part, in the frame of the track, by (c, s) sin(tau); gravity by -(gs, gn). In every mode the flow is
+closed, so a motion is a chain of events: lift-off, landing, stop, start of slip. Each is isolated
+on a piece of its flow that bends one way only, where Newton's iteration runs to the root from one
+side: none can be missed.
+
+The motion normal to the floor knows nothing of friction. Its attractor is found first, as a chain
+of segments (contact, flight) that repeats after whole periods; what is left is a map of one number,
+the sliding velocity at the start of the chain, onto itself. Under one coefficient of friction it
+never stretches distances, so its fixed point is bracketed by every evaluation.
+
+`flow`: the motion in one mode; `flight`: where it lands; `cycle`: the chain of segments; `slide`:
+the motion along the track over a chain; `settle`: the velocity at which that repeats; `chaos`:
+means of motion that does not; `solve`: one cell, and many; `path`: the course of one part.
+"""
+
+from core.motion.kernels.planar.path import follow, sample
+from core.motion.kernels.planar.solve import solve_cells
+from core.motion.kernels.planar.tables import Cell
+
+__all__ = ["Cell", "follow", "sample", "solve_cells"]

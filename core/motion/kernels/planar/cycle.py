@@ -1,0 +1,269 @@
+"""The motion normal to the floor: a cycle of segments, contact and flight."""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.planar.flight import landing
+from core.motion.kernels.planar.flow import EPSILON, TURN, phase_to, velocity_after
+from core.motion.kernels.planar.tables import MOST_SEGMENTS, SEGMENT
+
+SEARCH_HOPS = 512  # before a motion without contact phase is taken to be aperiodic
+SEARCH_PERIODS = 400
+FIRST_LOOK = 32  # hops before the first search for a cycle; each later one waits half as long again
+MOST_TRIES = 3  # at cycles of different lengths, in one search
+MOST_NEWTON = 40  # near a period doubling it closes in by two thirds a step at first
+LONGEST_CYCLE = 32  # impacts of a cycle without contact phase
+SAME_STATE = 1e-7  # distance of two states of a cycle that are one
+MOST_GROWTH = 1e6  # of a rounding error along a cycle that is taken to repeat
+NEAR = 1e-2  # recurrence that a search for a cycle starts from
+FEWEST_PERIODS = 8  # of a run that a limit ended, for its mean to be given as that of the motion
+SETTLED_EXACTLY = 1e-13  # rebound times remaining time, below which a run of shrinking hops ends
+SETTLED_TIME = 1e-3  # its remaining time, as a share of the time to lift-off
+
+
+@compiled
+def write_segment(
+    rows: Floats, row: int, tau: float, span: float, w: float, speed: float, impulse: float
+) -> None:
+    """Write a segment."""
+    rows[row, SEGMENT.phase], rows[row, SEGMENT.span], rows[row, SEGMENT.take_off] = tau, span, w
+    rows[row, SEGMENT.landing], rows[row, SEGMENT.impulse] = speed, impulse
+
+
+@compiled
+def one_hop(
+    tau: float, w: float, s: float, gn: float, e: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Return span, landing speed, phase and rebound after a hop, and the derivatives of the two.
+
+    The last four are d(phase)/d(tau), d(phase)/d(w), d(rebound)/d(tau), d(rebound)/d(w).
+    """
+    span = landing(w, s, gn, tau)
+    speed = max(0.0, -velocity_after(w, s, gn, tau, span))
+    after = tau + span
+    if speed == 0.0:
+        return span, speed, after, 0.0, 0.0, 0.0, 0.0, 0.0
+    n0, n1 = gn - s * math.sin(tau), gn - s * math.sin(after)
+    phase_tau, phase_w = (span * n0 - w) / speed, span / speed
+    # The landing velocity changes by dw + n0 dtau - n1 dphase; the rebound is -e times that.
+    return (
+        span, speed, after, e * speed,
+        phase_tau, phase_w, -e * (n0 - n1 * phase_tau), -e * (1 - n1 * phase_w),
+    )  # fmt: skip
+
+
+@compiled
+def rests(
+    tau: float, w: float, s: float, gn: float, e: float, up_at: float, settled: float
+) -> bool:
+    """Return whether the part stays on the floor after a landing with rebound w (theory 13.5).
+
+    It does where it does not rebound, and where the hops still to come shrink to nothing within
+    less than `settled` of w times their time, and long before lift-off. Their impulses then add up
+    to what the floor gives in that time, less w: the last impact is taken as one without rebound,
+    and the hops as a stay on the floor. The position is wrong by less than friction times
+    `settled`.
+    """
+    n = gn - s * math.sin(tau)
+    if n <= 0:
+        return False
+    if w == 0:
+        return True
+    if e >= 1:
+        return False
+    left = 2 * w / (n * (1 - e))
+    return w * left < settled and left < SETTLED_TIME * phase_to(up_at, tau)
+
+
+@compiled
+def run_cycle(
+    tau: float, w: float, hops: int, s: float, gn: float, e: float, up_at: float, rows: Floats
+) -> tuple[float, float, float, float, float, float]:
+    """Return phase, rebound and their four derivatives after some hops; fill `rows`.
+
+    A hop that ends on the floor, or that never ends, gives a phase of NaN.
+    """
+    a, b, c, d = 1.0, 0.0, 0.0, 1.0
+    for hop in range(hops):
+        span, speed, after, rebound, tt, tw, wt, ww = one_hop(tau, w, s, gn, e)
+        if span <= 0 or rests(after, rebound, s, gn, e, up_at, SETTLED_EXACTLY):
+            return math.nan, 0.0, a, b, c, d
+        write_segment(rows, hop, tau % TURN, span, w, speed, (1 + e) * speed)
+        a, b, c, d = tt * a + tw * c, tt * b + tw * d, wt * a + ww * c, wt * b + ww * d
+        tau, w = after, rebound
+    return tau, w, a, b, c, d
+
+
+@compiled
+def fixed_point(
+    at: float, rebound: float, hops: int, periods: int, s: float, gn: float, e: float,
+    up_at: float, rows: Floats,
+) -> tuple[float, float, bool]:  # fmt: skip
+    """Return a state near the given one that repeats after some hops, and whether it attracts.
+
+    By Newton's iteration; False as well where none is found. Fills `rows`.
+    """
+    for _ in range(MOST_NEWTON):
+        after, rebound_after, a, b, c, d = run_cycle(at, rebound, hops, s, gn, e, up_at, rows)
+        if math.isnan(after):
+            break
+        off, off_rebound = after - at - periods * TURN, rebound_after - rebound
+        determinant = (a - 1) * (d - 1) - b * c
+        if determinant == 0:
+            break
+        step = (off * (d - 1) - b * off_rebound) / determinant
+        step_rebound = ((a - 1) * off_rebound - c * off) / determinant
+        at, rebound = at - step, max(0.0, rebound - step_rebound)
+        if abs(step) + abs(step_rebound) <= 1e-14 * (TURN + s):
+            product = a * d - b * c
+            return at, rebound, abs(a + d) < 1 + product and product < 1
+    return at, rebound, False
+
+
+@compiled
+def shortest_part(rows: Floats, hops: int, periods: int) -> int:
+    """Return the hops of the shortest cycle: near a period doubling two may be one hop twice."""
+    for part in range(1, hops // 2 + 1):
+        if hops % part == 0 and periods % (hops // part) == 0:
+            apart = 0.0
+            for hop in range(hops - part):
+                apart += abs(rows[hop + part, SEGMENT.phase] - rows[hop, SEGMENT.phase])
+                apart += abs(rows[hop + part, SEGMENT.take_off] - rows[hop, SEGMENT.take_off])
+            if apart < SAME_STATE * hops:
+                return part
+    return hops
+
+
+@compiled
+def find_cycle(
+    s: float, gn: float, e: float, up_at: float, rows: Floats, count: int, tau: float, w: float
+) -> tuple[int, int]:
+    """Return hops and periods of an attracting cycle near the last states; 0, 0 if there is none.
+
+    Fills the first rows with the cycle. Newton's iteration on the map of some hops, from where the
+    motion nearly recurs; accepted if it attracts (Jury's criterion) and the motion nears it.
+    """
+    travelled, tries = 0.0, 0
+    for hops in range(1, min(LONGEST_CYCLE, count) + 1):
+        row = rows[count - hops]
+        travelled += row[SEGMENT.span]
+        periods = round(travelled / TURN)
+        recurrence = abs(travelled - periods * TURN) + abs(w - row[SEGMENT.take_off])
+        if periods < 1 or recurrence > NEAR:
+            continue
+        tries += 1
+        if tries > MOST_TRIES:
+            break
+        at, rebound = tau % TURN, w
+        start, start_rebound = at, rebound
+        scratch = rows[count:]
+        if scratch.shape[0] < hops:
+            return 0, 0
+        at, rebound, attracts = fixed_point(at, rebound, hops, periods, s, gn, e, up_at, scratch)
+        distance = abs(at - start) + abs(rebound - start_rebound)
+        if not attracts or distance > 100 * recurrence + 1e-9:
+            continue
+        after, rebound_after, _, _, _, _ = run_cycle(
+            start, start_rebound, hops, s, gn, e, up_at, scratch
+        )
+        nearer = abs(after - at - periods * TURN) + abs(rebound_after - rebound)
+        if not (nearer < distance or distance < 1e-9):
+            continue
+        if math.isnan(run_cycle(at, rebound, hops, s, gn, e, up_at, scratch)[0]):
+            continue
+        shortest = shortest_part(scratch, hops, periods)
+        for hop in range(shortest):
+            for column in range(len(SEGMENT)):
+                rows[hop, column] = scratch[hop, column]
+        return shortest, periods * shortest // hops
+    return 0, 0
+
+
+@compiled
+def normal_cycle(s: float, gn: float, e: float, most_periods: int, rows: Floats) -> tuple[int, int]:
+    """Return the segments and periods of the cycle that the part falls into from rest on the floor.
+
+    Fills `rows`. Periods 0 means that the motion does not repeat, or that rounding decides where it
+    does; -1 that a limit came first.
+    """
+    if s <= gn:
+        write_segment(rows, 0, 0.0, TURN, -1.0, 0.0, 0.0)
+        return 1, 1
+    up_at = math.asin(gn / s)
+    tau, w, total, count, look_at = up_at, 0.0, 0.0, 0, FIRST_LOOK
+    a, b, c, d = 1.0, 0.0, 0.0, 1.0  # derivatives of phase and rebound by those at the start
+    least, growth = 2.0, 1.0
+    while count < MOST_SEGMENTS - LONGEST_CYCLE - 2:
+        span, speed, after, rebound, tt, tw, wt, ww = one_hop(tau, w, s, gn, e)
+        if span < 0:
+            return count, -1
+        write_segment(rows, count, tau, span, w, speed, (1 + e) * speed)
+        a, b, c, d = tt * a + tw * c, tt * b + tw * d, wt * a + ww * c, wt * b + ww * d
+        size = abs(a) + abs(b) + abs(c) + abs(d)
+        if not 1e-100 < size < 1e100:
+            a, b, c, d, size, least = 1.0, 0.0, 0.0, 1.0, 2.0, 2.0
+        least = min(least, size)
+        growth = max(growth, size / least)
+        count += 1
+        total += span
+        tau, w = after % TURN, rebound
+        if rests(tau, w, s, gn, e, up_at, SETTLED_EXACTLY):
+            # On the floor until lift-off, where the motion began: the cycle is closed.
+            span = phase_to(up_at, tau)
+            rows[count - 1, SEGMENT.impulse] = speed
+            write_segment(rows, count, tau, span, -1.0, 0.0, 0.0)
+            periods = round((total + span) / TURN)
+            return count + 1, (periods if periods == 1 or growth < MOST_GROWTH else 0)
+        if count >= look_at and total > TURN:
+            look_at = count + count // 2
+            hops, periods = find_cycle(s, gn, e, up_at, rows, count, tau, w)
+            if hops:
+                return hops, periods
+        if count >= SEARCH_HOPS and total > TURN * min(SEARCH_PERIODS, most_periods):
+            return count, 0
+    return count, (0 if total > TURN * FEWEST_PERIODS else -1)
+
+
+@compiled
+def phase_doubt(rows: Floats, count: int, s: float, gn: float, e: float) -> float:
+    """Return by how much roundings may move a phase of the cycle.
+
+    They grow along a chain of hops until the part rests on the floor; where it never does, the
+    cycle is known the less, the nearer its map is to one that has it twice.
+    """
+    a, b, c, d = 1.0, 0.0, 0.0, 1.0
+    least, growth, never_rests = 2.0, 1.0, True
+    for row in range(count):
+        tau, span = rows[row, SEGMENT.phase], rows[row, SEGMENT.span]
+        w, speed = rows[row, SEGMENT.take_off], rows[row, SEGMENT.landing]
+        if w < 0 or speed <= 0:
+            a, b, c, d, least = 1.0, 0.0, 0.0, 1.0, 2.0
+            never_rests = never_rests and w >= 0
+            continue
+        n0, n1 = gn - s * math.sin(tau), gn - s * math.sin(tau + span)
+        tt, tw = (span * n0 - w) / speed, span / speed
+        wt, ww = -e * (n0 - n1 * tt), -e * (1 - n1 * tw)
+        a, b, c, d = tt * a + tw * c, tt * b + tw * d, wt * a + ww * c, wt * b + ww * d
+        size = abs(a) + abs(b) + abs(c) + abs(d)
+        if not 1e-100 < size < 1e100:
+            a, b, c, d, size, least = 1.0, 0.0, 0.0, 1.0, 2.0, 2.0
+        least = min(least, size)
+        growth = max(growth, size / least)
+    rounding = EPSILON * (TURN + s)
+    if never_rests:
+        # Of a cycle that has just doubled one half may have been kept: it does not quite close.
+        last = count - 1
+        apart = (
+            rows[last, SEGMENT.phase] + rows[last, SEGMENT.span] - rows[0, SEGMENT.phase]
+        ) / TURN
+        open_by = abs(apart - round(apart)) * TURN + abs(
+            e * rows[last, SEGMENT.landing] - rows[0, SEGMENT.take_off]
+        )
+        determinant = abs((a - 1) * (d - 1) - b * c)
+        return (rounding + open_by) * max(
+            growth, (2 + abs(a) + abs(b) + abs(c) + abs(d)) / max(1e-9, determinant)
+        )
+    return rounding * growth

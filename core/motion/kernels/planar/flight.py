@@ -1,0 +1,138 @@
+"""A flight from take-off to landing."""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import compiled
+from core.motion.kernels.planar.flow import (
+    LAST_STEP,
+    MOST_ITERATIONS,
+    MOST_PIECES,
+    TURN,
+    distance_after,
+    flow,
+    phase_to,
+    velocity_after,
+)
+
+
+@compiled
+def landing_root(w: float, s: float, gn: float, sine: float, cosine: float, start: float) -> float:
+    """Return the landing time by Newton's iteration from `start`, on its own side of the root."""
+    d, first = start, 0.0
+    for _ in range(MOST_ITERATIONS):
+        slope, height = flow(w, s, gn, sine, cosine, d)
+        if slope >= 0:
+            break
+        step = height / slope
+        d -= step
+        first = step if first == 0 else first
+        # Each step squares the error; one back across the root is made of rounding alone.
+        if abs(step) <= LAST_STEP * d or step * first <= 0:
+            break
+    return d
+
+
+@compiled
+def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float) -> float:
+    """Return where the normal velocity, rising from negative to positive, is zero."""
+    d = (low + high) / 2
+    for _ in range(MOST_ITERATIONS):
+        value = velocity_after(w, s, gn, tau, d)
+        if value > 0:
+            high = d
+        else:
+            low = d
+        slope = s * math.sin(tau + d) - gn
+        new = d - value / slope if slope > 0 else low
+        if low < new < high and abs(new - d) <= LAST_STEP * d:
+            return new
+        if not low < new < high:
+            new = (low + high) / 2
+            if new in (low, high):
+                return new
+        d = new
+    return d
+
+
+@compiled
+def landing(w: float, s: float, gn: float, tau: float) -> float:
+    """Return the phase from take-off at tau to landing, for s > gn and w >= 0; -1 if none is found.
+
+    The height bends down where s sin(tau) < gn, and up elsewhere. Where it bends down and ends
+    above the floor it was above all the way; where it bends up its least value is found first.
+    """
+    sine, cosine = math.sin(tau), math.cos(tau)
+    up_at = math.asin(gn / s)
+    down_at = math.pi - up_at
+    bends_up = up_at <= tau % TURN < down_at
+    if not bends_up and w > 0:
+        # A small hop: twice the parabola's own time is past the landing, or soon will be.
+        guess = 2 * w / (gn - s * sine)
+        end = phase_to(up_at, tau)
+        for _ in range(64):
+            if not guess < end:
+                break
+            if flow(w, s, gn, sine, cosine, guess)[1] <= 0:
+                return landing_root(w, s, gn, sine, cosine, guess)
+            guess *= 2
+    # Above a parabola the height is positive whatever the sine does: skip whole turns of that.
+    rise = w + s * cosine
+    inner = rise * rise - 2 * gn * s * (1 - sine)
+    skip_from = skip_to = math.inf
+    if inner > 0 and rise > 0:
+        skip_to = (rise + math.sqrt(inner)) / gn
+        skip_from = 2 * s * (1 - sine) / gn / skip_to
+    d, velocity = 0.0, w
+    for _ in range(MOST_PIECES):
+        if skip_from < d < skip_to - TURN:
+            d += TURN * math.floor((skip_to - d) / TURN)
+            velocity = flow(w, s, gn, sine, cosine, d)[0]
+        ahead = phase_to(down_at if bends_up else up_at, tau + d)
+        end = d + (ahead if ahead > 0 or d == 0 else TURN)
+        last, height = flow(w, s, gn, sine, cosine, end)
+        if bends_up:
+            if velocity < 0:
+                if last > 0:
+                    lowest = lowest_at(w, s, gn, tau, d, end)
+                    height = flow(w, s, gn, sine, cosine, lowest)[1]
+                if height <= 0:
+                    return landing_root(w, s, gn, sine, cosine, d)
+        elif last < 0 and height <= 0:
+            return landing_root(w, s, gn, sine, cosine, end)
+        d, velocity, bends_up = end, last, not bends_up
+    return -1.0
+
+
+@compiled
+def hop_height(w: float, s: float, gn: float, tau: float, span: float, known: float) -> float:
+    """Return the largest height of a flight, or `known` if that is larger."""
+    if (gn + s) * span * span / 8 <= known:
+        return known
+    # The height is a parabola and a sine: its top lies near that of the parabola.
+    top = (w + s * math.cos(tau)) / gn
+    reach = 2 * math.sqrt(s / gn) + 1
+    first, last = max(0.0, top - reach), min(span, top + reach)
+    pieces = min(MOST_PIECES, max(8, int((last - first) * 4)))
+    width = (last - first) / pieces
+    best, at = 0.0, first
+    for piece in range(pieces + 1):
+        height = distance_after(w, s, gn, tau, first + width * piece)
+        if height > best:
+            best, at = height, first + width * piece
+    low, high = max(0.0, at - width), min(span, at + width)
+    for _ in range(MOST_ITERATIONS):
+        velocity = velocity_after(w, s, gn, tau, at)
+        if velocity > 0:
+            low = at
+        else:
+            high = at
+        slope = s * math.sin(tau + at) - gn
+        new = at - velocity / slope if slope < 0 else (low + high) / 2
+        if not low <= new <= high:
+            new = (low + high) / 2
+        if abs(new - at) <= 1e-15 * span:
+            break
+        at = new
+    return max(known, distance_after(w, s, gn, tau, at))

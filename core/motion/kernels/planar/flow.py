@@ -1,0 +1,77 @@
+"""The flow in one mode: a sine and a constant, integrated in closed form."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from core.compiled import compiled
+
+TURN = 2 * math.pi
+MOST_ITERATIONS = 200  # of a bracketed search
+MOST_PIECES = 20_000  # of one flow
+LAST_STEP = 1e-10  # of Newton's iteration, relative: the next would be of the order of its square
+EPSILON = 2e-15  # rounding of the change over a cycle, per unit of the drive
+
+
+class Drive(NamedTuple):
+    """Drive and gravity along and normal to the floor, and both coefficients of friction."""
+
+    c: float
+    s: float
+    gs: float
+    gn: float
+    mu_s: float
+    mu_k: float
+
+
+@compiled
+def arc(d: float) -> tuple[float, float]:
+    """Return d - sin d and 1 - cos d."""
+    if abs(d) > 0.7:
+        half = math.sin(d / 2)
+        return d - math.sin(d), 2 * half * half
+    q = d * d
+    cubic = 1 - q / 110 * (1 - q / 156 * (1 - q / 210 * (1 - q / 272)))
+    square = 1 - q / 90 * (1 - q / 132 * (1 - q / 182 * (1 - q / 240)))
+    return (
+        d * q / 6 * (1 - q / 20 * (1 - q / 42 * (1 - q / 72 * cubic))),
+        q / 2 * (1 - q / 12 * (1 - q / 30 * (1 - q / 56 * square))),
+    )
+
+
+@compiled
+def flow(v: float, C: float, k: float, sine: float, cosine: float, d: float) -> tuple[float, float]:
+    """Return velocity and distance a phase d after the velocity was v, under C sin(tau) - k.
+
+    `sine` and `cosine` are those of the phase at the start.
+    """
+    cubic, square = arc(d)
+    velocity = v + C * (cosine * square + sine * (d - cubic)) - k * d
+    return velocity, v * d + C * (cosine * cubic + sine * square) - k * d * d / 2
+
+
+@compiled
+def velocity_after(v: float, C: float, k: float, tau: float, d: float) -> float:
+    """Return the velocity a phase d after it was v at tau."""
+    return flow(v, C, k, math.sin(tau), math.cos(tau), d)[0]
+
+
+@compiled
+def distance_after(v: float, C: float, k: float, tau: float, d: float) -> float:
+    """Return the distance covered in the same time."""
+    return flow(v, C, k, math.sin(tau), math.cos(tau), d)[1]
+
+
+@compiled
+def phase_to(target: float, tau: float) -> float:
+    """Return the phase from tau on to the next `target`, a phase modulo a turn; in [0, 2 pi)."""
+    d = (target - tau) % TURN
+    # What rounding put a hair before tau is at tau.
+    return 0.0 if d > TURN - 1e-12 else d
+
+
+@compiled
+def arc_sine(value: float) -> float:
+    """Return the arc sine of what rounding may have put beyond 1."""
+    return math.asin(min(1.0, max(-1.0, value)))

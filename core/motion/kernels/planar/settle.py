@@ -1,0 +1,149 @@
+"""The sliding velocity at the start of a cycle at which the motion along the track repeats."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.planar.flow import EPSILON, MOST_ITERATIONS, Drive
+from core.motion.kernels.planar.slide import follow_cycle
+from core.motion.kernels.planar.tables import TIMES
+from core.motion.kernels.statuses import MODE, STATUS
+
+LONGEST_MULTIPLE = 16  # cycles after which a motion under two coefficients may repeat
+MOST_UNSURE = 1e-3  # of the drive: a state that rounding leaves less sure is no answer
+
+Settled = tuple[float, float, int, int]
+"""Velocity, estimate of its error, cycles after which it repeats (0: not found), status."""
+
+
+@compiled
+def settle(
+    rows: Floats,
+    count: int,
+    u: float,
+    drive: Drive,
+    tolerance: float,
+    most_periods: int,
+    sums: Floats,
+    log: Floats,
+) -> Settled:
+    """Return the velocity at the start of the cycle once the motion repeats.
+
+    Returns
+    -------
+    tuple
+        Velocity, estimate of its error, cycles after which it repeats (0: not found), status.
+    """
+    if drive.mu_s == drive.mu_k:
+        return settle_bracketed(rows, count, u, drive, tolerance, sums, log)
+    return settle_followed(rows, count, u, drive, tolerance, most_periods, sums, log)
+
+
+@compiled
+def settle_bracketed(
+    rows: Floats, count: int, u: float, drive: Drive, tolerance: float, sums: Floats, log: Floats
+) -> Settled:
+    """Return the fixed point of the map of one cycle where one coefficient of friction serves.
+
+    Coulomb friction never drives two motions under the same normal force apart: the map is
+    increasing and stretches nothing, so that the change over a cycle falls with the velocity.
+    """
+    scale = abs(drive.c) + abs(drive.gs)
+    low, high, stride = -math.inf, math.inf, 1.0
+    for _ in range(MOST_ITERATIONS):
+        after, slope, used = follow_cycle(rows, count, u, drive, sums, log)
+        if used < 0:
+            return u, math.inf, 0, STATUS.limit_reached
+        change = after - u
+        error = abs(change) / max(1e-300, 1 - slope) if slope < 1 else math.inf
+        # The change is known but for rounding; the state the less, the nearer the slope is to 1.
+        unsure = EPSILON * scale / max(1e-300, 1 - slope) if slope < 1 else math.inf
+        if (change == 0 or error <= tolerance * scale) and unsure <= MOST_UNSURE * scale:
+            return u, error + unsure, 1, STATUS.periodic
+        if abs(change) <= EPSILON * scale and unsure > MOST_UNSURE * scale:
+            return u, unsure, 0, STATUS.limit_reached
+        if change > 0:
+            low = u
+        else:
+            high = u
+        if slope < 1:
+            new = u + change / (1 - slope)
+        else:  # nothing stopped it all cycle long: look further out, ever faster
+            new = u + change * stride
+            stride *= 2
+        if not low < new < high:
+            new = (low + high) / 2 if high - low < math.inf else after
+        if new == u:
+            sure = unsure <= MOST_UNSURE * scale
+            return (
+                u,
+                abs(change) + unsure,
+                1 if sure else 0,
+                STATUS.periodic if sure else STATUS.limit_reached,
+            )
+        u = new
+    return u, abs(change), 0, STATUS.limit_reached
+
+
+@compiled
+def settle_followed(
+    rows: Floats,
+    count: int,
+    u: float,
+    drive: Drive,
+    tolerance: float,
+    most_periods: int,
+    sums: Floats,
+    log: Floats,
+) -> Settled:
+    """Return a periodic state by following the motion, where static friction is the larger.
+
+    Sticking motions may then lie beside sliding ones, and which is reached depends on the start.
+    """
+    c, gs, gn, mu_k = drive.c, drive.gs, drive.gn, drive.mu_k
+    scale = abs(c) + abs(gs)
+    states = np.empty(LONGEST_MULTIPLE + 1)
+    slopes = np.empty(LONGEST_MULTIPLE + 1)
+    downhill = mu_k * gn < abs(gs)
+    for cycle in range(max(8, most_periods)):
+        after, slope, used = follow_cycle(rows, count, u, drive, sums, log)
+        if used < 0:
+            return u, math.inf, 0, STATUS.limit_reached
+        uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)]
+        slid_down = slope == 1 and uphill == 0 and sums[TIMES + MODE.stick] == 0
+        if downhill and slid_down and (after - u) * gs < 0 and u * gs < 0 and after * gs < 0:
+            # It slid downhill all cycle long and gained speed: so it will in every cycle to come.
+            return u, math.inf, 0, STATUS.runaway
+        known = min(cycle, LONGEST_MULTIPLE)
+        for back in range(known, 0, -1):
+            states[back] = states[back - 1]
+            slopes[back] = slopes[back - 1] * slope
+        states[0], slopes[0] = u, slope
+        for multiple in range(1, known + 2):
+            earlier, factor = states[multiple - 1], abs(slopes[multiple - 1])
+            error = abs(after - earlier) / max(1e-300, 1 - factor) if factor < 1 else math.inf
+            unsure = EPSILON * scale / max(1e-300, 1 - factor) if factor < 1 else math.inf
+            if after == earlier and unsure <= MOST_UNSURE * scale:
+                return after, unsure, multiple, STATUS.periodic
+            if error <= tolerance * scale and unsure <= MOST_UNSURE * scale:
+                return after, error + unsure, multiple, STATUS.periodic
+        change = after - u
+        guess = u + change / (1 - slope) if 0 < slope < 1 else after
+        if slope > 0.5 and guess * after > 0:
+            # Slow convergence: try the fixed point of the tangent. It is kept if it is nearer, and
+            # if the motion would drift there: no stick and no turning back on the way.
+            beyond, _, used = follow_cycle(rows, count, guess, drive, sums, log)
+            nearer = used >= 0 and abs(beyond - guess) < 0.1 * abs(change)
+            for part in range(1, 4):
+                if nearer:
+                    between = after + (guess - after) * part / 4
+                    moved, factor, used = follow_cycle(rows, count, between, drive, sums, log)
+                    nearer = used >= 0 and factor > 0 and (moved - between) * change > 0
+            if nearer:
+                after = guess
+        u = after
+    return u, math.inf, 0, STATUS.limit_reached

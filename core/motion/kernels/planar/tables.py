@@ -1,0 +1,68 @@
+"""The tables of the planar kernels: what a cell is given, and what is kept of its motion."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from numba.np.unsafe.ndarray import to_fixed_tuple
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.statuses import MODES
+
+
+class Cell(NamedTuple):
+    """The groups of one cell; a row of the kernels' table in this order."""
+
+    drive_along: float
+    drive_normal: float
+    gravity_along: float
+    gravity_normal: float
+    friction_static: float
+    friction_kinetic: float
+    restitution: float
+    tolerance: float
+    most_periods: float
+
+
+GROUPS = len(Cell._fields)
+
+
+@compiled
+def cell_of(row: Floats) -> Cell:
+    """Return the cell of a row."""
+    return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one
+
+
+class Segment(NamedTuple):
+    """Columns of the cycle of the motion normal to the floor, a row a segment.
+
+    `take_off` is the velocity off the floor at the start, -1 for contact; `landing` the speed at
+    the end, and `impulse` what it takes from the floor there.
+    """
+
+    phase: int
+    span: int
+    take_off: int
+    landing: int
+    impulse: int
+
+
+class Piece(NamedTuple):
+    """Columns of the log of a motion, a row a piece in one mode; velocities at its start."""
+
+    phase: int
+    span: int
+    mode: int
+    along: int
+    normal: int
+    position: int
+
+
+SEGMENT = Segment(*range(len(Segment._fields)))
+PIECE = Piece(*range(len(Piece._fields)))
+MOST_SEGMENTS = 8_000  # of a cycle; a run of shrinking hops at restitution 0.995 fills it
+
+# Sums over a motion: the distance, and from TIMES on the time in each mode.
+DISTANCE, TIMES = 0, 1
+SUMS = TIMES + MODES

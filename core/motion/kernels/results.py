@@ -1,0 +1,28 @@
+"""The columns of a table of results of motion along the track."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Columns(NamedTuple):
+    """One column a field of `Motion`, in its order; the status has an array of its own.
+
+    The shares of the four modes stand in the order of the modes' own numbers.
+    """
+
+    velocity: int
+    spread: int
+    error: int
+    stick: int
+    forward: int
+    backward: int
+    flight: int
+    impacts: int
+    landing_speed: int
+    hop_height: int
+    multiple: int
+
+
+RESULTS = len(Columns._fields)
+COLUMN = Columns(*range(RESULTS))

@@ -1,0 +1,15 @@
+"""Compiled time stepping of one part by the midpoint rule of Moreau and Jean (theory 13.9).
+
+Three scenes, each with the coordinates and contacts that it has and no others: `PLANAR` (along and
+normal to the floor), `FLOOR` (across as well, and spin), `WALL` (the distance from the wall as
+well). All numbers are dimensionless: phase, lengths in g/w^2, velocities in g/w.
+
+`contacts`: one step; `period`: one period; `repeat`: whether periods repeat; `cells`: one cell, and
+many; `paths`: the course of one part.
+"""
+
+from core.motion.kernels.stepping.cells import step_cells
+from core.motion.kernels.stepping.paths import path
+from core.motion.kernels.stepping.tables import FLOOR, PLANAR, WALL, WIDTHS, Cell
+
+__all__ = ["FLOOR", "PLANAR", "WALL", "WIDTHS", "Cell", "path", "step_cells"]

@@ -1,0 +1,139 @@
+"""One cell from rest until it repeats, and many cells."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Floats, Statuses
+from core.motion.kernels.results import COLUMN, RESULTS
+from core.motion.kernels.statuses import STATUS
+from core.motion.kernels.stepping.period import planar_period, spatial_period
+from core.motion.kernels.stepping.repeat import means, repeats, unsettled
+from core.motion.kernels.stepping.tables import PLANAR, STATE, TALLY, WALL, WIDTHS, Cell, cell_of
+
+SAFETY = 3.0
+LANDING_SHARE = 0.15
+"""The estimate of the error: `SAFETY` times the largest difference of three runs and, with hops,
+this share of what a step of the finest changes in the velocity.
+
+The place of a landing within a step has the standard deviation 1/sqrt(12) of it; half of that is
+left where several landings, and friction, have a say. Three runs differ too little by chance: with
+a safety of 2 and nothing else the true error was larger in 3 % of random studies, up to 34 times;
+`benchmarks.honest_estimates` tells what is left.
+"""
+
+
+@compiled
+def run(
+    scene: int, cell: Cell, rolling: float, absolute: bool, sines: Floats, cosines: Floats,
+    h: float, most: int, tolerance: float, states: Floats, tallies: Floats, result: Floats,
+) -> int:  # fmt: skip
+    """Run one cell from rest until it repeats; fill the result and return the status.
+
+    The error in the result is the doubt about the transient's end only.
+    """
+    steps = sines.size
+    # The largest acceleration: what a step can change in a velocity, by the place of an event.
+    scale = abs(cell.drive_along) + abs(cell.drive_across) + abs(cell.drive_normal)
+    scale = scale + abs(cell.gravity_along) + abs(cell.gravity_across) + abs(cell.gravity_normal)
+    width = WIDTHS[scene]
+    state = np.zeros(width)
+    state[STATE.spare], state[STATE.pressed] = math.inf, 1.0
+    if scene == WALL:
+        state[STATE.leaning] = 1.0
+    states[0, :width] = state
+    seen = states[:, :width]
+    done = 0
+    for period in range(most):
+        tally = tallies[period]
+        tally[:] = 0.0
+        if scene == PLANAR:
+            planar_period(state, tally, cell, sines, h)
+        else:
+            spatial_period(scene == WALL, rolling, absolute, state, tally, cell, sines, cosines, h)
+        done = period + 1
+        seen[done] = state
+        if not math.isfinite(tally[TALLY.peak]) or tally[TALLY.failed] > 0.0:
+            result[:] = np.nan
+            return STATUS.no_solution
+        if tally[TALLY.peak] <= 1e-9 * h:
+            means(tallies, period, done, steps * h, result)
+            result[COLUMN.velocity], result[COLUMN.multiple] = 0.0, 1.0
+            return STATUS.at_rest
+        multiple = repeats(
+            seen, tallies, done, 1e-12 * scale, tolerance * h * scale, steps * h, result
+        )
+        if multiple > 0:
+            result[COLUMN.multiple] = multiple
+            return STATUS.periodic
+    means(tallies, done // 4, done, steps * h, result)
+    return unsettled(scene, cell, seen, tallies, done, steps * h, result)
+
+
+@compiled
+def push_of(scene: int, cell: Cell) -> float:
+    """Return what can change the velocity along the track in a unit of phase."""
+    load = abs(cell.drive_normal) + cell.gravity_normal
+    push = abs(cell.drive_along) + abs(cell.gravity_along) + cell.friction_kinetic * load
+    if scene == WALL:
+        push += cell.wall_friction * (abs(cell.drive_across) + abs(cell.gravity_across))
+    return push
+
+
+@compiled
+def step_cells(
+    scene: int, rolling: float, absolute: bool, waves: Floats, shifted_waves: Floats,
+    fine_waves: Floats, most: int, tolerance: float, groups: Floats, table: Floats,
+    status: Statuses,
+) -> None:  # fmt: skip
+    """Fill the table, columns as in `results`, and the statuses, one cell a row.
+
+    The waves hold sine and cosine at the middles of the steps, in rows: of the coarser run, of one
+    that starts half a step earlier, and of the finer.
+    """
+    states, tallies = np.zeros((most + 1, WIDTHS[scene])), np.zeros((most, len(TALLY)))
+    coarse, shifted, fine = np.zeros(RESULTS), np.zeros(RESULTS), np.zeros(RESULTS)
+    period = 2.0 * math.pi
+    for i in range(groups.shape[0]):
+        cell = cell_of(groups[i])
+        table[i] = np.nan
+        if not np.all(np.isfinite(groups[i])) or cell.gravity_normal <= 0.0:
+            status[i] = STATUS.no_solution
+            continue
+        found = run(
+            scene, cell, rolling, absolute, fine_waves[0], fine_waves[1],
+            period / fine_waves.shape[1], most, tolerance, states, tallies, fine,
+        )  # fmt: skip
+        frictionless = cell.friction_static == 0.0 and cell.friction_kinetic == 0.0
+        if scene == WALL:
+            frictionless = frictionless and cell.wall_friction == 0.0
+        if frictionless and found != STATUS.no_solution and found != STATUS.at_rest:
+            found = STATUS.neutral if cell.gravity_along == 0.0 else STATUS.runaway
+        status[i] = found
+        if found in (STATUS.no_solution, STATUS.runaway):
+            continue
+        step = period / waves.shape[1]
+        run(
+            scene, cell, rolling, absolute, waves[0], waves[1], step,
+            most, tolerance, states, tallies, coarse,
+        )  # fmt: skip
+        apart = abs(fine[COLUMN.velocity] - coarse[COLUMN.velocity])
+        if not math.isfinite(apart):  # the coarser run found no solution in a step
+            apart = abs(fine[COLUMN.velocity])
+        error = max(apart, fine[COLUMN.error], fine[COLUMN.spread])
+        if error > 1e-12:
+            # Where in a step landings and stops fall is chance, and may hide the error of the step.
+            run(
+                scene, cell, rolling, absolute, shifted_waves[0], shifted_waves[1], step,
+                most, tolerance, states, tallies, shifted,
+            )  # fmt: skip
+            apart = abs(fine[COLUMN.velocity] - shifted[COLUMN.velocity])
+            error = SAFETY * max(error, apart if math.isfinite(apart) else 0.0)
+        if fine[COLUMN.flight] > 0.0:
+            # All three runs may agree by chance. A landing falls anywhere within a step.
+            error += LANDING_SHARE * period / fine_waves.shape[1] * push_of(scene, cell)
+        table[i] = fine
+        table[i, COLUMN.error] = error

@@ -1,0 +1,61 @@
+"""The path of one part, from any state."""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.stepping.contacts import corner_step, floor_step
+from core.motion.kernels.stepping.period import acceleration
+from core.motion.kernels.stepping.tables import cell_of
+
+
+@compiled
+def path(
+    wall: bool, rolling: float, absolute: bool, group: Floats, phases: Floats, h: float,
+    steps: int, start: Floats, position: Floats, velocity: Floats,
+) -> None:  # fmt: skip
+    """Fill position and velocity (n, 3) at ascending phases, from x, y, z, u_x, u_y, u_z, spin.
+
+    Within a step the velocity is taken as linear, as the scheme itself does. What comes after a
+    step without a solution is left as it was.
+    """
+    cell = cell_of(group)
+    x, y, z, ux, uy, uz, spin = start
+    resting = ux == 0.0 and uy + spin == 0.0 and uz == 0.0 and z <= 0.0
+    spare = math.inf if resting else -1.0
+    pressed, leaning = uz == 0.0 and z <= 0.0, uy == 0.0 and y <= 0.0
+    begin, given = phases[0], 0
+    for k in range(steps):
+        tau = begin + (k + 0.5) * h
+        before = spin
+        ax, ay, az = acceleration(ux, math.sin(tau), math.cos(tau), cell, absolute)
+        if wall:
+            vx, vy, vz, spin, normal, side, spare, failed = corner_step(
+                y, z, ux, uy, uz, before, spare, pressed, leaning, ax, ay, az, h,
+                cell.restitution, cell.wall_restitution,
+                cell.friction_static, cell.friction_kinetic, cell.wall_friction, rolling,
+            )  # fmt: skip
+            leaning = side > 0.0
+            if failed:
+                break
+        else:
+            vx, vy, vz, spin, normal, spare = floor_step(
+                z, ux, uy, uz, before, spare, pressed, ax, ay, az, h,
+                cell.restitution, cell.friction_static, cell.friction_kinetic, rolling,
+            )  # fmt: skip
+        while given < phases.size and (phases[given] - begin <= (k + 1) * h or k == steps - 1):
+            s = (phases[given] - begin) / h - k
+            position[given, 0] = x + s * h * (ux + 0.5 * s * (vx - ux))
+            position[given, 1] = y + s * h * (uy + 0.5 * s * (vy - uy))
+            position[given, 2] = z + s * h * (uz + 0.5 * s * (vz - uz))
+            velocity[given, 0] = ux + s * (vx - ux)
+            velocity[given, 1] = uy + s * (vy - uy)
+            velocity[given, 2] = uz + s * (vz - uz)
+            given += 1
+        x += 0.5 * h * (ux + vx)
+        y += 0.5 * h * (uy + vy)
+        z += 0.5 * h * (uz + vz)
+        pressed = normal > 0.0
+        ux, uy, uz = vx, vy, vz

@@ -1,0 +1,112 @@
+"""One period of the drive, step by step."""
+
+from __future__ import annotations
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.stepping.contacts import corner_step, floor_step, planar_step
+from core.motion.kernels.stepping.tables import STATE, TALLY, Cell
+
+
+@compiled
+def count(
+    tally: Floats, normal: float, pressed: bool, vx: float, uz: float, z: float,
+    still: float, fall: float,
+) -> None:  # fmt: skip
+    """Count one step: which way it slid, whether it landed, how high it was."""
+    if normal > 0.0:
+        if vx > still:
+            tally[TALLY.forward] += 1.0
+        elif vx < -still:
+            tally[TALLY.backward] += 1.0
+        else:
+            tally[TALLY.stick] += 1.0
+        if uz < 0.0 and not pressed:
+            tally[TALLY.landing] = max(tally[TALLY.landing], -uz)
+            if -uz > fall:
+                tally[TALLY.impacts] += 1.0
+    else:
+        tally[TALLY.flight] += 1.0
+        tally[TALLY.height] = max(tally[TALLY.height], z)
+
+
+@compiled
+def planar_period(state: Floats, tally: Floats, cell: Cell, sines: Floats, h: float) -> None:
+    """Advance a planar state by one period and tally it."""
+    x, z, ux, uz = state[STATE.x], state[STATE.z], state[STATE.ux], state[STATE.uz]
+    spare, pressed = state[STATE.spare], state[STATE.pressed] > 0.0
+    along, normal_drive = cell.drive_along, cell.drive_normal
+    down, weight = cell.gravity_along, cell.gravity_normal
+    static, kinetic = cell.friction_static, cell.friction_kinetic
+    restitution = cell.restitution
+    still, fall, start, peak = 1e-6 * h, h * weight, x, 0.0
+    for sine in sines:
+        vx, vz, normal, spare = planar_step(
+            z, ux, uz, spare, pressed, along * sine - down, normal_drive * sine - weight, h,
+            restitution, static, kinetic,
+        )  # fmt: skip
+        x += 0.5 * h * (ux + vx)
+        z += 0.5 * h * (uz + vz)
+        count(tally, normal, pressed, vx, uz, z, still, fall)
+        peak = max(peak, abs(vx) + abs(vz))
+        pressed = normal > 0.0
+        ux, uz = vx, vz
+    state[STATE.x], state[STATE.z], state[STATE.ux], state[STATE.uz] = x, z, ux, uz
+    state[STATE.spare], state[STATE.pressed] = spare, pressed
+    tally[TALLY.travel], tally[TALLY.peak] = x - start, peak
+
+
+@compiled
+def spatial_period(
+    wall: bool, rolling: float, absolute: bool, state: Floats, tally: Floats, cell: Cell,
+    sines: Floats, cosines: Floats, h: float,
+) -> None:  # fmt: skip
+    """Advance a state in space by one period and tally it."""
+    x, z, ux, uz = state[STATE.x], state[STATE.z], state[STATE.ux], state[STATE.uz]
+    uy, spin = state[STATE.uy], state[STATE.spin]
+    y = state[STATE.y] if wall else 0.0
+    spare, pressed = state[STATE.spare], state[STATE.pressed] > 0.0
+    still, fall, start, peak = 1e-6 * h, h * cell.gravity_normal, x, 0.0
+    leaning, failed = wall and state[STATE.leaning] > 0.0, False
+    for k in range(sines.size):
+        ax, ay, az = acceleration(ux, sines[k], cosines[k], cell, absolute)
+        if wall:
+            vx, vy, vz, spin, normal, side, spare, failed = corner_step(
+                y, z, ux, uy, uz, spin, spare, pressed, leaning, ax, ay, az, h,
+                cell.restitution, cell.wall_restitution,
+                cell.friction_static, cell.friction_kinetic, cell.wall_friction, rolling,
+            )  # fmt: skip
+            y += 0.5 * h * (uy + vy)
+            leaning = side > 0.0
+            tally[TALLY.at_wall] += leaning
+            tally[TALLY.failed] += failed
+        else:
+            vx, vy, vz, spin, normal, spare = floor_step(
+                z, ux, uy, uz, spin, spare, pressed, ax, ay, az, h,
+                cell.restitution, cell.friction_static, cell.friction_kinetic, rolling,
+            )  # fmt: skip
+        x += 0.5 * h * (ux + vx)
+        z += 0.5 * h * (uz + vz)
+        count(tally, normal, pressed, vx, uz, z, still, fall)
+        peak = max(peak, abs(vx) + abs(vy) + abs(vz))
+        pressed = normal > 0.0
+        ux, uy, uz = vx, vy, vz
+    state[STATE.x], state[STATE.z], state[STATE.ux], state[STATE.uz] = x, z, ux, uz
+    state[STATE.uy], state[STATE.spin] = uy, spin
+    state[STATE.spare], state[STATE.pressed] = spare, pressed
+    if wall:
+        state[STATE.y], state[STATE.leaning] = y, leaning
+    tally[TALLY.travel], tally[TALLY.peak] = x - start, peak
+
+
+@compiled
+def acceleration(
+    ux: float, sine: float, cosine: float, cell: Cell, absolute: bool
+) -> tuple[float, float, float]:
+    """Return the acceleration of a free part relative to the track (theory 13.1)."""
+    speed = ux + cell.drive_along * cosine if absolute else ux
+    return (
+        cell.drive_along * sine - cell.gravity_along,
+        cell.drive_across * sine - cell.gravity_across - cell.curvature * speed * speed,
+        cell.drive_normal * sine - cell.gravity_normal,
+    )

@@ -1,0 +1,200 @@
+"""Whether the motion repeats after some periods, and its means."""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.results import COLUMN
+from core.motion.kernels.statuses import STATUS
+from core.motion.kernels.stepping.tables import FLOOR, STATE, TALLY, WALL, Cell
+
+MOST_MULTIPLE = 12
+WINDOW = 16
+SHARP = 0.03
+BATCHES = 8
+
+
+@compiled
+def difference(states: Floats, tallies: Floats, later: int, earlier: int) -> float:
+    """Return how far two states at the ends of periods lie apart, as far as it matters.
+
+    A part in contact stays where it sank in, at most a step of its fall deep: no difference. The
+    distance from the wall does not matter to a part that did not touch it and moves away.
+    """
+    new, old = states[later], states[earlier]
+    most = max(abs(new[STATE.ux] - old[STATE.ux]), abs(new[STATE.uz] - old[STATE.uz]))
+    most = max(most, abs(max(new[STATE.z], 0.0) - max(old[STATE.z], 0.0)))
+    if new.size > STATE.uy:
+        most = max(most, abs(new[STATE.uy] - old[STATE.uy]), abs(new[STATE.spin] - old[STATE.spin]))
+    if new.size > STATE.y:
+        touched = False
+        for k in range(earlier, later):
+            touched = touched or tallies[k, TALLY.at_wall] > 0.0
+        away = max(new[STATE.y], 0.0) - max(old[STATE.y], 0.0)
+        most = max(most, abs(away) if touched else max(0.0, -away))
+    return most
+
+
+@compiled
+def mean_velocity(tallies: Floats, first: int, last: int, period: float) -> float:
+    """Return the mean velocity over the periods from `first` to before `last`."""
+    travel = 0.0
+    for k in range(first, last):
+        travel += tallies[k, TALLY.travel]
+    return travel / ((last - first) * period)
+
+
+@compiled
+def limit(tallies: Floats, done: int, part: int, period: float) -> tuple[float, float]:
+    """Return where the mean velocity drifts to, and how far it still is from there.
+
+    From the means of three parts of so many periods: a transient dies out as a power, so that what
+    is to come is the last change times ratio/(1 - ratio).
+    """
+    first = mean_velocity(tallies, done - 3 * part, done - 2 * part, period)
+    second = mean_velocity(tallies, done - 2 * part, done - part, period)
+    third = mean_velocity(tallies, done - part, done, period)
+    last, before = third - second, second - first
+    if last * before > 0.0 and abs(last) < abs(before):
+        rest = last * last / (before - last)
+        return third + rest, abs(last) + abs(rest)
+    return third, abs(last)
+
+
+@compiled
+def settled(
+    tallies: Floats, done: int, multiple: int, window: int, allowed: float,
+    period: float, result: Floats,
+) -> bool:  # fmt: skip
+    """Return whether the mean velocity has settled; if so, put it and its doubt into the result.
+
+    Motion that keeps to the floor converges smoothly, and slowly where friction is small: its
+    limit is extrapolated, and must itself stand still. A part that hops may land on steps that vary
+    from period to period; its mean is that of the window.
+    """
+    part = max(1, window // multiple // 3) * multiple
+    if done < 4 * part:
+        return False
+    hops = False
+    for k in range(done - 4 * part, done):
+        hops = hops or tallies[k, TALLY.flight] > 0.0
+    end, rest = limit(tallies, done, part, period)
+    if hops:
+        if rest > 0.1 * allowed:
+            return False
+        result[COLUMN.error] = rest
+        return True
+    before, _ = limit(tallies, done - part, part, period)
+    if abs(end - before) > 1e-3 * allowed:
+        return False
+    result[COLUMN.velocity] = end
+    # What the extrapolation changed by, or at most would in what is left of the transient.
+    result[COLUMN.error] = max(2.0 * abs(end - before), 1e-3 * rest)
+    return True
+
+
+@compiled
+def repeats(
+    states: Floats, tallies: Floats, done: int, rounding: float, allowed: float, period: float,
+    result: Floats,
+) -> int:  # fmt: skip
+    """Return after how many periods the motion repeats, and put its means into the result.
+
+    0 if it does not. A state that comes back to rounding repeats for ever. Else slips and
+    landings fall on steps that vary, and the state wanders by the order of a step; then it must
+    come back to within that for a whole window, over the window as well, and its mean velocity must
+    not drift, so that a slow transient is not taken for a repetition.
+    """
+    for multiple in range(1, min(MOST_MULTIPLE, done) + 1):
+        now, then = states[done], states[done - multiple]
+        if (
+            difference(states, tallies, done, done - multiple) <= rounding
+            and abs(now[STATE.z] - then[STATE.z]) <= rounding
+            and (now[STATE.spare] >= 0.0) == (then[STATE.spare] >= 0.0)
+        ):
+            means(tallies, done - multiple, done, period, result)
+            return multiple
+    for multiple in range(1, MOST_MULTIPLE + 1):
+        window = multiple * ((WINDOW + multiple - 1) // multiple)
+        # A transient of hops is given time before it may pass for chance.
+        late = done >= 4 * window
+        bound = allowed if late else SHARP * allowed
+        if done < window + multiple or difference(states, tallies, done, done - window) > bound:
+            continue
+        good = True
+        for back in range(window):
+            end = done - back
+            if difference(states, tallies, end, end - multiple) > bound:
+                good = False
+                break
+        if good:
+            means(tallies, done - window, done, period, result)
+            if settled(tallies, done, multiple, window, bound, period, result):
+                return multiple
+    return 0
+
+
+@compiled
+def means(tallies: Floats, first: int, last: int, period: float, result: Floats) -> None:
+    """Put the means over the periods from `first` to before `last` into a result."""
+    periods = last - first
+    result[:] = 0.0
+    travel = 0.0
+    for k in range(first, last):
+        travel += tallies[k, TALLY.travel]
+        result[COLUMN.stick] += tallies[k, TALLY.stick]
+        result[COLUMN.forward] += tallies[k, TALLY.forward]
+        result[COLUMN.backward] += tallies[k, TALLY.backward]
+        result[COLUMN.flight] += tallies[k, TALLY.flight]
+        result[COLUMN.impacts] += tallies[k, TALLY.impacts]
+        result[COLUMN.landing_speed] = max(result[COLUMN.landing_speed], tallies[k, TALLY.landing])
+        result[COLUMN.hop_height] = max(result[COLUMN.hop_height], tallies[k, TALLY.height])
+    result[COLUMN.velocity] = travel / (periods * period)
+    counted = (
+        result[COLUMN.stick]
+        + result[COLUMN.forward]
+        + result[COLUMN.backward]
+        + result[COLUMN.flight]
+    )
+    result[COLUMN.stick : COLUMN.flight + 1] /= counted
+    result[COLUMN.impacts] /= periods
+
+
+@compiled
+def unsettled(
+    scene: int, cell: Cell, states: Floats, tallies: Floats, done: int, period: float,
+    result: Floats,
+) -> int:  # fmt: skip
+    """Return the status of a motion that did not repeat; put the spread of its batches."""
+    quarter = done // 4
+    first = mean_velocity(tallies, quarter, 2 * quarter, period)
+    second = mean_velocity(tallies, 2 * quarter, 3 * quarter, period)
+    third = mean_velocity(tallies, 3 * quarter, 4 * quarter, period)
+    gain, before = third - second, second - first
+    trend = gain * before > 0.0 and abs(gain) > 0.2 * abs(before)
+    # At high speed friction is mu_k times the weight, whether the part hops or not.
+    friction = cell.friction_kinetic * cell.gravity_normal
+    pull = abs(cell.gravity_along)
+    if scene == FLOOR:
+        pull = math.hypot(pull, cell.gravity_across)
+        # Without a wall a part on a lean may slide or roll away across.
+        late = states[done, STATE.uy] - states[done - quarter, STATE.uy]
+        early = states[done - quarter, STATE.uy] - states[done - 2 * quarter, STATE.uy]
+        if late * early > 0.0 and abs(late) > 0.5 * abs(early) and abs(late) > quarter * 1e-3:
+            return STATUS.runaway
+    if scene == WALL:
+        friction += cell.wall_friction * max(0.0, cell.gravity_across)
+    if trend and pull >= friction and abs(gain) > 0.5 * abs(before):
+        return STATUS.runaway
+    batch = max(1, (done - quarter) // BATCHES)
+    square, centre = 0.0, mean_velocity(tallies, done - BATCHES * batch, done, period)
+    for k in range(BATCHES):
+        start = done - (k + 1) * batch
+        square += (mean_velocity(tallies, start, start + batch, period) - centre) ** 2
+    result[COLUMN.spread] = math.sqrt(square / (BATCHES - 1))
+    # A trend far above the scatter of the batches' differences is a transient not yet over.
+    if trend and abs(gain) > 2.0 * result[COLUMN.spread] / math.sqrt(BATCHES / 3.0):
+        return STATUS.limit_reached
+    return STATUS.aperiodic

@@ -1,0 +1,38 @@
+"""The kernels of tumbling: one part that strikes and leaves a plane, compiled.
+
+A corner i of the part lies at the angle a below the direction of transport, seen from the centre,
+at the distance rho; the pitch counts clockwise and adds to a (theory 2.1). The functions take the
+numbers of one cell and its state, an array that holds place, motion and the energy lost so far.
+
+`geometry`: corners and sides; `forces`: accelerations and forces of contact; `carry`: a step with
+one support; `impact`: impacts; `support`: what carries the part; `run`: what both methods share;
+`events` and `steps`: the two methods; `cells`: many cells, and one path.
+"""
+
+from core.motion.kernels.tumbling.cells import (
+    path_events,
+    path_steps,
+    tumble_events,
+    tumble_steps,
+)
+from core.motion.kernels.tumbling.tables import (
+    COLUMN,
+    MOREAU,
+    PATH,
+    PATH_COLUMNS,
+    PFEIFFER_GLOCKER,
+    Cell,
+)
+
+__all__ = [
+    "COLUMN",
+    "MOREAU",
+    "PATH",
+    "PATH_COLUMNS",
+    "PFEIFFER_GLOCKER",
+    "Cell",
+    "path_events",
+    "path_steps",
+    "tumble_events",
+    "tumble_steps",
+]

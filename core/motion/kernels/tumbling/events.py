@@ -1,0 +1,183 @@
+"""A run from impact to impact."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.statuses import STATUS
+from core.motion.kernels.tumbling.carry import carry
+from core.motion.kernels.tumbling.geometry import (
+    corner_count,
+    gap_of,
+    gap_rate_of,
+    lowest_gap,
+    lowest_rate,
+)
+from core.motion.kernels.tumbling.impact import strike
+from core.motion.kernels.tumbling.run import (
+    MOST_STEPS,
+    Run,
+    record_rest,
+    record_until,
+    side_of,
+    start_of,
+)
+from core.motion.kernels.tumbling.support import choose, holds, rests_for_ever
+from core.motion.kernels.tumbling.tables import FLAT, FREE, OVERLAP, PARADOX, STATE, Cell
+
+EVENTS, EVENTS_A_STEP = 20_000, 20  # at most: so many, and so many more a step
+STEPS_MORE = 50  # times as many steps at most where the part turns fast
+HALVINGS = 60
+TOP_HALVINGS = 40  # of the time of a hop's top: its height is then off by a rounding
+LARGEST_TURN = 0.1  # rad a step: a corner that swings down and up again is not stepped over
+
+
+@compiled
+def top_of(
+    cell: Cell, support: int, state: Floats, after: Floats, time: float, step: float, trial: Floats
+) -> float:  # fmt: skip
+    """Return the largest height of the lowest corner in a step, found where it ceases to rise."""
+    top = max(lowest_gap(cell, state), lowest_gap(cell, after))
+    if support != FREE or lowest_rate(cell, state) <= 0.0 or lowest_rate(cell, after) >= 0.0:
+        return top
+    low, high = 0.0, step
+    for _ in range(TOP_HALVINGS):
+        middle = (low + high) / 2
+        carry(cell, support, 0, state, time, middle, trial)
+        if lowest_rate(cell, trial) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return max(top, lowest_gap(cell, trial))
+
+
+@compiled
+def dips(
+    cell: Cell, support: int, sigma: int, state: Floats, time: float, step: float, after: Floats,
+    trial: Floats,
+) -> float:  # fmt: skip
+    """Return the time in a step after which a corner is in the plane; `step` if none is.
+
+    For corners that sink at the start of the step and rise at its end.
+    """
+    if support == FLAT:
+        return step
+    for corner in range(corner_count(cell)):
+        sinking, rising = gap_rate_of(cell, state, corner), gap_rate_of(cell, after, corner)
+        if corner != support and sinking < 0.0 < rising:
+            part = step * sinking / (sinking - rising)
+            carry(cell, support, sigma, state, time, part, trial)
+            if gap_of(cell, trial, corner) < -OVERLAP * cell.half_diagonal:
+                return part
+    return step
+
+
+@compiled
+def first_misfit(
+    cell: Cell, support: int, sigma: int, state: Floats, time: float, step: float, after: Floats,
+    trial: Floats,
+) -> float:  # fmt: skip
+    """Return the time in a step at which the state ceases to fit, and set `after` to it.
+
+    `after` holds the state at the end of the step, which does not fit. A corner that falls on the
+    plane is followed back by Newton's method, which approaches from below a path that bends down;
+    everything else, and what Newton's method leaves, is halved.
+    """
+    overlap = OVERLAP * cell.half_diagonal
+    low, part, halve = 0.0, step, False
+    for _ in range(HALVINGS):
+        guess = (low + part) / 2
+        deepest, falling = -overlap, -1
+        for corner in range(corner_count(cell)):
+            gap = gap_of(cell, after, corner)
+            if corner != support and gap < deepest:
+                deepest, falling = gap, corner
+        at_plane = falling >= 0 and deepest >= -1.5 * overlap
+        if part - low <= (1e-9 if at_plane else 1e-12 if falling < 0 else 0.0) * step:
+            break
+        if at_plane:  # was the corner the first? just before, everything has to fit
+            guess = max(guess, part - 1e-9 * step)
+        elif falling >= 0:
+            rate = gap_rate_of(cell, after, falling)
+            if rate < 0.0 and not halve:
+                back = part - (deepest + overlap) / rate
+                if low < back < part:
+                    guess = back
+        if guess in (low, part):
+            break
+        carry(cell, support, sigma, state, time, guess, trial)
+        halve = holds(cell, support, sigma, trial, time + guess)
+        if halve:
+            low = guess
+        else:
+            part = guess
+            after[:] = trial
+    return part
+
+
+@compiled
+def end_of_step(cell: Cell, state: Floats, time: float, asked: float) -> float:
+    """Return when the next step ends at the latest: at the time asked for, or before."""
+    end = min(time + cell.time_step, cell.duration, asked)
+    if abs(state[STATE.pitch_rate]) * (end - time) > LARGEST_TURN:
+        end = time + LARGEST_TURN / abs(state[STATE.pitch_rate])
+    return end
+
+
+@compiled
+def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats) -> Run:
+    """Run one cell from event to event, and write its state at the times into the rows."""
+    after, trial = np.empty_like(state), np.empty_like(state)
+    start_of(cell, state)
+    time, settling, bounce = 0.0, np.nan, 0.0
+    impacts = events = written = 0
+    status = STATUS.limit_reached
+    if strike(cell, state, after):
+        impacts = 1
+    support, sigma = choose(cell, state, time)
+    steps = math.ceil(min(cell.duration / cell.time_step, MOST_STEPS))
+    most_events = EVENTS + EVENTS_A_STEP * steps
+    steps_left = min(1000 + STEPS_MORE * steps, MOST_STEPS) + times.size
+    while True:
+        written = record_until(cell, state, time, support, times, written, rows)
+        if support == PARADOX:
+            status = STATUS.no_solution
+            break
+        if rests_for_ever(cell, support, sigma, state):
+            status, settling = STATUS.settled, time
+            break
+        if time >= cell.duration:
+            status = STATUS.moving
+            break
+        if steps_left <= 0 or events >= most_events:
+            break
+        steps_left -= 1
+        asked = times[written] if written < times.size else math.inf
+        end = end_of_step(cell, state, time, asked)
+        step = end - time
+        carry(cell, support, sigma, state, time, step, after)
+        part = dips(cell, support, sigma, state, time, step, after, trial)
+        if part == step and holds(cell, support, sigma, after, end):
+            if impacts > 0:
+                bounce = max(bounce, top_of(cell, support, state, after, time, step, trial))
+            state[:] = after
+            time = end
+            continue
+        if part != step:
+            carry(cell, support, sigma, state, time, part, after)
+        part = first_misfit(cell, support, sigma, state, time, part, after, trial)
+        if impacts > 0:
+            bounce = max(bounce, top_of(cell, support, state, after, time, part, trial))
+        state[:] = after
+        time = end if part == step else time + part
+        events += 1
+        if strike(cell, state, after):
+            impacts += 1
+        support, sigma = choose(cell, state, time)
+    if status in (STATUS.settled, STATUS.moving) or time >= cell.duration:
+        record_rest(cell, state, support, times, written, rows)
+    return Run(status, time, settling, impacts, bounce, side_of(cell, support, state[STATE.pitch]))

@@ -1,0 +1,76 @@
+"""Accelerations of a free part, and the forces that hold or brake one on the plane."""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import compiled
+from core.motion.kernels.tumbling.geometry import corner_at, side_shape
+from core.motion.kernels.tumbling.tables import Cell
+
+
+@compiled
+def free_acceleration(cell: Cell, time: float) -> tuple[float, float]:
+    """Return the acceleration of a free part relative to the plane, along it and off it."""
+    swing = math.sin(cell.circular_frequency * time + cell.start_phase)
+    along = cell.drive_along * swing - cell.pull_along
+    return along, cell.drive_normal * swing - cell.pull_normal
+
+
+@compiled
+def free_corner(
+    cell: Cell, time: float, s: float, c: float, pitch_rate: float
+) -> tuple[float, float]:
+    """Return the acceleration of a corner without force, off the plane (chi) and along it."""
+    along, upward = free_acceleration(cell, time)
+    turning = cell.turning * cell.half_diagonal * pitch_rate * pitch_rate
+    return upward + turning * s, along - turning * c
+
+
+@compiled
+def holding_force(cell: Cell, s: float, c: float, chi: float, along: float) -> tuple[float, float]:
+    """Return normal and friction force per mass that keep a corner at rest (theory 2.4)."""
+    kappa = cell.inertia_ratio
+    normal = -((1.0 + kappa * s * s) * chi - kappa * s * c * along) / (1.0 + kappa)
+    friction = -((1.0 + kappa * c * c) * along - kappa * s * c * chi) / (1.0 + kappa)
+    return normal, friction
+
+
+@compiled
+def response_of(cell: Cell, s: float, c: float, sigma: int) -> float:
+    """Return m tau, the normal acceleration of a sliding corner per normal force and mass."""
+    return 1.0 + cell.inertia_ratio * c * (c - sigma * cell.friction_kinetic * s)
+
+
+@compiled
+def corner_force(
+    cell: Cell, corner: int, sigma: int, time: float, pitch: float, pitch_rate: float
+) -> tuple[float, float]:
+    """Return normal and friction force per mass on a corner that is held or slides."""
+    s, c = corner_at(cell, corner, pitch)
+    chi, along = free_corner(cell, time, s, c, pitch_rate)
+    if sigma == 0:
+        return holding_force(cell, s, c, chi, along)
+    response = response_of(cell, s, c, sigma)
+    if response <= 0.0:  # the state is refused after the step
+        return 0.0, 0.0
+    return -chi / response, sigma * cell.friction_kinetic * chi / response
+
+
+@compiled
+def flat_force(cell: Cell, sigma: int, time: float) -> tuple[float, float]:
+    """Return normal and friction force per mass on a side that lies flat."""
+    along, upward = free_acceleration(cell, time)
+    if sigma == 0:
+        return -upward, -along
+    return -upward, sigma * cell.friction_kinetic * upward
+
+
+@compiled
+def side_forces(
+    cell: Cell, quarter_turns: int, normal: float, friction: float
+) -> tuple[float, float]:
+    """Return the normal forces at the right and the left end of a side that lies flat."""
+    half, height = side_shape(cell, quarter_turns)
+    tilt = friction * height / half
+    return (normal - tilt) / 2, (normal + tilt) / 2

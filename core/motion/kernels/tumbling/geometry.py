@@ -1,0 +1,102 @@
+"""Corners and sides of a part, their gaps and velocities."""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.tumbling.tables import STATE, Cell
+
+
+@compiled
+def corner_count(cell: Cell) -> int:
+    """Return the number of corners: 4, or 1 for a ball."""
+    return 4 if cell.turning != 0.0 else 1
+
+
+@compiled
+def corner_at(cell: Cell, corner: int, pitch: float) -> tuple[float, float]:
+    """Return sine and cosine of the angle of a corner below the direction of transport."""
+    if cell.turning == 0.0:
+        return 1.0, 0.0
+    angle = pitch + cell.corner_angle
+    if corner == 1:
+        angle = pitch + math.pi - cell.corner_angle
+    elif corner == 2:
+        angle = pitch + math.pi + cell.corner_angle
+    elif corner == 3:
+        angle = pitch - cell.corner_angle
+    return math.sin(angle), math.cos(angle)
+
+
+@compiled
+def gap_of(cell: Cell, state: Floats, corner: int) -> float:
+    """Return the height of a corner above the plane."""
+    s, _ = corner_at(cell, corner, state[STATE.pitch])
+    return state[STATE.up] - cell.half_diagonal * s
+
+
+@compiled
+def gap_rate_of(cell: Cell, state: Floats, corner: int) -> float:
+    """Return the velocity of a corner off the plane."""
+    _, c = corner_at(cell, corner, state[STATE.pitch])
+    return state[STATE.up_rate] - cell.half_diagonal * state[STATE.pitch_rate] * c
+
+
+@compiled
+def slip_of(cell: Cell, state: Floats, corner: int) -> float:
+    """Return the velocity of a corner along the plane."""
+    s, _ = corner_at(cell, corner, state[STATE.pitch])
+    return state[STATE.along_rate] - cell.half_diagonal * state[STATE.pitch_rate] * s
+
+
+@compiled
+def lowest_gap(cell: Cell, state: Floats) -> float:
+    """Return the gap of the lowest corner."""
+    least = gap_of(cell, state, 0)
+    for corner in range(1, corner_count(cell)):
+        least = min(least, gap_of(cell, state, corner))
+    return least
+
+
+@compiled
+def lowest_rate(cell: Cell, state: Floats) -> float:
+    """Return the velocity off the plane of the lowest corner."""
+    lowest = 0
+    for corner in range(1, corner_count(cell)):
+        if gap_of(cell, state, corner) < gap_of(cell, state, lowest):
+            lowest = corner
+    return gap_rate_of(cell, state, lowest)
+
+
+@compiled
+def side_below(pitch: float) -> int:
+    """Return the number of quarter turns to the pitch at which the lowest side lies flat."""
+    return round(pitch / (math.pi / 2))
+
+
+@compiled
+def side_shape(cell: Cell, quarter_turns: int) -> tuple[float, float]:
+    """Return half the length of a side and the height of the centre above it."""
+    run = cell.half_diagonal * math.cos(cell.corner_angle)
+    rise = cell.half_diagonal * math.sin(cell.corner_angle)
+    if quarter_turns % 2 == 0:
+        return run, rise
+    return rise, run
+
+
+@compiled
+def speed_scale(cell: Cell) -> float:
+    """Return the speed gained over a half diagonal."""
+    most = math.hypot(cell.pull_along, cell.pull_normal)
+    most += math.hypot(cell.drive_along, cell.drive_normal)
+    return math.sqrt(most * cell.half_diagonal)
+
+
+@compiled
+def kinetic(cell: Cell, state: Floats) -> float:
+    """Return the kinetic energy per mass relative to the plane."""
+    turning = cell.half_diagonal * state[STATE.pitch_rate]
+    square = turning * turning / cell.inertia_ratio
+    return 0.5 * (state[STATE.along_rate] ** 2 + state[STATE.up_rate] ** 2 + square)

@@ -1,0 +1,158 @@
+"""Impacts of one corner, or of a side."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.tumbling.geometry import (
+    corner_at,
+    corner_count,
+    gap_of,
+    gap_rate_of,
+    kinetic,
+    slip_of,
+    speed_scale,
+)
+from core.motion.kernels.tumbling.tables import MOREAU, SLOW, STATE, TOUCH, Cell
+
+
+@compiled
+def delassus(cell: Cell, s: float, c: float) -> tuple[float, float, float]:
+    """Return the Delassus numbers of a corner, per mass."""
+    kappa = cell.inertia_ratio
+    return 1.0 + kappa * c * c, kappa * s * c, 1.0 + kappa * s * s
+
+
+@compiled
+def push(cell: Cell, state: Floats, s: float, c: float, normal: float, tangential: float) -> None:
+    """Add an impulse per mass at a corner to the state."""
+    state[STATE.along_rate] += tangential
+    state[STATE.up_rate] += normal
+    state[STATE.pitch_rate] -= (
+        cell.inertia_ratio * (normal * c + tangential * s) / cell.half_diagonal
+    )
+
+
+@compiled
+def arrest(
+    nn: float, nt: float, tt: float, u_n: float, u_t: float, friction: float
+) -> tuple[float, float]:
+    """Return the impulse that brings u_n <= 0 to 0, as `core.mechanics.impact` (theory 5.3)."""
+    stop = -u_n / nn
+    coupling = nt / nn
+    tangential = -(u_t + nt * stop) / (tt - nt * coupling)
+    forward, backward = 1.0 - friction * coupling, 1.0 + friction * coupling
+    lowest = -friction * stop / forward if forward > 0.0 else -np.inf
+    highest = friction * stop / backward if backward > 0.0 else np.inf
+    if lowest <= tangential <= highest:
+        return max(stop - coupling * tangential, 0.0), tangential
+    tangential = lowest if tangential < lowest else highest
+    # In sliding the cone gives the normal impulse; the line would lose digits.
+    normal = abs(tangential) / friction if friction > 0.0 else stop
+    return normal, tangential
+
+
+@compiled
+def compress(
+    cell: Cell, state: Floats, right: int, left: int, after: Floats
+) -> tuple[float, float, float]:
+    """Set `after` to the state where no corner approaches; return normal impulses and friction.
+
+    `right` is the corner, or the right one of two that touch together; `left` is -1 for one corner.
+    On a side both corners slide alike, so that friction is one force (theory 1.4, 5.3).
+    """
+    rho, kappa, mu = cell.half_diagonal, cell.inertia_ratio, cell.friction_kinetic
+    after[:] = state
+    u_right = gap_rate_of(cell, state, right)
+    s_r, c_r = corner_at(cell, right, state[STATE.pitch])
+    slack = 1e-12 * (abs(u_right) + rho * abs(state[STATE.pitch_rate]))
+    if left >= 0:
+        s_l, c_l = corner_at(cell, left, state[STATE.pitch])
+        u_left = gap_rate_of(cell, state, left)
+        slack += 1e-12 * abs(u_left)
+        half, height = rho * (c_r - c_l) / 2, rho * s_r
+        spin = (u_left - u_right) / (2.0 * half)
+        total = -(u_left + u_right) / 2
+        if total > 0.0:
+            # Both at rest: no pitch rate and no rise remain.
+            wanted = -(slip_of(cell, state, right) + height * spin)
+            friction = min(max(wanted, -mu * total), mu * total)
+            tilt = (spin * rho * rho / kappa - height * friction) / half
+            if abs(tilt) <= total:
+                push(cell, after, s_r, c_r, (total + tilt) / 2, friction)
+                push(cell, after, s_l, c_l, (total - tilt) / 2, 0.0)
+                return (total + tilt) / 2, (total - tilt) / 2, friction
+        # One of them alone, if the other does not approach then.
+        if u_left < 0.0:
+            nn, nt, tt = delassus(cell, s_l, c_l)
+            normal, friction = arrest(nn, nt, tt, u_left, slip_of(cell, state, left), mu)
+            push(cell, after, s_l, c_l, normal, friction)
+            if gap_rate_of(cell, after, right) >= -slack or u_right >= 0.0:
+                return 0.0, normal, friction
+            after[:] = state
+    if u_right >= 0.0:
+        return 0.0, 0.0, 0.0
+    nn, nt, tt = delassus(cell, s_r, c_r)
+    normal, friction = arrest(nn, nt, tt, u_right, slip_of(cell, state, right), mu)
+    push(cell, after, s_r, c_r, normal, friction)
+    return normal, 0.0, friction
+
+
+@compiled
+def strike(cell: Cell, state: Floats, after: Floats) -> bool:
+    """Put an impact into the state; return whether there was one.
+
+    Moreau's law scales the compression by 1 + eps; that of Pfeiffer and Glocker adds an expansion
+    with eps times the normal impulses (theory 5.3). Where a corner still approaches, which one
+    impact of two corners may leave, compressions follow.
+    """
+    touch, slow = TOUCH * cell.half_diagonal, SLOW * speed_scale(cell)
+    right = left = -1
+    approach = 0.0
+    for corner in range(corner_count(cell)):
+        gap = gap_of(cell, state, corner)
+        if gap <= touch:
+            approach = min(approach, gap_rate_of(cell, state, corner))
+            if right < 0:
+                right = corner
+            elif left < 0:
+                left = corner
+    if approach >= -slow:
+        return False
+    if left >= 0:
+        _, c_r = corner_at(cell, right, state[STATE.pitch])
+        _, c_l = corner_at(cell, left, state[STATE.pitch])
+        if c_r < c_l:
+            right, left = left, right
+    before = kinetic(cell, state)
+    eps = cell.restitution
+    first, second, _ = compress(cell, state, right, left, after)
+    if cell.law == MOREAU:
+        for place in (STATE.along_rate, STATE.up_rate, STATE.pitch_rate):
+            state[place] += (1.0 + eps) * (after[place] - state[place])
+    else:
+        state[:] = after
+        s, c = corner_at(cell, right, state[STATE.pitch])
+        push(cell, state, s, c, eps * first, 0.0)
+        place = right
+        if left >= 0:
+            s_l, c_l = corner_at(cell, left, state[STATE.pitch])
+            push(cell, state, s_l, c_l, eps * second, 0.0)
+            if first == 0.0:
+                place, s, c = left, s_l, c_l
+        limit = cell.friction_kinetic * eps * (first + second)
+        _, _, tt = delassus(cell, s, c)
+        wanted = -slip_of(cell, state, place) / tt
+        push(cell, state, s, c, 0.0, min(max(wanted, -limit), limit))
+    for _ in range(20):
+        least = gap_rate_of(cell, state, right)
+        if left >= 0:
+            least = min(least, gap_rate_of(cell, state, left))
+        if least >= -slow:
+            break
+        compress(cell, state, right, left, after)
+        state[:] = after
+    state[STATE.lost] += before - kinetic(cell, state)
+    return True

@@ -1,0 +1,93 @@
+"""What a run from event to event and one by time stepping share."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.statuses import STATUS
+from core.motion.kernels.tumbling.geometry import corner_at, corner_count, lowest_gap, side_below
+from core.motion.kernels.tumbling.tables import COLUMN, FLAT, PATH, STATE, Cell
+
+MOST_STEPS = 20_000_000
+
+
+class Run(NamedTuple):
+    """What a run leaves besides its state; the table's columns follow `Tumble`."""
+
+    status: int
+    time: float
+    settling_time: float
+    impacts: int
+    largest_bounce: float
+    side: int
+
+
+@compiled
+def start_of(cell: Cell, state: Floats) -> None:
+    """Set the state to the start."""
+    state[:] = 0.0
+    state[STATE.pitch], state[STATE.pitch_rate] = cell.pitch, cell.pitch_rate
+    state[STATE.along_rate], state[STATE.up_rate] = cell.velocity_along, cell.velocity_upward
+    lowest = 0.0
+    for corner in range(corner_count(cell)):
+        s, _ = corner_at(cell, corner, cell.pitch)
+        lowest = max(lowest, s)
+    state[STATE.up] = cell.half_diagonal * lowest + cell.gap_normal
+
+
+@compiled
+def record(cell: Cell, state: Floats, time: float, support: int, row: Floats) -> None:
+    """Write time, centre, pitch, their rates, energy lost, lowest gap and touching corners."""
+    row[:] = 0.0
+    row[PATH.time] = time
+    row[PATH.state : PATH.gap] = state
+    row[PATH.gap] = lowest_gap(cell, state)
+    if support >= 0:
+        row[PATH.touching + support] = 1.0
+    elif support == FLAT:
+        quarter_turns = side_below(state[STATE.pitch])
+        row[PATH.touching + (-quarter_turns) % 4] = 1.0
+        row[PATH.touching + (1 - quarter_turns) % 4] = 1.0
+
+
+@compiled
+def record_until(
+    cell: Cell, state: Floats, time: float, support: int, times: Floats, written: int, rows: Floats
+) -> int:  # fmt: skip
+    """Write the state into the rows of the times up to `time`; return how many are written."""
+    while written < times.size and times[written] <= time:
+        record(cell, state, times[written], support, rows[written])
+        written += 1
+    return written
+
+
+@compiled
+def record_rest(
+    cell: Cell, state: Floats, support: int, times: Floats, written: int, rows: Floats
+) -> None:  # fmt: skip
+    """Write the last state into the rows that are left."""
+    for row in range(written, times.size):
+        record(cell, state, times[row], support, rows[row])
+
+
+@compiled
+def side_of(cell: Cell, support: int, pitch: float) -> int:
+    """Return the number of the side that lies flat, 1 to 4; 0 if none does, 1 for a ball."""
+    if support == FLAT:
+        return side_below(pitch) % 4 + 1
+    return 1 if support >= 0 and cell.turning == 0.0 else 0
+
+
+@compiled
+def fill(cell: Cell, run: Run, state: Floats, row: Floats) -> None:
+    """Write the results of a run, the fields of `Tumble` without the status."""
+    row[COLUMN.pitch] = state[STATE.pitch]
+    row[COLUMN.resting_side] = run.side
+    row[COLUMN.settling_time] = run.settling_time
+    row[COLUMN.impacts] = run.impacts
+    row[COLUMN.largest_bounce] = run.largest_bounce
+    elapsed = cell.duration if run.status == STATUS.settled else run.time
+    row[COLUMN.velocity] = state[STATE.along] / elapsed if elapsed > 0.0 else 0.0
+    row[COLUMN.energy_lost] = state[STATE.lost]

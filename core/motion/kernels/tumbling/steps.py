@@ -1,0 +1,163 @@
+"""A run by time stepping."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Flags, Floats
+from core.motion.kernels.statuses import STATUS
+from core.motion.kernels.tumbling.forces import free_acceleration, response_of
+from core.motion.kernels.tumbling.geometry import (
+    corner_at,
+    corner_count,
+    gap_of,
+    gap_rate_of,
+    kinetic,
+    lowest_gap,
+    slip_of,
+    speed_scale,
+)
+from core.motion.kernels.tumbling.impact import arrest, delassus, push
+from core.motion.kernels.tumbling.run import (
+    MOST_STEPS,
+    Run,
+    record_rest,
+    record_until,
+    side_of,
+    start_of,
+)
+from core.motion.kernels.tumbling.support import rests_for_ever
+from core.motion.kernels.tumbling.tables import FLAT, FREE, SLOW, STATE, Cell
+
+MOST_SWEEPS = 500
+
+
+@compiled
+def arrest_all(cell: Cell, state: Floats, near: Flags, target: Floats, impulse: Floats) -> None:
+    """Add the impulses of several corners: projected Gauss-Seidel, a corner at a time.
+
+    `target` (2, 4) holds the velocities off and along the plane that the corners are to end at, at
+    least; `impulse` (2, 4) is overwritten.
+    """
+    impulse[:] = 0.0
+    mu = cell.friction_kinetic
+    scale = SLOW * 1e-6 * speed_scale(cell)
+    for _ in range(MOST_SWEEPS):
+        change = 0.0
+        for corner in range(near.size):
+            if near[corner] == 0:
+                continue
+            s, c = corner_at(cell, corner, state[STATE.pitch])
+            nn, nt, tt = delassus(cell, s, c)
+            old_n, old_t = impulse[0, corner], impulse[1, corner]
+            u_n = gap_rate_of(cell, state, corner) - target[0, corner]
+            u_t = slip_of(cell, state, corner) - target[1, corner]
+            u_n -= nn * old_n + nt * old_t
+            u_t -= nt * old_n + tt * old_t
+            new_n = new_t = 0.0
+            if u_n < 0.0:
+                new_n, new_t = arrest(nn, nt, tt, u_n, u_t, mu)
+            push(cell, state, s, c, new_n - old_n, new_t - old_t)
+            impulse[0, corner], impulse[1, corner] = new_n, new_t
+            change = max(change, abs(new_n - old_n), abs(new_t - old_t))
+        if change <= scale:
+            break
+
+
+@compiled
+def slides_without_solution(cell: Cell, state: Floats, middle: Floats, near: Flags) -> bool:
+    """Return whether the one corner that is near slides where tau <= 0 (theory 2.3)."""
+    corner = int(np.argmax(near))
+    s, c = corner_at(cell, corner, middle[STATE.pitch])
+    slip = state[STATE.along_rate] - cell.half_diagonal * state[STATE.pitch_rate] * s
+    if abs(slip) <= SLOW * speed_scale(cell):
+        return False
+    return response_of(cell, s, c, 1 if slip > 0.0 else -1) <= 0.0
+
+
+@compiled
+def set_targets(
+    cell: Cell, state: Floats, middle: Floats, step: float, upward: float, near: Flags,
+    target: Floats,
+) -> tuple[int, bool]:  # fmt: skip
+    """Find the corners that are in the plane in the middle of a step, and where they are to end at.
+
+    Fills `near` and `target`; `upward` is the size of the free acceleration off the plane. Returns
+    how many corners are near, and whether one strikes.
+    """
+    touching, struck = 0, False
+    target[:] = 0.0
+    for corner in range(near.size):
+        near[corner] = 1 if gap_of(cell, middle, corner) <= 0.0 else 0
+        touching += near[corner]
+        s, c = corner_at(cell, corner, middle[STATE.pitch])
+        approach = state[STATE.up_rate] - cell.half_diagonal * state[STATE.pitch_rate] * c
+        if near[corner] != 0 and approach < 0.0:
+            target[0, corner] = -cell.restitution * approach
+            # A corner at rest sinks by some steps of gravity: no impact along the plane.
+            if approach < -2.0 * step * upward:
+                slip = state[STATE.along_rate] - cell.half_diagonal * state[STATE.pitch_rate] * s
+                target[1, corner] = -cell.restitution * slip
+                struck = True
+    return touching, struck
+
+
+@compiled
+def drift(state: Floats, rates: Floats, time: float) -> None:
+    """Move centre and pitch of a state at the rates of another, for a time."""
+    state[STATE.along] += time * rates[STATE.along_rate]
+    state[STATE.up] += time * rates[STATE.up_rate]
+    state[STATE.pitch] += time * rates[STATE.pitch_rate]
+
+
+@compiled
+def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats) -> Run:
+    """Run one cell by the midpoint rule of Moreau and Jean (theory 13.9), with Moreau's law."""
+    corners = corner_count(cell)
+    near = np.zeros(corners, dtype=np.int64)
+    target, impulse = np.zeros((2, corners)), np.zeros((2, corners))
+    middle = np.empty_like(state)
+    start_of(cell, state)
+    slow = SLOW * speed_scale(cell)
+    time, bounce, last_motion = 0.0, 0.0, 0.0
+    impacts = written = 0
+    steps = math.ceil(min(cell.duration / cell.time_step, MOST_STEPS))
+    support, status = FREE, STATUS.moving if steps < MOST_STEPS else STATUS.limit_reached
+    for _ in range(steps):
+        written = record_until(cell, state, time, support, times, written, rows)
+        step = min(cell.time_step, cell.duration - time)
+        along, upward = free_acceleration(cell, time + step / 2)
+        middle[:] = state
+        drift(middle, state, step / 2)
+        middle[STATE.along_rate] += step * along
+        middle[STATE.up_rate] += step * upward
+        touching, struck = set_targets(cell, state, middle, step, abs(upward), near, target)
+        if touching == 1 and not struck and slides_without_solution(cell, state, middle, near):
+            status = STATUS.no_solution
+            break
+        before = kinetic(cell, middle)
+        if touching > 0:
+            arrest_all(cell, middle, near, target, impulse)
+            middle[STATE.lost] += before - kinetic(cell, middle)
+        support = FREE
+        for corner in range(corners):
+            if near[corner] != 0 and impulse[0, corner] > 0.0 and touching > 0:
+                support = FLAT if support != FREE else corner
+        drift(middle, middle, step / 2)
+        state[:] = middle
+        time += step
+        impacts += 1 if struck else 0
+        if impacts > 0:
+            bounce = max(bounce, lowest_gap(cell, state))
+        if kinetic(cell, state) > 0.5 * slow * slow:
+            last_motion = time
+        elif rests_for_ever(cell, support, 0, state):
+            status = STATUS.settled
+            break
+    if status in (STATUS.settled, STATUS.moving) or time >= cell.duration:
+        record_rest(cell, state, support, times, written, rows)
+    settling = last_motion if status == STATUS.settled else np.nan
+    return Run(status, time, settling, impacts, bounce, side_of(cell, support, state[STATE.pitch]))

@@ -1,0 +1,111 @@
+"""The tables of tumbling: what a cell is given, its state, its results and its path."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from numba.np.unsafe.ndarray import to_fixed_tuple
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Floats
+
+PFEIFFER_GLOCKER, MOREAU = 0, 1
+
+FREE, FLAT, PARADOX = -1, -2, -3
+"""What carries the part, if it is not the corner of that number."""
+
+OVERLAP = 4e-15
+"""Overlap that counts as an impact, of the half diagonal: some roundings of a height."""
+TOUCH = 1e-13
+"""Gap that counts as touching, of the half diagonal."""
+DEEP = 1e-12
+"""Overlap that is more than a rounding, of the half diagonal."""
+SLOW = 1e-6
+"""Velocity that counts as none, of sqrt(acceleration times half diagonal).
+
+A fall through `OVERLAP` ends at 0.09e-6 of it: with not much less, the rounding of a height would
+keep a part bouncing for ever.
+"""
+
+
+class Cell(NamedTuple):
+    """The numbers of one cell, SI; a row of the kernels' table in this order.
+
+    `turning` is 1 for a part with corners, 0 for a ball, whose one contact stays below the centre.
+    The pulls are gravity's components against the transport and towards the plane, the drives
+    those of the drive's acceleration.
+    """
+
+    half_diagonal: float
+    inertia_ratio: float
+    corner_angle: float
+    turning: float
+    pull_along: float
+    pull_normal: float
+    drive_along: float
+    drive_normal: float
+    circular_frequency: float
+    start_phase: float
+    friction_kinetic: float
+    friction_static: float
+    restitution: float
+    gap_normal: float
+    pitch: float
+    velocity_along: float
+    velocity_upward: float
+    pitch_rate: float
+    duration: float
+    time_step: float
+    law: float
+
+
+GROUPS = len(Cell._fields)
+
+
+@compiled
+def cell_of(row: Floats) -> Cell:
+    """Return the cell of a row."""
+    return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one
+
+
+class State(NamedTuple):
+    """Places in the state: centre, pitch, their rates, energy per mass lost so far."""
+
+    along: int
+    up: int
+    pitch: int
+    along_rate: int
+    up_rate: int
+    pitch_rate: int
+    lost: int
+
+
+STATE = State(*range(len(State._fields)))
+
+
+class Columns(NamedTuple):
+    """Columns of a table of results: the fields of `Tumble`; the status has an array of its own."""
+
+    pitch: int
+    resting_side: int
+    settling_time: int
+    impacts: int
+    largest_bounce: int
+    velocity: int
+    energy_lost: int
+
+
+COLUMN = Columns(*range(len(Columns._fields)))
+
+
+class Path(NamedTuple):
+    """Where in a row of a path stand time, state, lowest gap, and whether each corner carries."""
+
+    time: int
+    state: int
+    gap: int
+    touching: int
+
+
+PATH = Path(time=0, state=1, gap=1 + len(STATE), touching=2 + len(STATE))
+PATH_COLUMNS = PATH.touching + 4

@@ -1,0 +1,44 @@
+"""What compiled kernels write stands where the results of the library read it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.motion.kernels import planar, results, stepping, tumbling
+from core.motion.kernels.planar import tables as planar_tables
+from core.motion.kernels.stepping import tables as stepping_tables
+from core.motion.kernels.tumbling import tables as tumbling_tables
+from core.motion.methods.tumbling import Tumble, TumblePath
+from core.motion.result import Motion
+from core.quantities import MOTION_MODES
+
+
+def test_columns_of_results_are_the_fields_of_motion():
+    assert (*results.Columns._fields, "status") == Motion._fields
+
+
+def test_columns_of_tumbling_are_the_fields_of_its_results():
+    assert (*tumbling.COLUMN._fields, "status") == Tumble._fields
+    # A path holds time, the state and the lowest gap, and then the corners.
+    assert len(TumblePath._fields) == tumbling.PATH.touching + 1
+
+
+def test_shares_of_modes_stand_in_the_order_of_the_modes():
+    for name in ("stick", "forward", "backward", "flight"):
+        place = getattr(results.COLUMN, name) - results.COLUMN.stick
+        assert place == MOTION_MODES[name].value
+
+
+def test_a_cell_is_read_by_the_names_of_its_fields():
+    for package, tables in (
+        (planar, planar_tables), (stepping, stepping_tables), (tumbling, tumbling_tables),
+    ):  # fmt: skip
+        row = np.arange(len(package.Cell._fields)) + 0.5
+        assert tables.cell_of(row) == package.Cell(*row.tolist())
+
+
+def test_a_scene_of_time_stepping_stops_where_its_coordinates_end():
+    names = stepping_tables.State._fields
+    planar_width, floor_width, _ = stepping.WIDTHS
+    assert not {"uy", "spin", "y", "leaning"} & set(names[:planar_width])
+    assert not {"y", "leaning"} & set(names[:floor_width])
