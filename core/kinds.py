@@ -14,7 +14,7 @@ from core.errors import Problem, StudyError
 from core.optimise.exact import OPTIMUM_STATUSES
 from core.plan.pieces import Computed, carry_out
 from core.plan.prepared import Prepared
-from core.plan.sample import LEFT_OUT
+from core.plan.sample import FAILED, LEFT_OUT
 from core.quantities import MOTION_STATUSES
 from core.study.load import parse_study
 from core.study.models import Study
@@ -110,6 +110,11 @@ def share_left_out(table: Table) -> float:
         if name in table.variables
     )
     return float(next(shares, 0.0))
+
+
+def not_verified(table: Table) -> int:
+    """Return how many cells of a result are further off than what is known of their error."""
+    return int(table.attributes.get(FAILED, 0))
 
 
 def is_whole(table: Table) -> bool:

@@ -17,10 +17,16 @@ from core.plan.grid import from_si
 from core.plan.plan import Plan, plan_scene, scene_parameters
 from core.plan.sample import sample_of
 from core.quantities import QUANTITIES
+from core.scenes import Scene
 from core.watch import Watch
 
 SOUND = [STATUS[name] for name in ("periodic", "at_rest", "neutral", "settled")]
 """Statuses of motions that two methods should agree on: the others are chance, or no answer."""
+
+SPEED = ("drive_number", "velocity_scale")
+
+RESOLVED = 1e-9
+"""Of the drive's speed: nearer to each other than this, two mean velocities are the same."""
 
 NOT_COMPARED = (ERROR, "motion_status", "impacts_per_period", "impact_count")
 """What each method has of its own: of shrinking hops each counts those that it resolves."""
@@ -56,6 +62,9 @@ class Comparison:
         The difference [unit of studies], and the same over that size.
     stated : float
         The other method's own estimate of its error there; NaN where it has none.
+    failed : int
+        Cells that are further apart than both methods state, or that repeat after other numbers of
+        periods.
     """
 
     method: str
@@ -66,6 +75,7 @@ class Comparison:
     error: float = 0.0
     share: float = 0.0
     stated: float = np.nan
+    failed: int = 0
 
     def in_words(self, where: str) -> str:
         """Return one sentence; `where` is the place of the largest difference."""
@@ -80,6 +90,8 @@ class Comparison:
         )
         if np.isfinite(self.stated):
             text += f"; the method {self.method} states an error of {self.stated:.2g}{unit} there"
+        if self.failed:
+            text += f"; {self.failed} are further apart than both methods state: NOT VERIFIED"
         return text
 
 
@@ -109,22 +121,15 @@ def compare(
     has = scene.outputs(method)
     outputs = [name for name in got if name in has and name not in NOT_COMPARED]
     told = [name for name in (ERROR, "motion_status") if name in has]
-    parameters = [n for n in cells if n in scene_parameters(scene, method)]
-    other = plan_scene(scene, method, (*outputs, *told), parameters)
-    known = run_equations(other, {name: cells[name] for name in other.parameters}, watch)
     count = next(iter(got.values())).size
-
-    def theirs(name: str) -> Array:
-        values = from_si(name, np.asarray(known[name], dtype=np.float64))
-        return np.asarray(np.broadcast_to(values, count), dtype=np.float64)
-
-    status = theirs("motion_status")
+    theirs = _followed(scene, method, (*outputs, *told, *SPEED), cells, count, watch)
+    status = theirs["motion_status"]
     sound = np.isin(status, SOUND)
     if "motion_status" in got:
         sound &= np.isin(got["motion_status"], SOUND)
     found = Comparison(method, status != STATUS["not_computed"], sound)
     for name in outputs if sound.any() else ():
-        right = np.where(sound, theirs(name), 0.0)
+        right = np.where(sound, theirs[name], 0.0)
         size = float(np.abs(right).max()) or 1.0
         error = np.where(sound, np.abs(got[name] - right), 0.0)
         error = np.where(np.isnan(error), np.inf, error)  # a value that only one method has
@@ -132,12 +137,54 @@ def compare(
         share = float(error[cell]) / size
         if not found.output or share > found.share:
             stated = np.nan
-            if name == "conveying_velocity" and ERROR in known:
-                stated = float(theirs(ERROR)[cell])
+            if name == "conveying_velocity" and ERROR in theirs:
+                stated = float(theirs[ERROR][cell])
             found = replace(
                 found, output=name, cell=cell, error=float(error[cell]), share=share, stated=stated
             )
-    return found
+    if not sound.any():
+        return found
+    ours = _followed(scene, plan.variant, tuple(told), cells, count, watch)
+    return replace(found, failed=int((sound & _apart(got, ours, theirs)).sum()))
+
+
+def _followed(
+    scene: Scene,
+    method: str,
+    outputs: tuple[str, ...],
+    cells: Mapping[str, Array],
+    count: int,
+    watch: Watch | None,
+) -> dict[str, Array]:
+    """Return outputs of cells by a method, in the units of studies."""
+    asked = tuple(name for name in outputs if name in scene.outputs(method))
+    parameters = [name for name in cells if name in scene_parameters(scene, method)]
+    plan = plan_scene(scene, method, asked, parameters)
+    known = run_equations(plan, {name: cells[name] for name in plan.parameters}, watch)
+    return {
+        name: np.broadcast_to(from_si(name, np.asarray(known[name], dtype=np.float64)), count)
+        for name in asked
+    }
+
+
+def _apart(
+    got: Mapping[str, Array], ours: Mapping[str, Array], theirs: Mapping[str, Array]
+) -> NDArray[np.bool_]:
+    """Return which motions are further apart than both methods state.
+
+    By the mean velocity, whose errors they state, and by the number of periods after which the
+    motion repeats; a part that rests repeats after any number.
+    """
+    apart = np.zeros(next(iter(got.values())).shape, dtype=np.bool_)
+    velocity, multiple = got.get("conveying_velocity"), got.get("period_multiple")
+    if velocity is not None and ERROR in ours and ERROR in theirs:
+        drive = theirs["drive_number"] * theirs["velocity_scale"]
+        stated = ours[ERROR] + theirs[ERROR] + RESOLVED * drive
+        apart |= ~(np.abs(velocity - theirs["conveying_velocity"]) <= stated)
+    if multiple is not None:
+        moves = (multiple > 0) & (theirs["period_multiple"] > 0)
+        apart |= moves & (multiple != theirs["period_multiple"])
+    return apart
 
 
 def verified(
@@ -171,4 +218,4 @@ def verified(
     found = compare(plan, cells, got, other.name, watch)
     evaluated, compared = int(found.evaluated.sum()), int(found.compared.sum())
     worst = found.in_words(sample.where(found.cell)) if evaluated else ""
-    return sample.told(against, worst, evaluated=evaluated, compared=compared)
+    return sample.told(against, worst, evaluated=evaluated, compared=compared, failed=found.failed)

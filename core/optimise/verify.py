@@ -65,18 +65,20 @@ def verified(
     rival = _rival(prepared)
     watch = watch.part(0.5 if rival else 1.0)
     against, words = [], []
-    judged, failed, left = np.zeros((3, sample.count), dtype=np.bool_)
+    judged, lost, left = np.zeros((3, sample.count), dtype=np.bool_)
+    failed = 0
     if smooth.size:
         found, by = _outputs(prepared, design, x, known, smooth, watch)
         against.append(by)
-        judged[smooth], failed[smooth], left[smooth] = True, ~found.compared, ~found.evaluated
+        judged[smooth], lost[smooth], left[smooth] = True, ~found.compared, ~found.evaluated
+        failed = found.failed
         if found.evaluated.any():
             words.append(found.in_words(sample.where(int(smooth[found.cell]))))
     if rival and answered.size:
         solved, cell, better = _better(prepared, rival, design, known, answered, watch)
         against.append(f"answers of the method {rival}")
         judged[answered] = True
-        failed[answered] |= ~solved
+        lost[answered] |= ~solved
         left[answered] |= ~solved
         if solved.any():
             unit = QUANTITIES[prepared.problem.criterion.output].unit
@@ -89,7 +91,8 @@ def verified(
         " and ".join(against) or "nothing",
         "; ".join(words),
         evaluated=sample.count - int(left.sum()),
-        compared=int((judged & ~failed).sum()),
+        compared=int((judged & ~lost).sum()),
+        failed=failed,
     )
 
 

@@ -16,6 +16,10 @@ from core.quantities import QUANTITIES
 LEFT_OUT = "verified_left_out"
 """The attribute that tells how many cells a stop left without verifying; none if it did not."""
 
+FAILED = "verified_failed"
+"""The attribute that tells how many verified cells are further off than their error allows; none if
+all are within it, or nothing is known of it."""
+
 Places = Mapping[str, NDArray[np.int64]]
 
 
@@ -65,7 +69,13 @@ class Sample:
         return f"at {', '.join(parts)}" if parts else "at the only cell"
 
     def told(
-        self, against: str, worst: str = "", *, evaluated: int = 0, compared: int = 0
+        self,
+        against: str,
+        worst: str = "",
+        *,
+        evaluated: int = 0,
+        compared: int = 0,
+        failed: int = 0,
     ) -> dict[str, str | int]:
         """Return what verifying found, as attributes of the result.
 
@@ -77,8 +87,12 @@ class Sample:
             One sentence about those that are compared.
         evaluated, compared : int
             Cells that no stop left out, and those of them of which there was anything to compare.
+        failed : int
+            Cells whose values are further off than what is known of their errors allows.
         """
         told: dict[str, str | int] = {"verified_cells": compared, "verified_against": against}
+        if failed:
+            told[FAILED] = failed
         left = self.chosen - evaluated
         if not left:
             return told | {"verified_worst": worst}

@@ -94,6 +94,13 @@ class Rounding:
         return -1 if self.worst is None else self.worst.cell
 
     @property
+    def failed(self) -> int:
+        """How many values are known to be beyond the bound: the worst one, or none."""
+        if self.worst is None or self.bound is None:
+            return 0
+        return int(self.worst.conditioned > self.bound)
+
+    @property
     def compared(self) -> NDArray[np.bool_]:
         """The cells that are compared: all that were evaluated."""
         return self.evaluated
@@ -247,4 +254,4 @@ def verified(
     if not evaluated:
         return sample.told(AGAINST)
     worst = found.in_words(sample.where(found.cell))
-    return sample.told(AGAINST, worst, evaluated=evaluated, compared=evaluated)
+    return sample.told(AGAINST, worst, evaluated=evaluated, compared=evaluated, failed=found.failed)

@@ -108,10 +108,10 @@ def repeats(
 ) -> int:  # fmt: skip
     """Return after how many periods the motion repeats, and put its means into the result.
 
-    0 if it does not; see `told_apart`. A state that comes back to rounding repeats for ever. Else slips and
-    landings fall on steps that vary, and the state wanders by the order of a step; then it must
-    come back to within that for a whole window, over the window as well, and its mean velocity must
-    not drift, so that a slow transient is not taken for a repetition.
+    0 if it does not; see `told_apart`. A state that comes back to rounding repeats for ever. Else
+    slips and landings fall on steps that vary, and the state wanders by the order of a step; then
+    it must come back to within that for a whole window, over the window as well, and its mean
+    velocity must not drift, so that a slow transient is not taken for a repetition.
     """
     for multiple in range(1, min(MOST_MULTIPLE, done) + 1):
         now, then = states[done], states[done - multiple]
