@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.store import NETCDF, Store
+from app.jobs.store import NETCDF, Store
 
 
 @dataclass(frozen=True)

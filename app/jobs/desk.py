@@ -8,8 +8,8 @@ from collections.abc import Callable
 from app.jobs import work
 from app.jobs.ledger import Job, Ledger
 from app.jobs.room import Room
+from app.jobs.store import Store, identifier
 from app.settings import Settings
-from app.store import Store, identifier
 from core.kinds import KINDS
 from core.plan.pieces import Cut
 from core.plan.prepared import Prepared

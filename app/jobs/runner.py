@@ -18,13 +18,12 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, TypeVar
 
-from app.errors import passes, storage_problem
-from app.exceptions import OtherVersionError, TornBlockError
-from app.jobs import work
+from app.jobs import disk, work
 from app.jobs.cluster import Cluster
+from app.jobs.errors import OtherVersionError, TornBlockError
 from app.jobs.ledger import Ledger, Work
+from app.jobs.store import Store
 from app.settings import Settings
-from app.store import Store
 from core.errors import VibrafeedError
 
 if TYPE_CHECKING:
@@ -196,10 +195,10 @@ class Runner:
             logger.exception("storage failed")
             return _problem(507, "storage", "The disk does not keep what is written", error)
         except OSError as error:
-            if passes(error):
+            if disk.passes(error):
                 raise _Lost(str(error)) from error
             logger.exception("storage failed")
-            return storage_problem(error)
+            return disk.problem(error)
         except _WorkersDieError as error:
             return _problem(500, "workers", "The workers do not survive the study", error)
         except Exception:
