@@ -25,7 +25,7 @@ from app.settings import Settings
 from app.web import guard, openapi, problems
 from app.web.metrics import Metrics
 from app.web.observe import Observe
-from app.web.routes import health, jobs, processes, scenes, sweeps, zarr
+from app.web.routes import health, jobs, processes, results, scenes, sweeps, zarr
 from app.web.zarr_views import ZarrViews
 
 logger = logging.getLogger("vibrafeed")
@@ -42,7 +42,7 @@ def create_app(settings: Settings) -> FastAPI:
     ledger = Ledger(settings.data_directory / "jobs.sqlite3")
     runner = Runner(ledger, store, Cluster(settings.scheduler, settings.workers), settings)
     desk = Desk(ledger, store, settings, runner.wake)
-    writer = Writer(desk, settings)
+    writer = Writer(store, desk.make_room, settings)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -77,7 +77,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.stopping = threading.Event()  # set by a signal: open streams end
     app.state.metrics.gauges("vibrafeed_jobs", "Jobs by their state.", "state", ledger.counts)
     problems.install(app)
-    for part in (health, scenes, sweeps, zarr, processes, jobs):
+    for part in (health, scenes, sweeps, zarr, processes, jobs, results):
         app.include_router(part.router)
     openapi.install(app)
     guard.install(app, settings)

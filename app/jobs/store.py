@@ -11,7 +11,6 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import hashlib
-import io
 import json
 import logging
 import os
@@ -21,16 +20,16 @@ import tempfile
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import orjson
 
 import core
+from app.jobs.blocks import pack, unpack
 from app.jobs.errors import NotFoundError, TornBlockError
+from app.jobs.manifest import JSON, MANIFEST, MOST_JSON_VALUES, NETCDF, Manifest, fingerprint
 from core.dataset.document import to_document
 from core.dataset.files import PART, whole
 from core.dataset.netcdf import write_netcdf
@@ -45,39 +44,10 @@ from core.sweep import Sweep
 logger = logging.getLogger("vibrafeed.store")
 
 IDENTIFIER = re.compile(r"[0-9a-f]{64}")
-NETCDF, JSON, MANIFEST = "result.nc", "result.json", "manifest.json"
-MOST_JSON_VALUES = 1_000_000  # of a result that is also kept as JSON: some 20 MB
 USED_EVERY = 3600.0  # s; the use of a study is noted no more often
 MOST_KNOWN = 64  # studies that are kept in memory
 MOST_KNOWN_BYTES = 20_000  # of such a study: a list of values takes many times that in memory
 PARTS_KEPT = 3600.0  # s without a change, after which nobody is writing any more
-DIGEST = 32  # bytes of a SHA-256, in front of a block
-_NOTES = "notes"
-
-
-@dataclass(frozen=True)
-class Manifest:
-    """What is known of a result.
-
-    Attributes
-    ----------
-    key, process, version : str
-        Its identifier, the process that made it, the version of vibrafeed.
-    cells, blocks : int
-        Points of the grid, and pieces that they were computed in.
-    seconds : float
-        Time that computing took, summed over all workers.
-    files : mapping
-        Size in bytes and SHA-256 of each file.
-    """
-
-    key: str
-    process: str
-    version: str
-    cells: int
-    blocks: int
-    seconds: float
-    files: Mapping[str, Mapping[str, Any]]
 
 
 def identifier(study: Study, process: str | None = None) -> str:
@@ -161,10 +131,7 @@ class Store:
     def write_block(self, key: str, cells: int, index: int, computed: Computed) -> None:
         """Keep what was computed of a piece."""
         path = self._block(key, cells, index)
-        notes = np.frombuffer(json.dumps(dict(computed.notes)).encode(), np.uint8)
-        content = io.BytesIO()
-        np.savez(content, allow_pickle=False, **{_NOTES: notes}, **computed.arrays)
-        digest = hashlib.sha256(content.getbuffer()).digest()
+        digest, content = pack(computed)
         for last in (False, True):
             # Not the study's own folder: if that is gone, so is the study.
             path.parent.parent.mkdir(exist_ok=True)
@@ -172,7 +139,7 @@ class Store:
             try:
                 with _kept(path) as temporary, temporary.open("wb") as file:
                     file.write(digest)
-                    file.write(content.getbuffer())
+                    file.write(content)
             except FileNotFoundError:  # whoever finished the study has just removed its blocks
                 if last:
                     raise
@@ -183,17 +150,14 @@ class Store:
         """Return what was computed of a piece; raise `TornBlockError` if it cannot be read."""
         path = self._block(key, cells, index)
         try:
-            content = memoryview(path.read_bytes())
+            block = path.read_bytes()
         except FileNotFoundError:
             raise TornBlockError(f"block {index} of {key} is gone") from None
-        digest, content = content[:DIGEST], content[DIGEST:]
-        if hashlib.sha256(content).digest() != digest:
+        computed = unpack(block)
+        if computed is None:
             path.unlink(missing_ok=True)
             raise TornBlockError(f"block {index} of {key} is not what was written")
-        with np.load(io.BytesIO(content), allow_pickle=False) as file:
-            arrays = dict(file)
-        notes = json.loads(arrays.pop(_NOTES).tobytes())
-        return Computed(arrays, notes)
+        return computed
 
     def drop_blocks(self, key: str) -> None:
         """Remove the blocks of a study whose result is there; a late worker may have left one."""
@@ -258,7 +222,7 @@ class Store:
                         with _kept(folder / path.name) as temporary:
                             path.replace(temporary)
                         names.append(path.name)
-            files = {name: _fingerprint(folder / name) for name in names}
+            files = {name: fingerprint(folder / name) for name in names}
             manifest = Manifest(key, process, core.__version__, cells, blocks, seconds, files)
             with _kept(folder / MANIFEST) as temporary:
                 temporary.write_text(json.dumps(asdict(manifest), indent=1), encoding="utf-8")
@@ -349,12 +313,6 @@ def _kept(path: Path) -> Iterator[Path]:
         os.fsync(folder)
     finally:
         os.close(folder)
-
-
-def _fingerprint(path: Path) -> dict[str, Any]:
-    with path.open("rb") as file:
-        digest = hashlib.file_digest(file, "sha256").hexdigest()
-    return {"bytes": path.stat().st_size, "sha256": digest}
 
 
 def _sizes(folder: Path) -> Iterator[int]:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import math
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
-from app.jobs.desk import Desk
-from app.jobs.store import Manifest
+from app.jobs.manifest import Manifest
+from app.jobs.store import Store
 from app.settings import Settings
 from core.errors import LimitError
 from core.kinds import tabulate
@@ -19,14 +20,16 @@ class Writer:
 
     Parameters
     ----------
-    desk : Desk
-        Makes room for the file.
+    store : Store
+        Where files go.
+    make_room : callable
+        Makes room for a study of an identifier and so many bytes.
     settings : Settings
         The service's.
     """
 
-    def __init__(self, desk: Desk, settings: Settings):
-        self._desk, self._store, self._settings = desk, desk.store, settings
+    def __init__(self, store: Store, make_room: Callable[[str, int], None], settings: Settings):
+        self._store, self._make_room, self._settings = store, make_room, settings
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="netcdf")
 
     async def result(self, key: str, sweep: Sweep) -> Manifest:
@@ -62,7 +65,7 @@ class Writer:
         known = self._store.manifest(key)
         if known is not None:
             return known
-        self._desk.make_room(key, sweep.bytes)
+        self._make_room(key, sweep.bytes)
         table = tabulate(sweep)
         seconds = table.price["elapsed_seconds"]
         self._store.add(sweep.study)  # should it have made room for another meanwhile

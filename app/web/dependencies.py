@@ -1,4 +1,4 @@
-"""What routes take from a request: settings, the store, the body within its limit.
+"""What routes take from a request: identifiers, settings, the store, the body within its limit.
 
 All are coroutines: FastAPI would send a plain function to a thread, and that takes longer than it.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, cast
 
-from fastapi import Depends, Request, params
+from fastapi import Depends, Path, Request, params
 from fastapi.exceptions import RequestValidationError
 
 from app.jobs.desk import Desk
@@ -79,6 +79,8 @@ async def body_of(request: Request) -> bytes:
     return b"".join(pieces)
 
 
+Key = Annotated[str, Path(description="Identifier of a sweep.", max_length=100)]
+Number = Annotated[str, Path(description="Identifier of a job.", max_length=100)]
 SettingsOf = Annotated[Settings, Depends(settings_of)]
 StoreOf = Annotated[Store, Depends(store_of)]
 WriterOf = Annotated[Writer, Depends(writer_of)]

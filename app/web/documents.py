@@ -15,7 +15,7 @@ from pydantic import BaseModel, Field
 
 import core
 from app.jobs.ledger import ACTIVE, Job
-from app.jobs.store import JSON, NETCDF, Manifest
+from app.jobs.manifest import JSON, NETCDF, Manifest
 from app.web.execution import PROCESSES, Process
 
 RESULTS = "http://www.opengis.net/def/rel/ogc/1.0/results"

@@ -16,7 +16,7 @@ from fastapi.responses import Response
 
 from app.jobs.desk import Desk
 from app.jobs.ledger import ACTIVE, Job
-from app.jobs.store import MOST_JSON_VALUES
+from app.jobs.manifest import MOST_JSON_VALUES
 from app.settings import Settings
 from app.web.dependencies import BaseOf, Body, DeskOf, SettingsOf, base_of
 from app.web.documents import (
@@ -31,10 +31,10 @@ from app.web.documents import (
     status_info,
 )
 from app.web.execution import ACCURACY, PROCESSES, Execution, Process, read_execution
+from app.web.outcomes import results_reply
 from app.web.prefer import Preferences, preferences
 from app.web.problems import NoSuchProcessError
 from app.web.replies import component, execution_name, json_reply, problems
-from app.web.routes.jobs import results_reply
 from core.dataset.document import to_document
 from core.kinds import is_whole, prepare_content, tabulate
 from core.plan.prepared import Prepared

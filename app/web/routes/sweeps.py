@@ -7,20 +7,19 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 import orjson
-from fastapi import APIRouter, Path, Query, Request
+from fastapi import APIRouter, Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
-from pydantic import BaseModel
 
-from app.jobs.store import NETCDF
+from app.jobs.manifest import NETCDF
 from app.settings import Settings
-from app.web.dependencies import Body, DeskOf, SettingsOf, StoreOf, WriterOf, once
+from app.web.dependencies import Body, DeskOf, Key, SettingsOf, StoreOf, WriterOf, once
 from app.web.downloads import FOR_EVER, content_reply, etag_of, file_reply, not_modified
 from app.web.execution import PROCESSES
 from app.web.replies import component, json_reply, problems
+from app.web.sweep_document import SweepDescription, description
 from core.errors import LimitError
 from core.kinds import prepare_content
-from core.quantities import QUANTITIES
 from core.study import SweepStudy
 from core.study.load import read_json
 from core.study.models import PARAMETERS
@@ -28,8 +27,6 @@ from core.sweep import Sweep
 from core.sweep.slice import cut
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
-
-Key = Annotated[str, Path(description="Identifier of a sweep.", max_length=100)]
 
 BINARY = {"type": "string", "format": "binary"}
 BINARY_TYPE = "application/octet-stream"
@@ -59,40 +56,6 @@ AXIS_VALUES = {
 }
 
 
-class SweepAxis(BaseModel):
-    """An axis of a sweep."""
-
-    name: str
-    unit: str
-    size: int
-
-
-class SweepOutput(BaseModel):
-    """An output of a sweep, with the axes that it depends on."""
-
-    name: str
-    unit: str
-    label: str
-    dims: list[str]
-    source: str | None
-
-
-class SweepDescription(BaseModel):
-    """What the service says of a sweep."""
-
-    id: str
-    study: dict[str, Any]
-    scene: str
-    variant: str
-    validity: str
-    cells: int
-    bytes: int
-    axes: list[SweepAxis]
-    outputs: list[SweepOutput]
-    regimes: list[str]
-    links: dict[str, str]
-
-
 @router.post(
     "",
     summary="Post a sweep study",
@@ -118,7 +81,7 @@ def post_sweep(request: Request, body: Body, settings: SettingsOf, desk: DeskOf)
     key, is_new = desk.keep(sweep)
     location = str(request.url_for("get_sweep", key=key))
     return json_reply(
-        _description(key, sweep), 201 if is_new else 200, headers={"Location": location}
+        description(key, sweep), 201 if is_new else 200, headers={"Location": location}
     )
 
 
@@ -130,7 +93,7 @@ def post_sweep(request: Request, body: Body, settings: SettingsOf, desk: DeskOf)
 )
 def get_sweep(key: Key, store: StoreOf) -> Response:
     """Return the study of a sweep, its size, its axes, and the dimensions of its outputs."""
-    return json_reply(_description(key, store.sweep(key)))
+    return json_reply(description(key, store.sweep(key)))
 
 
 @router.get(
@@ -273,41 +236,3 @@ def _check_size(sweep: Sweep, settings: Settings) -> None:
         if size > settings.max_axis_values:
             fix = f"Give {name} {settings.max_axis_values:,} values or fewer"
             raise LimitError("values on one axis", size, settings.max_axis_values, fix)
-
-
-def _description(key: str, sweep: Sweep) -> dict[str, Any]:
-    """Return what the service says of a sweep."""
-    equations = {equation.gives: equation for equation in sweep.plan.equations}
-    return {
-        "id": key,
-        "study": sweep.study.content(),
-        "scene": sweep.plan.scene.name,
-        "variant": sweep.plan.variant,
-        "validity": sweep.plan.scene.validity,
-        "cells": sweep.cells,
-        "bytes": sweep.bytes,
-        "axes": [
-            {"name": name, "unit": QUANTITIES[name].unit, "size": axis.size}
-            for name, axis in sweep.grid.axes.items()
-        ],
-        "outputs": [
-            {
-                "name": name,
-                "unit": QUANTITIES[name].unit,
-                "label": QUANTITIES[name].label,
-                "dims": list(dims),
-                "source": equations[name].source if name in equations else None,
-            }
-            for name, dims in sweep.dims.items()
-        ],
-        "regimes": list(sweep.plan.regimes),
-        "links": {
-            name: f"/sweeps/{key}{end}"
-            for name, end in (
-                ("self", ""),
-                ("slice", "/slice"),
-                ("netcdf", "/netcdf"),
-                ("zarr", "/zarr"),
-            )
-        },
-    }

@@ -9,10 +9,9 @@ from fastapi import APIRouter, Path, Request
 from fastapi.responses import Response
 
 from app.jobs.errors import NotFoundError
-from app.web.dependencies import ViewsOf
+from app.web.dependencies import Key, ViewsOf
 from app.web.downloads import FOR_EVER, content_reply, etag_of, not_modified
 from app.web.replies import problems
-from app.web.routes.sweeps import Key
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
 

@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from app.jobs import work
+from app.jobs.carrier import MOST_TORN
 from app.jobs.desk import Desk
 from app.jobs.errors import OtherVersionError, TornBlockError
 from app.jobs.ledger import ACTIVE, Job, Ledger
-from app.jobs.runner import MOST_TORN, Runner
+from app.jobs.runner import Runner
 from app.jobs.store import Store
 from app.settings import Settings
 from core.kinds import prepare_content
@@ -123,7 +124,7 @@ def test_time_runs_out_also_while_nothing_is_done(tmp_path):
 
 
 def test_that_there_are_no_workers_is_told_while_work_waits_for_them(tmp_path, monkeypatch):
-    monkeypatch.setattr("app.jobs.runner.LOOK_AT_WORKERS", 0.1)
+    monkeypatch.setattr("app.jobs.carrier.LOOK_AT_WORKERS", 0.1)
 
     async def play(runner: Runner, desk: Desk, job: Job) -> None:
         assert runner.wrong() is None
@@ -135,7 +136,7 @@ def test_that_there_are_no_workers_is_told_while_work_waits_for_them(tmp_path, m
 
 
 def test_workers_that_go_and_come_again_are_noticed(tmp_path, monkeypatch):
-    monkeypatch.setattr("app.jobs.runner.LOOK_AT_WORKERS", 0.1)
+    monkeypatch.setattr("app.jobs.carrier.LOOK_AT_WORKERS", 0.1)
     go_on = threading.Event()
     workers = Workers(1, compute_block=lambda *_: go_on.wait(30))
 

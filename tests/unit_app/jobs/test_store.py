@@ -21,7 +21,8 @@ from app.jobs.errors import (
     TornBlockError,
 )
 from app.jobs.ledger import Ledger
-from app.jobs.store import NETCDF, Store, identifier
+from app.jobs.manifest import NETCDF
+from app.jobs.store import Store, identifier
 from app.settings import Settings
 from app.web.zarr_views import ZarrViews
 from core.dataset.netcdf import write_netcdf

@@ -18,7 +18,7 @@ from fastapi import Request
 from fastapi.testclient import TestClient
 
 from app.jobs.errors import NotFoundError
-from app.jobs.store import NETCDF
+from app.jobs.manifest import NETCDF
 from app.main import create_app
 from app.settings import Settings
 from app.web.downloads import PIECE, etag_of, file_reply

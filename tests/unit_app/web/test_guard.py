@@ -26,7 +26,7 @@ from typer.testing import CliRunner
 
 import core
 from app.cli import app as commands
-from app.jobs.store import NETCDF, Manifest
+from app.jobs.manifest import NETCDF, Manifest
 from app.main import create_app
 from app.settings import TEST_SWITCHES, Settings
 from app.web.guard import SAFE, is_loopback, new_key
