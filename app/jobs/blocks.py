@@ -8,7 +8,7 @@ import json
 
 import numpy as np
 
-from core.sweep.pieces import Computed
+from core.plan.pieces import Computed
 
 DIGEST = 32  # bytes of a SHA-256, in front of a block
 _NOTES = "notes"

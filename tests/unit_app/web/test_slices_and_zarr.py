@@ -16,8 +16,8 @@ from app.main import create_app
 from app.settings import Settings
 from app.web.routes.sweeps import prefers_binary
 from app.web.zarr_views import ZarrViews
-from core.study import parse_study
 from core.kinds import prepare_content
+from core.study import parse_study
 from core.sweep import sweep
 from core.sweep.zarr_view import ZarrView
 
