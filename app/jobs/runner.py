@@ -101,7 +101,7 @@ class Runner:
             fcntl.flock(self._alone, fcntl.LOCK_SH)
             return
         self._ledger.release()
-        count = self._store.sweep_up(0)
+        count = self._store.remove_leftovers(0)
         if count:
             logger.info("files of killed writers removed", extra={"count": count})
         fcntl.flock(self._alone, fcntl.LOCK_SH)

@@ -274,7 +274,7 @@ class Store:
         (folder / MANIFEST).unlink(missing_ok=True)
         shutil.rmtree(folder, ignore_errors=True)
 
-    def sweep_up(self, age: float = PARTS_KEPT) -> int:
+    def remove_leftovers(self, age: float = PARTS_KEPT) -> int:
         """Remove what killed writers have left; return how many files and folders.
 
         Parameters

@@ -119,7 +119,7 @@ def test_two_studies_of_one_name_are_refused(study, tmp_path):
 
 
 def test_what_fails_after_a_study_leaves_its_page(study, tmp_path, monkeypatch):
-    from app import accuracy
+    from app.cli import accuracy
 
     def broken(*_: object) -> None:
         raise RuntimeError("broken")

@@ -160,8 +160,8 @@ def test_what_killed_writers_left_is_swept_up_and_nothing_else(store):
     (folder / ".abc.part").mkdir()
     (folder / ".abc.part" / "picture.png").write_bytes(b"torn")
     os.utime(folder / ".result.nc.123.part", (1, 1))
-    assert store.sweep_up() == 1  # somebody may be writing the others
-    assert store.sweep_up(0) == 2
+    assert store.remove_leftovers() == 1  # somebody may be writing the others
+    assert store.remove_leftovers(0) == 2
     assert sorted(p.name for p in folder.iterdir()) == before
 
 
