@@ -315,7 +315,9 @@ class TestQueue:
 
 
 class TestEvents:
-    def test_they_end_with_the_job(self, client):
+    def test_they_end_with_the_job(self, client, monkeypatch):
+        # However long the workers take to start, no sign of life stands among the events.
+        monkeypatch.setattr("app.web.routes.jobs.SIGN_OF_LIFE", float("inf"))
         job = client.post(PATH, json=study(beta=33), headers=ASYNC).json()
         reply = client.get(link(job, "monitor"))
         assert reply.headers["content-type"].startswith("text/event-stream")
