@@ -15,18 +15,18 @@ from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
 import core
-from app import errors, guard, openapi
 from app.jobs.cluster import Cluster
 from app.jobs.desk import Desk
 from app.jobs.ledger import Ledger
 from app.jobs.runner import Runner
-from app.metrics import Metrics
-from app.observe import Observe
-from app.routes import health, jobs, metrics, processes, scenes, sweeps, zarr
+from app.jobs.store import Store
+from app.jobs.writer import Writer
 from app.settings import Settings
-from app.store import Store
-from app.writer import Writer
-from app.zarr_views import ZarrViews
+from app.web import guard, openapi, problems
+from app.web.metrics import Metrics
+from app.web.observe import Observe
+from app.web.routes import health, jobs, processes, results, scenes, sweeps, zarr
+from app.web.zarr_views import ZarrViews
 
 logger = logging.getLogger("vibrafeed")
 
@@ -42,7 +42,7 @@ def create_app(settings: Settings) -> FastAPI:
     ledger = Ledger(settings.data_directory / "jobs.sqlite3")
     runner = Runner(ledger, store, Cluster(settings.scheduler, settings.workers), settings)
     desk = Desk(ledger, store, settings, runner.wake)
-    writer = Writer(desk, settings)
+    writer = Writer(store, desk.make_room, settings)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -72,12 +72,12 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.desk = desk
     app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
     app.state.metrics = Metrics()  # other parts add gauges
-    # Of (name, check): see `app.routes.health.readyz`.
+    # Of (name, check): see `app.web.routes.health.readyz`.
     app.state.readiness = [("jobs", runner.wrong)]
     app.state.stopping = threading.Event()  # set by a signal: open streams end
     app.state.metrics.gauges("vibrafeed_jobs", "Jobs by their state.", "state", ledger.counts)
-    errors.install(app)
-    for part in (health, metrics, scenes, sweeps, zarr, processes, jobs):
+    problems.install(app)
+    for part in (health, scenes, sweeps, zarr, processes, jobs, results):
         app.include_router(part.router)
     openapi.install(app)
     guard.install(app, settings)

@@ -50,11 +50,11 @@ class Settings(BaseSettings):
     )
 
     data_directory: Path = Field(
-        default=Path("data"), description="Where sweeps and their files are kept; made if missing."
+        default=Path("data"), description="Where studies and their files are kept; made if missing."
     )
     max_body_bytes: int = Field(default=1_000_000, gt=0, description="Largest body of a request.")
     max_cells: int = Field(
-        default=20_000_000, gt=0, description="Most cells of one sweep that is computed as a whole."
+        default=20_000_000, gt=0, description="Most cells of one study that is computed as a whole."
     )
     max_sweep_cells: int = Field(
         default=10**15,
@@ -66,7 +66,7 @@ class Settings(BaseSettings):
         default=2_000_000, gt=0, description="Most values of one axis of a sweep that is kept."
     )
     max_bytes: int = Field(
-        default=1_000_000_000, gt=0, description="Most bytes of one sweep, before compression."
+        default=1_000_000_000, gt=0, description="Most bytes of one study, before compression."
     )
     max_synchronous_seconds: float = Field(
         default=1.0,

@@ -24,8 +24,9 @@ from typing import Any
 import numpy as np
 import orjson
 
-from app.routes.sweeps import NUMPY, binary
-from app.store import NETCDF, Store
+from app.jobs.manifest import NETCDF
+from app.jobs.store import Store
+from app.web.routes.sweeps import NUMPY, binary
 from benchmarks.serving import Served, percentile, served
 from core.dataset.document import to_document
 from core.kinds import prepare_content, tabulate

@@ -17,7 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.store import NETCDF, Store
+from app.jobs.manifest import NETCDF
+from app.jobs.store import Store
 
 
 @dataclass(frozen=True)

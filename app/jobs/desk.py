@@ -8,8 +8,8 @@ from collections.abc import Callable
 from app.jobs import work
 from app.jobs.ledger import Job, Ledger
 from app.jobs.room import Room
+from app.jobs.store import Store, identifier
 from app.settings import Settings
-from app.store import Store, identifier
 from core.kinds import KINDS
 from core.plan.pieces import Cut
 from core.plan.prepared import Prepared
@@ -107,7 +107,7 @@ class Desk:
         """Remove what nobody uses: old jobs and studies, what killed writers and workers left."""
         before = time.time() - self._settings.retention_days * DAY
         self.ledger.forget(before, MOST_JOBS)
-        self.store.sweep_up()
+        self.store.remove_leftovers()
         for key in self.store.studies():
             with self.ledger.transaction():
                 if key not in self.ledger.promised():

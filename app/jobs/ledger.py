@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.exceptions import QueueFullError
+from app.jobs.errors import QueueFullError
 
 ACTIVE = ("accepted", "running")
 STATES = (*ACTIVE, "successful", "failed", "dismissed")

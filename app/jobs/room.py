@@ -8,10 +8,10 @@ import threading
 import time
 from collections.abc import Mapping
 
-from app.exceptions import NoRoomError
+from app.jobs.errors import NoRoomError
 from app.jobs.ledger import Ledger
+from app.jobs.store import Store
 from app.settings import Settings
-from app.store import Store
 
 COUNTED_EVERY = 60.0  # s; counting looks at every file
 RIGHT_FOR = 1.0  # s; a count that something is refused or removed for is no older

@@ -12,8 +12,8 @@ from functools import lru_cache
 from pathlib import Path
 
 import core
-from app.exceptions import OtherVersionError
-from app.store import Store, identifier
+from app.jobs.errors import OtherVersionError
+from app.jobs.store import Store, identifier
 from core.kinds import KINDS
 from core.plan.pieces import Cut, join
 from core.plan.prepared import Prepared
@@ -70,7 +70,9 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
             store.drop_blocks(key)
         elif process not in KINDS:
             prepared, _ = _study(directory, key, process, cells)
-            _write_report(store, key, process, prepared)
+            from app.jobs.accuracy import write_report
+
+            write_report(store, key, process, prepared)
         else:
             prepared, pieces = _study(directory, key, process, cells)
             count = len(pieces)
@@ -83,30 +85,6 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
                 key, table, process=process, cells=prepared.cells, blocks=count, seconds=spent
             )
     return time.perf_counter() - started
-
-
-def _write_report(store: Store, key: str, process: str, prepared: Prepared) -> None:
-    """Measure the accuracy of a study and write the report."""
-    from app.accuracy import PAGE, draw
-    from core.accuracy.page import head_of, sections_of, write_page
-    from core.accuracy.report import machine, measure_study
-
-    started, facts = time.perf_counter(), machine()
-    part = measure_study(prepared, name="study.json")
-
-    def more(dataset: Path, folder: Path) -> list[Path]:
-        families = [one.family for one in part.measured if one.curves]
-        pictures = draw(dataset, folder, "study", families)
-        names = {family: path.name for family, path in pictures.items()}
-        head = head_of(facts, "vibrafeed report study.json")
-        page = write_page("Accuracy", head, list(sections_of(part, names)))
-        (folder / PAGE).write_text(page, encoding="utf-8")
-        return [folder / PAGE, *pictures.values()]
-
-    seconds = time.perf_counter() - started
-    store.finish(
-        key, part.table, process=process, cells=prepared.cells, blocks=0, seconds=seconds, more=more
-    )
 
 
 @lru_cache(maxsize=16)

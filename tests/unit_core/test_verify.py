@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 import xarray
 
+from app.jobs.store import Store
 from app.jobs.work import compute_block, write_result
-from app.store import Store
 from core.catalogue import study_schema
 from core.errors import StudyError
 from core.kinds import KINDS, is_whole, prepare_content, tabulate

@@ -1,0 +1,25 @@
+"""The command line, one file a command.
+
+Every command imports what it needs when it runs: `vibrafeed scenes` loads no NetCDF library.
+"""
+
+from __future__ import annotations
+
+import typer
+
+from app.cli import key, plot, report, run, scenes, schema, serve
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    help="Sweeps, motion in time and best drives of parts on vibratory feeder tracks.",
+)
+for _command in (run.run, plot.plot, report.report, scenes.scenes, schema.schema, serve.serve):
+    app.command()(_command)
+app.command()(key.key)
+
+
+def main() -> None:
+    """Run the command line."""
+    app()

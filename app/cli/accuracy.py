@@ -1,0 +1,118 @@
+"""The accuracy report of many studies as files: one page, pictures, datasets."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from app.cli import console
+from app.jobs.accuracy import PAGE, draw
+from core.accuracy.page import Section, head_of, sections_of, write_page
+from core.accuracy.report import SECONDS, machine, measure_study
+from core.dataset.files import whole
+from core.dataset.netcdf import write_netcdf
+from core.dataset.table import Table
+from core.plan.prepared import Prepared
+from core.watch import Watch
+
+EXTREMES = ("extremes", "leaving-out")  # datasets of what is asked of no study
+
+
+STOPPED = "It was stopped: what had not been measured by then is missing."
+
+
+def write_report(
+    studies: Mapping[Path, Prepared],
+    folder: Path,
+    only: Sequence[str],
+    seconds: float,
+    stopped: Callable[[], bool],
+    extremes: bool = False,
+) -> tuple[list[Path], bool]:
+    """Measure studies, write everything into a folder; return the files, and whether all is right.
+
+    Parameters
+    ----------
+    studies : mapping of Path to Prepared
+        The studies by their files.
+    only : sequence of str
+        Families of measurements; all if empty.
+    seconds : float
+        Of one family.
+    stopped : callable
+        Whether to stop.
+    extremes : bool
+        Also try the hard cases, which may turn out wrong, and count what a scene leaves out.
+
+    Raises
+    ------
+    OSError
+        If something cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    facts = machine()  # before the first measurement adds to the load
+    words = ["vibrafeed", "report", *map(str, studies), *(["--extremes"] if extremes else [])]
+    command = shlex.join([*words, "-o", str(folder)])
+    command += "".join(f" --only {name}" for name in only)
+    command += "" if seconds == SECONDS else f" --seconds {seconds:g}"
+    sections: list[Section] = []
+    written: list[Path] = []
+    page = folder / PAGE
+
+    def write() -> None:
+        head = [*head_of(facts, command), *([STOPPED] if stopped() else [])]
+        with whole(page) as temporary:
+            temporary.write_text(write_page("Accuracy", head, sections), encoding="utf-8")
+
+    for path, prepared in studies.items():
+        if stopped():
+            break
+        with console.progress(path.name) as advance:
+            part = measure_study(
+                prepared, name=str(path), watch=Watch(advance, stopped), seconds=seconds, only=only
+            )
+        target = dataset_of(folder, path.stem)
+        write_netcdf(part.table, target, history=f"{facts['date']} {command}")
+        families = [one.family for one in part.measured if one.curves]
+        pictures = draw(target, folder, path.stem, families, console.fail)
+        written += [target, *pictures.values()]
+        names = {family: picture.name for family, picture in pictures.items()}
+        sections += sections_of(part, names, seconds)
+        write()  # whatever becomes of the next study
+    right = True
+    if extremes:
+        tables, more, right = _extremes(stopped)
+        for name, table in tables.items():
+            written.append(dataset_of(folder, name))
+            write_netcdf(table, written[-1], history=f"{facts['date']} {command}")
+        sections += more
+    write()
+    return [*written, page], right
+
+
+def dataset_of(folder: Path, name: str) -> Path:
+    """Return where the measurements of a study go, by the stem of its file; or of `EXTREMES`."""
+    return folder / f"accuracy-{name}.nc"
+
+
+def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[Section], bool]:
+    """Return the tables and sections of what is asked of no study, and whether all is right."""
+    from core.accuracy import extremes, leaving_out
+    from core.accuracy.hard_cases import HARD_CASES
+
+    with console.progress("hard cases") as advance:
+        outcomes = extremes.run_catalogue(Watch(advance, stopped))
+    with console.progress("what a scene leaves out") as advance:
+        rows = leaving_out.footprints(watch=Watch(advance, stopped))
+    by = "`vibrafeed report --extremes`\n\n"
+    tables: dict[str, Table] = {}
+    sections: list[Section] = []
+    if outcomes:
+        tables[EXTREMES[0]] = extremes.to_table(outcomes)
+        untried = len(HARD_CASES) - len(outcomes) if stopped() else 0
+        sections.append(Section("Hard cases", by + extremes.to_markdown(outcomes, untried)))
+    if rows:
+        tables[EXTREMES[1]] = leaving_out.to_table(rows)
+        sections.append(Section("What a scene leaves out", by + leaving_out.to_markdown(rows)))
+    return tables, sections, all(outcome.passed for outcome in outcomes)

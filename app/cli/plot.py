@@ -1,0 +1,72 @@
+"""`vibrafeed plot`: pictures of a NetCDF file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from app.cli.studies import FAILED, refuse
+from core.errors import Problem
+
+
+def plot(
+    file: Annotated[Path, typer.Argument(help="A NetCDF file that `run` wrote.")],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="PNG or SVG; both beside the file if left out."),
+    ] = None,
+    variable: Annotated[
+        str | None,
+        typer.Option("--variable", "-v", help="The output to draw; the first if left out."),
+    ] = None,
+    axes: Annotated[
+        str | None,
+        typer.Option(
+            "--axes", "-a", help="One or two dimensions, as in beta,alpha; the longest if left out."
+        ),
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option("--at", help="Value of another dimension, as in `frequency=60 Hz`."),
+    ] = None,
+    kind: Annotated[
+        str | None,
+        typer.Option(
+            "--kind", "-k", help="contour, surface, line, map, trajectory, front or landscape."
+        ),
+    ] = None,
+) -> None:
+    """Draw an output with its regimes, a map of the regimes, or the course of one part."""
+    from app.cli import console
+
+    try:
+        from core.plots import PlotError, draw_file
+    except ModuleNotFoundError as error:
+        console.fail(f"{error.name} is missing. Install it: pip install 'vibrafeed[plot]'.")
+        raise typer.Exit(FAILED) from None
+    targets = [output] if output else [file.with_suffix(".png"), file.with_suffix(".svg")]
+    try:
+        draw_file(
+            file,
+            targets,
+            variable=variable,
+            axes=tuple(part.strip() for part in axes.split(",")) if axes else None,
+            at=dict(_fixed(text) for text in at or ()),
+            kind=kind,
+        )
+    except PlotError as error:
+        refuse({file: [error.problem]})
+    except OSError as error:
+        console.fail(f"{error.filename or file}: {error.strerror or error}.")
+        raise typer.Exit(FAILED) from None
+    for target in targets:
+        typer.echo(f"wrote {target}")
+
+
+def _fixed(text: str) -> tuple[str, str]:
+    name, sign, value = text.partition("=")
+    if not sign:
+        refuse({Path("--at"): [Problem(text, "it has no value", "Write name=value")]})
+    return name.strip(), value.strip()

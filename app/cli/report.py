@@ -1,0 +1,81 @@
+"""`vibrafeed report`: the accuracy report, error against run time."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from app.cli.studies import FAILED, interruption, prepare_all, refuse, refuse_clashes
+from core.errors import Problem, StudyError
+
+
+def report(
+    files: Annotated[
+        list[Path] | None, typer.Argument(help="Studies, TOML or JSON.", show_default=False)
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Folder; `accuracy` beside the study if left out."),
+    ] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="A family of measurements: closed_forms, model, motion, storage or optimisers; "
+            "all that a study has if left out."
+        ),
+    ] = None,
+    extremes: Annotated[
+        bool,
+        typer.Option(
+            "--extremes", help="Also try some 200 hard cases, and count what each scene leaves out."
+        ),
+    ] = False,
+    seconds: Annotated[
+        float, typer.Option(help="Seconds after which a family starts nothing new.", min=0)
+    ] = 60.0,
+) -> None:
+    """Measure error against run time for studies: a page, its pictures, and datasets.
+
+    Closed forms against 50 digits, methods of motion, optimisers and files, each on random cells
+    of the study. Exit code 2 means that a file is wrong, 1 that a result could not be written, that
+    a hard case came out wrong, or that it was stopped by Ctrl-C: what was measured by then is
+    written.
+    """
+    from app.cli import console
+    from app.cli.accuracy import EXTREMES, dataset_of, write_report
+    from core.accuracy.report import families_of
+
+    files = files or []
+    if not files and not extremes:
+        fix = "Name studies, or add --extremes, which needs none"
+        refuse({Path("report"): [Problem("files", "there is nothing to measure", fix)]})
+    studies = prepare_all(files, cells=sys.maxsize, bytes_=sys.maxsize)
+    wrong = {}
+    for path, prepared in studies.items():
+        try:
+            families_of(prepared, only or ())
+        except StudyError as error:
+            wrong[path] = error.problems
+    if wrong:
+        refuse(wrong)
+    beside = files[0].parent if files else Path()
+    folder = output or beside / "accuracy"
+    refuse_clashes(
+        {file: dataset_of(folder, file.stem) for file in files},
+        taken=[dataset_of(folder, name) for name in EXTREMES] if extremes else (),
+    )
+    with interruption("report") as interrupted:
+        try:
+            written, right = write_report(
+                studies, folder, only or (), seconds, interrupted, extremes
+            )
+        except OSError as error:
+            console.fail(f"{error.filename or folder}: {error.strerror or error}.")
+            raise typer.Exit(FAILED) from None
+    for path in written:
+        typer.echo(f"wrote {path}")
+    if interrupted() or not right:
+        raise typer.Exit(FAILED)

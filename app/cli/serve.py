@@ -1,0 +1,99 @@
+"""`vibrafeed serve`: the HTTP interface, once its settings and its directory are looked at."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from app.cli.studies import WRONG_INPUT, refuse
+from core.errors import Problem
+
+if TYPE_CHECKING:
+    from app.jobs.ledger import Ledger
+    from app.settings import Settings
+
+ROOM = 256 * 1024  # bytes that the ledger needs to begin with, and some more
+
+
+def serve(
+    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+    port: Annotated[int, typer.Option(help="Port to listen on.", min=0, max=65535)] = 8000,
+    show_settings: Annotated[
+        bool, typer.Option("--show-settings", help="Print the settings in force and stop.")
+    ] = False,
+) -> None:
+    """Serve the HTTP interface.
+
+    Other machines are answered only where keys are set: `vibrafeed key` makes one. Exit code 2
+    means that a setting is wrong, or that the data directory cannot be used.
+    """
+    settings = _settings()
+    if show_settings:
+        typer.echo(settings.model_dump_json(indent=2))
+        return
+    from app.web.guard import is_loopback
+
+    if not settings.api_key_hashes and not is_loopback(host):
+        fix = "Make a key with `vibrafeed key` and set VIBRAFEED_API_KEY_HASHES to its hash"
+        message = "other machines reach it, and no keys are set"
+        refuse({Path("serve"): [Problem(f"--host {host}", message, fix)]})
+    from app import logs
+    from app.main import create_app
+    from app.web.server import serve_until_stopped
+
+    service = create_app(settings)
+    _check_directory(settings.data_directory.absolute(), service.state.desk.ledger)
+    logs.configure()
+    serve_until_stopped(service, settings, host, port)
+
+
+def _settings() -> Settings:
+    """Return the settings in the environment, or report every wrong one and exit."""
+    from pydantic import ValidationError
+
+    from app.settings import PREFIX, Settings, unknown_variables
+
+    wrong = unknown_variables(os.environ)
+    try:
+        settings = Settings()
+    except ValidationError as error:
+        for item in error.errors():
+            name = PREFIX + ".".join(map(str, item["loc"])).upper()
+            wrong.append(Problem(name, item["msg"].removeprefix("Value error, "), "Fix it"))
+    if wrong:
+        refuse({Path("environment"): wrong})
+    return settings
+
+
+def _check_directory(directory: Path, ledger: Ledger) -> None:
+    """Write a little into the data directory, or say in one line why not and exit."""
+    import sqlite3
+    import tempfile
+
+    from app.cli import console
+
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=directory) as file:
+            file.write(bytes(ROOM))
+            file.flush()
+            os.fsync(file.fileno())  # some disks tell only then that they are full
+        with ledger.transaction():
+            pass  # what can begin a change can be opened and written
+    except sqlite3.DatabaseError as error:
+        why, first = f"its jobs.sqlite3: {error}", "Free, fix or move that file, or set"
+    except FileExistsError:
+        why, first = "it is no directory", "Set"
+    except OSError as error:
+        is_full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+        why = error.strerror or str(error)
+        first = f"Make room there, {ROOM:,} bytes at least, or set" if is_full else "Set"
+    else:
+        return
+    fix = f"{first} VIBRAFEED_DATA_DIRECTORY to a directory that can be written"
+    console.fail(f"The data directory {directory} cannot be used: {why}. {fix}.")
+    raise typer.Exit(WRONG_INPUT)

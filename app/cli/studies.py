@@ -1,0 +1,87 @@
+"""What commands have in common: studies checked together, refusals, exit codes, Ctrl-C."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+import typer
+
+from core.errors import LimitError, Problem, StudyError
+
+if TYPE_CHECKING:
+    from core.plan.prepared import Prepared
+
+WRONG_INPUT = 2
+FAILED = 1
+
+
+def prepare_all(files: Sequence[Path], *, cells: int, bytes_: int) -> dict[Path, Prepared]:
+    """Return the study of each file, or report every error of every file and exit."""
+    from core.kinds import prepare_content
+    from core.study.load import read_content
+
+    prepared: dict[Path, Prepared] = {}
+    wrong: dict[Path, Sequence[Problem]] = {}
+    for path in files:
+        try:
+            prepared[path] = prepare_content(read_content(path))
+            prepared[path].check_limits(cells=cells, bytes_=bytes_)
+        except StudyError as error:
+            wrong[path] = error.problems
+        except LimitError as error:
+            wrong[path] = [Problem("parameters", error.message, error.fix)]
+    if wrong:
+        refuse(wrong)
+    return prepared
+
+
+def refuse(wrong: Mapping[Path, Sequence[Problem]]) -> NoReturn:
+    """Print every problem of every file on the error stream, and exit with code 2."""
+    for path, problems in wrong.items():
+        count = len(problems)
+        typer.echo(f"{path}: {count} problem{'s' if count > 1 else ''}", err=True)
+        for problem in problems:
+            typer.echo(f"  {problem}", err=True)
+    raise typer.Exit(WRONG_INPUT)
+
+
+def refuse_clashes(targets: Mapping[Path, Path], taken: Collection[Path] = ()) -> None:
+    """Exit if two studies would go to one place, or one to a place that something else takes."""
+    everything = [*targets.values(), *taken]
+    message = "{} would be written more than once"
+    fix = "Rename a study, or use another folder"
+    clashes = {
+        file: [Problem("output", message.format(target), fix)]
+        for file, target in targets.items()
+        if everything.count(target) > 1
+    }
+    if clashes:
+        refuse(clashes)
+
+
+@contextmanager
+def interruption(kind: str) -> Iterator[Callable[[], bool]]:
+    """Let Ctrl-C stop a study between cells, not in the middle; yield whether it has.
+
+    A second Ctrl-C stops at once. A sweep has nothing to keep: there it stops at once in any case.
+    """
+    asked = threading.Event()
+    if kind == "sweep":
+        yield asked.is_set
+        return
+
+    def interrupt(number: int, frame: object) -> None:
+        if asked.is_set():
+            raise KeyboardInterrupt
+        asked.set()
+
+    before = signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield asked.is_set
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,145 @@
+"""What the command line shows of studies, results and scenes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.cli.console import fail, new_grid, say, stdout
+from core.kinds import is_whole, share_left_out
+from core.optimise import Optimisation
+from core.optimise.run import criterion_in_words
+from core.quantities import REGIMES
+
+if TYPE_CHECKING:
+    from core.dataset import Table
+    from core.plan.prepared import Prepared
+
+
+def show_plan(path: Path, prepared: Prepared) -> None:
+    """Print what a study would do: cells, bytes, dimensions kept, equations planned."""
+    plan = prepared.plan
+    say(f"{path}: {plan.scene.name}, {plan.scene.choice} {plan.variant}")
+    say(f"  {prepared.cells:,} cells, {prepared.bytes:,} bytes before compression")
+    grid = new_grid("output", "unit", "values", "dimensions kept")
+    for name, dims in prepared.dims.items():
+        shape = " x ".join(f"{dim} {prepared.grid.shape[dim]}" for dim in dims) or "none"
+        grid.add_row(name, prepared.units[name], f"{prepared.grid.size(dims):,}", shape)
+    stdout.print(grid)
+    if isinstance(prepared, Optimisation):
+        what = criterion_in_words(prepared.problem)
+        free = ", ".join(prepared.problem.names)
+        say(f"  {what}, by the choice of {free}; method {prepared.method}")
+        kept = ", ".join(one.name for one in prepared.problem.kept) or "nothing"
+        say(f"  kept: {kept}")
+    say(f"  equations: {', '.join(equation.gives for equation in plan.equations)}")
+    say(f"  regimes: {', '.join(plan.regimes)}")
+    if plan.defaults:
+        given = ", ".join(f"{name} = {value:g}" for name, value in plan.defaults.items())
+        say(f"  by default: {given}")
+
+
+def show_table(
+    path: Path, target: Path, table: Table, cells: int, evaluating: float, writing: float
+) -> None:
+    """Print a short table of a result: ranges, regimes, timings."""
+    say(f"{path} -> {target}")
+    grid = new_grid("output", "unit", "least", "largest", "dimensions")
+    for name, variable in table.variables.items():
+        if "flag_values" not in variable.attributes:
+            ends = _finite_ends(variable.values)
+            unit = str(variable.attributes["units"])
+            grid.add_row(name, unit, *ends, ", ".join(variable.dims) or "none")
+    stdout.print(grid)
+    shares = regime_shares(table)
+    say("  regimes: " + ", ".join(f"{name} {share:.1%}" for name, share in shares.items()))
+    beyond = sum(share for name, share in shares.items() if not REGIMES[name].valid)
+    if "message" in table.attributes:
+        say(f"  {table.attributes['criterion']}, method {table.attributes['method']}")
+        say(f"  {table.attributes['message']}")
+    if "verified_worst" in table.attributes:
+        against, count = (table.attributes[f"verified_{name}"] for name in ("against", "cells"))
+        worst = "worst: " if count else ""
+        worst += str(table.attributes["verified_worst"])
+        say(f"  {count:,} cells verified by {against}; {worst}")
+    if beyond and "variant" not in table.attributes:
+        say(f"  {beyond:.1%} of the cells have no mean velocity.")
+    elif beyond:
+        say(f"  {beyond:.1%} of the cells lie where the closed forms do not describe a real part.")
+    left = share_left_out(table)
+    if left:
+        fail(f"  It was stopped: {left:.1%} of the cells are not computed, and marked so.")
+    elif not is_whole(table):
+        fail("  It was stopped: all cells are computed, and not all verified that should be.")
+    say(f"  {cells:,} cells evaluated in {evaluating:.3f} s, written in {writing:.3f} s")
+
+
+def regime_shares(table: Table) -> dict[str, float]:
+    """Return the share of cells in each regime that occurs."""
+    regime = table.variables["regime"].values
+    counts = np.bincount(regime.ravel(), minlength=len(REGIMES))
+    by_value = {entry.value: name for name, entry in REGIMES.items()}
+    return {by_value[v]: float(n) / regime.size for v, n in enumerate(counts) if n}
+
+
+def show_scenes(lines: list[dict[str, Any]]) -> None:
+    """Print one line for each scene."""
+    grid = new_grid("scene", "variants", "methods in time", "title")
+    for line in lines:
+        names = (f"{v}*" if v == line["default_variant"] else v for v in line["variants"])
+        methods = "\n".join(line["methods"]) or "-"
+        grid.add_row(line["name"], "\n".join(names), methods, line["title"])
+    for column in grid.columns[:3]:
+        column.no_wrap, column.min_width = True, None
+    stdout.print(grid)
+    say("  * default; `vibrafeed scenes NAME` tells more, with --method about its motion in time")
+
+
+def show_scene(scene: dict[str, Any]) -> None:
+    """Print everything about one scene."""
+    say(f"{scene['name']}: {scene['title']} (source: {scene['source']})")
+    if "method" in scene:
+        say(f"motion in time, method {scene['method']} of {', '.join(scene['methods'])}")
+    else:
+        say(f"variant {scene['variant']} of {', '.join(scene['variants'])}")
+    say(scene["validity"])
+    grid = new_grid("parameter", "symbol", "unit", "bounds", "default", "meaning")
+    for p in scene["parameters"]:
+        least = (
+            "" if p["lower"] is None else f"{'>' if p['lower_excluded'] else '>='} {p['lower']:g}"
+        )
+        most = "" if p["upper"] is None else f"<= {p['upper']:g}"
+        default = "" if p["default"] is None else f"{p['default']:g}"
+        grid.add_row(
+            p["name"], p["symbol"], p["unit"], f"{least} {most}".strip(), default, p["description"]
+        )
+    stdout.print(grid)
+    grid = new_grid("output", "symbol", "unit", "source", "needs", "equation")
+    for o in scene["outputs"]:
+        grid.add_row(
+            o["name"],
+            o["symbol"],
+            o["unit"],
+            o["source"],
+            ", ".join(o["parameters"]),
+            o["equation"],
+        )
+    stdout.print(grid)
+    grid = new_grid("regime", "value", "meaning")
+    for r in scene["regimes"]:
+        grid.add_row(r["name"], str(r["value"]), r["description"])
+    stdout.print(grid)
+
+
+def _finite_ends(values: NDArray[np.float64]) -> tuple[str, str]:
+    """Return the least and the largest finite value as text."""
+    least, largest = values.min(), values.max()
+    if not (np.isfinite(least) and np.isfinite(largest)):
+        finite = values[np.isfinite(values)]
+        if not finite.size:
+            return "-", "-"
+        least, largest = finite.min(), finite.max()
+    return f"{least:.6g}", f"{largest:.6g}"

@@ -1,0 +1,29 @@
+"""Threads of the jobs' own, for what waits for the ledger or the disk."""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, TypeVar
+
+THREADS = 2  # downloads, which have the event loop's own threads, cannot make a lease late
+
+_T = TypeVar("_T")
+
+
+class Aside:
+    """Runs functions aside from the event loop."""
+
+    def __init__(self) -> None:
+        self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="jobs")
+
+    async def __call__(self, function: Callable[..., _T], *arguments: Any, **options: Any) -> _T:
+        """Return what a function returns, once a thread has run it."""
+        call = functools.partial(function, *arguments, **options)
+        return await asyncio.get_running_loop().run_in_executor(self._threads, call)
+
+    def close(self) -> None:
+        """Finish what is under way, and take no more."""
+        self._threads.shutdown()

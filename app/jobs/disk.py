@@ -1,0 +1,53 @@
+"""What a disk that fails says, in words: of files and of the ledger alike."""
+
+from __future__ import annotations
+
+import errno
+import sqlite3
+from typing import Any
+
+FILES = "The service has as many files open as it may"
+HELD = "Another process holds the ledger"
+PASSING = (FILES, HELD)  # soon, and by themselves
+
+
+# Why it cannot take more.
+STORAGE = {
+    errno.ENOSPC: "The disk is full",
+    errno.EDQUOT: "The disk quota is used up",
+    errno.EROFS: "The data directory can only be read",
+    errno.EACCES: "The data directory may not be written",
+    errno.EPERM: "The data directory may not be written",
+    errno.EMFILE: FILES,
+    errno.ENFILE: FILES,
+}
+SQLITE = {
+    "full": "The disk is full",
+    "readonly": "The data directory can only be read",
+    "locked": HELD,
+    "I/O": "The disk fails",
+    "unable to open": "The data directory cannot be written",
+}
+
+
+def passes(error: OSError | sqlite3.OperationalError) -> bool:
+    """Return whether what is wrong soon passes by itself."""
+    return why(error) in PASSING
+
+
+def problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:
+    """Return the parts of the problem document of a file that cannot be written."""
+    return {
+        "status": 507,
+        "kind": "storage",
+        "title": "The service cannot store what it should",
+        "detail": f"{why(error)}. What was there is not touched. Ask again when that is fixed: "
+        "a job goes on where it was.",
+    }
+
+
+def why(error: OSError | sqlite3.OperationalError) -> str:
+    """Return what is wrong, in a few words; none of them names a file."""
+    if isinstance(error, OSError):
+        return STORAGE.get(error.errno or 0, "A file cannot be written")
+    return next((text for word, text in SQLITE.items() if word in str(error)), "The ledger fails")

@@ -1,0 +1,25 @@
+"""What can go wrong with jobs and their files; `app.web.problems` says what each is over HTTP."""
+
+from __future__ import annotations
+
+from core.errors import VibrafeedError
+
+
+class NotFoundError(VibrafeedError):
+    """A resource does not exist; the message says which."""
+
+
+class QueueFullError(VibrafeedError):
+    """No further work is taken for the moment."""
+
+
+class NoRoomError(VibrafeedError):
+    """A result would not fit on the disk, or not in the quota."""
+
+
+class TornBlockError(VibrafeedError):
+    """A block cannot be read; it has been removed, to be computed anew."""
+
+
+class OtherVersionError(VibrafeedError):
+    """A study was posted to another version of vibrafeed."""

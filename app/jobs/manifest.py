@@ -1,0 +1,44 @@
+"""The files of a result, and what is known of them."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+NETCDF, JSON, MANIFEST = "result.nc", "result.json", "manifest.json"
+MOST_JSON_VALUES = 1_000_000  # of a result that is also kept as JSON: some 20 MB
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """What is known of a result.
+
+    Attributes
+    ----------
+    key, process, version : str
+        Its identifier, the process that made it, the version of vibrafeed.
+    cells, blocks : int
+        Points of the grid, and pieces that they were computed in.
+    seconds : float
+        Time that computing took, summed over all workers.
+    files : mapping
+        Size in bytes and SHA-256 of each file.
+    """
+
+    key: str
+    process: str
+    version: str
+    cells: int
+    blocks: int
+    seconds: float
+    files: Mapping[str, Mapping[str, Any]]
+
+
+def fingerprint(path: Path) -> dict[str, Any]:
+    """Return the size of a file in bytes and its SHA-256, as a manifest holds them."""
+    with path.open("rb") as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
+    return {"bytes": path.stat().st_size, "sha256": digest}

@@ -1,0 +1,1 @@
+"""The HTTP interface: routes, what stands around them, and what they reply."""

@@ -1,0 +1,90 @@
+"""What routes take from a request: identifiers, settings, the store, the body within its limit.
+
+All are coroutines: FastAPI would send a plain function to a thread, and that takes longer than it.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, cast
+
+from fastapi import Depends, Path, Request, params
+from fastapi.exceptions import RequestValidationError
+
+from app.jobs.desk import Desk
+from app.jobs.store import Store
+from app.jobs.writer import Writer
+from app.settings import Settings
+from app.web.problems import TooLargeError
+from app.web.zarr_views import ZarrViews
+
+
+async def settings_of(request: Request) -> Settings:
+    """Return the settings that the app was made with."""
+    return cast(Settings, request.app.state.settings)
+
+
+async def store_of(request: Request) -> Store:
+    """Return the app's store."""
+    return cast(Store, request.app.state.store)
+
+
+async def writer_of(request: Request) -> Writer:
+    """Return what writes the app's files."""
+    return cast(Writer, request.app.state.writer)
+
+
+async def desk_of(request: Request) -> Desk:
+    """Return where the app's jobs are handed in."""
+    return cast(Desk, request.app.state.desk)
+
+
+async def views_of(request: Request) -> ZarrViews:
+    """Return the app's views of sweeps as Zarr groups."""
+    return cast(ZarrViews, request.app.state.views)
+
+
+async def base_of(request: Request) -> str:
+    """Return the address of the service as the client calls it, without a slash at its end."""
+    return str(request.base_url).rstrip("/")
+
+
+def once(*several: str) -> params.Depends:
+    """Return a check that each parameter of a query stands once, but for those named."""
+
+    async def check(request: Request) -> None:
+        names = [name for name in _names(request) if name not in several]
+        repeated = {name for name in names if names.count(name) > 1}
+        if repeated:
+            message = "it stands more than once"
+            raise RequestValidationError(
+                [{"loc": ("query", name[:60]), "msg": message} for name in sorted(repeated)]
+            )
+
+    return cast(params.Depends, Depends(check))
+
+
+def _names(request: Request) -> list[str]:
+    return [name for name, _ in request.query_params.multi_items()]
+
+
+async def body_of(request: Request) -> bytes:
+    """Return the body; raise `TooLargeError` as soon as it outgrows the limit."""
+    limit = (await settings_of(request)).max_body_bytes
+    pieces, size = [], 0
+    async for piece in request.stream():
+        size += len(piece)
+        if size > limit:
+            raise TooLargeError(limit)
+        pieces.append(piece)
+    return b"".join(pieces)
+
+
+Key = Annotated[str, Path(description="Identifier of a sweep.", max_length=100)]
+Number = Annotated[str, Path(description="Identifier of a job.", max_length=100)]
+SettingsOf = Annotated[Settings, Depends(settings_of)]
+StoreOf = Annotated[Store, Depends(store_of)]
+WriterOf = Annotated[Writer, Depends(writer_of)]
+DeskOf = Annotated[Desk, Depends(desk_of)]
+ViewsOf = Annotated[ZarrViews, Depends(views_of)]
+BaseOf = Annotated[str, Depends(base_of)]
+Body = Annotated[bytes, Depends(body_of)]

@@ -1,0 +1,269 @@
+"""What the service says of processes and jobs: the documents of OGC API - Processes, part 1.
+
+Links are whole addresses, because clients of the standard fetch them as they stand; `base` is the
+address of the service.
+"""
+
+from __future__ import annotations
+
+import time
+from datetime import UTC, datetime
+from pathlib import PurePath
+from typing import Any, Literal
+
+from pydantic import BaseModel, Field
+
+import core
+from app.jobs.ledger import ACTIVE, Job
+from app.jobs.manifest import JSON, NETCDF, Manifest
+from app.web.execution import PROCESSES, Process
+
+RESULTS = "http://www.opengis.net/def/rel/ogc/1.0/results"
+EXECUTE = "http://www.opengis.net/def/rel/ogc/1.0/execute"
+CONFORMANCE = tuple(
+    f"http://www.opengis.net/spec/ogcapi-processes-1/1.0/conf/{name}"
+    for name in ("core", "ogc-process-description", "json", "job-list", "dismiss")
+)
+NETCDF_TYPE = "application/x-netcdf"
+MODES = ["sync-execute", "async-execute", "dismiss"]
+
+
+class Link(BaseModel):
+    """A link to another document."""
+
+    href: str
+    rel: str | None = None
+    type: str | None = None
+    title: str | None = None
+
+
+class LandingPage(BaseModel):
+    """Where to go from here."""
+
+    title: str
+    description: str
+    links: list[Link]
+
+
+class Conformance(BaseModel):
+    """The classes of the standard that the service conforms to."""
+
+    conformsTo: list[str]  # noqa: N815 - the standard's name
+
+
+class ProcessSummary(BaseModel):
+    """One process in the list."""
+
+    id: str
+    version: str
+    title: str
+    description: str
+    jobControlOptions: list[str]  # noqa: N815
+    outputTransmission: list[str]  # noqa: N815
+    links: list[Link]
+
+
+class ProcessList(BaseModel):
+    """All processes."""
+
+    processes: list[ProcessSummary]
+    links: list[Link]
+
+
+class ProcessDescription(ProcessSummary):
+    """One process with the schemas of what it takes and gives."""
+
+    inputs: dict[str, Any]
+    outputs: dict[str, Any]
+
+
+class StatusInfo(BaseModel):
+    """How a job stands."""
+
+    processID: str  # noqa: N815
+    type: Literal["process"]
+    jobID: str  # noqa: N815
+    status: Literal["accepted", "running", "successful", "failed", "dismissed"]
+    message: str
+    created: datetime
+    started: datetime | None = None
+    finished: datetime | None = None
+    updated: datetime
+    progress: int = Field(ge=0, le=100, description="Percent of the blocks that are done.")
+    cells: int = Field(description="Points of the grid.")
+    cellsDone: int = Field(description="Roughly how many of them are done.")  # noqa: N815
+    secondsLeft: float | None = Field(  # noqa: N815
+        default=None,
+        description="Expected from the pace since the server took it up; absent while unknown.",
+    )
+    elapsedSeconds: float = Field(  # noqa: N815
+        description="Time that computing took until now, summed over all workers."
+    )
+    study: str = Field(description="Identifier of the study; equal studies share a result.")
+    links: list[Link]
+
+
+class JobList(BaseModel):
+    """Some jobs, the latest first."""
+
+    jobs: list[StatusInfo]
+    links: list[Link]
+
+
+class ResultFile(Link):
+    """A result by reference."""
+
+    length: int = Field(description="Bytes of the file.")
+    elapsedSeconds: float = Field(description="What computing took.")  # noqa: N815
+    cellsPerSecond: float  # noqa: N815
+
+
+class Results(BaseModel):
+    """What a job gave."""
+
+    dataset: ResultFile
+    files: list[Link] | None = Field(
+        default=None, description="Further files: of an accuracy report its page and pictures."
+    )
+
+
+def summary(name: str, process: Process, base: str) -> dict[str, Any]:
+    """Return a process as the list shows it."""
+    return {
+        "id": name,
+        "version": core.__version__,
+        "title": process.title,
+        "description": process.description,
+        "jobControlOptions": MODES,
+        "outputTransmission": ["value", "reference"],
+        "links": [
+            _link(f"{base}/processes/{name}", "self", "The description of the process"),
+            _link(f"{base}/processes/{name}/execution", EXECUTE, "Where studies are posted"),
+        ],
+    }
+
+
+def process_list(base: str) -> dict[str, Any]:
+    """Return all processes."""
+    return {
+        "processes": [summary(name, process, base) for name, process in PROCESSES.items()],
+        "links": [_link(f"{base}/processes", "self", "The processes")],
+    }
+
+
+def description(name: str, process: Process, base: str) -> dict[str, Any]:
+    """Return a process with the schemas of what it takes and gives."""
+    return {
+        **summary(name, process, base),
+        "inputs": {
+            "study": {
+                "title": "The study",
+                "description": "A study, as in a file of the command line.",
+                "schema": process.study.model_json_schema(),
+            }
+        },
+        "outputs": {
+            "dataset": {
+                "title": "The dataset",
+                "description": "By value JSON, by reference a CF-1.11 NetCDF-4 file.",
+                "schema": {
+                    "oneOf": [
+                        {"type": "object", "contentMediaType": "application/json"},
+                        {"type": "string", "format": "binary", "contentMediaType": NETCDF_TYPE},
+                    ]
+                },
+            }
+        },
+    }
+
+
+def status_info(job: Job, base: str) -> dict[str, Any]:
+    """Return how a job stands."""
+    share = job.done / job.blocks if job.blocks else 0.0
+    # The last percent is the writing of the result.
+    progress = 100 if job.state == "successful" else min(99, int(100 * share))
+    left = None
+    if job.began is not None and job.done > job.done_then:
+        pace = (time.time() - job.began) / (job.done - job.done_then)
+        left = round(pace * (job.blocks - job.done), 1)
+    here = f"{base}/jobs/{job.id}"
+    links = [
+        _link(here, "self", "This document"),
+        _link(f"{here}/events", "monitor", "The same as a stream of events", "text/event-stream"),
+    ]
+    if job.state == "successful":
+        links.append(_link(f"{here}/results", RESULTS, "The results"))
+    if job.process == "sweep":
+        links.append(
+            _link(f"{base}/sweeps/{job.key}", "related", "The sweep, to be read in slices")
+        )
+    found = {
+        "processID": job.process,
+        "type": "process",
+        "jobID": job.id,
+        "status": job.state,
+        "message": _message(job),
+        "created": _time(job.created),
+        "started": _time(job.started),
+        "finished": _time(job.finished),
+        "updated": _time(job.finished or time.time()),
+        "progress": progress,
+        "cells": job.cells,
+        "cellsDone": job.cells if job.state == "successful" else int(job.cells * share),
+        "secondsLeft": left,
+        "elapsedSeconds": job.seconds,
+        "study": job.key,
+        "links": links,
+    }
+    return {name: value for name, value in found.items() if value is not None}
+
+
+def results(job: Job, manifest: Manifest, base: str) -> dict[str, Any]:
+    """Return what a job gave: its files, and what they cost."""
+    here = f"{base}/jobs/{job.id}/results"
+    others = [name for name in manifest.files if name not in (NETCDF, JSON)]
+    found: dict[str, Any] = {
+        "dataset": {
+            "href": f"{here}/dataset",
+            "type": NETCDF_TYPE,
+            "title": "The dataset as a CF-1.11 NetCDF-4 file",
+            "length": manifest.files[NETCDF]["bytes"],
+            "elapsedSeconds": manifest.seconds,
+            "cellsPerSecond": manifest.cells / max(manifest.seconds, 1e-9),
+        }
+    }
+    if others:
+        found["files"] = [
+            _link(f"{here}/files/{name}", "item", name, media_type_of(name)) for name in others
+        ]
+    return found
+
+
+def media_type_of(name: str) -> str:
+    """Return the media type of a file of a result."""
+    return {".md": "text/markdown", ".png": "image/png", ".nc": NETCDF_TYPE}.get(
+        PurePath(name).suffix, "application/octet-stream"
+    )
+
+
+def _message(job: Job) -> str:
+    if job.problem is not None:
+        return f"{job.problem['title']}. {job.problem['detail']}"
+    if job.state not in ACTIVE:
+        return {
+            "successful": "The results are ready.",
+            "dismissed": "It was dismissed.",
+        }.get(job.state, "It failed.")
+    if job.state == "accepted":
+        return "It waits for its turn."
+    return f"{job.done:,} of {job.blocks:,} blocks are done." if job.blocks else "It is measured."
+
+
+def _time(seconds: float | None) -> str | None:
+    if seconds is None:
+        return None
+    return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="milliseconds")
+
+
+def _link(href: str, rel: str, title: str, type_: str = "application/json") -> dict[str, str]:
+    return {"href": href, "rel": rel, "type": type_, "title": title}

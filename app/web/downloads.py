@@ -1,0 +1,169 @@
+"""Replies that clients may keep, ask for again, and resume: ETags, conditions, ranges."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import hashlib
+import os
+import re
+from collections.abc import AsyncIterator, Iterator
+from contextlib import contextmanager
+from io import FileIO
+from pathlib import Path
+
+from fastapi import Request
+from fastapi.responses import Response, StreamingResponse
+from starlette.types import Receive, Scope, Send
+
+from app.jobs.errors import NotFoundError
+from app.web.replies import problem_document
+
+PIECE = 1 << 20  # as fast as sendfile, where the 64 KiB of FileResponse take three times as long
+
+# The address of what is replied holds the hash of the study and of the version: it never changes.
+# Not "public": where keys are asked for, a proxy must not hand it on.
+FOR_EVER = "max-age=31536000, immutable"
+ASK_AGAIN = "no-cache"
+
+_TAGS = re.compile(r'(W/)?("[^"]*")')
+_RANGE = re.compile(r"bytes=([0-9]{0,19})-([0-9]{0,19})", re.IGNORECASE)
+
+
+def etag_of(*parts: str) -> str:
+    """Return a strong ETag of content that these words determine."""
+    return f'"{hashlib.sha256(chr(0).join(parts).encode()).hexdigest()}"'
+
+
+def not_modified(request: Request, etag: str, cache: str) -> Response | None:
+    """Return the reply to a client that has this content already, by its If-None-Match."""
+    if not _names(request.headers.getlist("if-none-match"), etag):
+        return None
+    return Response(status_code=304, headers={"ETag": etag, "Cache-Control": cache})
+
+
+def content_reply(content: bytes, *, etag: str, media_type: str) -> Response:
+    """Return content that its address determines, for a client to keep."""
+    headers = {"ETag": etag, "Cache-Control": FOR_EVER}
+    return Response(content, headers=headers, media_type=media_type)
+
+
+def file_reply(
+    request: Request, path: Path, *, digest: str, media_type: str, filename: str
+) -> Response:
+    """Return a file, or what is left of it after an interrupted download; not on the event loop.
+
+    The ETag is the SHA-256 of the content, `digest`, so that a part may be joined to one from
+    another server or from before a restart.
+
+    Raises
+    ------
+    NotFoundError
+        If the file has been removed; the reply raises it too, as long as it has not begun.
+    """
+    with _there():
+        size = path.stat().st_size
+    etag = f'"{digest}"'
+    wanted = request.headers.getlist("if-match")
+    if wanted and not _names(wanted, etag, strong=True):
+        detail = f"The file's ETag is {etag}, which If-Match does not name."
+        return problem_document(412, "precondition", "The file is another one", detail)
+    known = not_modified(request, etag, ASK_AGAIN)
+    if known is not None:
+        return known
+    headers = {
+        "ETag": etag,
+        "Cache-Control": ASK_AGAIN,
+        "Accept-Ranges": "bytes",
+        "Content-Disposition": f'attachment; filename="{filename}"',
+        "Repr-Digest": f"sha-256=:{base64.b64encode(bytes.fromhex(digest)).decode()}:",
+    }
+    part = _part(request, etag, size)
+    if part is None:
+        start, stop, status = 0, size, 200
+    else:
+        (start, stop), status = part, 206
+        if start >= stop:
+            detail = f"The file has {size:,} bytes; the range asked for has none of them."
+            reply = problem_document(416, "range", "The range cannot be satisfied", detail)
+            reply.headers["Content-Range"] = f"bytes */{size}"
+            return reply
+        headers["Content-Range"] = f"bytes {start}-{stop - 1}/{size}"
+    headers["Content-Length"] = str(stop - start)
+    if request.method == "HEAD":
+        return Response(status_code=status, headers=headers, media_type=media_type)
+    return _FileResponse(path, start, stop, status, headers, media_type)
+
+
+class _FileResponse(StreamingResponse):
+    """Opens the file before it sends a header, and holds it until it has ended in any way.
+
+    Threads of the event loop's own pool open and read it, which wait for no computing.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        start: int,
+        stop: int,
+        status: int,
+        headers: dict[str, str],
+        media_type: str,
+    ):
+        super().__init__((), status, headers, media_type)
+        self._path, self._start, self._stop = path, start, stop
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        with _there():
+            file = await asyncio.to_thread(self._path.open, "rb", buffering=0)
+        with file:
+            self.body_iterator = _pieces(file, self._start, self._stop)
+            await super().__call__(scope, receive, send)
+
+
+async def _pieces(file: FileIO, start: int, stop: int) -> AsyncIterator[bytes]:
+    """Yield the bytes from `start` to `stop`."""
+    while start < stop:
+        # By its place: a read that outlives its cancelled reply moves nobody's position.
+        piece = await asyncio.to_thread(os.pread, file.fileno(), min(PIECE, stop - start), start)
+        if not piece:
+            raise EOFError(f"{file.name!r} has been cut short while it was read")
+        start += len(piece)
+        yield piece
+
+
+@contextmanager
+def _there() -> Iterator[None]:
+    """Tell of a file that has been removed to make room as of any that is not there."""
+    try:
+        yield
+    except FileNotFoundError:
+        raise NotFoundError("The result has been removed; ask for it anew.") from None
+
+
+def _names(headers: list[str], etag: str, *, strong: bool = False) -> bool:
+    """Return whether lists of ETags, or ``*``, name one; weak ones do not count as `strong`."""
+    if any(header.strip() == "*" for header in headers):
+        return True
+    found = _TAGS.findall(",".join(headers))
+    return any(tag == etag and not (weak and strong) for weak, tag in found)
+
+
+def _part(request: Request, etag: str, size: int) -> tuple[int, int] | None:
+    """Return start and stop of the range asked for; None for the whole file.
+
+    A range that is malformed, or several of them, are answered by the whole, as the standard
+    allows. A range without a byte of the file gives stop <= start.
+    """
+    condition = request.headers.get("if-range")
+    found = _RANGE.fullmatch(request.headers.get("range", "").strip())
+    if request.method != "GET" or found is None or condition not in (None, etag):
+        return None
+    first, last = found[1], found[2]
+    if first == "":
+        return (max(0, size - int(last)), size) if last else None
+    if last == "":
+        return int(first), size
+    if int(last) < int(first):
+        return None
+    return int(first), min(int(last) + 1, size)

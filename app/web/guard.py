@@ -1,0 +1,271 @@
+"""Who may ask, and how much at a time: keys, names and origins, limits, safe headers.
+
+Plain ASGI layers: they pass streams on piece by piece.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import ipaddress
+import re
+import secrets
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.responses import Response
+from starlette.datastructures import Headers
+from starlette.middleware.cors import CORSMiddleware
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from app.settings import Settings
+from app.web.problems import STATUS, TooLargeError
+from app.web.replies import problem_document, problems
+
+HEALTH = frozenset({"/healthz", "/readyz"})
+DOCS = ("/docs", "/static-offline-docs")
+OPEN = HEALTH | {"/openapi.json"}
+
+SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+# The last is the name of the test client.
+LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]", "testserver"})
+_HOST = re.compile(r"([a-z0-9._-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
+
+# Pairs as ASGI has them: added to every reply, and no route sets one of them.
+SAFE = [
+    (b"x-content-type-options", b"nosniff"),
+    (b"x-frame-options", b"DENY"),
+    (b"referrer-policy", b"no-referrer"),
+    (b"cross-origin-resource-policy", b"same-origin"),
+]
+API_POLICY = b"default-src 'none'; frame-ancestors 'none'"
+# Swagger's page starts itself by a script within the page, and draws with styles and data images.
+DOCS_POLICY = (
+    b"default-src 'none'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; "
+    b"img-src 'self' data:; font-src 'self'; connect-src 'self'; form-action 'self'; "
+    b"base-uri 'none'; frame-ancestors 'none'"
+)
+
+
+def new_key() -> tuple[str, str]:
+    """Return a new key and its hash, as the setting `api_key_hashes` takes it."""
+    key = f"vf_{secrets.token_urlsafe(32)}"
+    return key, hash_of(key).hex()
+
+
+def hash_of(key: str) -> bytes:
+    """Return the SHA-256 of a key; 256 random bits need no slower hash."""
+    return hashlib.sha256(key.encode("utf-8", "replace")).digest()
+
+
+def is_loopback(host: str) -> bool:
+    """Return whether only this machine reaches an address; of names, only localhost counts."""
+    try:
+        address = ipaddress.ip_address(host)
+    except ValueError:
+        return host.lower() == "localhost"
+    mapped = getattr(address, "ipv4_mapped", None)
+    return (mapped or address).is_loopback
+
+
+def is_open(path: str) -> bool:
+    """Return whether a path is answered without a key."""
+    return path in OPEN or is_docs(path)
+
+
+def is_docs(path: str) -> bool:
+    """Return whether a path belongs to the documentation's page."""
+    return path in DOCS or path.startswith(tuple(f"{start}/" for start in DOCS))
+
+
+def install(app: FastAPI, settings: Settings) -> None:
+    """Put the layers of this module around the routes; the last one added is the outermost."""
+    app.add_middleware(Limits, settings=settings)
+    app.add_middleware(Guard, settings=settings)
+    if settings.cors_origins:
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=settings.cors_origins,
+            allow_methods=["GET", "HEAD", "POST", "PUT", "PATCH", "DELETE"],
+            allow_headers=[
+                "Authorization", "Content-Type", "If-Match", "If-None-Match", "If-Range",
+                "Last-Event-ID", "Prefer", "Range", "X-API-Key", "X-Request-ID",
+            ],
+            expose_headers=[
+                "Accept-Ranges", "Content-Disposition", "Content-Range", "ETag", "Location",
+                "Preference-Applied", "Repr-Digest", "Retry-After", "X-Request-ID",
+            ],
+        )  # fmt: skip
+    _describe(app, has_keys=bool(settings.api_key_hashes))
+
+
+class SafeHeaders:
+    """Tells browsers to make nothing of a reply but what it says it is."""
+
+    def __init__(self, app: ASGIApp):
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on; add the headers to its reply."""
+        policy = DOCS_POLICY if is_docs(scope.get("path", "")) else API_POLICY
+
+        async def with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                message["headers"] = [
+                    *message["headers"], *SAFE, (b"content-security-policy", policy)
+                ]  # fmt: skip
+            await send(message)
+
+        await self.app(scope, receive, with_headers)
+
+
+class Guard:
+    """Lets in who holds a key or, where no keys are set, who is on this machine."""
+
+    def __init__(self, app: ASGIApp, settings: Settings):
+        self.app = app
+        self.hashes = [bytes.fromhex(word) for word in settings.api_key_hashes]
+        self.origins = frozenset(settings.cors_origins)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, or refuse it without reading its body."""
+        if scope["type"] == "websocket":  # the service has none; none slips past
+            await send({"type": "websocket.close", "code": 1008})
+            return
+        refusal = self._refusal(scope) if scope["type"] == "http" else None
+        await (refusal or self.app)(scope, receive, send)
+
+    def _refusal(self, scope: Scope) -> Response | None:
+        headers = Headers(scope=scope)
+        host = headers.get("host", "").lower()
+        named = _HOST.fullmatch(host)
+        if host and not named:
+            detail = "The header Host holds no name."
+            return problem_document(400, "host", "The request names no host", detail)
+        return (
+            (None if self.hashes else self._from_elsewhere(scope, named[1] if named else ""))
+            or self._from_another_page(scope["method"], headers, host)
+            or self._without_key(scope["path"], headers)
+        )
+
+    def _from_elsewhere(self, scope: Scope, name: str) -> Response | None:
+        """Refuse what did not come from this machine, or from a page that pretends to be on it."""
+        local = (scope.get("server") or ("",))[0] or ""
+        if _is_address(local) and not is_loopback(local):
+            why = "No keys are set, so that the service answers on loopback addresses only."
+        elif name not in LOOPBACK_NAMES:
+            # Any page can have a name of its own resolve to 127.0.0.1; its browser still sends it.
+            why = "No keys are set, so that the service answers to localhost and 127.0.0.1 only."
+        else:
+            return None
+        fix = "Set VIBRAFEED_API_KEY_HASHES; `vibrafeed key` makes a key."
+        return problem_document(403, "no-keys", "The service has no keys", f"{why} {fix}")
+
+    def _from_another_page(self, method: str, headers: Headers, host: str) -> Response | None:
+        """Refuse changes that a browser sends for a page of another origin."""
+        origin = headers.get("origin")
+        if origin is None or method in SAFE_METHODS or origin in self.origins:
+            return None
+        if host and origin.lower().partition("://")[2] == host:
+            return None
+        detail = "Pages of other origins may only read. VIBRAFEED_CORS_ORIGINS names exceptions."
+        return problem_document(403, "origin", "The page is of another origin", detail)
+
+    def _without_key(self, path: str, headers: Headers) -> Response | None:
+        if not self.hashes or is_open(path):
+            return None
+        given = [hash_of(key) for key in _keys(headers)]
+        # Every hash is compared, so that the time taken tells nothing of which one came near. One
+        # wrong key among right ones is refused: a client that sends it is mistaken.
+        found = [sum(hmac.compare_digest(one, known) for known in self.hashes) for one in given]
+        if found and all(found):
+            return None
+        detail = "Send a key: `Authorization: Bearer KEY`, or `X-API-Key: KEY`."
+        if given:
+            detail = "This key is not known here."
+        return problem_document(
+            401, "key", "A key is needed", detail, headers={"WWW-Authenticate": "Bearer"}
+        )
+
+
+class Limits:
+    """Answers at once what is too much: too many requests under way, or too large a body."""
+
+    def __init__(self, app: ASGIApp, settings: Settings):
+        self.app = app
+        self.most = settings.max_requests
+        self.most_bytes = settings.max_body_bytes
+        self.under_way = 0
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, or refuse it without reading its body."""
+        if scope["type"] != "http" or scope["path"] in HEALTH:
+            await self.app(scope, receive, send)
+            return
+        refusal = self._refusal(scope)
+        if refusal is not None:
+            await refusal(scope, receive, send)
+            return
+        self.under_way += 1
+        try:
+            await self.app(scope, receive, send)
+        finally:
+            self.under_way -= 1
+
+    def _refusal(self, scope: Scope) -> Response | None:
+        if self.under_way >= self.most:
+            detail = f"{self.most:,} requests are under way, the most that are taken at a time."
+            return problem_document(
+                503, "busy", "The service is busy", detail, headers={"Retry-After": "1"}
+            )
+        length = Headers(scope=scope).get("content-length", "")
+        if scope["method"] not in SAFE_METHODS and length.isdigit():
+            # A longer figure than any length could be is compared by its length.
+            size = int(length[:20])
+            if size > self.most_bytes:
+                return problem_document(*STATUS[TooLargeError], str(TooLargeError(self.most_bytes)))
+        return None
+
+
+def _keys(headers: Headers) -> list[str]:
+    keys = headers.getlist("x-api-key")
+    for value in headers.getlist("authorization"):
+        scheme, _, key = value.partition(" ")
+        if scheme.lower() == "bearer":
+            keys.append(key.strip())
+    return keys
+
+
+def _is_address(text: str) -> bool:
+    try:
+        ipaddress.ip_address(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _describe(app: FastAPI, *, has_keys: bool) -> None:
+    """Tell of the keys in the OpenAPI document: needed where keys are set, else not."""
+    plain = app.openapi
+    ways: list[dict[str, list[str]]] = [{"bearer": []}, {"header": []}]
+
+    def openapi() -> dict[str, Any]:
+        if app.openapi_schema is not None:
+            return app.openapi_schema
+        document = plain()
+        document.setdefault("components", {})["securitySchemes"] = {
+            "bearer": {"type": "http", "scheme": "bearer"},
+            "header": {"type": "apiKey", "in": "header", "name": "X-API-Key"},
+        }
+        for path, operations in document["paths"].items():
+            for operation in operations.values():
+                if is_open(path):
+                    operation["security"] = []
+                    continue
+                operation["security"] = ways if has_keys else [{}, *ways]
+                reply = problems(s401="No key, or a wrong one, where keys are set")[401]
+                header = {"WWW-Authenticate": {"schema": {"type": "string"}}}
+                operation["responses"]["401"] = {**reply, "headers": header}
+        return document
+
+    app.openapi = openapi  # type: ignore[method-assign]

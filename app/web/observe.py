@@ -1,0 +1,88 @@
+"""Around nearly all else: a request has an identifier, a line in the log, and is counted."""
+
+from __future__ import annotations
+
+import logging
+import re
+import time
+import uuid
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import ClientDisconnect
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from app import logs
+from app.web.metrics import Metrics
+from app.web.problems import unforeseen
+
+logger = logging.getLogger("vibrafeed.requests")
+
+REQUEST_ID = re.compile(r"[A-Za-z0-9._-]{1,64}")
+CLIENT_LEFT = 499  # what proxies log where a client went before it was answered
+NO_ROUTE = "(none)"
+
+
+class Observe:
+    """Gives requests identifiers, writes the log, counts, and answers unforeseen errors."""
+
+    def __init__(self, app: ASGIApp, metrics: Metrics):
+        self.app = app
+        self.metrics = metrics
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on; write its line when its reply has ended."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        given = Headers(scope=scope).get("x-request-id", "")
+        request_id = given if REQUEST_ID.fullmatch(given) else uuid.uuid4().hex
+        status, sent, ended = 0, 0, False
+
+        async def watched(message: Message) -> None:
+            nonlocal status, sent, ended
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                MutableHeaders(scope=message)["X-Request-ID"] = request_id
+            elif message["type"] == "http.response.body":
+                sent += len(message.get("body", b""))
+                ended = not message.get("more_body", False)
+            await send(message)
+
+        started = time.perf_counter()
+        with (
+            logs.request(request_id=request_id) as fields,
+            self.metrics.under_way.track_inprogress(),
+        ):
+            try:
+                await self.app(scope, receive, watched)
+            except ClientDisconnect:
+                status = status or CLIENT_LEFT
+            except Exception as error:
+                logger.error("unforeseen error in %s", route_of(scope), exc_info=error)
+                # A reply that has begun cannot be taken back; the server cuts the connection.
+                if not status:
+                    await unforeseen(request_id)(scope, receive, watched)
+            finally:
+                seconds = time.perf_counter() - started
+                route = route_of(scope)
+                self.metrics.count(scope["method"], route, status, seconds)
+                line = {
+                    "method": scope["method"],
+                    "route": route,
+                    "status": status,
+                    "milliseconds": round(seconds * 1e3, 2),
+                    "bytes": sent,
+                    "client": (scope.get("client") or (None,))[0],
+                }
+                if not ended:
+                    line["cut_short"] = True
+                logger.info("request", extra={**line, **fields})
+
+
+def route_of(scope: Scope) -> str:
+    """Return the template of the route of a request: a path may hold anything, and be secret."""
+    route = scope.get("route")
+    template = getattr(route, "path_format", None) or getattr(route, "path", None)
+    if template is None and scope.get("endpoint") is not None:
+        return f"{scope.get('root_path', '')}/{{path}}"  # files under a mount
+    return template or NO_ROUTE

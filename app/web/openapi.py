@@ -1,0 +1,64 @@
+"""The OpenAPI document: names that generated clients can live with, and models told once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.routing import APIRoute
+from pydantic import BaseModel
+from pydantic.json_schema import models_json_schema
+
+from app.web.execution import PROCESSES
+from app.web.replies import ProblemDocument, component, execution_name
+
+
+def operation_id(route: APIRoute) -> str:
+    """Return the name of a route's function: short, and stable while its path may change."""
+    return route.name
+
+
+def install(app: FastAPI) -> None:
+    """Add to the document the models that routes refer to."""
+    plain = app.openapi
+
+    def openapi() -> dict[str, Any]:
+        is_new = app.openapi_schema is None
+        document = plain()
+        if is_new:
+            document["components"]["schemas"].update(_components())
+        return document
+
+    app.openapi = openapi  # type: ignore[method-assign]
+
+
+def _components() -> dict[str, Any]:
+    """Return the schemas of problem documents, studies, and execute requests."""
+    models: list[type[BaseModel]] = [ProblemDocument]
+    models += [process.study for process in PROCESSES.values()]
+    _, schemas = models_json_schema(
+        [(model, "validation") for model in models], ref_template=component("{model}")["$ref"]
+    )
+    requests = {
+        execution_name(process.study): {
+            "type": "object",
+            "description": "An execute request of OGC API - Processes.",
+            "required": ["inputs"],
+            "properties": {
+                "inputs": {
+                    "type": "object",
+                    "required": ["study"],
+                    "properties": {"study": component(process.study.__name__)},
+                },
+                "outputs": {
+                    "type": "object",
+                    "properties": {"dataset": {"type": "object"}},
+                    "additionalProperties": False,
+                },
+                "response": {"enum": ["raw", "document"], "type": "string", "default": "raw"},
+            },
+        }
+        for process in PROCESSES.values()
+    }
+    found: dict[str, Any] = schemas["$defs"]
+    return found | requests

@@ -1,0 +1,127 @@
+"""Every error of the service as a problem document (RFC 9457)."""
+
+from __future__ import annotations
+
+import http
+import logging
+import sqlite3
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import Response
+from starlette.exceptions import HTTPException
+from starlette.routing import Match
+
+from app.jobs import disk
+from app.jobs.errors import NoRoomError, NotFoundError, QueueFullError
+from app.web.replies import problem_document
+from core.errors import LimitError, Problem, StudyError, VibrafeedError
+
+logger = logging.getLogger("vibrafeed")
+
+
+class NoSuchProcessError(NotFoundError):
+    """There is no such process."""
+
+
+class NoSuchJobError(NotFoundError):
+    """There is no such job."""
+
+
+class NotReadyError(NotFoundError):
+    """The results of a job are not there yet."""
+
+
+class TooLargeError(VibrafeedError):
+    """The body of a request is larger than the limit, which the message names."""
+
+    def __init__(self, most: int):
+        super().__init__(f"A body may hold {most:,} bytes; this one holds more.")
+
+
+OGC = "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/"
+
+# What each error means over HTTP: status, kind, title.
+STATUS: dict[type[Exception], tuple[int, str, str]] = {
+    StudyError: (422, "study", "The study cannot be carried out"),
+    LimitError: (422, "limit", "The study is larger than this service allows"),
+    NotFoundError: (404, "not-found", "There is no such resource"),
+    TooLargeError: (413, "body", "The request is too large"),
+    NoSuchProcessError: (404, f"{OGC}no-such-process", "There is no such process"),
+    NoSuchJobError: (404, f"{OGC}no-such-job", "There is no such job"),
+    NotReadyError: (404, f"{OGC}result-not-ready", "The results are not there yet"),
+    QueueFullError: (429, "queue", "The queue of jobs is full"),
+    NoRoomError: (507, "storage", "There is no room for the result"),
+}
+RETRY_AFTER = {429: "5", 503: "1"}
+
+
+def install(app: FastAPI) -> None:
+    """Give the app its error handlers; `app.web.observe` answers what none of them knows."""
+    for error in STATUS:
+        app.add_exception_handler(error, _known)
+    app.add_exception_handler(RequestValidationError, _invalid)
+    app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(OSError, _storage)
+    app.add_exception_handler(sqlite3.OperationalError, _storage)
+
+
+def _known(request: Request, error: Exception) -> Response:
+    status, kind, title = STATUS[type(error)]
+    if isinstance(error, StudyError):
+        count = len(error.problems)
+        detail = f"{count} problem{'s' if count > 1 else ''}; errors names each with its place."
+        return problem_document(status, kind, title, detail, error.problems)
+    retry = {"Retry-After": RETRY_AFTER[status]} if status in RETRY_AFTER else None
+    return problem_document(status, kind, title, str(error), headers=retry)
+
+
+def _storage(request: Request, error: Exception) -> Response:
+    assert isinstance(error, OSError | sqlite3.OperationalError)
+    logger.error("storage failed", exc_info=error)
+    if disk.passes(error):
+        headers = {"Retry-After": RETRY_AFTER[503]}
+        why = f"{disk.why(error)}."
+        return problem_document(503, "busy", "The service is busy", why, headers=headers)
+    return problem_document(**disk.problem(error))
+
+
+def _invalid(request: Request, error: Exception) -> Response:
+    # The input is not echoed: it may hold values that JSON has no word for.
+    assert isinstance(error, RequestValidationError)
+    problems = [
+        Problem(".".join(map(str, item["loc"])), item["msg"], "Fix the value")
+        for item in error.errors()
+    ]
+    return problem_document(
+        422, "request", "The request is not valid", "errors names each problem.", problems
+    )
+
+
+def _http(request: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    phrase = http.HTTPStatus(error.status_code).phrase
+    response = problem_document(error.status_code, "http", phrase, str(error.detail))
+    response.headers.update(error.headers or {})
+    if error.status_code == http.HTTPStatus.METHOD_NOT_ALLOWED:
+        response.headers["Allow"] = ", ".join(_methods(request))
+    return response
+
+
+def _methods(request: Request) -> list[str]:
+    """Return the methods that a path answers; the router names those of one of its routes only."""
+    allowed: set[str] = set()
+    for route in request.app.router.routes:
+        if route.matches(request.scope)[0] is not Match.NONE:
+            allowed.update(getattr(route, "methods", None) or ())
+    return sorted(allowed)
+
+
+def unforeseen(request_id: str) -> Response:
+    """Return what a client is told of a mistake of ours.
+
+    The text of the error stays in the log, under the identifier: it may speak of files and memory.
+    """
+    detail = "The error is in the service's log, under the request's identifier."
+    instance = f"urn:vibrafeed:request:{request_id}"
+    return problem_document(500, "internal", "The service failed", detail, instance=instance)

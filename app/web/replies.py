@@ -1,0 +1,88 @@
+"""Replies in JSON, problem documents (RFC 9457), and how the OpenAPI document tells of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import orjson
+from fastapi.responses import Response
+from pydantic import BaseModel
+
+from core.errors import Problem
+
+PROBLEM_TYPE = "application/problem+json"
+
+
+class ProblemItem(BaseModel):
+    """One of several problems."""
+
+    place: str
+    message: str
+    fix: str
+
+
+class ProblemDocument(BaseModel):
+    """What went wrong (RFC 9457)."""
+
+    type: str
+    title: str
+    status: int
+    detail: str
+    instance: str | None = None
+    errors: list[ProblemItem] | None = None
+
+
+def component(name: str) -> dict[str, Any]:
+    """Return a reference to a schema that `app.web.openapi` adds to the document."""
+    return {"$ref": f"#/components/schemas/{name}"}
+
+
+def execution_name(study: type[BaseModel]) -> str:
+    """Return the name of the schema of an execute request with a study."""
+    return f"{study.__name__}Execution"
+
+
+PROBLEM: dict[str, Any] = {
+    "content": {PROBLEM_TYPE: {"schema": component(ProblemDocument.__name__)}}
+}
+
+
+def problems(**why: str) -> dict[int | str, dict[str, Any]]:
+    """Return documented error replies, as in ``problems(s404="No such sweep")``."""
+    return {int(status[1:]): {"description": text, **PROBLEM} for status, text in why.items()}
+
+
+def json_reply(content: Any, status: int = 200, headers: dict[str, str] | None = None) -> Response:
+    """Return JSON with numpy arrays written as lists, and NaN and infinity as null."""
+    return Response(
+        orjson.dumps(content, option=orjson.OPT_SERIALIZE_NUMPY),
+        status,
+        media_type="application/json",
+        headers=headers,
+    )
+
+
+def problem_document(
+    status: int,
+    kind: str,
+    title: str,
+    detail: str,
+    problems: Iterable[Problem] = (),
+    *,
+    instance: str | None = None,
+    headers: dict[str, str] | None = None,
+) -> Response:
+    """Return a problem document; `kind` is a word of ours, or a whole address."""
+    content: dict[str, Any] = {
+        "type": kind if ":" in kind else f"urn:vibrafeed:problem:{kind}",
+        "title": title,
+        "status": status,
+        "detail": detail,
+    }
+    if instance:
+        content["instance"] = instance
+    errors = [{"place": p.place, "message": p.message, "fix": p.fix} for p in problems]
+    if errors:
+        content["errors"] = errors
+    return Response(orjson.dumps(content), status, headers, PROBLEM_TYPE)

@@ -1,0 +1,96 @@
+"""Whether the service is alive, whether it can take work, and its figures."""
+
+from __future__ import annotations
+
+import logging
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from fastapi import APIRouter, Request
+from fastapi.responses import PlainTextResponse, Response
+from prometheus_client.exposition import CONTENT_TYPE_LATEST
+from pydantic import BaseModel
+
+import core
+from app.web.dependencies import SettingsOf
+from app.web.replies import json_reply, problem_document, problems
+from core.errors import Problem
+
+logger = logging.getLogger("vibrafeed")
+
+router = APIRouter(tags=["service"])
+
+
+class Health(BaseModel):
+    """The service is alive."""
+
+    status: str
+    version: str
+
+
+class Readiness(BaseModel):
+    """The service takes work; what has been looked at."""
+
+    status: str
+    checks: list[str]
+
+
+@router.get("/healthz", summary="Alive", response_model=Health)
+async def healthz() -> Response:
+    """Return ``ok`` and the version; touches neither disk nor store."""
+    return json_reply({"status": "ok", "version": core.__version__})
+
+
+@router.get(
+    "/readyz",
+    summary="Ready for work",
+    response_model=Readiness,
+    responses=problems(s503="It is not ready; errors names what fails"),
+)
+def readyz(request: Request, settings: SettingsOf) -> Response:
+    """Return ``ready`` if the data directory can be written and every part is ready.
+
+    Parts append ``(name, check)`` to ``app.state.readiness``; a check returns None, or a text that
+    says what is wrong.
+    """
+    checks: list[tuple[str, Callable[[], str | None]]] = [
+        ("stopping", lambda: "it stops" if request.app.state.stopping.is_set() else None),
+        ("data_directory", lambda: _written(settings.data_directory)),
+        *request.app.state.readiness,
+    ]
+    failed = []
+    for name, check in checks:
+        try:
+            wrong = check()
+        except Exception:
+            # Whatever it is, the service is not ready; its text may speak of files.
+            logger.exception("the check %s failed", name)
+            wrong = "its check failed; the log says why"
+        if wrong is not None:
+            failed.append(Problem(name, wrong, "See the service's log"))
+    if failed:
+        detail = "errors names what fails."
+        retry = {"Retry-After": "5"}
+        return problem_document(
+            503, "not-ready", "The service is not ready", detail, failed, headers=retry
+        )
+    return json_reply({"status": "ready", "checks": [name for name, _ in checks]})
+
+
+@router.get("/metrics", summary="Figures for Prometheus", response_class=PlainTextResponse)
+def metrics(request: Request) -> Response:
+    """Return counts of requests, their times, what is under way, memory and processor time."""
+    return Response(request.app.state.metrics.text(), media_type=CONTENT_TYPE_LATEST)
+
+
+def _written(directory: Path) -> str | None:
+    """Return None if a file can be written in a directory, else what is wrong."""
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=directory) as file:
+            file.write(b"ready")
+            file.flush()
+    except OSError as error:
+        return f"it cannot be written: {error.strerror}"
+    return None

@@ -1,0 +1,175 @@
+"""Jobs after OGC API - Processes: status, list, events, dismissal."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import AsyncIterator, Callable
+from datetime import datetime
+from typing import Annotated, Literal
+from urllib.parse import urlencode
+
+import orjson
+from fastapi import APIRouter, Query, Request
+from fastapi.responses import Response, StreamingResponse
+from pydantic import AfterValidator
+
+from app.jobs.desk import Desk
+from app.jobs.ledger import ACTIVE, STATES, Wanted
+from app.web.dependencies import BaseOf, DeskOf, Number, once
+from app.web.documents import (
+    JobList,
+    StatusInfo,
+    status_info,
+)
+from app.web.outcomes import find_job, no_such_job
+from app.web.replies import json_reply, problems
+
+router = APIRouter(prefix="/jobs", tags=["jobs"])
+
+State = Literal["accepted", "running", "successful", "failed", "dismissed"]
+assert set(STATES) == set(State.__args__)  # type: ignore[attr-defined]
+
+LOOK = 0.25  # s between looks at a job whose events are followed
+SIGN_OF_LIFE = 15.0  # s after which an idle stream says that it is alive
+MOST_LISTED = 1000
+NO_JOB = problems(s404="No such job", s422="The identifier is malformed")
+
+
+def interval(text: str | None) -> tuple[float | None, float | None]:
+    """Return start and end [s since the epoch] of a time or an interval; None for an open one.
+
+    Raises
+    ------
+    ValueError
+        If it is neither.
+    """
+    if text is None:
+        return None, None
+    words = text.split("/")
+    if len(words) > 2 or set(words) <= {"", ".."}:
+        raise ValueError("it is neither a time nor an interval START/END")
+    ends: list[float | None] = []
+    for word in words:
+        time_ = None if word in ("", "..") else datetime.fromisoformat(word)
+        if time_ is not None and time_.tzinfo is None:
+            raise ValueError(f"{word[:40]!r} has no time zone, as in 2026-01-01T00:00:00Z")
+        ends.append(None if time_ is None else time_.timestamp())
+    return ends[0], ends[-1]
+
+
+def checked(text: str | None) -> str | None:
+    """Return a time or an interval as it is; raise `ValueError` if it is neither."""
+    interval(text)
+    return text
+
+
+@router.get("", summary="List jobs", response_model=JobList, responses=problems(s422="Bad query"),
+            dependencies=[once("processID", "status", "type")])  # fmt: skip
+def list_jobs(
+    desk: DeskOf,
+    base: BaseOf,
+    process: Annotated[
+        list[str], Query(alias="processID", max_length=20, description="Of these processes only.")
+    ] = [],  # noqa: B006 - not changed; None would make the schema nullable
+    status: Annotated[list[State], Query(max_length=20, description="In these states only.")] = [],  # noqa: B006
+    kind: Annotated[
+        list[str], Query(alias="type", max_length=20, description="All jobs are of type process.")
+    ] = [],  # noqa: B006
+    created: Annotated[
+        str | None,
+        Query(
+            alias="datetime",
+            max_length=100,
+            description="Made at a time (RFC 3339), or between two, as in "
+            "`2026-01-01T00:00:00Z/..`.",
+        ),
+        AfterValidator(checked),
+    ] = None,
+    least: Annotated[
+        int | None,
+        Query(alias="minDuration", ge=0, le=10**9, description="Ran so many seconds or longer."),
+    ] = None,
+    longest: Annotated[
+        int | None,
+        Query(alias="maxDuration", ge=0, le=10**9, description="Ran so many seconds or shorter."),
+    ] = None,
+    limit: Annotated[int, Query(ge=1, le=MOST_LISTED)] = 100,
+    offset: Annotated[int, Query(ge=0, le=10**9)] = 0,
+) -> Response:
+    """Return jobs, the latest first."""
+    wanted = Wanted(tuple(process), tuple(status), interval(created), (least, longest))
+    found = []
+    if not kind or "process" in kind:
+        found = desk.ledger.jobs(wanted, limit=limit + 1, offset=offset)
+    wishes = {
+        "processID": process, "status": status, "type": kind, "datetime": created,
+        "minDuration": least, "maxDuration": longest, "limit": limit,
+    }  # fmt: skip
+    pages = {"self": offset}
+    if len(found) > limit:
+        pages["next"] = offset + limit
+    if offset:
+        pages["prev"] = max(0, offset - limit)
+    links = []
+    for rel, start in pages.items():
+        asked = {k: v for k, v in {**wishes, "offset": start}.items() if v is not None}
+        href = f"{base}/jobs?{urlencode(asked, doseq=True)}"
+        links.append({"href": href, "rel": rel, "type": "application/json"})
+    return json_reply({"jobs": [status_info(job, base) for job in found[:limit]], "links": links})
+
+
+@router.get("/{number}", summary="Tell how a job stands", response_model=StatusInfo,
+            responses=NO_JOB)  # fmt: skip
+def get_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
+    """Return the state of a job, its progress, and the time that is left."""
+    return json_reply(status_info(find_job(desk, number), base))
+
+
+@router.delete("/{number}", summary="Dismiss a job", response_model=StatusInfo, responses=NO_JOB)
+def dismiss_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
+    """Dismiss a job; what is computed for it alone is stopped at the next block."""
+    job = desk.dismiss(number)
+    if job is None:
+        raise no_such_job(number)
+    return json_reply(status_info(job, base))
+
+
+@router.get(
+    "/{number}/events",
+    summary="Follow a job",
+    response_class=Response,
+    responses={
+        200: {
+            "content": {"text/event-stream": {"schema": {}}},
+            "description": "An event `status` at each change, with the job's status as data; the "
+            "last one tells how it ended",
+        },
+        **NO_JOB,
+    },
+)
+async def follow_job(request: Request, number: Number, desk: DeskOf, base: BaseOf) -> Response:
+    """Return the changes of a job's state and progress as server-sent events."""
+    await asyncio.to_thread(find_job, desk, number)
+    events = _events(desk, number, base, request.app.state.stopping.is_set)
+    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+    return StreamingResponse(events, media_type="text/event-stream", headers=headers)
+
+
+async def _events(
+    desk: Desk, number: str, base: str, stopping: Callable[[], bool]
+) -> AsyncIterator[bytes]:
+    told, at = None, time.monotonic()
+    while not stopping():
+        job = await asyncio.to_thread(desk.ledger.job, number)
+        if job is None:
+            return
+        if (job.state, job.done) != told:
+            told, at = (job.state, job.done), time.monotonic()
+            yield b"event: status\ndata: " + orjson.dumps(status_info(job, base)) + b"\n\n"
+            if job.state not in ACTIVE:
+                return
+        elif time.monotonic() - at > SIGN_OF_LIFE:
+            at = time.monotonic()
+            yield b": alive\n\n"
+        await asyncio.sleep(LOOK)

@@ -1,0 +1,252 @@
+"""Processes after OGC API - Processes: what there is, and the carrying out of studies."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import sqlite3
+import time
+from collections.abc import Awaitable, Callable
+from dataclasses import replace
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Path, Request
+from fastapi.concurrency import run_in_threadpool
+from fastapi.responses import Response
+
+from app.jobs.desk import Desk
+from app.jobs.ledger import ACTIVE, Job
+from app.jobs.manifest import MOST_JSON_VALUES
+from app.settings import Settings
+from app.web.dependencies import BaseOf, Body, DeskOf, SettingsOf, base_of
+from app.web.documents import (
+    CONFORMANCE,
+    Conformance,
+    LandingPage,
+    ProcessDescription,
+    ProcessList,
+    StatusInfo,
+    description,
+    process_list,
+    status_info,
+)
+from app.web.execution import ACCURACY, PROCESSES, Execution, Process, read_execution
+from app.web.outcomes import results_reply
+from app.web.prefer import Preferences, preferences
+from app.web.problems import NoSuchProcessError
+from app.web.replies import component, execution_name, json_reply, problems
+from core.dataset.document import to_document
+from core.kinds import is_whole, prepare_content, tabulate
+from core.plan.prepared import Prepared
+from core.study.load import read_json
+from core.watch import Watch
+
+router = APIRouter(tags=["processes"])
+
+REL = "http://www.opengis.net/def/rel/ogc/1.0/"
+JSON = "application/json"
+OPENAPI = "application/vnd.oai.openapi+json;version=3.1"
+# s between looks at a job that a client waits for: short jobs are soon told, long ones cost little
+LOOK, LONGEST_LOOK = 0.05, 0.5
+
+
+@router.get("/", summary="Landing page", response_model=LandingPage)
+def landing_page(base: BaseOf) -> Response:
+    """Return links to what the service offers."""
+    links = [
+        ("/", "self", "This document", JSON),
+        ("/openapi.json", "service-desc", "The OpenAPI document", OPENAPI),
+        ("/docs", "service-doc", "Its pages", "text/html"),
+        ("/conformance", f"{REL}conformance", "Conformance", JSON),
+        ("/processes", f"{REL}processes", "The processes", JSON),
+        ("/jobs", f"{REL}job-list", "The jobs", JSON),
+        ("/scenes", "related", "The scenes", JSON),
+    ]
+    return json_reply(
+        {
+            "title": "vibrafeed",
+            "description": "Sweeps, motion in time and best drives of parts on feeder tracks.",
+            "links": [
+                {"href": f"{base}{path}", "rel": rel, "title": title, "type": type_}
+                for path, rel, title, type_ in links
+            ],
+        }
+    )
+
+
+@router.get("/conformance", summary="Conformance classes", response_model=Conformance)
+def conformance() -> Response:
+    """Return the classes of OGC API - Processes that the service conforms to."""
+    return json_reply({"conformsTo": CONFORMANCE})
+
+
+@router.get("/processes", summary="List the processes", response_model=ProcessList)
+def list_processes(base: BaseOf) -> Response:
+    """Return the processes: one for each kind of study."""
+    return json_reply(process_list(base))
+
+
+@router.get(
+    "/processes/{process}",
+    summary="Describe a process",
+    response_model=ProcessDescription,
+    responses=problems(s404="No such process", s422="The identifier is malformed"),
+)
+def describe_process(process: Annotated[str, Path(max_length=100)], base: BaseOf) -> Response:
+    """Return a process with the schemas of what it takes and gives."""
+    if process not in PROCESSES:
+        raise _missing(process)
+    return json_reply(description(process, PROCESSES[process], base))
+
+
+async def execute(
+    request: Request, name: str, body: bytes, settings: Settings, desk: Desk
+) -> Response:
+    """Carry out the study in a body at once, or as a job."""
+    base = await base_of(request)
+    wishes = preferences(request.headers.getlist("prefer"))
+    begun = await run_in_threadpool(_begin, name, body, wishes, settings, desk)
+    if isinstance(begun, Response):
+        return begun
+    job = begun
+    if wishes.wait is not None:
+        seconds = min(wishes.wait, int(settings.max_wait_seconds))
+        wishes = replace(wishes, wait=seconds)  # as it is applied
+        job = await _waited(desk, job, seconds)
+    if job.state in ACTIVE or wishes.wait is None:
+        reply = json_reply(status_info(job, base), 201)
+    else:
+        reply = await asyncio.to_thread(results_reply, desk, job, base)
+    reply.headers["Location"] = f"{base}/jobs/{job.id}"
+    applied = _applied(wishes)
+    if applied:
+        reply.headers["Preference-Applied"] = applied
+    return reply
+
+
+def _begin(
+    name: str, body: bytes, wishes: Preferences, settings: Settings, desk: Desk
+) -> Response | Job:
+    """Return the dataset of a short study, or the job that it has become."""
+    asked, prepared = _read(name, body, settings)
+    if name != ACCURACY and is_small(prepared, settings) and not wishes.respond_async:
+        return _carry_out(asked, prepared, settings)
+    return desk.post(prepared, name)
+
+
+def _read(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepared]:
+    """Return what a body asks for, and its study; raise if it cannot be carried out."""
+    asked = read_execution(read_json(body), name)
+    prepared = prepare_content(asked.study)
+    if name == ACCURACY:  # it takes some cells of a grid
+        prepared.check_limits(cells=settings.max_sweep_cells, bytes_=prepared.bytes)
+    else:
+        prepared.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
+    return asked, prepared
+
+
+def is_small(prepared: Prepared, settings: Settings) -> bool:
+    """Return whether a study is replied to at once: it is short, and so is its result."""
+    seconds = prepared.cells * prepared.seconds_a_cell + prepared.seconds_to_verify
+    return (
+        seconds <= settings.max_synchronous_seconds
+        and prepared.cells * len(prepared.dims) <= MOST_JSON_VALUES
+    )
+
+
+def _carry_out(asked: Execution, prepared: Prepared, settings: Settings) -> Response:
+    """Return the dataset of a study, computed here and now."""
+    watch = Watch(deadline=time.monotonic() + settings.max_execution_seconds)
+    table = tabulate(prepared, watch)
+    content: dict[str, Any] = {
+        "complete": is_whole(table),
+        "cells": prepared.cells,
+        **to_document(table),
+    }
+    if asked.as_document:
+        content = {"dataset": {"value": content, "mediaType": "application/json"}}
+    return json_reply(content)
+
+
+async def _waited(desk: Desk, job: Job, seconds: float) -> Job:
+    """Return a job when it is over, or after a time."""
+    until, look = time.monotonic() + seconds, LOOK
+    while job.state in ACTIVE and time.monotonic() < until:
+        await asyncio.sleep(min(look, max(0.0, until - time.monotonic())))
+        look = min(1.5 * look, LONGEST_LOOK)
+        with contextlib.suppress(sqlite3.OperationalError):  # the client is to learn of its job
+            found = await asyncio.to_thread(desk.ledger.job, job.id)
+            job = found or job
+    return job
+
+
+def _applied(wishes: Preferences) -> str:
+    words = ["respond-async"] if wishes.respond_async else []
+    if wishes.wait is not None:
+        words.append(f"wait={wishes.wait}")
+    return ", ".join(words)
+
+
+def _body(process: Process) -> dict[str, Any]:
+    """Return the body of a process in OpenAPI: the study, or an execute request with it."""
+    schemas = [component(process.study.__name__), component(execution_name(process.study))]
+    content = {"application/json": {"schema": {"anyOf": schemas}, "example": process.example}}
+    prefer = {
+        "name": "Prefer",
+        "in": "header",
+        "required": False,
+        "schema": {"type": "string"},
+        "description": "`respond-async` for a job in any case; `wait=10` to wait so many seconds "
+        "for a job to end.",
+    }
+    return {"requestBody": {"required": True, "content": content}, "parameters": [prefer]}
+
+
+def _route(name: str) -> Callable[..., Awaitable[Response]]:
+    async def execution(
+        request: Request, body: Body, settings: SettingsOf, desk: DeskOf
+    ) -> Response:
+        return await execute(request, name, body, settings, desk)
+
+    return execution
+
+
+for _name, _process in PROCESSES.items():
+    router.add_api_route(
+        f"/processes/{_name}/execution",
+        _route(_name),
+        methods=["POST"],
+        name=f"execute_{_name}",
+        summary=_process.title,
+        description=f"{_process.description}\n\nThe body is the study itself, or an execute "
+        "request with the study under `inputs.study`. A short study is replied to with its "
+        "dataset. A long one becomes a job: 201 with its status and `Location`, or 200 with its "
+        "results if `Prefer: wait` was long enough.",
+        response_model=dict[str, Any],
+        responses={
+            201: {
+                "model": StatusInfo,
+                "description": "A job has been made",
+                "headers": {"Location": {"schema": {"type": "string"}}},
+            },
+            **problems(
+                s413="The body is too large",
+                s422="The study cannot be carried out, or is too large",
+                s429="The queue of jobs is full; Retry-After tells when to try again",
+                s500="The job that was waited for failed",
+                s507="There is no room for the result",
+            ),
+        },
+        openapi_extra=_body(_process),
+    )
+
+
+@router.post("/processes/{process}/execution", include_in_schema=False)
+def execute_unknown(process: str) -> Response:
+    """Tell that there is no such process."""
+    raise _missing(process)
+
+
+def _missing(process: str) -> NoSuchProcessError:
+    known = ", ".join(PROCESSES)
+    return NoSuchProcessError(f"There is no process '{process[:80]}'; there are {known}.")

@@ -1,0 +1,139 @@
+"""Results of jobs after OGC API - Processes: where they are, and their files."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Path, Query, Request
+from fastapi.responses import Response
+
+from app.jobs.errors import NotFoundError
+from app.jobs.manifest import JSON, NETCDF
+from app.web.dependencies import BaseOf, DeskOf, Number
+from app.web.documents import NETCDF_TYPE, Results, media_type_of
+from app.web.downloads import file_reply
+from app.web.outcomes import find_job, manifest_of, results_reply
+from app.web.replies import problems
+
+router = APIRouter(prefix="/jobs", tags=["jobs"])
+
+NO_RESULT = problems(
+    s404="No such job, or its results are not there",
+    s409="The study is another version's: post it again",
+    s422="The identifier is malformed, or the job failed at a limit",
+    s500="The job failed: the service's own mistake",
+    s507="The job failed: its result could not be stored",
+)
+
+
+@router.get(
+    "/{number}/results", summary="Tell what a job gave", response_model=Results, responses=NO_RESULT
+)
+def get_results(number: Number, desk: DeskOf, base: BaseOf) -> Response:
+    """Return where the dataset is, how large it is, and what it cost."""
+    return results_reply(desk, find_job(desk, number), base)
+
+
+@router.get(
+    "/{number}/results/dataset",
+    summary="Download what a job gave",
+    response_class=Response,
+    responses={
+        200: {
+            "content": {
+                NETCDF_TYPE: {"schema": {"type": "string", "format": "binary"}},
+                "application/json": {"schema": {"type": "object"}},
+            },
+            "description": "The dataset",
+            "headers": {"ETag": {"schema": {"type": "string"}}},
+        },
+        206: {
+            "content": {NETCDF_TYPE: {"schema": {"type": "string", "format": "binary"}}},
+            "description": "The range of it that was asked for",
+            "headers": {"Content-Range": {"schema": {"type": "string"}}},
+        },
+        304: {"description": "The client has it: its ETag stands in If-None-Match"},
+        **NO_RESULT,
+        **problems(
+            s412="It is not the file that If-Match names",
+            s416="The range holds no byte of the file",
+        ),
+    },
+)
+@router.head("/{number}/results/dataset", include_in_schema=False)
+def get_dataset(
+    request: Request,
+    number: Number,
+    desk: DeskOf,
+    form: Annotated[
+        Literal["netcdf", "json"],
+        Query(alias="format", description="JSON for small results only."),
+    ] = "netcdf",
+) -> Response:
+    """Return the dataset as a NetCDF file, or as JSON; ranges can be asked for."""
+    job = find_job(desk, number)
+    manifest = manifest_of(desk, job)
+    if isinstance(manifest, Response):
+        return manifest
+    name = NETCDF if form == "netcdf" else JSON
+    if name not in manifest.files:
+        raise NotFoundError("The result is too large for JSON: download it as NetCDF.")
+    return file_reply(
+        request,
+        desk.store.folder(job.key) / name,
+        digest=manifest.files[name]["sha256"],
+        media_type=NETCDF_TYPE if form == "netcdf" else "application/json",
+        filename=f"vibrafeed-{job.key[:12]}{'.nc' if form == 'netcdf' else '.json'}",
+    )
+
+
+@router.get(
+    "/{number}/results/files/{name}",
+    summary="Download a further file of a job",
+    response_class=Response,
+    responses={
+        200: {
+            "content": {
+                "text/markdown": {"schema": {"type": "string"}},
+                "image/png": {"schema": {"type": "string", "format": "binary"}},
+            },
+            "description": "The file",
+            "headers": {"ETag": {"schema": {"type": "string"}}},
+        },
+        206: {
+            "content": {
+                "text/markdown": {"schema": {"type": "string"}},
+                "image/png": {"schema": {"type": "string", "format": "binary"}},
+            },
+            "description": "The range of it that was asked for",
+            "headers": {"Content-Range": {"schema": {"type": "string"}}},
+        },
+        304: {"description": "The client has it: its ETag stands in If-None-Match"},
+        **NO_RESULT,
+        **problems(
+            s412="It is not the file that If-Match names",
+            s416="The range holds no byte of the file",
+        ),
+    },
+)
+def get_file(
+    request: Request,
+    number: Number,
+    name: Annotated[str, Path(description="As the results name it.", max_length=100)],
+    desk: DeskOf,
+) -> Response:
+    """Return a page or a picture that the results name."""
+    job = find_job(desk, number)
+    manifest = manifest_of(desk, job)
+    if isinstance(manifest, Response):
+        return manifest
+    # Only names that the manifest holds reach the disk.
+    if name not in manifest.files:
+        raise NotFoundError(f"The job has no file '{name[:80]}'; its results name those it has.")
+    return file_reply(
+        request,
+        desk.store.folder(job.key) / name,
+        digest=manifest.files[name]["sha256"],
+        media_type=media_type_of(name),
+        filename=name,
+    )

@@ -1,0 +1,238 @@
+"""Sweeps: posted as a study, kept by content, read as slices or as NetCDF."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import orjson
+from fastapi import APIRouter, Query, Request
+from fastapi.concurrency import run_in_threadpool
+from fastapi.responses import Response
+
+from app.jobs.manifest import NETCDF
+from app.settings import Settings
+from app.web.dependencies import Body, DeskOf, Key, SettingsOf, StoreOf, WriterOf, once
+from app.web.downloads import FOR_EVER, content_reply, etag_of, file_reply, not_modified
+from app.web.execution import PROCESSES
+from app.web.replies import component, json_reply, problems
+from app.web.sweep_document import SweepDescription, description
+from core.errors import LimitError
+from core.kinds import prepare_content
+from core.study import SweepStudy
+from core.study.load import read_json
+from core.study.models import PARAMETERS
+from core.sweep import Sweep
+from core.sweep.slice import cut
+
+router = APIRouter(prefix="/sweeps", tags=["sweeps"])
+
+BINARY = {"type": "string", "format": "binary"}
+BINARY_TYPE = "application/octet-stream"
+NUMPY = orjson.OPT_SERIALIZE_NUMPY
+STUDY_BODY = {
+    "requestBody": {
+        "required": True,
+        "content": {
+            "application/json": {
+                "schema": component(SweepStudy.__name__),
+                "example": PROCESSES["sweep"].example,
+            }
+        },
+    }
+}
+AXIS_VALUES = {
+    "parameters": [
+        {
+            "name": name,
+            "in": "query",
+            "required": False,
+            "schema": {"type": "string", "maxLength": 200},
+            "description": f"Value of the axis {name}, where it is not free; one of its values.",
+        }
+        for name in PARAMETERS
+    ]
+}
+
+
+@router.post(
+    "",
+    summary="Post a sweep study",
+    status_code=201,
+    response_model=SweepDescription,
+    responses={
+        200: {"model": SweepDescription, "description": "The same study was there already"},
+        **problems(
+            s413="The body is too large",
+            s422="The study cannot be carried out",
+            s507="There is no room for the study",
+        ),
+    },
+    openapi_extra=STUDY_BODY,
+)
+def post_sweep(request: Request, body: Body, settings: SettingsOf, desk: DeskOf) -> Response:
+    """Check a study and keep it; equal studies share one identifier. Nothing is computed yet.
+
+    A sweep may be far larger than what is computed as a whole: slices and Zarr read pieces of it.
+    """
+    sweep = prepare_content(read_json(body), "sweep")
+    _check_size(sweep, settings)
+    key, is_new = desk.keep(sweep)
+    location = str(request.url_for("get_sweep", key=key))
+    return json_reply(
+        description(key, sweep), 201 if is_new else 200, headers={"Location": location}
+    )
+
+
+@router.get(
+    "/{key}",
+    summary="Describe a sweep",
+    response_model=SweepDescription,
+    responses=problems(s404="No such sweep", s422="The identifier is malformed"),
+)
+def get_sweep(key: Key, store: StoreOf) -> Response:
+    """Return the study of a sweep, its size, its axes, and the dimensions of its outputs."""
+    return json_reply(description(key, store.sweep(key)))
+
+
+@router.get(
+    "/{key}/slice",
+    summary="Read values over one or two axes",
+    response_model=dict[str, Any],
+    responses={
+        200: {
+            "content": {"application/octet-stream": {"schema": BINARY}},
+            "description": "The slice, as JSON or binary",
+            "headers": {"ETag": {"schema": {"type": "string"}}},
+        },
+        304: {"description": "The client has it: its ETag stands in If-None-Match"},
+        **problems(s404="No such sweep", s422="The slice cannot be taken"),
+    },
+    openapi_extra=AXIS_VALUES,
+    dependencies=[once()],
+)
+def get_slice(
+    request: Request,
+    key: Key,
+    store: StoreOf,
+    settings: SettingsOf,
+    output: Annotated[str, Query(description="Name of an output.", max_length=100)],
+    axes: Annotated[
+        str, Query(description="One or two free axes, as in `beta,alpha`.", max_length=200)
+    ],
+    form: Annotated[
+        Literal["json", "binary"] | None,
+        Query(alias="format", description="What `Accept` asks for if left out; else JSON."),
+    ] = None,
+) -> Response:
+    """Return an output over free axes, all other axes fixed by `name=value`, with its regime."""
+    fixed = {
+        name: value
+        for name, value in request.query_params.multi_items()
+        if name not in ("output", "axes", "format")
+    }
+    is_binary = form == "binary" if form else prefers_binary(request.headers.get("accept", ""))
+    words = [f"{name}={value}" for name, value in sorted(fixed.items())]
+    etag = etag_of(key, np.__version__, "binary" if is_binary else "json", output, axes, *words)
+    sweep = store.sweep(key)
+    reply = not_modified(request, etag, FOR_EVER)
+    if reply is None:
+        piece = cut(
+            sweep, output=output, axes=axes.split(","), at=fixed, most=settings.max_slice_cells
+        )
+        content = binary(piece) if is_binary else orjson.dumps(piece, option=NUMPY)
+        media_type = BINARY_TYPE if is_binary else "application/json"
+        reply = content_reply(content, etag=etag, media_type=media_type)
+    reply.headers["Vary"] = "Accept"
+    return reply
+
+
+@router.get(
+    "/{key}/netcdf",
+    summary="Download a sweep as NetCDF",
+    response_class=Response,
+    responses={
+        200: {
+            "content": {"application/x-netcdf": {"schema": BINARY}},
+            "description": "A CF-1.11 NetCDF-4 file",
+            "headers": {"ETag": {"schema": {"type": "string"}}},
+        },
+        206: {
+            "content": {"application/x-netcdf": {"schema": BINARY}},
+            "description": "The range of it that was asked for",
+            "headers": {"Content-Range": {"schema": {"type": "string"}}},
+        },
+        304: {"description": "The client has it: its ETag stands in If-None-Match"},
+        **problems(
+            s404="No such sweep",
+            s412="It is not the file that If-Match names",
+            s416="The range holds no byte of the file",
+            s422="The identifier is malformed, or the sweep is too large, or takes too long, for "
+            "one reply",
+            s507="There is no room for the file",
+        ),
+    },
+)
+@router.head("/{key}/netcdf", include_in_schema=False)
+async def get_netcdf(request: Request, key: Key, store: StoreOf, writer: WriterOf) -> Response:
+    """Return the whole sweep as a CF-1.11 NetCDF-4 file; the first request computes it.
+
+    One range of bytes can be asked for, so that a broken download resumes. The ETag is the SHA-256
+    of the file.
+    """
+    sweep = await run_in_threadpool(store.sweep, key)
+    manifest = await writer.result(key, sweep)
+    return await asyncio.to_thread(
+        file_reply,
+        request,
+        store.folder(key) / NETCDF,
+        digest=manifest.files[NETCDF]["sha256"],
+        media_type="application/x-netcdf",
+        filename=f"vibrafeed-{key[:12]}.nc",
+    )
+
+
+def prefers_binary(accept: str) -> bool:
+    """Return whether an Accept header names binary replies, and no JSON before them."""
+    weights = {"application/octet-stream": 0.0, "application/json": 0.0}
+    for item in accept.split(","):
+        name, *parameters = (part.strip().lower() for part in item.split(";"))
+        if name in weights:
+            given = [p.removeprefix("q=") for p in parameters if p.startswith("q=")]
+            try:
+                weights[name] = float(given[0]) if given else 1.0
+            except ValueError:
+                weights[name] = 0.0
+    return weights["application/octet-stream"] > weights["application/json"]
+
+
+def binary(piece: dict[str, Any]) -> bytes:
+    """Return a slice as a header in JSON and raw values after it; `docs/api.md` tells the form."""
+    values: list[bytes] = []
+    offset = 0
+
+    def placed(array: np.ndarray[Any, Any]) -> dict[str, Any]:
+        nonlocal offset
+        place = {"dtype": array.dtype.newbyteorder("<").str, "offset": offset}
+        raw = array.astype(array.dtype.newbyteorder("<"), copy=False).tobytes()
+        values.append(raw)
+        offset += len(raw)
+        return {**place, "shape": list(array.shape)}
+
+    header = {**piece}
+    header["axes"] = [{**axis, "values": placed(axis["values"])} for axis in piece["axes"]]
+    for name in ("values", "regime"):  # the single bytes last, so that floats are aligned
+        header[name] = {"dims": piece[name]["dims"], "data": placed(piece[name]["data"])}
+    text = orjson.dumps(header)
+    text += b" " * (-len(text) % 8)
+    return b"".join((len(text).to_bytes(8, "little"), text, *values))
+
+
+def _check_size(sweep: Sweep, settings: Settings) -> None:
+    """Raise `LimitError` if a sweep is too large to be kept."""
+    sweep.check_limits(cells=settings.max_sweep_cells, bytes_=sweep.bytes)
+    for name, size in sweep.grid.shape.items():
+        if size > settings.max_axis_values:
+            fix = f"Give {name} {settings.max_axis_values:,} values or fewer"
+            raise LimitError("values on one axis", size, settings.max_axis_values, fix)

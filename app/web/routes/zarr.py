@@ -1,0 +1,76 @@
+"""Sweeps as Zarr groups: chunks are computed when they are asked for, and nothing is stored."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+from fastapi import APIRouter, Path, Request
+from fastapi.responses import Response
+
+from app.jobs.errors import NotFoundError
+from app.web.dependencies import Key, ViewsOf
+from app.web.downloads import FOR_EVER, content_reply, etag_of, not_modified
+from app.web.replies import problems
+
+router = APIRouter(prefix="/sweeps", tags=["sweeps"])
+
+ZarrKey = Annotated[
+    str,
+    Path(
+        description="A key of the group: `zarr.json`, `{array}/zarr.json`, or `{array}/c/i/j/...` "
+        "with the position of a chunk. The arrays are the coordinates, the outputs and `regime`.",
+        max_length=300,
+        examples=["zarr.json"],
+    ),
+]
+
+
+@router.get(
+    "/{key}/zarr/{path:path}",
+    summary="Read a sweep as a Zarr group",
+    response_class=Response,
+    responses={
+        200: {
+            "content": {
+                # Bytes first: generated clients take the first for all.
+                "application/octet-stream": {"schema": {"type": "string", "format": "binary"}},
+                "application/json": {"schema": {"type": "object"}},
+            },
+            "description": "A document, or the values of a chunk, little-endian, not compressed",
+            "headers": {"ETag": {"schema": {"type": "string"}}},
+        },
+        304: {"description": "The client has it: its ETag stands in If-None-Match"},
+        **problems(s404="No such sweep, or no such key", s422="The key is too long"),
+    },
+)
+@router.head("/{key}/zarr/{path:path}", include_in_schema=False)
+def get_zarr(request: Request, key: Key, path: ZarrKey, views: ViewsOf) -> Response:
+    """Return a key of the read-only Zarr v3 group of a sweep.
+
+    Clients open the address without the key, as in `xarray.open_zarr(".../sweeps/{key}/zarr")`. A
+    chunk is computed when it is read, whatever the size of the sweep. HEAD tells sizes and ETags
+    without computing anything.
+    """
+    view = views.view(key)
+    missing = NotFoundError(
+        f"This sweep has no Zarr key '{path[:80]}'. Open the address that ends in /zarr with a "
+        "Zarr client; zarr.json names the arrays."
+    )
+    # A slash is a slash: an encoded one belongs to a name, and no name has one.
+    if b"%2f" in request.scope.get("raw_path", b"").lower():
+        raise missing
+    try:
+        length = view.length(path)
+    except KeyError:
+        raise missing from None
+    # The last bits of values are those of this version of numpy.
+    etag = etag_of(key, np.__version__, path)
+    known = not_modified(request, etag, FOR_EVER)
+    if known is not None:
+        return known
+    media_type = "application/json" if path.endswith(".json") else "application/octet-stream"
+    if request.method == "HEAD":
+        headers = {"ETag": etag, "Cache-Control": FOR_EVER, "Content-Length": str(length)}
+        return Response(headers=headers, media_type=media_type)
+    return content_reply(views.read(key, path), etag=etag, media_type=media_type)

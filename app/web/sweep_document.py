@@ -1,0 +1,82 @@
+"""What the service says of a sweep: its study, size, axes, outputs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import BaseModel
+
+from core.quantities import QUANTITIES
+from core.sweep import Sweep
+
+
+class SweepAxis(BaseModel):
+    """An axis of a sweep."""
+
+    name: str
+    unit: str
+    size: int
+
+
+class SweepOutput(BaseModel):
+    """An output of a sweep, with the axes that it depends on."""
+
+    name: str
+    unit: str
+    label: str
+    dims: list[str]
+    source: str | None
+
+
+class SweepDescription(BaseModel):
+    """What the service says of a sweep."""
+
+    id: str
+    study: dict[str, Any]
+    scene: str
+    variant: str
+    validity: str
+    cells: int
+    bytes: int
+    axes: list[SweepAxis]
+    outputs: list[SweepOutput]
+    regimes: list[str]
+    links: dict[str, str]
+
+
+def description(key: str, sweep: Sweep) -> dict[str, Any]:
+    """Return what the service says of a sweep."""
+    equations = {equation.gives: equation for equation in sweep.plan.equations}
+    return {
+        "id": key,
+        "study": sweep.study.content(),
+        "scene": sweep.plan.scene.name,
+        "variant": sweep.plan.variant,
+        "validity": sweep.plan.scene.validity,
+        "cells": sweep.cells,
+        "bytes": sweep.bytes,
+        "axes": [
+            {"name": name, "unit": QUANTITIES[name].unit, "size": axis.size}
+            for name, axis in sweep.grid.axes.items()
+        ],
+        "outputs": [
+            {
+                "name": name,
+                "unit": QUANTITIES[name].unit,
+                "label": QUANTITIES[name].label,
+                "dims": list(dims),
+                "source": equations[name].source if name in equations else None,
+            }
+            for name, dims in sweep.dims.items()
+        ],
+        "regimes": list(sweep.plan.regimes),
+        "links": {
+            name: f"/sweeps/{key}{end}"
+            for name, end in (
+                ("self", ""),
+                ("slice", "/slice"),
+                ("netcdf", "/netcdf"),
+                ("zarr", "/zarr"),
+            )
+        },
+    }

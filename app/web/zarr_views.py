@@ -1,0 +1,60 @@
+"""Views of sweeps and chunks of them that were read last, within a budget of memory."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+
+from app.jobs.store import Store
+from core.sweep.zarr_view import ZarrView
+
+MOST_VIEWS = 64  # each holds a study and the documents of its arrays: some 100 KB
+
+
+class ZarrViews:
+    """Reads the sweeps of a store as Zarr groups; remembers what was read last.
+
+    Threads may use it at the same time. Two that ask for the same chunk at once both compute it:
+    that takes milliseconds and gives the same bytes.
+    """
+
+    def __init__(self, store: Store, most_bytes: int):
+        self._store, self._most_bytes = store, most_bytes
+        self._lock = threading.Lock()
+        self._views: OrderedDict[str, ZarrView] = OrderedDict()
+        self._chunks: OrderedDict[tuple[str, str], bytes] = OrderedDict()
+        self._bytes = 0
+
+    def view(self, key: str) -> ZarrView:
+        """Return the view of a sweep; raise `NotFoundError` if there is no such sweep."""
+        is_there = self._store.used(key) > 0  # it may have been removed since it was last read
+        with self._lock:
+            view = self._views.get(key) if is_there else self._views.pop(key, None)
+            if view is not None and is_there:
+                self._views.move_to_end(key)
+                return view
+        view = ZarrView(self._store.sweep(key))
+        with self._lock:
+            self._views[key] = view
+            while len(self._views) > MOST_VIEWS:
+                self._views.popitem(last=False)
+        return view
+
+    def read(self, key: str, path: str) -> bytes:
+        """Return the bytes of a path in the group of a sweep; raise `KeyError` if it has none."""
+        place = (key, path)
+        self._store.note_use(key)
+        with self._lock:
+            content = self._chunks.get(place)
+            if content is not None:
+                self._chunks.move_to_end(place)
+                return content
+        content = self.view(key).read(path)
+        with self._lock:
+            if place not in self._chunks and len(content) <= self._most_bytes:
+                self._chunks[place] = content
+                self._bytes += len(content)
+                while self._bytes > self._most_bytes:
+                    _, dropped = self._chunks.popitem(last=False)
+                    self._bytes -= len(dropped)
+        return content

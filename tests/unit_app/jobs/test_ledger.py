@@ -1,0 +1,240 @@
+"""The ledger of jobs: what several servers and threads see of it."""
+
+import sqlite3
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from app.jobs.errors import QueueFullError
+from app.jobs.ledger import ACTIVE, Ledger, Wanted
+
+LEASE = 60.0
+
+
+@pytest.fixture
+def ledgers(tmp_path):
+    """Two servers' views of one ledger."""
+    pair = [Ledger(tmp_path / "jobs.sqlite3") for _ in range(2)]
+    yield pair
+    for ledger in pair:
+        ledger.close()
+
+
+def post(ledger, key="k", *, seconds=None):
+    return ledger.post(
+        key,
+        "simulate",
+        cells=100,
+        block_cells=10,
+        blocks=10,
+        bytes_=1000,
+        finished_seconds=seconds,
+    )
+
+
+def test_a_job_goes_its_way(ledgers):
+    here, there = ledgers
+    job = post(here)
+    assert there.job(job.id) == job
+    assert (job.state, job.done, job.started, job.problem) == ("accepted", 0, None, None)
+    work = there.claim("b", LEASE)
+    assert (work.key, work.block_cells, work.blocks) == ("k", 10, 10)
+    assert here.claim("a", LEASE) is None
+    there.advance(work, done=4, seconds=1.5)
+    there.advance(work, done=5, seconds=0.5)
+    running = here.job(job.id)
+    assert (running.state, running.done, running.seconds) == ("running", 5, 2.0)
+    there.succeed(work)
+    done = here.job(job.id)
+    assert (done.state, done.done, done.seconds) == ("successful", 10, 2.0)
+    assert done.created <= done.started <= done.finished
+    assert here.promised() == {}
+
+
+def test_the_pace_is_that_of_the_claim(ledgers):
+    """What was there when a server took work up says nothing of how fast it goes now."""
+    here, there = ledgers
+    job = post(here)
+    first = here.claim("a", LEASE)
+    here.advance(first, done=0, seconds=0.0)
+    here.advance(first, done=7, seconds=0.0)
+    here.release(first.owner)
+    second = there.claim("b", LEASE)
+    assert here.job(job.id).began is None
+    before = time.time()
+    there.advance(second, done=6, seconds=0.0)
+    there.advance(second, done=8, seconds=0.0)
+    found = here.job(job.id)
+    assert (found.done_then, found.done) == (6, 8)
+    assert before <= found.began <= time.time()
+    there.succeed(second)
+    assert here.job(job.id).began is None
+
+
+def test_equal_studies_are_computed_once(ledgers):
+    here, there = ledgers
+    jobs = [post(here), post(there)]
+    work = here.claim("a", LEASE)
+    assert there.claim("b", LEASE) is None
+    late = post(there)
+    assert late.state == "running"
+    here.succeed(work)
+    states = {there.job(job.id).state for job in (*jobs, late)}
+    assert states == {"successful"}
+    at_once = post(here, seconds=3.0)
+    assert (at_once.state, at_once.seconds, at_once.done) == ("successful", 3.0, 10)
+    assert here.promised() == {}
+
+
+@pytest.mark.parametrize("late", ["b", "a"])
+def test_a_lease_that_runs_out_is_taken_over_and_its_owner_has_no_say_any_more(ledgers, late):
+    """Also not where the same server has claimed it again."""
+    here, there = ledgers
+    job = post(here)
+    work = here.claim("a", 0.05)
+    assert here.renew(work, 0.05)
+    time.sleep(0.1)
+    assert there.claim(late, LEASE).key == "k"
+    assert not here.holds(work)
+    assert not here.renew(work, LEASE)
+    here.advance(work, done=9, seconds=9.0)
+    here.fail(work, {"status": 500, "kind": "x", "title": "x", "detail": "x"})
+    assert (there.job(job.id).state, there.job(job.id).done) == ("running", 0)
+
+
+def test_leases_are_given_up(ledgers):
+    here, there = ledgers
+    post(here, "k"), post(here, "l")
+    work, _ = here.claim("a", LEASE), here.claim("a", LEASE)
+    here.release(work.owner)
+    assert there.claim("b", LEASE).key == "k"
+    here.release("a")
+    assert there.claim("b", LEASE).key == "l"
+    here.release()
+    assert {here.claim("a", LEASE).key, here.claim("a", LEASE).key} == {"k", "l"}
+
+
+def test_a_failure_is_told_to_every_job_of_the_study_and_a_new_one_tries_again(ledgers):
+    here, _ = ledgers
+    first = post(here)
+    work = here.claim("a", LEASE)
+    problem = {"status": 507, "kind": "storage", "title": "No", "detail": "Full."}
+    here.fail(work, problem)
+    assert here.job(first.id).problem == problem
+    again = post(here)
+    assert (again.state, here.job(first.id).state) == ("accepted", "failed")
+
+
+def test_work_is_given_up_when_its_last_job_is_dismissed(ledgers):
+    here, there = ledgers
+    one, other = post(here), post(there)
+    work = here.claim("a", LEASE)
+    assert there.dismiss(one.id).state == "dismissed"
+    assert here.holds(work)
+    assert here.renew(work, LEASE)
+    there.dismiss(other.id)
+    assert not here.holds(work)
+    assert not here.renew(work, LEASE)
+    assert here.counts()["dismissed"] == 2
+    assert here.dismiss("nobody") is None
+    assert here.job("nobody") is None
+
+
+def test_the_queue_is_bounded_by_different_studies(ledgers):
+    here, there = ledgers
+    post(here, "k"), post(here, "l"), post(there, "k"), post(there, "m", seconds=1.0)
+    here.check_queue(3)
+    with pytest.raises(QueueFullError, match="2 studies"):
+        there.check_queue(2)
+    assert here.promised() == {"k": 1000, "l": 1000}
+
+
+def test_inside_a_transaction_nobody_else_changes_anything(ledgers):
+    here, there = ledgers
+    with ThreadPoolExecutor() as pool:
+        with here.transaction():
+            late = pool.submit(post, there)
+            assert here.promised() == {}
+            time.sleep(0.2)
+            assert here.promised() == {}
+            post(here, "l")
+            with pytest.raises(ZeroDivisionError), here.transaction():
+                _ = 1 / 0  # inside the other: it is the outer one that decides
+        assert late.result().state == "accepted"
+    assert set(here.promised()) == {"k", "l"}
+
+
+def test_lists(ledgers):
+    here, _ = ledgers
+    jobs = [post(here, str(number)) for number in range(5)]
+    assert [job.id for job in here.jobs(limit=3)] == [job.id for job in jobs[:1:-1]]
+    assert [job.id for job in here.jobs(limit=3, offset=3)] == [jobs[1].id, jobs[0].id]
+    here.dismiss(jobs[0].id)
+    assert [job.id for job in here.jobs(Wanted(states=("dismissed",)), limit=9)] == [jobs[0].id]
+    assert here.jobs(Wanted(processes=("sweep",)), limit=9) == []
+    here.forget(time.time() + 1, 9)
+    assert len(here.jobs(limit=9)) == 4  # those that are active stay
+
+
+def test_of_jobs_that_are_over_so_many_are_kept(ledgers):
+    here, _ = ledgers
+    active = post(here)
+    over = [post(here, str(number), seconds=1.0) for number in range(5)]
+    here.forget(0.0, 2)
+    assert {job.id for job in here.jobs(limit=9)} == {active.id, over[3].id, over[4].id}
+
+
+def test_many_threads_of_two_servers_lose_nothing(ledgers):
+    """With a plain BEGIN most of these would fail at once: a read that turns into a write."""
+    taken, lock = [], threading.Lock()
+
+    def work(number):
+        ledger = ledgers[number % 2]
+        job = post(ledger, str(number))
+        item = ledger.claim(f"owner {number}", LEASE)
+        with lock:
+            taken.append(item.key)
+        ledger.succeed(item)
+        return job.id
+
+    with ThreadPoolExecutor(16) as pool:
+        numbers = list(pool.map(work, range(200)))
+    assert sorted(taken) == sorted(map(str, range(200)))
+    assert {ledgers[0].job(number).state for number in numbers} == {"successful"}
+    assert not any(ledgers[0].counts()[state] for state in ACTIVE)
+
+
+def test_a_change_that_fails_changes_nothing(ledgers):
+    here, there = ledgers
+    job = post(here)
+
+    def fail():
+        with here.transaction() as database:
+            here.dismiss(job.id)
+            database.execute("nonsense")
+
+    with pytest.raises(sqlite3.Error):
+        fail()
+    assert there.job(job.id).state == "accepted"
+    assert there.claim("b", LEASE).key == "k"
+
+
+def test_who_makes_a_ledger_at_the_same_moment_waits_for_the_other(tmp_path):
+    """SQLite does not wait: without a lock of ours every fifth of these opens failed."""
+    barrier = threading.Barrier(3)
+
+    def use(path):
+        ledger = Ledger(path)
+        barrier.wait(20)
+        try:
+            ledger.counts()
+        finally:
+            ledger.close()
+
+    with ThreadPoolExecutor(3) as pool:
+        for number in range(40):
+            opened = [pool.submit(use, tmp_path / str(number) / "jobs.sqlite3") for _ in range(3)]
+            for future in opened:
+                future.result()

@@ -1,0 +1,243 @@
+"""What carries out work, with workers that do as they are told."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import sqlite3
+import threading
+import time
+from collections.abc import Callable, Coroutine
+from pathlib import Path
+from typing import Any
+
+from app.jobs import work
+from app.jobs.carrier import MOST_TORN
+from app.jobs.desk import Desk
+from app.jobs.errors import OtherVersionError, TornBlockError
+from app.jobs.ledger import ACTIVE, Job, Ledger
+from app.jobs.runner import Runner
+from app.jobs.store import Store
+from app.settings import Settings
+from core.kinds import prepare_content
+
+STUDY = {
+    "kind": "simulate",
+    "scene": "rectangle-on-plane",
+    "outputs": ["conveying_velocity"],
+    "parameters": {
+        "frequency": 50,
+        "amplitude": {"start": "0.1 mm", "stop": "0.4 mm", "num": 4},
+        "beta": 30,
+        "friction": 0.4,
+    },
+}
+
+
+class Future:
+    """Runs a function in a thread."""
+
+    def __init__(self, function: Callable[..., Any], arguments: tuple[Any, ...]):
+        self._task = asyncio.ensure_future(asyncio.to_thread(function, *arguments))
+
+    def __await__(self) -> Any:
+        return self._task.__await__()
+
+    async def cancel(self) -> None:
+        self._task.cancel()
+
+
+class Workers:
+    """Stands for the cluster; `instead` takes the place of functions by their names."""
+
+    def __init__(self, count: int = 2, **instead: Callable[..., Any]):
+        self.count, self.instead = count, instead
+        self.calls: list[str] = []
+
+    async def client(self) -> Workers:
+        return self
+
+    async def workers(self) -> int:
+        return self.count
+
+    async def close(self) -> None:
+        pass
+
+    def submit(self, function: Callable[..., Any], *arguments: Any, pure: bool) -> Any:
+        name = function.__name__
+        self.calls.append(name)
+        if self.count == 0:
+            return asyncio.ensure_future(asyncio.sleep(1000))
+        return Future(self.instead.get(name, function), arguments)
+
+
+Play = Callable[[Runner, Desk, Job], Coroutine[Any, Any, None]]
+
+
+def carried_out(folder: Path, workers: Workers, play: Play | None = None, **settings: Any) -> Job:
+    """Post a job, wait for its end or play along; return how it stands then."""
+
+    async def scene() -> Job:
+        limits = Settings(data_directory=folder, **settings)
+        ledger, store = Ledger(folder / "jobs.sqlite3"), Store(folder)
+        runner = Runner(ledger, store, workers, limits)  # type: ignore[arg-type]
+        desk = Desk(ledger, store, limits, runner.wake)
+        await runner.start()
+        try:
+            job = desk.post(prepare_content(STUDY), "simulate")
+            if play is not None:
+                await play(runner, desk, job)
+            else:
+                await until(lambda: ledger.job(job.id).state not in ACTIVE)
+            found = ledger.job(job.id)
+            assert found is not None
+            return found
+        finally:
+            await runner.stop()
+            ledger.close()
+
+    return asyncio.run(scene())
+
+
+async def until(condition: Callable[[], bool], seconds: float = 30.0) -> float:
+    """Wait for a condition; return how long that took."""
+    started = time.monotonic()
+    while not condition():
+        assert time.monotonic() - started < seconds
+        await asyncio.sleep(0.02)
+    return time.monotonic() - started
+
+
+def test_work_is_carried_out(tmp_path):
+    workers = Workers()
+    job = carried_out(tmp_path, workers)
+    assert (job.state, job.done) == ("successful", job.blocks)
+    assert workers.calls == ["compute_block"] * job.blocks + ["write_result"]
+    assert Store(tmp_path).manifest(job.key) is not None
+
+
+def test_time_runs_out_also_while_nothing_is_done(tmp_path):
+    job = carried_out(tmp_path, Workers(0), max_job_seconds=0.5)
+    assert job.state == "failed"
+    assert (job.problem["status"], job.problem["kind"]) == (422, "limit")
+    assert "Posted again" in job.problem["detail"]
+
+
+def test_that_there_are_no_workers_is_told_while_work_waits_for_them(tmp_path, monkeypatch):
+    monkeypatch.setattr("app.jobs.carrier.LOOK_AT_WORKERS", 0.1)
+
+    async def play(runner: Runner, desk: Desk, job: Job) -> None:
+        assert runner.wrong() is None
+        await until(lambda: runner.wrong() == "there are no workers")
+        desk.dismiss(job.id)
+        await until(lambda: runner.wrong() is None)
+
+    carried_out(tmp_path, Workers(0), play, lease_seconds=0.4)
+
+
+def test_workers_that_go_and_come_again_are_noticed(tmp_path, monkeypatch):
+    monkeypatch.setattr("app.jobs.carrier.LOOK_AT_WORKERS", 0.1)
+    go_on = threading.Event()
+    workers = Workers(1, compute_block=lambda *_: go_on.wait(30))
+
+    async def play(runner: Runner, desk: Desk, job: Job) -> None:
+        await until(lambda: "compute_block" in workers.calls)
+        assert runner.wrong() is None
+        workers.count = 0
+        await until(lambda: runner.wrong() == "there are no workers")
+        workers.count = 1
+        await until(lambda: runner.wrong() is None)
+        go_on.set()
+
+    carried_out(tmp_path, workers, play)
+
+
+def test_a_scheduler_that_goes_away_is_no_failure_of_the_job(tmp_path, monkeypatch):
+    monkeypatch.setattr("app.jobs.runner.RETRY", 0.1)
+    workers = Workers()
+    count, asked = workers.workers, []
+
+    async def gone() -> int:
+        asked.append(True)
+        if len(asked) == 1:
+            raise OSError("the scheduler is gone")
+        return await count()
+
+    monkeypatch.setattr(workers, "workers", gone)
+    assert carried_out(tmp_path, workers).state == "successful"
+    assert len(asked) > 1
+
+
+def test_a_dismissal_is_noticed_soon(tmp_path):
+    """By another server, which cannot wake this one, and long before the lease is renewed."""
+
+    async def play(runner: Runner, desk: Desk, job: Job) -> None:
+        await until(lambda: desk.ledger.job(job.id).state == "running")
+        await asyncio.sleep(0.1)
+        desk.ledger.dismiss(job.id)
+        assert await until(lambda: not runner._active) < 2.5
+
+    carried_out(tmp_path, Workers(0), play, lease_seconds=600)
+
+
+def test_a_ledger_that_is_held_for_long_fails_no_job(tmp_path, monkeypatch):
+    advance, asked = Ledger.advance, []
+
+    def held(*arguments: Any, **options: Any) -> None:
+        asked.append(True)
+        if len(asked) == 1:
+            raise sqlite3.OperationalError("database is locked")
+        advance(*arguments, **options)
+
+    monkeypatch.setattr(Ledger, "advance", held)
+    assert carried_out(tmp_path, Workers(), lease_seconds=0.5).state == "successful"
+    assert len(asked) > 1
+
+
+def test_what_another_server_has_finished_is_no_failure(tmp_path):
+    def late(*arguments: Any) -> float:
+        work.write_result(*arguments)
+        raise OSError(2, "the blocks are gone")
+
+    assert carried_out(tmp_path, Workers(write_result=late)).state == "successful"
+
+
+def test_a_disk_that_loses_blocks_is_given_up(tmp_path):
+    def torn(*arguments: Any) -> float:
+        raise TornBlockError("block 0 is not what was written")
+
+    workers = Workers(write_result=torn)
+    job = carried_out(tmp_path, workers)
+    assert (job.problem["status"], job.problem["kind"]) == (507, "storage")
+    assert workers.calls.count("write_result") == MOST_TORN
+
+
+def test_many_damaged_blocks_are_computed_again(tmp_path):
+    torn = [TornBlockError(f"block {number} is not what was written") for number in range(9)]
+
+    def mended(*arguments: Any) -> float:
+        if torn:
+            raise torn.pop()
+        return work.write_result(*arguments)
+
+    assert carried_out(tmp_path, Workers(write_result=mended)).state == "successful"
+
+
+def test_too_many_open_files_fail_no_job(tmp_path, monkeypatch):
+    monkeypatch.setattr("app.jobs.runner.RETRY", 0.1)
+    open_files = [OSError(errno.EMFILE, "Too many open files")]
+
+    def full(*arguments: Any) -> float:
+        if open_files:
+            raise open_files.pop()
+        return work.compute_block(*arguments)
+
+    assert carried_out(tmp_path, Workers(compute_block=full)).state == "successful"
+
+
+def test_a_study_of_another_version_is_told(tmp_path):
+    def other(*arguments: Any) -> float:
+        raise OtherVersionError("Post it again.")
+
+    job = carried_out(tmp_path, Workers(compute_block=other))
+    assert (job.problem["status"], job.problem["kind"]) == (409, "version")

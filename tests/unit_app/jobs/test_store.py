@@ -1,0 +1,411 @@
+"""What the service keeps on the disk, and how it keeps it within limits."""
+
+import json
+import os
+import threading
+import time
+from collections import namedtuple
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.jobs import work
+from app.jobs.desk import Desk
+from app.jobs.errors import (
+    NoRoomError,
+    NotFoundError,
+    OtherVersionError,
+    QueueFullError,
+    TornBlockError,
+)
+from app.jobs.ledger import Ledger
+from app.jobs.manifest import NETCDF
+from app.jobs.store import Store, identifier
+from app.settings import Settings
+from app.web.zarr_views import ZarrViews
+from core.dataset.netcdf import write_netcdf
+from core.kinds import prepare_content, tabulate
+from core.plan.pieces import Computed, Cut
+
+SWEEP = {
+    "kind": "sweep",
+    "scene": "rectangle-on-plane",
+    "outputs": ["acceleration_x"],
+    "parameters": {
+        "frequency": {"start": 20, "stop": 60, "num": 5},
+        "amplitude": "0.5 mm",
+        "beta": {"start": 5, "stop": 60, "num": 7},
+        "friction": 0.4,
+    },
+}
+OTHER = "0" * 64
+SIMULATION = {**SWEEP, "kind": "simulate", "outputs": ["conveying_velocity"]}
+
+
+@pytest.fixture
+def store(tmp_path):
+    return Store(tmp_path)
+
+
+def carried_out(store, content, *, cells=10):
+    """Carry a study out as workers do; return its identifier."""
+    prepared = prepare_content(content)
+    key, _ = store.add(prepared.study)
+    directory = str(store.directory.parent)
+    for index in reversed(range(len(Cut(prepared, cells)))):
+        work.compute_block(directory, key, content["kind"], cells, index)
+    work.write_result(directory, key, content["kind"], cells, 1.0)
+    return key
+
+
+def test_studies_asked_for_last_stay_prepared_unless_they_are_long_or_gone(store, monkeypatch):
+    monkeypatch.setattr("app.jobs.store.MOST_KNOWN", 2)
+    long = {**SWEEP["parameters"], "friction": [number / 10_000 for number in range(5000)]}
+    studies = [SWEEP, SIMULATION, {**SWEEP, "parameters": long}]
+    short, other, longer = (store.add(prepare_content(study).study)[0] for study in studies)
+    first = store.get(short)
+    assert store.get(short) is first
+    assert store.get(longer) is not store.get(longer)
+    assert store.get(short) is first  # the long one has not taken its place
+    store.get(other)
+    third = {**SWEEP, "parameters": {**SWEEP["parameters"], "friction": 0.9}}
+    store.get(store.add(prepare_content(third).study)[0])
+    assert store.get(short) is not first
+    store.remove(short)
+    with pytest.raises(NotFoundError):
+        store.get(short)
+
+
+@pytest.mark.parametrize("content", [SWEEP, SIMULATION])
+@pytest.mark.parametrize("cells", [3, 10, 1000])
+def test_the_file_of_a_job_is_that_of_the_command_line_but_for_its_history(
+    store, content, cells, tmp_path
+):
+    key = carried_out(store, content, cells=cells)
+    write_netcdf(tabulate(prepare_content(content)), tmp_path / "whole.nc")
+    assert (store.folder(key) / NETCDF).read_bytes() == (tmp_path / "whole.nc").read_bytes()
+    manifest = store.manifest(key)
+    assert manifest.files[NETCDF]["bytes"] == (tmp_path / "whole.nc").stat().st_size
+    assert sorted(path.name for path in store.folder(key).iterdir()) == [
+        "manifest.json", "result.json", NETCDF, "study.json"
+    ]  # fmt: skip
+    document = json.loads((store.folder(key) / "result.json").read_bytes())
+    assert "elapsed_seconds" not in document["attributes"]
+
+
+def test_identifiers_tell_studies_and_processes_apart():
+    study, other = prepare_content(SWEEP).study, prepare_content(SIMULATION).study
+    keys = {identifier(study), identifier(other), identifier(study, "accuracy")}
+    assert len(keys) == 3
+    assert identifier(study, "sweep") == identifier(study)
+
+
+def test_only_identifiers_reach_the_disk(store):
+    for name in ("../studies", "a" * 63, "g" * 64, "", "A" * 64, "a" * 64 + "\n"):
+        for look in (store.get, store.folder, store.sweep, store.manifest):
+            with pytest.raises(NotFoundError):
+                look(name)
+    with pytest.raises(NotFoundError):
+        store.get("a" * 64)
+
+
+def test_a_simulation_is_no_sweep(store):
+    key, _ = store.add(prepare_content(SIMULATION).study)
+    assert store.get(key).cells == 35
+    with pytest.raises(NotFoundError):
+        store.sweep(key)
+    other, _ = store.add(prepare_content(SWEEP).study, "accuracy")
+    for _ in range(2):  # the second time it is known
+        with pytest.raises(NotFoundError):
+            store.sweep(other)
+    assert store.get(other).study.kind == "sweep"
+
+
+BIT = "a bit"
+
+
+@pytest.mark.parametrize("torn", [b"", b"PK\x03\x04", b"nonsense" * 100, BIT])
+@pytest.mark.parametrize("at", [0, 40, 900, -20])
+def test_a_damaged_block_is_found_and_removed(store, torn, at):
+    """Wherever the damage is: the archive's own sums do not cover its headers."""
+    key, _ = store.add(prepare_content(SWEEP).study)
+    computed = Computed({"x": np.arange(1000.0)}, {"note": "a"})
+    store.write_block(key, 5, 0, computed)
+    read = store.read_block(key, 5, 0)
+    np.testing.assert_array_equal(read.arrays["x"], computed.arrays["x"])
+    assert read.notes == computed.notes
+    path = next((store.folder(key) / "blocks").rglob("*.block"))
+    content = bytearray(path.read_bytes())
+    content[at] ^= 1
+    path.write_bytes(content if torn == BIT else torn)
+    with pytest.raises(TornBlockError):
+        store.read_block(key, 5, 0)
+    assert not store.has_block(key, 5, 0)
+
+
+def test_blocks_of_another_size_are_not_taken(store):
+    key, _ = store.add(prepare_content(SWEEP).study)
+    store.write_block(key, 5, 0, Computed({"x": np.zeros(5)}))
+    assert not store.has_block(key, 6, 0)
+
+
+def test_what_killed_writers_left_is_swept_up_and_nothing_else(store):
+    key = carried_out(store, SWEEP)
+    folder = store.folder(key)
+    before = sorted(p.name for p in folder.iterdir())
+    for name in (".result.nc.123.part", ".study.json.1.2.part"):
+        (folder / name).write_bytes(b"torn")
+    (folder / ".abc.part").mkdir()
+    (folder / ".abc.part" / "picture.png").write_bytes(b"torn")
+    os.utime(folder / ".result.nc.123.part", (1, 1))
+    assert store.remove_leftovers() == 1  # somebody may be writing the others
+    assert store.remove_leftovers(0) == 2
+    assert sorted(p.name for p in folder.iterdir()) == before
+
+
+def test_whoever_finishes_a_study_second_changes_nothing(store):
+    """Two servers may both take a study for theirs when one was late with its lease."""
+    prepared = prepare_content(SWEEP)
+    key, _ = store.add(prepared.study)
+    table = tabulate(prepared)
+
+    def finish(number):
+        return store.finish(
+            key, table, process="sweep", cells=35, blocks=number, seconds=1.0, more=pages
+        )
+
+    def pages(dataset, folder):
+        assert dataset.exists()
+        (folder / "page.md").write_text("page")
+        return [folder / "page.md"]
+
+    with ThreadPoolExecutor() as pool:
+        manifests = list(pool.map(finish, range(4)))
+    assert len({manifest.blocks for manifest in manifests}) == 1
+    store.write_block(key, 5, 0, Computed({"x": np.zeros(5)}))  # of a late worker
+    assert finish(9) == manifests[0]
+    assert sorted(path.name for path in store.folder(key).iterdir()) == [
+        "manifest.json", "page.md", "result.json", NETCDF, "study.json"
+    ]  # fmt: skip
+    assert {name: file["bytes"] for name, file in manifests[0].files.items()} == {
+        name: (store.folder(key) / name).stat().st_size for name in manifests[0].files
+    }
+
+
+def test_a_result_whose_manifest_is_damaged_is_made_again(store):
+    key = carried_out(store, SWEEP)
+    before = store.manifest(key)
+    for content in ("", "{", "[]", '{"key": 1}'):
+        (store.folder(key) / "manifest.json").write_text(content)
+        assert store.manifest(key) is None
+        store.write_block(key, 5, 0, Computed({"x": np.zeros(5)}))
+        store.drop_blocks(key)
+        assert store.has_block(key, 5, 0)
+    assert carried_out(store, SWEEP) == key
+    assert store.manifest(key).files == before.files
+
+
+def test_a_folder_that_was_removed_while_its_lock_was_waited_for_is_not_used(store):
+    key, _ = store.add(prepare_content(SWEEP).study)
+    entered, seen = threading.Event(), []
+
+    def wait():
+        with store._locked(key) as folder:
+            seen.append((folder / "study.json").exists())
+            entered.set()
+
+    with store._locked(key):
+        thread = threading.Thread(target=wait)
+        thread.start()
+        assert not entered.wait(0.2)
+        store.remove(key)
+        store.add(prepare_content(SWEEP).study)
+        with store._locked(key):  # that of the new folder
+            pass
+        again = store._locked(key)
+        again.__enter__()
+    assert not entered.wait(0.2)
+    again.__exit__(None, None, None)
+    thread.join(10)
+    assert seen == [True]
+
+
+def test_a_block_is_written_though_the_folder_goes_at_that_moment(store, monkeypatch):
+    key, _ = store.add(prepare_content(SWEEP).study)
+    mkdir = Path.mkdir
+    gone = []
+
+    def removed_at_once(path, *arguments, **options):
+        mkdir(path, *arguments, **options)
+        if path.name == "5" and not gone:
+            path.rmdir()
+            gone.append(path)
+
+    monkeypatch.setattr(Path, "mkdir", removed_at_once)
+    store.write_block(key, 5, 0, Computed({"x": np.zeros(5)}))
+    assert gone
+    assert store.has_block(key, 5, 0)
+    store.remove(key)
+    with pytest.raises(FileNotFoundError):
+        store.write_block(key, 5, 0, Computed({"x": np.zeros(5)}))
+    assert not store.folder(key).exists()
+
+
+def test_a_study_of_another_version_is_not_carried_out(store, monkeypatch):
+    key, _ = store.add(prepare_content(SWEEP).study)
+    monkeypatch.setattr("core.__version__", "99.0")
+    work._study.cache_clear()
+    directory = str(store.directory.parent)
+    for function in (work.compute_block, work.write_result):
+        with pytest.raises(OtherVersionError, match=r"than 99\.0.*Post it again"):
+            function(directory, key, "sweep", 10, 0)
+
+
+def test_a_write_that_fails_leaves_nothing(store, monkeypatch):
+    study = prepare_content(SWEEP).study
+
+    def full(descriptor):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OSError, match="No space"):
+        store.add(study)
+    assert [path for path in store.directory.rglob("*") if path.is_file()] == []
+
+
+class TestDesk:
+    @pytest.fixture
+    def desk(self, store, tmp_path):
+        ledger = Ledger(tmp_path / "jobs.sqlite3")
+        yield lambda **values: Desk(
+            ledger, store, Settings(data_directory=tmp_path, **values), lambda: None
+        )
+        ledger.close()
+
+    def test_a_study_that_is_there_is_successful_at_once(self, desk, store):
+        carried_out(store, SWEEP)
+        assert desk().post(prepare_content(SWEEP), "sweep").state == "successful"
+        assert desk().post(prepare_content(SIMULATION), "simulate").state == "accepted"
+
+    def test_results_used_longest_ago_make_room(self, desk, store):
+        old, new = carried_out(store, SWEEP), carried_out(store, SIMULATION)
+        os.utime(store.folder(old) / "study.json", (1, 1))
+        taken = store.bytes(old) + store.bytes(new)
+        desk(disk_quota_bytes=taken + 10).make_room(OTHER, 100)
+        assert store.manifest(old) is None
+        assert store.manifest(new) is not None
+
+    def test_what_cannot_fit_removes_nothing(self, desk, store):
+        kept = carried_out(store, SWEEP)
+        with pytest.raises(NoRoomError, match="quota"):
+            desk(disk_quota_bytes=50).make_room(OTHER, 100)
+        with pytest.raises(NoRoomError, match="the disk lacks"):
+            desk(disk_quota_bytes=10**29 + 10).make_room(OTHER, 10**29)
+        assert store.manifest(kept) is not None
+
+    def test_a_full_queue_removes_nothing(self, desk, store):
+        kept = carried_out(store, SWEEP)
+        needed = 2 * prepare_content(SIMULATION).bytes
+        full = desk(max_queue=1, disk_quota_bytes=store.bytes(kept) + needed + 100)
+        full.post(prepare_content(SIMULATION), "simulate")
+        other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
+        with pytest.raises(QueueFullError):
+            full.post(prepare_content(other), "simulate")
+        assert store.manifest(kept) is not None
+        assert len(store.studies()) == 2  # the refused one is not kept
+
+    def test_the_study_that_is_posted_makes_no_room_for_itself(self, desk, store):
+        """Its folder is the oldest one: it was given up half done."""
+        key = identifier(prepare_content(SIMULATION).study)
+        store.add(prepare_content(SIMULATION).study)
+        store.write_block(key, 5, 0, Computed({"x": np.zeros(2000)}))
+        os.utime(store.folder(key) / "study.json", (1, 1))
+        other = carried_out(store, SWEEP)
+        needed = 2 * prepare_content(SIMULATION).bytes
+        desk(disk_quota_bytes=needed + 100).post(prepare_content(SIMULATION), "simulate")
+        assert store.has_block(key, 5, 0)
+        assert not store.folder(other).exists()
+
+    def test_what_is_dismissed_makes_nothing_leave(self, desk, store):
+        """What it was promised is on no disk, and no promise any more."""
+        kept, needed = carried_out(store, SWEEP), 2 * prepare_content(SIMULATION).bytes
+        service = desk(disk_quota_bytes=store.bytes(kept) + 2 * needed + 2000)
+        for friction in (0.5, 0.6, 0.7, 0.8):
+            other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": friction}}
+            service.dismiss(service.post(prepare_content(other), "simulate").id)
+        assert store.manifest(kept) is not None
+
+    def test_the_disk_is_promised_once(self, desk, store, monkeypatch):
+        needed = 2 * prepare_content(SIMULATION).bytes
+        usage = namedtuple("usage", "total used free")
+        free = [int(1.5 * needed)]
+        monkeypatch.setattr("shutil.disk_usage", lambda _: usage(0, 0, free[0]))
+        service = desk()
+        key = service.post(prepare_content(SIMULATION), "simulate").key
+        other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
+        with pytest.raises(NoRoomError, match="the disk lacks"):
+            service.post(prepare_content(other), "simulate")
+        # What has been written of a promise is owed no more.
+        (store.folder(key) / "blocks").write_bytes(bytes(needed))
+        monkeypatch.setattr("app.jobs.room.RIGHT_FOR", 0.0)
+        assert service.post(prepare_content(other), "simulate").state == "accepted"
+
+    def test_what_is_promised_to_work_is_not_promised_again(self, desk, store):
+        """However many servers: it stands in the ledger."""
+        needed = 2 * prepare_content(SIMULATION).bytes
+        tight, loose = ({"disk_quota_bytes": needed + spare} for spare in (10, 1000))
+        desk(**tight).post(prepare_content(SIMULATION), "simulate")
+        other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
+        with pytest.raises(NoRoomError, match="promised to work under way"):
+            desk(**tight).post(prepare_content(other), "simulate")
+        with pytest.raises(NoRoomError):
+            desk(**tight).keep(prepare_content(SWEEP))
+        assert desk(**loose).keep(prepare_content(SWEEP))[1]
+        assert store.get(identifier(prepare_content(SIMULATION).study)).cells == 35
+
+    def test_what_nobody_has_used_is_removed(self, desk, store):
+        old, new = carried_out(store, SWEEP), carried_out(store, SIMULATION)
+        job = desk().post(prepare_content(SWEEP), "sweep")
+        year_ago = time.time() - 365 * 86_400
+        os.utime(store.folder(old) / "study.json", (year_ago, year_ago))
+        desk().tidy()
+        assert not store.folder(old).exists()
+        assert store.manifest(new) is not None
+        assert desk().ledger.job(job.id) is not None  # it is young
+        desk(retention_days=1e-9).tidy()
+        assert desk().ledger.job(job.id) is None
+
+    def test_use_is_noted(self, store):
+        key = carried_out(store, SWEEP)
+        year_ago = time.time() - 365 * 86_400
+        views = ZarrViews(store, 10**6)
+        views.read(key, "zarr.json")
+        uses = (
+            lambda: store.get(key),
+            lambda: store.manifest(key),  # a download
+            lambda: views.read(key, "zarr.json"),  # from memory
+        )
+        for use in uses:
+            os.utime(store.folder(key) / "study.json", (year_ago, year_ago))
+            use()
+            assert time.time() - store.used(key) < 60
+
+    def test_tidying_removes_what_late_workers_left_and_what_killed_writers_left(self, desk, store):
+        done, half = carried_out(store, SWEEP), store.add(prepare_content(SIMULATION).study)[0]
+        for key in (done, half):
+            store.write_block(key, 5, 0, Computed({"x": np.zeros(5)}))
+        (store.folder(half) / ".x.part").write_bytes(b"")
+        os.utime(store.folder(half) / ".x.part", (1, 1))
+        desk().tidy()
+        assert not (store.folder(done) / "blocks").exists()
+        assert store.has_block(half, 5, 0)  # it may be posted again
+        assert not (store.folder(half) / ".x.part").exists()
+
+    def test_what_is_just_being_added_is_in_use(self, desk, store):
+        """Its folder is made before its file: tidying at that moment took it from the writer."""
+        folder = store.directory / ("0" * 64)
+        folder.mkdir(parents=True)
+        desk().tidy()
+        assert folder.exists()

@@ -1,0 +1,90 @@
+"""The documents keep up with the code: names, routes, examples."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from app.main import create_app
+from app.settings import Settings
+from benchmarks.quantities_page import PAGE, page
+from core.kinds import prepare_content
+from core.motion import simulate
+from core.quantities import MOTION_STATUSES, REGIMES
+from core.scenes import SCENES
+from core.study import parse_study
+from core.sweep import sweep
+
+ROOT = Path(__file__).parents[3]
+
+
+def blocks(path: str, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", (ROOT / path).read_text(), re.DOTALL)
+
+
+def test_the_quantities_page_is_up_to_date():
+    assert PAGE.read_text(encoding="utf-8") == page()
+
+
+def test_every_route_is_documented(tmp_path):
+    routes = create_app(Settings(data_directory=tmp_path)).openapi()["paths"]
+    text = (ROOT / "docs/api.md").read_text()
+    for path, methods in routes.items():
+        for method in methods:
+            assert f"`{method.upper()} {path}`" in text
+
+
+def test_the_readme_shows_a_study_that_runs():
+    study, motion = blocks("README.md", "toml")
+    assert prepare_content(tomllib.loads(study)).cells == 101 * 3 * 21 * 41
+    assert prepare_content(tomllib.loads(motion)).cells == 71 * 56
+
+
+def test_the_page_on_motion_shows_a_study_and_rates_that_run():
+    (study,) = blocks("docs/motion.md", "toml")
+    found = simulate(parse_study(tomllib.loads(study)))
+    assert found.sizes == {"cycle_time": 401}
+    namespace: dict[str, object] = {}
+    exec(blocks("docs/motion.md", "python")[0], namespace)
+    text = (ROOT / "docs/motion.md").read_text()
+    for name, flag in MOTION_STATUSES.items():
+        assert f"`{name}`" in text or flag.valid, name
+
+
+def test_the_readme_shows_the_two_commands_first():
+    text = (ROOT / "README.md").read_text()
+    assert re.search(r"```\n(.*?)```", text, re.DOTALL)[1].split() == [
+        "make",
+        "run",
+        "make",
+        "test",
+    ]
+
+
+def test_the_scene_of_the_guide_works_as_it_stands(monkeypatch):
+    namespace: dict[str, object] = {}
+    exec(blocks("docs/adding-a-scene.md", "python")[0], namespace)
+    monkeypatch.setitem(SCENES, "ball-on-plane", namespace["SCENE"])
+    dataset = sweep(
+        parse_study(
+            {
+                "kind": "sweep",
+                "scene": "ball-on-plane",
+                "outputs": ["acceleration_x"],
+                "parameters": {"frequency": 50, "amplitude": "0.1 mm", "beta": 0},
+            }
+        )
+    )
+    # 5/7 of P cos(0) cos(0), P = 1e-4 (100 pi)^2
+    assert float(dataset.acceleration_x) == pytest.approx(5 / 7 * 9.869604401089358, rel=1e-14)
+    assert int(dataset.regime) == REGIMES["roll"].value
+
+
+def test_links_between_documents_hold():
+    for path in (*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")):
+        for target in re.findall(r"\]\(([^)#]+)\)", path.read_text()):
+            if not target.startswith("http"):
+                assert (path.parent / target).exists(), f"{path.name}: {target}"

@@ -1,0 +1,276 @@
+"""What clients keep, ask for again and resume: NetCDF files."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import errno
+import hashlib
+import os
+from pathlib import Path
+
+import pytest
+from fastapi import Request
+from fastapi.testclient import TestClient
+
+from app.jobs.manifest import NETCDF
+from app.main import create_app
+from app.settings import Settings
+from app.web.downloads import PIECE, etag_of, file_reply
+
+STUDY = {
+    "kind": "sweep",
+    "scene": "rectangle-on-track",
+    "outputs": ["acceleration_x", "transport_velocity", "throw_number"],
+    "parameters": {
+        "frequency": {"start": "20 Hz", "stop": "120 Hz", "num": 11},
+        "amplitude": ["0.35 mm", "0.5 mm"],
+        "alpha": {"start": 0, "stop": 90, "num": 10},
+        "beta": {"start": 0, "stop": 90, "num": 7},
+        "friction": 0.3,
+        "radius": "0.8 m",
+        "distance": "0.2 mm",
+    },
+}
+
+
+def with_axes(**sizes: int) -> dict:
+    ends = {"frequency": (20, 120), "amplitude": (1e-4, 1e-3), "alpha": (0, 90), "beta": (0, 90)}
+    axes = {
+        name: {"start": ends[name][0], "stop": ends[name][1], "num": size}
+        for name, size in sizes.items()
+    }
+    return {**STUDY, "parameters": {**STUDY["parameters"], **axes}}
+
+
+TRILLION = with_axes(frequency=1000, amplitude=1000, alpha=1000, beta=1000)
+
+
+@pytest.fixture
+def client(tmp_path: Path):
+    settings = Settings(data_directory=tmp_path, max_cells=10**6)
+    app = create_app(settings)
+    headers = {"X-Request-ID": "one"}  # so that replies to GET and HEAD have equal headers
+    with TestClient(app, raise_server_exceptions=False, headers=headers) as client:
+        yield client
+
+
+@pytest.fixture
+def address(client: TestClient) -> str:
+    return f"/sweeps/{client.post('/sweeps', json=STUDY).json()['id']}"
+
+
+def problem(response, status: int) -> dict:
+    assert response.status_code == status, response.text
+    assert response.headers["content-type"] == "application/problem+json"
+    document = response.json()
+    assert document["status"] == status
+    return document
+
+
+def result_of(client: TestClient, address: str) -> Path:
+    """Return the file that a sweep is downloaded from."""
+    return client.app.state.store.folder(address.rpartition("/")[2]) / NETCDF
+
+
+def times_open(path: Path) -> int:
+    """Return how often this process has a file open."""
+    count = 0
+    for descriptor in Path("/proc/self/fd").iterdir():
+        with contextlib.suppress(FileNotFoundError):
+            count += descriptor.readlink() == path
+    return count
+
+
+class TestFile:
+    @pytest.fixture
+    def whole(self, client, address):
+        response = client.get(f"{address}/netcdf")
+        assert response.status_code == 200
+        return response
+
+    def test_its_headers(self, client, address, whole):
+        digest = hashlib.sha256(whole.content).hexdigest()
+        assert whole.headers["etag"] == f'"{digest}"'
+        assert whole.headers["accept-ranges"] == "bytes"
+        assert whole.headers["content-length"] == str(len(whole.content))
+        assert whole.headers["content-disposition"].startswith('attachment; filename="vibrafeed-')
+        assert whole.headers["repr-digest"].startswith("sha-256=:")
+        head = client.head(f"{address}/netcdf")
+        assert (head.status_code, head.content) == (200, b"")
+        assert dict(head.headers) == dict(whole.headers)
+
+    @pytest.mark.parametrize(
+        ("wanted", "start", "stop"),
+        [
+            ("bytes=0-0", 0, 1),
+            ("bytes=100-", 100, None),
+            ("bytes=100-199", 100, 200),
+            ("Bytes=5-999999999999999999", 5, None),
+            ("bytes=-100", -100, None),
+            ("bytes=-999999999999999999", 0, None),
+        ],
+    )
+    def test_a_range(self, client, address, whole, wanted, start, stop):
+        part = client.get(f"{address}/netcdf", headers={"Range": wanted})
+        assert part.status_code == 206
+        expected = whole.content[start:stop]
+        assert part.content == expected
+        first = start % len(whole.content)
+        last, size = first + len(expected) - 1, len(whole.content)
+        assert part.headers["content-range"] == f"bytes {first}-{last}/{size}"
+        assert part.headers["content-length"] == str(len(expected))
+        assert part.headers["etag"] == whole.headers["etag"]
+
+    @pytest.mark.parametrize(
+        "wanted",
+        ["bytes=", "bytes=-", "bytes=9-1", "bytes=a-b", "lines=0-1", "bytes=0-1,4-5", "bytes=--1",
+         "bytes=" + "9" * 60 + "-", "0-1", ""],
+    )  # fmt: skip
+    def test_a_range_that_is_none_gives_the_whole(self, client, address, whole, wanted):
+        response = client.get(f"{address}/netcdf", headers={"Range": wanted})
+        assert (response.status_code, response.content) == (200, whole.content)
+
+    @pytest.mark.parametrize("wanted", ["bytes={size}-", "bytes=999999999999-", "bytes=-0"])
+    def test_a_range_past_the_end(self, client, address, whole, wanted):
+        size = len(whole.content)
+        headers = {"Range": wanted.format(size=size)}
+        response = client.get(f"{address}/netcdf", headers=headers)
+        assert problem(response, 416)["type"].endswith("range")
+        assert response.headers["content-range"] == f"bytes */{size}"
+
+    def test_conditions(self, client, address, whole):
+        etag = whole.headers["etag"]
+        get = lambda **headers: client.get(  # noqa: E731
+            f"{address}/netcdf", headers={k.replace("_", "-"): v for k, v in headers.items()}
+        )
+        for known in (etag, f"W/{etag}", f'"other", {etag}', "*"):
+            response = get(If_None_Match=known)
+            assert (response.status_code, response.content) == (304, b"")
+            assert response.headers["etag"] == etag
+        assert get(If_None_Match='"other"').status_code == 200
+        assert get(If_None_Match=etag, Range="bytes=0-1").status_code == 304
+        assert get(If_Range=etag, Range="bytes=0-1").status_code == 206
+        for stale in ('"other"', f"W/{etag}", "Sat, 21 Nov 2026 09:00:00 GMT"):
+            assert get(If_Range=stale, Range="bytes=0-1").status_code == 200
+        assert get(If_Match=etag).status_code == 200
+        assert get(If_Match="*").status_code == 200
+        problem(get(If_Match='"other"'), 412)
+        problem(get(If_Match=f"W/{etag}"), 412)
+        assert client.head(f"{address}/netcdf", headers={"Range": "bytes=0-1"}).status_code == 200
+
+    def test_it_is_sent_in_pieces(self, client, monkeypatch):
+        monkeypatch.setattr("app.web.downloads.PIECE", 1000)
+        key = client.post("/sweeps", json=STUDY).json()["id"]
+        with client.stream("GET", f"/sweeps/{key}/netcdf") as response:
+            content = response.read()
+        assert len(content) == int(response.headers["content-length"]) > 1000
+        assert PIECE == 2**20
+
+    @pytest.mark.parametrize("method", ["GET", "HEAD"])
+    def test_a_file_that_is_not_there_any_more(self, client, address, whole, method):
+        """Removed to make room after its manifest was read."""
+        result_of(client, address).unlink()
+        response = client.request(method, f"{address}/netcdf")
+        assert response.status_code == 404
+        if method == "GET":
+            assert "has been removed" in problem(response, 404)["detail"]
+
+    def test_a_file_that_goes_before_the_first_header(self, client, address, whole, monkeypatch):
+        def removed(request, path, **about):
+            reply = file_reply(request, path, **about)
+            path.unlink()
+            return reply
+
+        monkeypatch.setattr("app.web.routes.sweeps.file_reply", removed)
+        document = problem(client.get(f"{address}/netcdf"), 404)
+        assert document["type"] == "urn:vibrafeed:problem:not-found"
+
+    @pytest.mark.parametrize("number", [errno.EMFILE, errno.ENFILE])
+    def test_too_many_open_files(self, client, address, whole, monkeypatch, number):
+        def open_(path, *arguments, **options):
+            raise OSError(number, os.strerror(number), str(path))
+
+        with monkeypatch.context() as full:
+            full.setattr(Path, "open", open_)
+            response = client.get(f"{address}/netcdf")
+        document = problem(response, 503)
+        assert document["type"] == "urn:vibrafeed:problem:busy"
+        assert "many files" in document["detail"]
+        assert "netcdf" not in document["detail"]  # nor any path
+        assert int(response.headers["retry-after"]) >= 1
+        assert client.get(f"{address}/netcdf").content == whole.content
+
+    def test_no_reply_leaves_the_file_open(self, client, address, whole):
+        path, etag = result_of(client, address), whole.headers["etag"]
+        for status, method, headers in (
+            (200, "GET", {}),
+            (200, "HEAD", {}),
+            (206, "GET", {"Range": "bytes=5-9"}),
+            (304, "GET", {"If-None-Match": etag}),
+            (412, "GET", {"If-Match": '"other"'}),
+            (416, "GET", {"Range": "bytes=999999999-"}),
+        ):
+            response = client.request(method, f"{address}/netcdf", headers=headers)
+            assert response.status_code == status
+            assert times_open(path) == 0
+
+    @pytest.mark.parametrize("version", ["2.3", "2.4"])
+    @pytest.mark.parametrize("leaves", ["a failing connection", "a cancelled request", "never run"])
+    def test_a_client_that_leaves_before_the_first_byte(self, tmp_path, version, leaves):
+        path = tmp_path / "result"
+        path.write_bytes(b"12345")
+        scope = {
+            "type": "http", "method": "GET", "headers": [], "asgi": {"spec_version": version}
+        }  # fmt: skip
+        reply = file_reply(
+            Request(scope), path, digest="00" * 32, media_type="text/plain", filename="x"
+        )
+        seen = []
+
+        async def receive():
+            await asyncio.Event().wait()
+
+        async def send(message):
+            seen.append((message["type"], times_open(path)))
+            if leaves == "a failing connection":
+                raise OSError("gone")
+            await asyncio.Event().wait()
+
+        async def serve():
+            task = asyncio.create_task(reply(scope, receive, send))
+            while not seen:
+                await asyncio.sleep(0.001)
+            task.cancel()
+            await asyncio.wait([task])
+            assert task.cancelled() or task.exception() is not None
+
+        if leaves != "never run":
+            asyncio.run(serve())
+            assert seen == [("http.response.start", 1)]  # open before the first header
+        assert times_open(path) == 0
+
+    def test_a_sweep_that_is_too_large_for_a_file_is_refused_and_read_in_pieces(self, client):
+        posted = client.post("/sweeps", json=TRILLION)
+        assert posted.status_code == 201
+        assert posted.json()["cells"] == 10**12
+        address = f"/sweeps/{posted.json()['id']}"
+        document = problem(client.get(f"{address}/netcdf"), 422)
+        assert document["type"].endswith("limit")
+        assert "1,000,000" in document["detail"]
+        params = {"output": "acceleration_x", "axes": "beta", "alpha": 90, "amplitude": 1e-3}
+        piece = client.get(f"{address}/slice", params={**params, "frequency": 20})
+        assert piece.status_code == 200
+        assert len(piece.json()["values"]["data"]) == 1000
+
+    def test_what_is_too_large_to_be_kept_is_refused(self, client):
+        long = with_axes(frequency=10_000_000)
+        document = problem(client.post("/sweeps", json=long), 422)
+        assert "Give frequency 2,000,000 values or fewer" in document["detail"]
+        many = with_axes(frequency=10**6, amplitude=10**6, alpha=10**6)
+        assert "cells" in problem(client.post("/sweeps", json=many), 422)["detail"]
+
+
+def test_an_etag_tells_words_apart():
+    assert etag_of("ab", "c") != etag_of("a", "bc")
+    assert etag_of("a")[0] == etag_of("a")[-1] == '"'

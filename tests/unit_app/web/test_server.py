@@ -1,0 +1,259 @@
+"""The server's process: how it is set up, how it starts and how it ends."""
+
+from __future__ import annotations
+
+import hashlib
+import http.client
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+from typer.testing import CliRunner
+
+import core
+from app.cli import app as commands
+from app.jobs.manifest import NETCDF, Manifest
+from app.main import create_app
+from app.settings import Settings
+from app.web.guard import new_key
+
+ROOT = Path(__file__).parents[3]
+KEY, HASH = new_key()
+BEARER = {"Authorization": f"Bearer {KEY}"}
+STUDY: dict[str, Any] = {
+    "kind": "sweep",
+    "scene": "rectangle-on-plane",
+    "outputs": ["throw_number"],
+    "parameters": {"frequency": 50, "amplitude": "0.5 mm", "beta": [0, 10, 20, 30, 40, 50, 60]},
+}
+
+
+def problem(response: Any, status: int, kind: str) -> dict[str, Any]:
+    assert response.status_code == status, response.text
+    assert response.headers["content-type"] == "application/problem+json"
+    document = response.json()
+    assert document["type"] == f"urn:vibrafeed:problem:{kind}"
+    assert document["status"] == status
+    return document
+
+
+# Threads of the pool make and free arrays, as replies do; a page that is taken anew is a fault.
+FAULTS = """
+import resource, threading
+import numpy as np
+from app.web.server import keep_memory
+
+keep_memory()
+
+def work(times):
+    for _ in range(times):
+        [np.ones(100_000) for _ in range(20)]
+
+def faults(times):
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    thread = threading.Thread(target=work, args=(times,))
+    thread.start()
+    thread.join()
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
+
+faults(100)
+print(sum(faults(100) for _ in range(3)))
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the allocator of glibc")
+def test_memory_of_one_reply_serves_the_next():
+    done = subprocess.run(
+        [sys.executable, "-c", FAULTS], capture_output=True, text=True, check=True
+    )
+    pages = 3 * 100 * 20 * 100_000 * 8 // 4096
+    # Without it a quarter of them, on glibc 2.36.
+    assert int(done.stdout) < pages / 100
+
+
+SERVE = "from app.cli import main; main()"  # as `vibrafeed` does, from this source tree
+
+
+@contextmanager
+def server(
+    folder: Path, *arguments: str, code: str = SERVE, **environment: str
+) -> Iterator[tuple[subprocess.Popen[bytes], int, Path]]:
+    """Run `vibrafeed serve` until it answers; yield its process, its port and its log."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    log = folder / "log"
+    with log.open("wb") as stream:
+        process = subprocess.Popen(
+            [sys.executable, "-c", code, "serve", *arguments, "--port", str(port)],
+            cwd=ROOT,
+            env={**os.environ, "VIBRAFEED_DATA_DIRECTORY": str(folder / "data"), **environment},
+            stdout=stream,
+            stderr=stream,
+        )
+    try:
+        for _ in range(300):
+            try:
+                socket.create_connection(("127.0.0.1", port), 1).close()
+                break
+            except OSError:
+                assert process.poll() is None, log.read_text()
+                time.sleep(0.1)
+        else:
+            pytest.fail(log.read_text())
+        yield process, port, log
+    finally:
+        process.kill()
+        process.wait(20)
+
+
+def test_the_service_refuses_to_open_itself_without_keys(tmp_path):
+    for host in ("0.0.0.0", "::", "lab.example"):
+        result = CliRunner().invoke(commands, ["serve", "--host", host])
+        assert result.exit_code == 2
+        assert "VIBRAFEED_API_KEY_HASHES" in result.output
+        assert "vibrafeed key" in result.output
+
+
+def test_the_key_command_prints_what_serve_takes(monkeypatch):
+    result = CliRunner().invoke(commands, ["key"])
+    words = result.output.split()
+    key, digest = words[words.index("key") + 1], words[words.index("hash") + 1]
+    assert hashlib.sha256(key.encode()).hexdigest() == digest
+    monkeypatch.setenv("VIBRAFEED_API_KEY_HASHES", digest)
+    assert Settings().api_key_hashes == (digest,)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+def test_a_server_with_keys_on_every_address_finishes_its_downloads(tmp_path):
+    """The server as it is run: open to others, with a key; stopped during a download."""
+    environment = {"VIBRAFEED_API_KEY_HASHES": HASH}
+    with server(tmp_path, "--host", "0.0.0.0", **environment) as (process, port, log):
+        plain = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
+        plain.request("GET", "/scenes?key=" + KEY)
+        refused = plain.getresponse()
+        refused.read()
+        assert refused.status == 401
+        assert refused.getheader("server") is None
+        assert refused.getheader("x-content-type-options") == "nosniff"
+        # 50 MB are refused by their length; the answer is there although nothing was sent.
+        plain.request("POST", "/sweeps", headers={**BEARER, "Content-Length": "50000000"})
+        with plain.getresponse() as refused:
+            assert refused.status == 413
+            refused.read()
+        plain.close()
+        plain.request("POST", "/sweeps", json.dumps({**STUDY, "notes": "private"}), BEARER)
+        key = json.loads(plain.getresponse().read())["id"]
+        # A file that is there is sent as it is: far more than sockets hold.
+        content = os.urandom(1 << 20) * 64
+        stored(tmp_path, key, content)
+        plain.request("GET", f"/sweeps/{key}/netcdf", headers=BEARER)
+        download = plain.getresponse()
+        received = download.read(1000)
+        process.send_signal(signal.SIGTERM)
+        time.sleep(0.5)
+        assert process.poll() is None
+        with pytest.raises(OSError, match="refused"):
+            socket.create_connection(("127.0.0.1", port), 1)
+        received += download.read()
+        assert received == content
+        plain.close()
+        assert process.wait(20) in (0, -signal.SIGTERM)
+        text = log.read_text()
+    lines = [json.loads(line) for line in text.splitlines()]
+    assert sum(line["event"] == "request" for line in lines) == 4
+    assert any("Uvicorn running" in line["event"] for line in lines)
+    for secret in (KEY, HASH, "Bearer", "Authorization", "private", key):
+        assert secret.lower() not in text.lower(), secret
+
+
+def stored(tmp_path, key, content):
+    """Give a study a result of any content."""
+    folder = tmp_path / "data" / "studies" / key
+    (folder / NETCDF).write_bytes(content)
+    file = {"bytes": len(content), "sha256": hashlib.sha256(content).hexdigest()}
+    manifest = Manifest(key, "sweep", core.__version__, 1, 1, 0.1, {NETCDF: file})
+    (folder / "manifest.json").write_text(json.dumps(asdict(manifest)))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+def test_a_download_that_nobody_reads_does_not_hold_the_server_for_ever(tmp_path):
+    with server(tmp_path, VIBRAFEED_SHUTDOWN_SECONDS="1") as (process, port, log):
+        client = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
+        client.request("POST", "/sweeps", json.dumps(STUDY))
+        key = json.loads(client.getresponse().read())["id"]
+        stored(tmp_path, key, bytes(64 << 20))
+        client.request("GET", f"/sweeps/{key}/netcdf")
+        download = client.getresponse()
+        download.read(1000)
+        started = time.monotonic()
+        process.send_signal(signal.SIGTERM)
+        process.wait(20)
+        # One second of patience, and what uvicorn takes to look.
+        assert 0.9 < time.monotonic() - started < 10
+        assert '"cut_short": true' in log.read_text()
+        download.close()
+        client.close()
+
+
+ENDLESS = """
+import asyncio, sys
+from fastapi.responses import StreamingResponse
+from app import logs
+from app.main import create_app
+from app.web.server import serve_until_stopped
+from app.settings import Settings
+
+settings = Settings(shutdown_seconds=60)
+app = create_app(settings)
+
+async def events():
+    yield b"first"
+    while not app.state.stopping.is_set():
+        await asyncio.sleep(0.05)
+    yield b"last"
+
+app.add_api_route("/events", lambda: StreamingResponse(events()))
+logs.configure()
+serve_until_stopped(app, settings, "127.0.0.1", int(sys.argv[-1]))
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+def test_a_stream_without_end_comes_piece_by_piece_and_ends_when_the_service_stops(tmp_path):
+    with server(tmp_path, code=ENDLESS) as (process, port, log):
+        client = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
+        client.request("GET", "/events")
+        with client.getresponse() as stream:
+            assert stream.read(5) == b"first"  # no layer waits for more
+            started = time.monotonic()
+            process.send_signal(signal.SIGTERM)
+            assert stream.read() == b"last"
+        client.close()
+        process.wait(20)
+        assert time.monotonic() - started < 10  # of the 60 s that it would be waited for
+        assert "cut_short" not in log.read_text()
+
+
+def test_a_signal_tells_the_app_before_connections_are_waited_for(tmp_path):
+    import uvicorn
+
+    from app.web.server import Server
+
+    app = create_app(Settings(data_directory=tmp_path))
+    server = Server(uvicorn.Config(app, log_config=None))
+    assert not app.state.stopping.is_set()
+    server.handle_exit(signal.SIGTERM, None)
+    assert app.state.stopping.is_set()
+    assert server.should_exit
+    problem(TestClient(app).get("/readyz"), 503, "not-ready")

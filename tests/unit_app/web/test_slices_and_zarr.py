@@ -1,0 +1,291 @@
+"""What clients read of a sweep piece by piece, and keep: slices in JSON and binary, Zarr keys."""
+
+from __future__ import annotations
+
+import json
+import struct
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+
+from app.jobs.errors import NotFoundError
+from app.main import create_app
+from app.settings import Settings
+from app.web.routes.sweeps import prefers_binary
+from app.web.zarr_views import ZarrViews
+from core.kinds import prepare_content
+from core.study import parse_study
+from core.sweep import sweep
+from core.sweep.zarr_view import ZarrView
+
+STUDY = {
+    "kind": "sweep",
+    "scene": "rectangle-on-track",
+    "outputs": ["acceleration_x", "transport_velocity", "throw_number"],
+    "parameters": {
+        "frequency": {"start": "20 Hz", "stop": "120 Hz", "num": 11},
+        "amplitude": ["0.35 mm", "0.5 mm"],
+        "alpha": {"start": 0, "stop": 90, "num": 10},
+        "beta": {"start": 0, "stop": 90, "num": 7},
+        "friction": 0.3,
+        "radius": "0.8 m",
+        "distance": "0.2 mm",
+    },
+}
+# Of 10^12 cells.
+TRILLION = {
+    **STUDY,
+    "parameters": {
+        **STUDY["parameters"],
+        "frequency": {"start": 20, "stop": 120, "num": 1000},
+        "amplitude": {"start": 1e-4, "stop": 1e-3, "num": 1000},
+        "alpha": {"start": 0, "stop": 90, "num": 1000},
+        "beta": {"start": 0, "stop": 90, "num": 1000},
+    },
+}
+
+
+@pytest.fixture
+def client(tmp_path: Path):
+    settings = Settings(data_directory=tmp_path, max_cells=10**6)
+    app = create_app(settings)
+    headers = {"X-Request-ID": "one"}  # so that replies to GET and HEAD have equal headers
+    with TestClient(app, raise_server_exceptions=False, headers=headers) as client:
+        yield client
+
+
+@pytest.fixture
+def address(client: TestClient) -> str:
+    return f"/sweeps/{client.post('/sweeps', json=STUDY).json()['id']}"
+
+
+def problem(response, status: int) -> dict:
+    assert response.status_code == status, response.text
+    assert response.headers["content-type"] == "application/problem+json"
+    document = response.json()
+    assert document["status"] == status
+    return document
+
+
+def unpack(content: bytes) -> tuple[dict, dict[str, np.ndarray]]:
+    """Read a binary slice by `docs/api.md` alone."""
+    (length,) = struct.unpack_from("<Q", content)
+    header = json.loads(content[8 : 8 + length])
+    values = content[8 + length :]
+
+    def array(place: dict) -> np.ndarray:
+        dtype, shape = np.dtype(place["dtype"]), tuple(place["shape"])
+        count = int(np.prod(shape))
+        assert (8 + length + place["offset"]) % dtype.itemsize == 0
+        return np.frombuffer(values, dtype, count, place["offset"]).reshape(shape)
+
+    arrays = {axis["name"]: array(axis["values"]) for axis in header["axes"]}
+    return header, arrays | {name: array(header[name]["data"]) for name in ("values", "regime")}
+
+
+CUT = {
+    "output": "transport_velocity",
+    "axes": "alpha,frequency",
+    "beta": "15 deg",
+    "amplitude": "0.5 mm",
+}
+
+
+class TestSlice:
+    def test_binary_and_json_are_the_same_slice(self, client, address):
+        told = client.get(f"{address}/slice", params=CUT)
+        raw = client.get(f"{address}/slice", params={**CUT, "format": "binary"})
+        by_accept = client.get(
+            f"{address}/slice", params=CUT, headers={"Accept": "application/octet-stream"}
+        )
+        assert told.headers["content-type"] == "application/json"
+        assert raw.headers["content-type"] == "application/octet-stream"
+        assert by_accept.content == raw.content
+        header, arrays = unpack(raw.content)
+        assert header.keys() == told.json().keys()
+        for name in ("output", "unit", "fixed", "regimes"):
+            assert header[name] == told.json()[name]
+        whole = sweep(parse_study(STUDY)).sel(beta=15, amplitude=5e-4)
+        np.testing.assert_array_equal(arrays["values"].T, whole.transport_velocity)
+        np.testing.assert_array_equal(arrays["regime"].T, whole.regime)
+        assert arrays["regime"].dtype == np.int8
+        for axis in ("alpha", "frequency"):
+            np.testing.assert_array_equal(arrays[axis], whole[axis])
+        assert header["values"]["dims"] == ["alpha", "frequency"]
+
+    def test_what_json_has_no_word_for_is_kept(self, client):
+        study = {
+            "kind": "sweep",
+            "scene": "rectangle-on-track",
+            "outputs": ["transport_velocity"],
+            "parameters": {**STUDY["parameters"], "distance": [1e-4, 1e3], "friction": [0, 5]},
+        }
+        key = client.post("/sweeps", json=study).json()["id"]
+        params = {**CUT, "axes": "distance,friction", "alpha": 0, "frequency": 20}
+        told = client.get(f"/sweeps/{key}/slice", params=params).json()["values"]["data"]
+        raw = client.get(f"/sweeps/{key}/slice", params={**params, "format": "binary"})
+        _, arrays = unpack(raw.content)
+        np.testing.assert_array_equal(np.array(told, dtype=float), arrays["values"])
+
+    def test_etags(self, client, address):
+        seen = set()
+        for change in ({}, {"format": "binary"}, {"beta": 30}, {"axes": "frequency,alpha"}):
+            params = {**CUT, **change}
+            response = client.get(f"{address}/slice", params=params)
+            etag = response.headers["etag"]
+            assert response.headers["vary"] == "Accept"
+            assert "immutable" in response.headers["cache-control"]
+            again = client.get(f"{address}/slice", params=params, headers={"If-None-Match": etag})
+            assert (again.status_code, again.content) == (304, b"")
+            assert again.headers["vary"] == "Accept"
+            seen.add(etag)
+        assert len(seen) == 4
+
+    @pytest.mark.parametrize(
+        ("accept", "expected"),
+        [
+            ("", False),
+            ("*/*", False),
+            ("application/json", False),
+            ("application/octet-stream", True),
+            ("application/octet-stream, */*;q=0.1", True),
+            ("application/json, application/octet-stream", False),
+            ("application/json;q=0.5, application/octet-stream;q=0.9", True),
+            ("application/octet-stream;q=0", False),
+            ("application/octet-stream;q=x", False),
+            ("Application/Octet-Stream ; v=1", True),
+        ],
+    )
+    def test_accept(self, accept, expected):
+        assert prefers_binary(accept) is expected
+
+    def test_wrong_forms(self, client, address):
+        params = {**CUT, "format": "xml"}
+        assert problem(client.get(f"{address}/slice", params=params), 422)["errors"]
+        params = {**CUT, "format": "binary", "output": "nothing"}
+        assert problem(client.get(f"{address}/slice", params=params), 422)["errors"]
+        problem(client.get(f"/sweeps/{'0' * 64}/slice", params=CUT), 404)
+
+
+class TestZarr:
+    def test_keys_are_those_of_the_core(self, client, address):
+        view = ZarrView(prepare_content(STUDY))
+        for key, media_type in (
+            ("zarr.json", "application/json"),
+            ("regime/zarr.json", "application/json"),
+            ("regime/c/0/0/0/0", "application/octet-stream"),
+            ("transport_velocity/c/0/0/0/0", "application/octet-stream"),
+            ("frequency/c/0", "application/octet-stream"),
+            ("friction/c", "application/octet-stream"),
+        ):
+            response = client.get(f"{address}/zarr/{key}")
+            assert response.status_code == 200
+            assert response.content == view.read(key)
+            assert response.headers["content-type"] == media_type
+            assert response.headers["cache-control"] == "max-age=31536000, immutable"
+            head = client.head(f"{address}/zarr/{key}")
+            assert (head.status_code, head.content) == (200, b"")
+            assert dict(head.headers) == dict(response.headers)
+
+    def test_the_sweep_names_its_group(self, client, address):
+        assert client.get(address).json()["links"]["zarr"] == f"{address}/zarr"
+        documented = client.get("/openapi.json").json()["paths"]["/sweeps/{key}/zarr/{path}"]
+        assert set(documented["get"]["responses"]) == {"200", "304", "401", "404", "422"}
+
+    def test_an_etag_is_known_without_computing(self, client, monkeypatch):
+        key = client.post("/sweeps", json=TRILLION).json()["id"]
+        path = f"/sweeps/{key}/zarr/acceleration_x/c/1/2/3/4"
+        etag = client.get(path).headers["etag"]
+        assert etag == client.get(path).headers["etag"]
+        assert etag != client.get(path[:-1] + "5").headers["etag"]
+        monkeypatch.setattr(ZarrView, "_values", None)  # whatever computes would fail
+        again = client.get(path, headers={"If-None-Match": etag})
+        assert (again.status_code, again.content) == (304, b"")
+        assert again.headers["etag"] == etag
+        head = client.head(path[:-1] + "7")
+        assert (head.status_code, head.headers["content-length"]) == (200, str(16**4 * 8))
+        problem(client.get(path[:-1] + "7"), 500)
+
+    @pytest.mark.parametrize(
+        "path",
+        [
+            "", ".zgroup", ".zmetadata", "zarr.json/", "c/0", "nothing/zarr.json", "regime",
+            "acceleration_x/c/0", "acceleration_x/c/0/0/0/-1", "acceleration_x/c/0/0/0/1",
+            "acceleration_x/c/0/0/0/" + "9" * 200, "acceleration_x/c/0/0/0/00",
+            "acceleration_x/c/0/0/0/0x0", "acceleration_x/c/0/0/0/0%00",
+            "acceleration_x%2Fzarr.json", "acceleration_x%2fc%2f0%2f0%2f0%2f0",
+            "%2e%2e%2fstudy.json", "..%2Fstudy.json", "..%5Cstudy.json", "%2Fetc%2Fpasswd",
+            "acceleration_x/c/%D9%A1/0/0/0", "%ff%fe",
+        ],
+    )  # fmt: skip
+    @pytest.mark.parametrize("method", ["GET", "HEAD"])
+    def test_other_keys_are_not_found(self, client, address, path, method):
+        response = client.request(method, f"{address}/zarr/{path}")
+        assert response.status_code == 404
+        if method == "GET":
+            problem(response, 404)
+
+    def test_long_keys_and_other_sweeps(self, client, address):
+        problem(client.get(f"{address}/zarr/{'x' * 301}"), 422)
+        problem(client.get(f"/sweeps/{'0' * 64}/zarr/zarr.json"), 404)
+        problem(client.get("/sweeps/..%2F..%2Fx/zarr/zarr.json"), 404)
+        problem(client.put(f"{address}/zarr/zarr.json"), 405)
+
+    def test_many_readers_get_the_same_bytes(self, client):
+        key = client.post("/sweeps", json=TRILLION).json()["id"]
+        paths = [f"/sweeps/{key}/zarr/transport_velocity/c/9/9/9/{i % 2}" for i in range(32)]
+        with ThreadPoolExecutor(16) as pool:
+            contents = list(pool.map(lambda path: client.get(path).content, paths))
+        view = ZarrView(prepare_content(TRILLION))
+        assert set(contents) == {view.read(f"transport_velocity/c/9/9/9/{i}") for i in (0, 1)}
+
+
+class TestMemory:
+    class Store:
+        def __init__(self):
+            self.asked: list[str] = []
+            self.is_there = True
+
+        def used(self, key: str) -> float:
+            return float(self.is_there)
+
+        def note_use(self, key: str) -> None:
+            pass
+
+        def sweep(self, key: str):
+            self.asked.append(key)
+            if not self.is_there:
+                raise NotFoundError(key)
+            return prepare_content(TRILLION)
+
+    def test_chunks_that_were_read_last_are_kept_within_the_budget(self, monkeypatch):
+        store = self.Store()
+        views = ZarrViews(store, most_bytes=2 * 524_288)
+        computed = []
+        read = ZarrView.read
+        monkeypatch.setattr(
+            ZarrView, "read", lambda v, path: computed.append(path) or read(v, path)
+        )
+        a, b, c = (f"acceleration_x/c/0/0/0/{i}" for i in range(3))
+        for path in (a, b, a, c, a, b):
+            assert len(views.read("k", path)) == 524_288
+        assert computed == [a, b, c, b]  # b is the one that was not read for the longest time
+        assert store.asked == ["k"]
+
+    def test_a_sweep_that_has_been_removed_is_forgotten(self):
+        store = self.Store()
+        views = ZarrViews(store, most_bytes=1_000_000)
+        views.view("k")
+        store.is_there = False
+        for _ in range(2):
+            with pytest.raises(NotFoundError):
+                views.view("k")
+
+    def test_no_budget_keeps_nothing(self):
+        views = ZarrViews(self.Store(), most_bytes=0)
+        assert views.read("k", "zarr.json") == views.read("k", "zarr.json")
+        with pytest.raises(KeyError):
+            views.read("k", "nothing")
