@@ -120,11 +120,10 @@ def first_misfit(
 
 
 @compiled
-def end_of_step(cell: Cell, state: Floats, time: float, asked: float) -> float:
-    """Return when the next step ends at the latest: at the time asked for, or before."""
-    end = min(time + cell.time_step, cell.duration, asked)
-    if abs(state[STATE.pitch_rate]) * (end - time) > LARGEST_TURN:
-        end = time + LARGEST_TURN / abs(state[STATE.pitch_rate])
+def slowed(time: float, end: float, pitch_rate: float) -> float:
+    """Return the end of a step, or an earlier one where the part turns fast."""
+    if abs(pitch_rate) * (end - time) > LARGEST_TURN:
+        return time + LARGEST_TURN / abs(pitch_rate)
     return end
 
 
@@ -143,7 +142,8 @@ def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats) -> Run:
     most_events = EVENTS + EVENTS_A_STEP * steps
     steps_left = min(1000 + STEPS_MORE * steps, MOST_STEPS) + times.size
     while True:
-        written = record_until(cell, state, time, support, times, written, rows)
+        if written < times.size and times[written] <= time:
+            written = record_until(cell, state, time, support, times, written, rows)
         if support == PARADOX:
             status = STATUS.no_solution
             break
@@ -156,8 +156,10 @@ def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats) -> Run:
         if steps_left <= 0 or events >= most_events:
             break
         steps_left -= 1
-        asked = times[written] if written < times.size else math.inf
-        end = end_of_step(cell, state, time, asked)
+        end = min(time + cell.time_step, cell.duration)
+        if written < times.size:
+            end = min(end, times[written])
+        end = slowed(time, end, state[STATE.pitch_rate])
         step = end - time
         carry(cell, support, sigma, state, time, step, after)
         part = dips(cell, support, sigma, state, time, step, after, trial)

@@ -127,11 +127,17 @@ def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats) -> Run:
     steps = math.ceil(min(cell.duration / cell.time_step, MOST_STEPS))
     support, status = FREE, STATUS.moving if steps < MOST_STEPS else STATUS.limit_reached
     for _ in range(steps):
-        written = record_until(cell, state, time, support, times, written, rows)
+        if written < times.size and times[written] <= time:
+            written = record_until(cell, state, time, support, times, written, rows)
         step = min(cell.time_step, cell.duration - time)
         along, upward = free_acceleration(cell, time + step / 2)
         middle[:] = state
-        drift(middle, state, step / 2)
+        for place, rate in (
+            (STATE.along, STATE.along_rate),
+            (STATE.up, STATE.up_rate),
+            (STATE.pitch, STATE.pitch_rate),
+        ):
+            middle[place] += step / 2 * state[rate]
         middle[STATE.along_rate] += step * along
         middle[STATE.up_rate] += step * upward
         touching, struck = set_targets(cell, state, middle, step, abs(upward), near, target)
@@ -146,7 +152,12 @@ def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats) -> Run:
         for corner in range(corners):
             if near[corner] != 0 and impulse[0, corner] > 0.0 and touching > 0:
                 support = FLAT if support != FREE else corner
-        drift(middle, middle, step / 2)
+        for place, rate in (
+            (STATE.along, STATE.along_rate),
+            (STATE.up, STATE.up_rate),
+            (STATE.pitch, STATE.pitch_rate),
+        ):
+            middle[place] += step / 2 * middle[rate]
         state[:] = middle
         time += step
         impacts += 1 if struck else 0
