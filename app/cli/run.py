@@ -46,8 +46,8 @@ def run(
     """Carry out studies and write one NetCDF file each.
 
     All files are checked before the first is run. Exit code 2 means that a file is wrong, 1 that
-    a result could not be written, or that a study was stopped, by Ctrl-C or the time limit, while
-    it was computed or verified: what was finished by then is written.
+    a result could not be written, that a verification failed, or that a study was stopped, by
+    Ctrl-C or the time limit, while it was computed or verified: what was finished is written.
     """
     from app.cli import console, tables
 
@@ -58,11 +58,11 @@ def run(
         return
     targets = _targets(list(studies), output)
     from core.dataset.netcdf import write_netcdf
-    from core.kinds import is_whole, tabulate
+    from core.kinds import is_whole, not_verified, tabulate
     from core.watch import Watch
 
     deadline = None if time_limit is None else time.monotonic() + time_limit
-    whole, left = True, list(studies)
+    sound, left = True, list(studies)
     for path, prepared in studies.items():
         with (
             console.progress(path.name) as advance,
@@ -79,13 +79,13 @@ def run(
         written = time.perf_counter()
         seconds = float(table.price["elapsed_seconds"])
         tables.show_table(path, targets[path], table, prepared.cells, seconds, written - evaluated)
-        whole &= is_whole(table)
+        sound &= is_whole(table) and not not_verified(table)
         left.remove(path)
         if interrupted():
             break
     if left:
         console.fail(f"It was stopped: not carried out are {', '.join(map(str, left))}.")
-    if left or not whole:
+    if left or not sound:
         raise typer.Exit(FAILED)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.cli.console import fail, new_grid, say, stdout
-from core.kinds import is_whole, share_left_out
+from core.kinds import is_whole, not_verified, share_left_out
 from core.optimise import Optimisation
 from core.optimise.run import criterion_in_words
 from core.quantities import REGIMES
@@ -69,6 +69,11 @@ def show_table(
         say(f"  {beyond:.1%} of the cells have no mean velocity.")
     elif beyond:
         say(f"  {beyond:.1%} of the cells lie where the closed forms do not describe a real part.")
+    if beyond_error := not_verified(table):
+        fail(
+            f"  Not verified: {beyond_error:,} of the cells verified are further off than what is "
+            "known of their errors allows."
+        )
     left = share_left_out(table)
     if left:
         fail(f"  It was stopped: {left:.1%} of the cells are not computed, and marked so.")
