@@ -21,7 +21,7 @@ from typing import IO, TYPE_CHECKING, Any, TypeVar
 from app.errors import passes, storage_problem
 from app.exceptions import OtherVersionError, TornBlockError
 from app.jobs import work
-from app.jobs.cluster import Cluster
+from app.jobs.cluster import Cluster, by_name
 from app.jobs.ledger import Ledger, Work
 from app.settings import Settings
 from app.store import Store
@@ -284,7 +284,7 @@ class Runner:
         from distributed.client import FutureCancelledError
         from distributed.comm.core import CommClosedError
 
-        future = client.submit(function, self._directory, *arguments, pure=False)
+        future = client.submit(by_name(function), self._directory, *arguments, pure=False)
         result = asyncio.create_task(_result_of(future))
         try:
             while not (await asyncio.wait([result], timeout=LOOK_AT_WORKERS))[0]:
