@@ -35,17 +35,18 @@ Importing this module loads no library; each function loads what it needs.
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
 from vibrafeed._packages import ForeignPackageError, claim
 
 claim("core")
 
-from core import __version__  # noqa: E402 - found only now
+import core  # noqa: E402 - found only now
 
+TYPE_CHECKING = False  # of the standard library's it is known to all, and would have to be loaded
 if TYPE_CHECKING:
     import os
     from collections.abc import Mapping
+    from typing import Any
 
     import xarray
     from matplotlib.figure import Figure
@@ -55,6 +56,8 @@ if TYPE_CHECKING:
     from core.quantities import QUANTITIES, REGIMES
     from core.study import OptimiseStudy, SimulateStudy, Study, SweepStudy
     from core.study.gather import Given
+
+__version__: str = core.__version__
 
 _ELSEWHERE = {
     "core.errors": ("LimitError", "Problem", "StudyError", "VibrafeedError"),
@@ -91,13 +94,15 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> Any:
-    """Load what stands in the core when it is first asked for."""
-    if name not in _HOMES:
-        raise AttributeError(f"module 'vibrafeed' has no attribute '{name}'")
-    value = getattr(import_module(_HOMES[name]), name)
-    globals()[name] = value
-    return value
+if not TYPE_CHECKING:  # there every name would do
+
+    def __getattr__(name: str) -> Any:
+        """Load what stands in the core when it is first asked for."""
+        if name not in _HOMES:
+            raise AttributeError(f"module 'vibrafeed' has no attribute '{name}'")
+        value = getattr(import_module(_HOMES[name]), name)
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:
