@@ -243,7 +243,7 @@ def open_lazily(study: Given | None = None, /, **keywords: Any) -> xarray.Datase
     VibrafeedError
         If zarr is not installed.
     """
-    from core.sweep.zarr_view import open_lazily
+    from core.sweep.lazy import open_lazily
 
     return open_lazily(_prepared("sweep", study, keywords))
 
