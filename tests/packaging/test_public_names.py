@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import doctest
 import json
+import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -31,11 +33,25 @@ def test_every_public_name_is_there():
         vibrafeed.swep  # noqa: B018 - the look-up is what is tried
 
 
+@pytest.mark.slow  # where its kernels are not compiled yet
 def test_its_examples_do_what_they_say(monkeypatch):
     monkeypatch.chdir(ROOT)
     done = doctest.testmod(vibrafeed, extraglobs={"vibrafeed": vibrafeed})
     assert done.attempted > 10
     assert not done.failed
+
+
+@pytest.mark.slow
+def test_the_example_of_the_readme_leaves_a_picture(tmp_path):
+    text = (ROOT / "README.md").read_text()
+    study, code = (
+        re.search(rf"```{language}\n(.*?)```", text, re.DOTALL)[1]
+        for language in ("toml", "python")
+    )
+    (tmp_path / "study.toml").write_text(study)
+    path = {"PYTHONPATH": str(ROOT)}
+    subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=os.environ | path, check=True)
+    assert (tmp_path / "motion.png").stat().st_size > 10_000
 
 
 def test_importing_it_loads_no_library():
