@@ -4,11 +4,12 @@ WORKDIR /build
 COPY pyproject.toml constraints.txt README.md LICENSE ./
 COPY app app
 COPY core core
+COPY vibrafeed vibrafeed
 RUN python -m venv /opt/vibrafeed \
     && /opt/vibrafeed/bin/python -m pip install --no-cache-dir --constraint constraints.txt '.[plot]'
 
 FROM python:3.11-slim-bookworm
-# The folder is not /app: a package of that name would be found there by chance.
+# The folder is not /app: nothing that is called like a package of ours stands above it.
 WORKDIR /srv/vibrafeed
 RUN useradd --system --uid 10001 --home-dir /srv/vibrafeed vibrafeed \
     && install -d -o vibrafeed /var/lib/vibrafeed /var/cache/vibrafeed

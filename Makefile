@@ -1,30 +1,39 @@
-# `make run` and `make test` need Python 3.11 or later and nothing else; both make the environment.
+# `make run` and `make test` need Python 3.11 or later and nothing else; both make the environment,
+# each with what it needs itself.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-READY := $(VENV)/.ready
+PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
+RUNNING := $(VENV)/.running
+TESTING := $(VENV)/.testing
 FIGURE := fig-5-1
 
 .PHONY: run test check serve clean
 
-run: $(READY)
+run: $(RUNNING)
 	$(BIN)/vibrafeed run configs/figures/$(FIGURE).toml -o results/$(FIGURE).nc
 	$(BIN)/vibrafeed plot results/$(FIGURE).nc -o results/$(FIGURE).png
 
-test: $(READY)
+test: $(TESTING)
 	$(BIN)/python -m pytest
 
-check: $(READY)
+check: $(TESTING)
 	scripts/check $(BIN)
 
-serve: $(READY)
+serve: $(RUNNING)
 	$(BIN)/vibrafeed serve
 
 clean:
 	rm -rf $(VENV) results
 
-$(READY): pyproject.toml constraints.txt
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[plot,dev]'
-	touch $@
+$(RUNNING): pyproject.toml constraints.txt
+	@echo "Installing what vibrafeed needs to run in $(VENV): some 0.8 GB, a minute or two ..."
+	@$(PYTHON) -m venv $(VENV)
+	@$(PIP) --editable '.[plot]'
+	@touch $@
+
+$(TESTING): $(RUNNING)
+	@echo "Adding what its tests and checks need: some 0.5 GB, another minute ..."
+	@$(PIP) --editable '.[plot,dev]'
+	@touch $@

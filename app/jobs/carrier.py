@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.jobs import work
 from app.jobs.aside import Aside
-from app.jobs.cluster import Cluster
+from app.jobs.cluster import Cluster, by_name
 from app.jobs.errors import TornBlockError
 from app.jobs.ledger import Ledger, Work
 from app.jobs.store import Store
@@ -140,7 +140,7 @@ class Carrier:
         from distributed.client import FutureCancelledError
         from distributed.comm.core import CommClosedError
 
-        future = client.submit(function, self._directory, *arguments, pure=False)
+        future = client.submit(by_name(function), self._directory, *arguments, pure=False)
         result = asyncio.create_task(_result_of(future))
         try:
             while not (await asyncio.wait([result], timeout=LOOK_AT_WORKERS))[0]:

@@ -5,13 +5,16 @@ from __future__ import annotations
 import asyncio
 import importlib
 import os
+from collections.abc import Callable
 from contextlib import AsyncExitStack
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
     from distributed import Client, WorkerPlugin
 
     _Made = tuple[Client, AsyncExitStack]  # what closes it, and the workers if they are ours
+
+_T = TypeVar("_T")
 
 MOST_FAILURES = 10  # workers that die under one block
 POLITE = 10  # niceness of our own workers: the service answers while they work
@@ -81,6 +84,25 @@ class Cluster:
             if local is not None:
                 await client.register_plugin(_polite())
             return client, made.pop_all()
+
+
+def by_name(function: Callable[..., _T]) -> Callable[..., _T]:
+    """Return what calls a function of this program by its name, wherever it is sent.
+
+    It is sent with all it holds, and finds the rest by the name `vibrafeed`: schedulers and workers
+    may have other packages called `app` and `core`.
+    """
+    module, name = function.__module__, function.__name__
+
+    def call(*arguments: Any) -> _T:
+        from importlib import import_module
+
+        import_module("vibrafeed._packages").claim("core", "app")
+        called: _T = getattr(import_module(module), name)(*arguments)
+        return called
+
+    call.__name__ = name
+    return call
 
 
 def _is_lost(start: asyncio.Task[_Made]) -> bool:

@@ -7,6 +7,7 @@ is counted while studies run, not read off the plan.
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import tracemalloc
@@ -14,10 +15,12 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import wraps
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+import core
 from core import kinds
 from core.catalogue import needed_parameters
 from core.dataset.table import CONVENTIONS, Table, Variable
@@ -216,9 +219,10 @@ def _imports(content: Mapping[str, Any]) -> tuple[int, tuple[str, ...]]:
         "tabulate(prepare_content(json.loads(sys.argv[1])))\n"
         "print(json.dumps(sorted(set(sys.modules) - before)))"
     )
+    place = str(Path(core.__file__).parents[1])  # nothing of the folder that it is run from
     done = subprocess.run(
-        [sys.executable, "-c", code, json.dumps(content)],
-        capture_output=True, text=True, check=True,
+        [sys.executable, "-P", "-c", code, json.dumps(content)],
+        env={**os.environ, "PYTHONPATH": place}, capture_output=True, text=True, check=True,
     )  # fmt: skip
     imported = json.loads(done.stdout.splitlines()[-1])
     return len(imported), tuple(name for name in HEAVY if name in imported)

@@ -14,8 +14,8 @@ from core.study.units import UnitError, read_number
 from core.study.values import position_on_axis
 
 
-def read_fixed(texts: Mapping[str, str]) -> dict[str, float]:
-    """Return the numbers of a user's `name=value` pairs, each in its quantity's unit.
+def read_fixed(texts: Mapping[str, float | str]) -> dict[str, float]:
+    """Return a user's numbers, or texts with units, each in its quantity's unit.
 
     Raises
     ------

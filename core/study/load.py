@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import sys
 import tomllib
@@ -24,7 +25,7 @@ LARGEST = sys.float_info.max
 _HALVES = re.compile("[\ud800-\udfff]")
 
 
-def load_study(path: Path) -> Study:
+def load_study(path: str | os.PathLike[str]) -> Study:
     """Return the study in the TOML or JSON file at `path`.
 
     Raises
@@ -32,7 +33,7 @@ def load_study(path: Path) -> Study:
     StudyError
         With every problem of the file.
     """
-    return parse_study(read_content(path))
+    return parse_study(read_content(Path(path)))
 
 
 def read_content(path: Path) -> object:

@@ -1,0 +1,144 @@
+"""Studies as programs write them: a study, the path of a file, a mapping, or keywords."""
+
+from __future__ import annotations
+
+import difflib
+import os
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from core.errors import Problem, StudyError
+from core.study.load import read_content
+from core.study.models import PARAMETERS, STUDIES, GridStudy, Study
+from core.study.values import MOST_POINTS
+
+KEYS = tuple(dict.fromkeys(key for model in STUDIES.values() for key in model.model_fields))
+"""The keys that a study of any kind has beside its parameters."""
+
+Given = Study | Mapping[str, Any] | str | os.PathLike[str]
+"""What stands for a study; a text is the path of a TOML or JSON file."""
+
+
+def gather(
+    given: Given | None, keywords: Mapping[str, Any], kind: str | None = None
+) -> Study | dict[str, Any]:
+    """Return the study that was given, or the content of the one that is described.
+
+    Keywords, and the keys of a mapping, are those of a study or names of parameters; keywords
+    replace what `given` says. Values may be arrays of numpy and ranges of Python too.
+
+    Parameters
+    ----------
+    given : Study, mapping, str or path, optional
+        A study, what stands in a file of one, or the path of the file.
+    keywords : mapping
+        Further keys and parameters.
+    kind : str, optional
+        The only kind that will do, and what is meant if none is given.
+
+    Raises
+    ------
+    StudyError
+        If it is of another kind, cannot be read, or gives a value twice. Whether the values are
+        right is for `parse_study` to say.
+    """
+    if isinstance(given, GridStudy) and not keywords:
+        _check_kind(given.kind, kind)
+        return given
+    content = {} if given is None else _content_of(given)
+    more = spread(keywords)
+    parameters = content.get("parameters")
+    if isinstance(parameters, Mapping) and isinstance(more.get("parameters"), Mapping):
+        more["parameters"] = {**parameters, **more["parameters"]}
+    content |= more
+    if kind is not None:
+        _check_kind(content.setdefault("kind", kind), kind)
+    return content
+
+
+def spread(written: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the content of a study whose parameters may stand among its other keys.
+
+    The name of a single output need not be a list. A name that is neither is left where it was most
+    likely meant, for the reader to refuse it.
+
+    Raises
+    ------
+    StudyError
+        If a parameter is given twice, or is an endless range.
+    """
+    content: dict[str, Any] = {}
+    loose: dict[str, Any] = {}
+    for name, value in written.items():
+        if _is_key(str(name)):
+            content[str(name)] = plain(value, str(name))
+        else:
+            loose[str(name)] = plain(value, f"parameters.{name}")
+    if isinstance(content.get("outputs"), str):
+        content["outputs"] = [content["outputs"]]
+    inner = content.get("parameters", {})
+    if loose and isinstance(inner, Mapping):
+        twice = [name for name in loose if name in inner]
+        if twice:
+            fix = "Give it once: by itself, or among the parameters"
+            raise StudyError(Problem(f"parameters.{n}", "it is given twice", fix) for n in twice)
+        content["parameters"] = {**inner, **loose}
+    return content
+
+
+def plain(value: object, place: str) -> Any:
+    """Return a value as a file could hold it: ranges and arrays become lists.
+
+    Raises
+    ------
+    StudyError
+        If a range or an array has more values than an axis may have, or more dimensions than one.
+    """
+    if isinstance(value, Mapping):
+        return {str(name): plain(item, f"{place}.{name}") for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item, place) for item in value]
+    if isinstance(value, range):
+        if value[MOST_POINTS:]:
+            most = f"One axis holds {MOST_POINTS:,} values at most; take a larger step"
+            raise StudyError([Problem(place, f"{value} is too long", most)])
+        return list(value)
+    if hasattr(value, "to_numpy"):  # labelled arrays, of pandas and xarray
+        value = value.to_numpy()
+    numpy = sys.modules.get("numpy")  # who gives an array has imported it
+    if numpy is not None and isinstance(value, numpy.ndarray | numpy.generic):
+        if value.ndim > 1:
+            message = f"it is an array of {value.ndim} dimensions"
+            raise StudyError([Problem(place, message, "Give an array of one, or one number")])
+        return value.tolist()
+    return value
+
+
+def _content_of(given: object) -> dict[str, Any]:
+    if isinstance(given, GridStudy):
+        return given.content()
+    if isinstance(given, Mapping):
+        return spread(given)
+    if isinstance(given, str | os.PathLike):
+        given = read_content(Path(given))
+        if isinstance(given, dict):
+            return given
+    message = f"'{type(given).__name__}' is neither a study, a path nor a mapping"
+    raise StudyError([Problem("study", message, "Give one of these, or keywords")])
+
+
+def _is_key(name: str) -> bool:
+    """Return whether a name is a key of a study, or more like one than like a parameter."""
+    if name in KEYS or name in PARAMETERS:
+        return name in KEYS
+    near: Iterable[str] = difflib.get_close_matches(name[:60], (*KEYS, *PARAMETERS), n=1)
+    return any(known in KEYS for known in near)
+
+
+def _check_kind(found: object, kind: str | None) -> None:
+    if kind is not None and found != kind and isinstance(found, str) and found in STUDIES:
+        message = f"this is a study of kind '{found}', not '{kind}'"
+        fix = f"Carry it out with {found}(), or give a study of kind '{kind}'"
+        raise StudyError([Problem("kind", message, fix)])

@@ -1,0 +1,90 @@
+"""Makes the packages `core` and `app` vibrafeed's own, whatever else has these names.
+
+They are folders at the top of the repository, and stand within the folder of this package once it
+is installed: an environment may hold another `core`, and so may the folder that one works in.
+docs/decisions/2026-11-22-one-name-to-import.md says what else was tried.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from importlib.machinery import PathFinder
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from importlib.machinery import ModuleSpec
+    from types import ModuleType
+
+_HERE = __file__.rpartition(os.sep)[0]
+_PLACES = [_HERE, _HERE.rpartition(os.sep)[0]]  # installed; in a clone
+
+
+class ForeignPackageError(ImportError):
+    """Another package has the name of one of vibrafeed's own, and was imported before it."""
+
+
+class _Finder:
+    """Finds the claimed packages where vibrafeed has them, and nothing else.
+
+    It is asked first. What is not claimed is none of its business: a program whose own package is
+    called `app` may import vibrafeed, which needs its own only for the command line and service.
+    """
+
+    def __init__(self) -> None:
+        self.claimed: set[str] = set()
+
+    def find_spec(
+        self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Return where a claimed package or a module of it is; None for all others."""
+        if name in ("vibrafeed.core", "vibrafeed.app"):  # there would be two of everything
+            own = name.rpartition(".")[2]
+            raise ModuleNotFoundError(f"No module named '{name}': its name is '{own}'", name=name)
+        package = name.partition(".")[0]
+        if package not in self.claimed:
+            return None
+        found = PathFinder.find_spec(name, _PLACES if name == package else path, target)
+        if found is None:
+            message = f"No module named '{name}': in this process '{package}' is vibrafeed's own"
+            raise ModuleNotFoundError(message, name=name)
+        return found
+
+
+_FINDER = _Finder()
+
+
+def claim(*packages: str) -> None:
+    """Let imports of these packages find vibrafeed's own, from now on.
+
+    Raises
+    ------
+    ForeignPackageError
+        If another package of that name is imported already.
+    """
+    for package in packages:
+        imported = sys.modules.get(package)
+        if imported is not None and not _is_ours(imported):
+            where = getattr(imported, "__file__", None) or "a folder without __init__.py"
+            raise ForeignPackageError(
+                f"vibrafeed has a package '{package}' of its own, but another one, {where}, is "
+                "imported in this process already: use vibrafeed in a process of its own, or give "
+                "the other package another name.",
+                name=package,
+            )
+    _FINDER.claimed.update(packages)
+    if _FINDER not in sys.meta_path:
+        sys.meta_path.insert(0, _FINDER)
+
+
+def _is_ours(imported: ModuleType) -> bool:
+    own = PathFinder.find_spec(imported.__name__, _PLACES)
+    file = getattr(imported, "__file__", None)
+    if own is None or own.origin is None or file is None:
+        return False
+    if file == own.origin:
+        return True
+    from pathlib import Path  # costs more than all the rest here, and is hardly ever needed
+
+    return Path(file).samefile(own.origin)
