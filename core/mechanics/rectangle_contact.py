@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask
 
 # Share of the parts' size below which lengths count as equal: two corners on a face, or a corner on
@@ -83,10 +84,10 @@ def _faces(
     other_x: Array, other_y: Array, other_angle: Array, other_length: Array, other_width: Array,
 ) -> tuple[_Face, _Face]:  # fmt: skip
     """Return the face of a body that looks at the other one, for each of its two axes."""
-    c, s = np.cos(angle), np.sin(angle)
-    other_c, other_s = np.cos(other_angle), np.sin(other_angle)
+    c, s = cosine(angle), sine(angle)
+    other_c, other_s = cosine(other_angle), sine(other_angle)
     turn = other_angle - angle
-    same, cross = np.abs(np.cos(turn)), np.abs(np.sin(turn))
+    same, cross = np.abs(cosine(turn)), np.abs(sine(turn))
     faces = []
     for e_x, e_y, distance, half, by_length, by_width in (
         (c, s, half_length, half_width, same, cross),

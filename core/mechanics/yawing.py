@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask, ratio
 from core.mechanics.rolling import is_rolling
 from core.mechanics.screws import Reduction, ScrewKind, Wrench, vector
@@ -25,7 +26,7 @@ def rolling_drive(
     *, vibration_acceleration: Array, alpha: Array, beta: Array, axis_yaw: Array
 ) -> Array:
     """Return the drive at its peak along eta, D_eta = P cos(beta) sin(alpha + theta) [m s-2]."""
-    return vibration_acceleration * np.cos(beta) * np.sin(alpha + axis_yaw)
+    return vibration_acceleration * cosine(beta) * sine(alpha + axis_yaw)
 
 
 def axial_drive(
@@ -34,7 +35,7 @@ def axial_drive(
     """Return the drive at its peak along sigma, D_sigma = P cos(beta) cos(alpha + theta)
     [m s-2].
     """  # noqa: D205
-    return vibration_acceleration * np.cos(beta) * np.cos(alpha + axis_yaw)
+    return vibration_acceleration * cosine(beta) * cosine(alpha + axis_yaw)
 
 
 def axial_friction_acceleration(
