@@ -12,7 +12,8 @@ import numpy as np
 from core.mechanics import impact, vectors
 from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask
-from core.mechanics.cylinder_contact import Cylinder, CylinderContact
+from core.mechanics.cylinder_contact import CylinderContact
+from core.mechanics.cylinders import Cylinder
 from core.mechanics.impact import SpatialDelassus, SpatialImpulse, only_in_impact
 from core.mechanics.vectors import Vector, cross, dot, minus, plus, scaled
 
@@ -254,11 +255,8 @@ def spatial_approach(
 
 
 def is_apart(*, cylinder_contact: CylinderContact, contact_tolerance: Array) -> Mask:
-    """Return where the gap exceeds the tolerance, or its lower bound does."""
-    return (
-        cylinder_contact.gap
-        > np.where(cylinder_contact.form == 0, 0.0, contact_tolerance) * cylinder_contact.size
-    )
+    """Return where the gap exceeds the tolerance."""
+    return cylinder_contact.gap > contact_tolerance * cylinder_contact.size
 
 
 def overlaps(*, cylinder_contact: CylinderContact, contact_tolerance: Array) -> Mask:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.mechanics.arrays import Array
-from core.mechanics.cylinder_contact import Cylinder, CylinderContact
+from core.mechanics.cylinder_contact import CylinderContact
 from core.mechanics.cylinder_impact import (
     Approach,
     Frame,
@@ -19,6 +19,7 @@ from core.mechanics.cylinder_impact import (
     inertial,
     turning,
 )
+from core.mechanics.cylinders import Cylinder
 from core.mechanics.impact import SpatialDelassus, SpatialImpulse
 from core.mechanics.vectors import dot
 
@@ -95,7 +96,7 @@ def energy_lost(
 
 
 def gap(*, cylinder_contact: CylinderContact) -> Array:
-    """Return the gap, or a lower bound of it where no form of contact is proven [m]."""
+    """Return the gap; a lower bound of it where rims have entered each other [m]."""
     return cylinder_contact.gap
 
 

@@ -132,9 +132,7 @@ PLANE = {
     ),
     "pressure_offset_x": lambda p: pressure_offset(p, p.in_plane_drive_x, p.acceleration_x),
     "pressure_offset_y": lambda p: pressure_offset(p, p.in_plane_drive_y, p.acceleration_y),
-    "track_speed": lambda p: (
-        2 * mp.pi * p.frequency * p.amplitude * cos(p.beta) * cos(p.alpha)
-    ),
+    "track_speed": lambda p: 2 * mp.pi * p.frequency * p.amplitude * cos(p.beta) * cos(p.alpha),
     "velocity_bound": lambda p: abs(p.track_speed),
     "suggested_distance": lambda p: abs(p.amplitude / 2 * cos(p.beta) * cos(p.alpha)),
 }
