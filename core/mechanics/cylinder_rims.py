@@ -45,6 +45,7 @@ def _refined(
 ) -> Array:
     """Return the minimum within one sample of t, by Newton's method kept in a shrinking bracket."""
     low, high = t - reach, t + reach
+    done: Mask = np.zeros(np.shape(t), dtype=np.bool_)
     for _ in range(MOST_STEPS):
         slope, bend = slope_and_bend(t)
         low, high = np.where(slope < 0, t, low), np.where(slope > 0, t, high)
@@ -52,10 +53,12 @@ def _refined(
         inside = (newton > low) & (newton < high)
         inside = (bend > 0) & (inside | (np.abs(newton - t) <= NEAR))
         ahead = np.where(inside, newton, (low + high) / 2)
-        ahead = np.where(slope == 0, t, ahead)
-        if np.all(np.abs(ahead - t) <= 1e-15 * (1 + np.abs(t))):
-            return ahead
+        # What is done stays: a cell must not depend on those that are computed beside it.
+        ahead = np.where(done | (slope == 0), t, ahead)
+        done = done | (np.abs(ahead - t) <= 1e-15 * (1 + np.abs(t)))
         t = ahead
+        if np.all(done):
+            break
     return t
 
 

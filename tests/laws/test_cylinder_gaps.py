@@ -146,3 +146,18 @@ def test_two_washers_that_were_said_to_overlap():
     )  # fmt: skip
     assert float(result.gap) == pytest.approx(2.397e-3, abs=5e-7)
     assert int(result.regime) == REGIMES["apart"].value
+
+
+@pytest.mark.parametrize("family", ["washers", "as long as wide"])
+def test_a_pair_does_not_depend_on_those_beside_it(family):
+    one, two = random_pair(family)
+    whole = cylinder_contact(cylinder_1=one, cylinder_2=two)
+
+    def cell(body, k):
+        centre, axis = (tuple(part[k : k + 1] for part in v) for v in (body.centre, body.axis))
+        return Cylinder(centre, axis, body.radius[k : k + 1], body.half[k : k + 1])
+
+    for k in range(PAIRS):
+        alone = cylinder_contact(cylinder_1=cell(one, k), cylinder_2=cell(two, k))
+        for of_all, of_one in zip(whole, alone, strict=True):
+            assert np.array_equal(np.array(of_all)[..., k], np.array(of_one)[..., 0]), k
