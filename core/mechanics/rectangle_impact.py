@@ -48,31 +48,6 @@ class Motion(NamedTuple):
 # --- the place of the contact
 
 
-def gap(*, rectangle_contact: RectangleContact) -> Array:
-    """Return the largest of the four gaps between a face and the other body [m]."""
-    return rectangle_contact.gap
-
-
-def face_body(*, rectangle_contact: RectangleContact) -> Array:
-    """Return the body whose face has the largest gap, 1 or 2."""
-    return rectangle_contact.face_body
-
-
-def contact_corner(*, rectangle_contact: RectangleContact) -> Array:
-    """Return the corner of the other body nearest to that face, 1 to 4, or 0 for an edge."""
-    return rectangle_contact.corner
-
-
-def normal_x(*, rectangle_contact: RectangleContact) -> Array:
-    """Return n_x, the normal pointing from body 2 to body 1."""
-    return rectangle_contact.normal_x
-
-
-def normal_y(*, rectangle_contact: RectangleContact) -> Array:
-    """Return n_y, the normal pointing from body 2 to body 1."""
-    return rectangle_contact.normal_y
-
-
 def inertia_1(*, mass_1: Array, length_1: Array, width_1: Array) -> Array:
     """Return I = m (a^2 + h^2)/12 of body 1 [kg m2]."""
     return mass_1 * (length_1 * length_1 + width_1 * width_1) / 12

@@ -14,17 +14,6 @@ from core.mechanics.rectangle_impact import (
     approach_tangential,
 )
 
-
-def impulse_normal(*, planar_impulse: Impulse) -> Array:
-    """Return the normal impulse on body 1 [N s]."""
-    return planar_impulse.normal
-
-
-def impulse_tangential(*, planar_impulse: Impulse) -> Array:
-    """Return the tangential impulse on body 1, along t = (-n_y, n_x) [N s]."""
-    return planar_impulse.tangential
-
-
 # --- after the impact
 
 
@@ -56,36 +45,6 @@ def motion_after(
         velocity_y_2 - L_y / mass_2,
         spin_2 - (arms.normal_2 * L_N + arms.tangential_2 * L_T) / inertia_2,
     )
-
-
-def velocity_x_1_after(*, planar_motion_after: Motion) -> Array:
-    """Return the velocity of body 1 after the impact, x [m s-1]."""
-    return planar_motion_after.velocity_x_1
-
-
-def velocity_y_1_after(*, planar_motion_after: Motion) -> Array:
-    """Return the velocity of body 1 after the impact, y [m s-1]."""
-    return planar_motion_after.velocity_y_1
-
-
-def spin_1_after(*, planar_motion_after: Motion) -> Array:
-    """Return the angular velocity of body 1 after the impact [rad s-1]."""
-    return planar_motion_after.spin_1
-
-
-def velocity_x_2_after(*, planar_motion_after: Motion) -> Array:
-    """Return the velocity of body 2 after the impact, x [m s-1]."""
-    return planar_motion_after.velocity_x_2
-
-
-def velocity_y_2_after(*, planar_motion_after: Motion) -> Array:
-    """Return the velocity of body 2 after the impact, y [m s-1]."""
-    return planar_motion_after.velocity_y_2
-
-
-def spin_2_after(*, planar_motion_after: Motion) -> Array:
-    """Return the angular velocity of body 2 after the impact [rad s-1]."""
-    return planar_motion_after.spin_2
 
 
 def separation_normal(

@@ -176,46 +176,6 @@ def printed_force_reduction(*, force_wrench: Wrench) -> Reduction:
     return _as_printed(force_wrench.reduced())
 
 
-def floor_pitch(*, floor_reduction: Reduction) -> Array:
-    """Return the pitch of the floor's wrench [m]."""
-    return floor_reduction.pitch
-
-
-def floor_axis_normal(*, floor_reduction: Reduction) -> Array:
-    """Return where the axis of the floor's wrench passes the centre, along n [m]."""
-    return floor_reduction.axis_point[..., 0]
-
-
-def floor_axis_rolling(*, floor_reduction: Reduction) -> Array:
-    """Return where the axis of the floor's wrench passes the centre, along eta [m]."""
-    return floor_reduction.axis_point[..., 1]
-
-
-def floor_axis_axial(*, floor_reduction: Reduction) -> Array:
-    """Return where the axis of the floor's wrench passes the centre, along sigma [m]."""
-    return floor_reduction.axis_point[..., 2]
-
-
-def force_pitch(*, force_reduction: Reduction) -> Array:
-    """Return the pitch of the force system: 0 but for rounding, whatever the data [m]."""
-    return force_reduction.pitch
-
-
-def force_axis_normal(*, force_reduction: Reduction) -> Array:
-    """Return where the axis of the force system passes the centre, along n: r/2 [m]."""
-    return force_reduction.axis_point[..., 0]
-
-
-def force_axis_rolling(*, force_reduction: Reduction) -> Array:
-    """Return where the axis of the force system passes the centre, along eta [m]."""
-    return force_reduction.axis_point[..., 1]
-
-
-def force_axis_axial(*, force_reduction: Reduction) -> Array:
-    """Return where the axis of the force system passes the centre, along sigma [m]."""
-    return force_reduction.axis_point[..., 2]
-
-
 def tips_along_axis(*, pressure_offset_axial: Array, length: Array) -> Mask:
     """Return where the floor's normal force would leave the cylinder: |e| > L/2, it tips."""
     return np.abs(pressure_offset_axial) > length / 2
