@@ -14,6 +14,16 @@ from core.mechanics.arrays import Array, Mask
 ALIKE = 1e-9
 
 
+class Rectangle(NamedTuple):
+    """Centre, angle of the length from +x towards +y, length and width."""
+
+    x: Array
+    y: Array
+    angle: Array
+    length: Array
+    width: Array
+
+
 class RectangleContact(NamedTuple):
     """The place where two rectangles are nearest, or overlap least.
 
@@ -109,28 +119,20 @@ def _nearer(one: _Face, other: _Face) -> _Face:
     return _Face(*(np.where(first, a, b) for a, b in zip(one, other, strict=True)))
 
 
-def rectangle_contact(
-    *,
-    position_x_1: Array,
-    position_y_1: Array,
-    angle_1: Array,
-    length_1: Array,
-    width_1: Array,
-    position_x_2: Array,
-    position_y_2: Array,
-    angle_2: Array,
-    length_2: Array,
-    width_2: Array,
-) -> RectangleContact:
+def rectangle_contact(*, rectangle_1: Rectangle, rectangle_2: Rectangle) -> RectangleContact:
     """Return the face with the largest gap and the corner or edge of the other body nearest to it.
 
     The largest of the four gaps is negative exactly in overlap (separating axes). It is the
     distance where the corner lies over the face, and a lower bound of it beside the face.
     """
-    one = (position_x_1, position_y_1, angle_1, length_1 / 2, width_1 / 2)
-    two = (position_x_2, position_y_2, angle_2, length_2 / 2, width_2 / 2)
+    one, two = (
+        (body.x, body.y, body.angle, body.length / 2, body.width / 2)
+        for body in (rectangle_1, rectangle_2)
+    )
     face = _nearer(_nearer(*_faces(1.0, *one, *two)), _nearer(*_faces(2.0, *two, *one)))
-    size = (np.hypot(length_1, width_1) + np.hypot(length_2, width_2)) / 2
+    diagonal_1 = np.hypot(rectangle_1.length, rectangle_1.width)
+    diagonal_2 = np.hypot(rectangle_2.length, rectangle_2.width)
+    size = (diagonal_1 + diagonal_2) / 2
     # Components of the normal along the other body's axes, and of its axes along the face.
     along_length = face.n_x * face.c + face.n_y * face.s
     along_width = face.n_y * face.c - face.n_x * face.s

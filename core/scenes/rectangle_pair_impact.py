@@ -13,6 +13,8 @@ from core.mechanics.rectangle_contact import rectangle_contact
 from core.scenes.scene import Condition, Equation, Scene, fields
 
 PLACE = (
+    Equation("rectangle_1", rectangle_impact.rectangle_1, "theory 5.1"),
+    Equation("rectangle_2", rectangle_impact.rectangle_2, "theory 5.1"),
     Equation("rectangle_contact", rectangle_contact, "theory 5.1"),
     *fields(
         "rectangle_contact",
@@ -28,6 +30,8 @@ PLACE = (
     ),
     Equation("inertia_1", rectangle_impact.inertia_1, "theory 5.1"),
     Equation("inertia_2", rectangle_impact.inertia_2, "theory 5.1"),
+    Equation("rectangle_masses", rectangle_impact.rectangle_masses, "theory 5.1"),
+    Equation("planar_motion", rectangle_impact.planar_motion, "theory 5.1"),
 )
 REST = (
     Equation("contact_x", rectangle_impact.contact_x, "theory 5.1"),
