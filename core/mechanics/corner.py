@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask, ratio
 from core.mechanics.complementarity import (
     NO_SOLUTION,
@@ -47,10 +48,10 @@ def diagonal_direction(*, corner_direction: Direction, pitch: Array) -> Directio
 
     s itself, rounded, would lose the digits of a cosine near 90 degrees.
     """
-    sine, cosine = corner_direction
+    rise, run = corner_direction
     return (
-        sine * np.cos(pitch) + cosine * np.sin(pitch),
-        cosine * np.cos(pitch) - sine * np.sin(pitch),
+        rise * cosine(pitch) + run * sine(pitch),
+        run * cosine(pitch) - rise * sine(pitch),
     )
 
 

@@ -3,8 +3,8 @@
 A direction n separates two convex bodies by at least what their support functions say. A form gives
 n and a point of each body; if the points lie along n and as far apart as n separates, the gap is
 exact and no other form can have a larger one. In overlap such points prove that the bodies do
-overlap, though not by how much at least. Only proven forms count. Where there is none, rims may
-meet or the bodies are apart, and the largest separation that was tried tells which.
+overlap, though not by how much at least. Only proven forms count. Where there is none, two rims may
+be nearest, with a proof of the same kind; where that fails too, rims have entered each other.
 """
 
 from __future__ import annotations
@@ -15,23 +15,13 @@ import numpy as np
 
 from core.mechanics import vectors
 from core.mechanics.arrays import Array, Mask
+from core.mechanics.cylinder_rims import minima, nearest_on_rims
+from core.mechanics.cylinders import Cylinder, separation
 from core.mechanics.rectangle_contact import ALIKE
 from core.mechanics.vectors import Vector, across, cross, dot, norm, plus, scaled
 
 # What `form` says.
 NO_FORM, RIM_ON_FACE, RIM_ON_SIDE, FACE_ON_FACE, SIDE_ON_SIDE, SIDE_ON_FACE = range(6)
-SAMPLES = 24  # of a rim: its distance from an axis has at most two minima, far apart or shallow
-MOST_STEPS = 40  # bisection alone would need 50 to the last digit; Newton's steps need about 5
-NEAR = 1e-6  # radian: of so short a step rounding may decide on which side of the bracket it ends
-
-
-class Cylinder(NamedTuple):
-    """Centre, unit axis, radius and half length."""
-
-    centre: Vector
-    axis: Vector
-    radius: Array
-    half: Array
 
 
 class CylinderContact(NamedTuple):
@@ -40,7 +30,7 @@ class CylinderContact(NamedTuple):
     Attributes
     ----------
     gap : ndarray
-        Distance; negative in overlap; a lower bound of it where no form is proven.
+        Distance; negative in overlap, a lower bound of it where rims have entered each other.
     size : ndarray
         Sum of both half diagonals.
     form : ndarray
@@ -80,17 +70,6 @@ class _Form(NamedTuple):
     line: Mask
     several: Mask
     proven: Mask
-
-
-def support(body: Cylinder, n: Vector) -> Array:
-    """Return how far a cylinder reaches from its centre along n."""
-    return body.half * np.abs(dot(n, body.axis)) + body.radius * norm(across(n, body.axis))
-
-
-def separation(one: Cylinder, other: Cylinder, n: Vector) -> Array:
-    """Return how far n, pointing from `other` to `one`, separates two cylinders."""
-    between = dot(n, vectors.minus(one.centre, other.centre))
-    return between - support(one, n) - support(other, n)
 
 
 def _on_face(number: float, base: Cylinder, other: Cylinder, size: Array) -> _Form:
@@ -149,7 +128,18 @@ def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> lis
         middle = plus(vectors.minus(other.centre, base.centre), other.axis, sign * other.half)
         p = across(middle, base.axis)
         p_1, p_2 = dot(p, a_1), dot(p, a_2)
-        for angle in _minima(p_1, p_2, square, mixed):
+
+        def value(t: Array, p_1: Array = p_1, p_2: Array = p_2) -> Array:
+            bending = square * np.cos(2 * t) + mixed * np.sin(2 * t)
+            return p_1 * np.cos(t) + p_2 * np.sin(t) + bending / 2
+
+        def derivatives(t: Array, p_1: Array = p_1, p_2: Array = p_2) -> tuple[Array, Array]:
+            c, s = np.cos(t), np.sin(t)
+            c_2, s_2 = np.cos(2 * t), np.sin(2 * t)
+            slope = -p_1 * s + p_2 * c - square * s_2 + mixed * c_2
+            return slope, -p_1 * c - p_2 * s - 2 * (square * c_2 + mixed * s_2)
+
+        for angle in minima(value, derivatives):
             c, s = np.cos(angle), np.sin(angle)
             rim = plus(plus(middle, e_1, other.radius * c), e_2, other.radius * s)
             off = across(rim, base.axis)
@@ -169,52 +159,6 @@ def _on_side(number: float, base: Cylinder, other: Cylinder, size: Array) -> lis
                 )
             )  # fmt: skip
     return forms
-
-
-def _minima(p_1: Array, p_2: Array, square: Array, mixed: Array) -> tuple[Array, Array]:
-    """Return where p1 c + p2 s + square/2 cos 2t + mixed/2 sin 2t has its minima.
-
-    The second is the first again where there is one only.
-    """
-    step = 2 * np.pi / SAMPLES
-    values = [
-        p_1 * np.cos(t) + p_2 * np.sin(t) + (square * np.cos(2 * t) + mixed * np.sin(2 * t)) / 2
-        for t in step * np.arange(SAMPLES)
-    ]
-    least = [np.full(np.shape(values[0]), np.inf) for _ in range(2)]
-    place = [np.zeros(np.shape(values[0])) for _ in range(2)]
-    for number, value in enumerate(values):
-        dip = (value <= values[number - 1]) & (value < values[(number + 1) % SAMPLES])
-        best, next_best = dip & (value < least[0]), dip & (value < least[1])
-        place[1] = np.where(best, place[0], np.where(next_best, number * step, place[1]))
-        least[1] = np.where(best, least[0], np.where(next_best, value, least[1]))
-        place[0] = np.where(best, number * step, place[0])
-        least[0] = np.where(best, value, least[0])
-    place[1] = np.where(np.isfinite(least[1]), place[1], place[0])
-    return (
-        _refined(place[0], step, p_1, p_2, square, mixed),
-        _refined(place[1], step, p_1, p_2, square, mixed),
-    )
-
-
-def _refined(t: Array, reach: float, p_1: Array, p_2: Array, square: Array, mixed: Array) -> Array:
-    """Return the minimum within one sample of t, by Newton's method kept in a shrinking bracket."""
-    low, high = t - reach, t + reach
-    for _ in range(MOST_STEPS):
-        c, s = np.cos(t), np.sin(t)
-        c_2, s_2 = np.cos(2 * t), np.sin(2 * t)
-        slope = -p_1 * s + p_2 * c - square * s_2 + mixed * c_2
-        bend = -p_1 * c - p_2 * s - 2 * (square * c_2 + mixed * s_2)
-        low, high = np.where(slope < 0, t, low), np.where(slope > 0, t, high)
-        newton = t - slope / np.where(bend > 0, bend, 1.0)
-        inside = (newton > low) & (newton < high)
-        inside = (bend > 0) & (inside | (np.abs(newton - t) <= NEAR))
-        ahead = np.where(inside, newton, (low + high) / 2)
-        ahead = np.where(slope == 0, t, ahead)
-        if np.all(np.abs(ahead - t) <= 1e-15 * (1 + np.abs(t))):
-            return ahead
-        t = ahead
-    return t
 
 
 def _sides(one: Cylinder, two: Cylinder, size: Array) -> _Form:
@@ -260,7 +204,7 @@ def _extent(form: _Form) -> Array:
 
 
 def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderContact:
-    """Return the proven form of contact, or a lower bound of the gap where none is proven."""
+    """Return the proven form of contact; else the distance of rims, or a bound of their overlap."""
     one, two = cylinder_1, cylinder_2
     size = np.hypot(one.radius, one.half) + np.hypot(two.radius, two.half)
     to_one = [_on_face(2.0, two, one, size), *_on_side(2.0, two, one, size), _sides(one, two, size)]
@@ -285,14 +229,21 @@ def cylinder_contact(*, cylinder_1: Cylinder, cylinder_2: Cylinder) -> CylinderC
             np.where(better, form.several, best.several),
             np.where(better, form.proven, best.proven),
         )
+    gap, normal = np.where(best.proven, best.gap, bound), best.normal
+    first, second = best.first, best.second
+    if not np.all(best.proven):
+        rims = nearest_on_rims(one, two, size)
+        use = rims.proven & ~best.proven
+        gap, normal = np.where(use, rims.gap, gap), vectors.where(use, rims.normal, normal)
+        first, second = (vectors.where(use, rims.point, point) for point in (first, second))
     return CylinderContact(
-        gap=np.where(best.proven, best.gap, bound),
+        gap=gap,
         size=size,
         form=np.where(best.proven, best.form, float(NO_FORM)),
         face_body=np.where(best.proven, best.body, 0.0),
-        normal=best.normal,
-        first=best.first,
-        second=best.second,
+        normal=normal,
+        first=first,
+        second=second,
         line=best.line & best.proven,
         several=best.several | ~best.proven,
     )

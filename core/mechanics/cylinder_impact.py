@@ -10,8 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from core.mechanics import impact, vectors
+from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask
-from core.mechanics.cylinder_contact import Cylinder, CylinderContact
+from core.mechanics.cylinder_contact import CylinderContact
+from core.mechanics.cylinders import Cylinder
 from core.mechanics.impact import SpatialDelassus, SpatialImpulse, only_in_impact
 from core.mechanics.vectors import Vector, cross, dot, minus, plus, scaled
 
@@ -67,8 +69,8 @@ def cylinder_1(
     length_1: Array,
 ) -> Cylinder:
     """Return the place and shape of body 1; its axis is (ce ca, ce sa, se)."""
-    flat = np.cos(elevation_1)
-    axis = flat * np.cos(azimuth_1), flat * np.sin(azimuth_1), np.sin(elevation_1)
+    flat = cosine(elevation_1)
+    axis = flat * cosine(azimuth_1), flat * sine(azimuth_1), sine(elevation_1)
     centre = position_x_1, position_y_1, position_z_1
     return Cylinder(centre, axis, diameter_1 / 2, length_1 / 2)
 
@@ -84,8 +86,8 @@ def cylinder_2(
     length_2: Array,
 ) -> Cylinder:
     """Return the place and shape of body 2; its axis is (ce ca, ce sa, se)."""
-    flat = np.cos(elevation_2)
-    axis = flat * np.cos(azimuth_2), flat * np.sin(azimuth_2), np.sin(elevation_2)
+    flat = cosine(elevation_2)
+    axis = flat * cosine(azimuth_2), flat * sine(azimuth_2), sine(elevation_2)
     centre = position_x_2, position_y_2, position_z_2
     return Cylinder(centre, axis, diameter_2 / 2, length_2 / 2)
 
@@ -253,11 +255,8 @@ def spatial_approach(
 
 
 def is_apart(*, cylinder_contact: CylinderContact, contact_tolerance: Array) -> Mask:
-    """Return where the gap exceeds the tolerance, or its lower bound does."""
-    return (
-        cylinder_contact.gap
-        > np.where(cylinder_contact.form == 0, 0.0, contact_tolerance) * cylinder_contact.size
-    )
+    """Return where the gap exceeds the tolerance."""
+    return cylinder_contact.gap > contact_tolerance * cylinder_contact.size
 
 
 def overlaps(*, cylinder_contact: CylinderContact, contact_tolerance: Array) -> Mask:

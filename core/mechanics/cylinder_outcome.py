@@ -8,7 +8,6 @@ from __future__ import annotations
 import numpy as np
 
 from core.mechanics.arrays import Array
-from core.mechanics.cylinder_contact import Cylinder, CylinderContact
 from core.mechanics.cylinder_impact import (
     Approach,
     Frame,
@@ -19,7 +18,8 @@ from core.mechanics.cylinder_impact import (
     inertial,
     turning,
 )
-from core.mechanics.impact import SpatialDelassus, SpatialImpulse
+from core.mechanics.cylinders import Cylinder
+from core.mechanics.impact import SpatialImpulse
 from core.mechanics.vectors import dot
 
 
@@ -92,126 +92,6 @@ def energy_lost(
     for impulse, u, u_after in zip(L.tangential, before.tangential, after.tangential, strict=True):
         work = work + impulse * (u + u_after)
     return -work / 2
-
-
-def gap(*, cylinder_contact: CylinderContact) -> Array:
-    """Return the gap, or a lower bound of it where no form of contact is proven [m]."""
-    return cylinder_contact.gap
-
-
-def contact_form(*, cylinder_contact: CylinderContact) -> Array:
-    """Return the form of contact, 1 to 5, or 0."""
-    return cylinder_contact.form
-
-
-def face_body(*, cylinder_contact: CylinderContact) -> Array:
-    """Return the body whose face or side is met, 1 or 2; 0 if it is both."""
-    return cylinder_contact.face_body
-
-
-def normal_x(*, cylinder_contact: CylinderContact) -> Array:
-    """Return n_x, the normal pointing from body 2 to body 1."""
-    return cylinder_contact.normal[0]
-
-
-def normal_y(*, cylinder_contact: CylinderContact) -> Array:
-    """Return n_y, the normal pointing from body 2 to body 1."""
-    return cylinder_contact.normal[1]
-
-
-def normal_z(*, cylinder_contact: CylinderContact) -> Array:
-    """Return n_z, the normal pointing from body 2 to body 1."""
-    return cylinder_contact.normal[2]
-
-
-def contact_x(*, contact_frame: Frame) -> Array:
-    """Return the point where the impulse acts, x [m]."""
-    return contact_frame.point[0]
-
-
-def contact_y(*, contact_frame: Frame) -> Array:
-    """Return the point where the impulse acts, y [m]."""
-    return contact_frame.point[1]
-
-
-def contact_z(*, contact_frame: Frame) -> Array:
-    """Return the point where the impulse acts, z [m]."""
-    return contact_frame.point[2]
-
-
-def delassus_normal(*, spatial_delassus: SpatialDelassus) -> Array:
-    """Return G_NN = 1/m1 + 1/m2 + (rho1 x n).J1^-1 (rho1 x n) + the like of body 2 [kg-1]."""
-    return spatial_delassus.NN
-
-
-def approach_normal(*, spatial_approach: Approach) -> Array:
-    """Return u_N = n.(v1 + w1 x rho1 - v2 - w2 x rho2) [m s-1]."""
-    return spatial_approach.normal
-
-
-def impulse_normal(*, spatial_impulse: SpatialImpulse) -> Array:
-    """Return the normal impulse on body 1 [N s]."""
-    return spatial_impulse.normal
-
-
-def velocity_x_1_after(*, spatial_motion_after: SpatialMotion) -> Array:
-    """Return the velocity of body 1 after the impact, x [m s-1]."""
-    return spatial_motion_after.velocity_1[0]
-
-
-def velocity_y_1_after(*, spatial_motion_after: SpatialMotion) -> Array:
-    """Return the velocity of body 1 after the impact, y [m s-1]."""
-    return spatial_motion_after.velocity_1[1]
-
-
-def velocity_z_1_after(*, spatial_motion_after: SpatialMotion) -> Array:
-    """Return the velocity of body 1 after the impact, z [m s-1]."""
-    return spatial_motion_after.velocity_1[2]
-
-
-def spin_x_1_after(*, spatial_motion_after: SpatialMotion) -> Array:
-    """Return the angular velocity of body 1 after the impact, x [rad s-1]."""
-    return spatial_motion_after.spin_1[0]
-
-
-def spin_y_1_after(*, spatial_motion_after: SpatialMotion) -> Array:
-    """Return the angular velocity of body 1 after the impact, y [rad s-1]."""
-    return spatial_motion_after.spin_1[1]
-
-
-def spin_z_1_after(*, spatial_motion_after: SpatialMotion) -> Array:
-    """Return the angular velocity of body 1 after the impact, z [rad s-1]."""
-    return spatial_motion_after.spin_1[2]
-
-
-def velocity_x_2_after(*, spatial_motion_after: SpatialMotion) -> Array:
-    """Return the velocity of body 2 after the impact, x [m s-1]."""
-    return spatial_motion_after.velocity_2[0]
-
-
-def velocity_y_2_after(*, spatial_motion_after: SpatialMotion) -> Array:
-    """Return the velocity of body 2 after the impact, y [m s-1]."""
-    return spatial_motion_after.velocity_2[1]
-
-
-def velocity_z_2_after(*, spatial_motion_after: SpatialMotion) -> Array:
-    """Return the velocity of body 2 after the impact, z [m s-1]."""
-    return spatial_motion_after.velocity_2[2]
-
-
-def spin_x_2_after(*, spatial_motion_after: SpatialMotion) -> Array:
-    """Return the angular velocity of body 2 after the impact, x [rad s-1]."""
-    return spatial_motion_after.spin_2[0]
-
-
-def spin_y_2_after(*, spatial_motion_after: SpatialMotion) -> Array:
-    """Return the angular velocity of body 2 after the impact, y [rad s-1]."""
-    return spatial_motion_after.spin_2[1]
-
-
-def spin_z_2_after(*, spatial_motion_after: SpatialMotion) -> Array:
-    """Return the angular velocity of body 2 after the impact, z [rad s-1]."""
-    return spatial_motion_after.spin_2[2]
 
 
 def impulse_x(*, spatial_impulse: SpatialImpulse, contact_frame: Frame) -> Array:

@@ -6,11 +6,22 @@ from typing import NamedTuple
 
 import numpy as np
 
+from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask
 
 # Share of the parts' size below which lengths count as equal: two corners on a face, or a corner on
 # a corner. Far above rounding, far below what a part is made to.
 ALIKE = 1e-9
+
+
+class Rectangle(NamedTuple):
+    """Centre, angle of the length from +x towards +y, length and width."""
+
+    x: Array
+    y: Array
+    angle: Array
+    length: Array
+    width: Array
 
 
 class RectangleContact(NamedTuple):
@@ -83,10 +94,10 @@ def _faces(
     other_x: Array, other_y: Array, other_angle: Array, other_length: Array, other_width: Array,
 ) -> tuple[_Face, _Face]:  # fmt: skip
     """Return the face of a body that looks at the other one, for each of its two axes."""
-    c, s = np.cos(angle), np.sin(angle)
-    other_c, other_s = np.cos(other_angle), np.sin(other_angle)
+    c, s = cosine(angle), sine(angle)
+    other_c, other_s = cosine(other_angle), sine(other_angle)
     turn = other_angle - angle
-    same, cross = np.abs(np.cos(turn)), np.abs(np.sin(turn))
+    same, cross = np.abs(cosine(turn)), np.abs(sine(turn))
     faces = []
     for e_x, e_y, distance, half, by_length, by_width in (
         (c, s, half_length, half_width, same, cross),
@@ -108,28 +119,20 @@ def _nearer(one: _Face, other: _Face) -> _Face:
     return _Face(*(np.where(first, a, b) for a, b in zip(one, other, strict=True)))
 
 
-def rectangle_contact(
-    *,
-    position_x_1: Array,
-    position_y_1: Array,
-    angle_1: Array,
-    length_1: Array,
-    width_1: Array,
-    position_x_2: Array,
-    position_y_2: Array,
-    angle_2: Array,
-    length_2: Array,
-    width_2: Array,
-) -> RectangleContact:
+def rectangle_contact(*, rectangle_1: Rectangle, rectangle_2: Rectangle) -> RectangleContact:
     """Return the face with the largest gap and the corner or edge of the other body nearest to it.
 
     The largest of the four gaps is negative exactly in overlap (separating axes). It is the
     distance where the corner lies over the face, and a lower bound of it beside the face.
     """
-    one = (position_x_1, position_y_1, angle_1, length_1 / 2, width_1 / 2)
-    two = (position_x_2, position_y_2, angle_2, length_2 / 2, width_2 / 2)
+    one, two = (
+        (body.x, body.y, body.angle, body.length / 2, body.width / 2)
+        for body in (rectangle_1, rectangle_2)
+    )
     face = _nearer(_nearer(*_faces(1.0, *one, *two)), _nearer(*_faces(2.0, *two, *one)))
-    size = (np.hypot(length_1, width_1) + np.hypot(length_2, width_2)) / 2
+    diagonal_1 = np.hypot(rectangle_1.length, rectangle_1.width)
+    diagonal_2 = np.hypot(rectangle_2.length, rectangle_2.width)
+    size = (diagonal_1 + diagonal_2) / 2
     # Components of the normal along the other body's axes, and of its axes along the face.
     along_length = face.n_x * face.c + face.n_y * face.s
     along_width = face.n_y * face.c - face.n_x * face.s

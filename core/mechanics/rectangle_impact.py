@@ -12,7 +12,7 @@ import numpy as np
 from core.mechanics import impact
 from core.mechanics.arrays import Array, Mask
 from core.mechanics.impact import Impulse, only_in_impact
-from core.mechanics.rectangle_contact import RectangleContact
+from core.mechanics.rectangle_contact import Rectangle, RectangleContact
 
 
 class EdgeAction(NamedTuple):
@@ -34,6 +34,15 @@ class Arms(NamedTuple):
     tangential_2: Array
 
 
+class Masses(NamedTuple):
+    """Mass and moment of inertia of both bodies."""
+
+    mass_1: Array
+    inertia_1: Array
+    mass_2: Array
+    inertia_2: Array
+
+
 class Motion(NamedTuple):
     """Velocities of both bodies."""
 
@@ -45,32 +54,21 @@ class Motion(NamedTuple):
     spin_2: Array
 
 
-# --- the place of the contact
+# --- the bodies
 
 
-def gap(*, rectangle_contact: RectangleContact) -> Array:
-    """Return the largest of the four gaps between a face and the other body [m]."""
-    return rectangle_contact.gap
+def rectangle_1(
+    *, position_x_1: Array, position_y_1: Array, angle_1: Array, length_1: Array, width_1: Array
+) -> Rectangle:
+    """Return the place and shape of body 1."""
+    return Rectangle(position_x_1, position_y_1, angle_1, length_1, width_1)
 
 
-def face_body(*, rectangle_contact: RectangleContact) -> Array:
-    """Return the body whose face has the largest gap, 1 or 2."""
-    return rectangle_contact.face_body
-
-
-def contact_corner(*, rectangle_contact: RectangleContact) -> Array:
-    """Return the corner of the other body nearest to that face, 1 to 4, or 0 for an edge."""
-    return rectangle_contact.corner
-
-
-def normal_x(*, rectangle_contact: RectangleContact) -> Array:
-    """Return n_x, the normal pointing from body 2 to body 1."""
-    return rectangle_contact.normal_x
-
-
-def normal_y(*, rectangle_contact: RectangleContact) -> Array:
-    """Return n_y, the normal pointing from body 2 to body 1."""
-    return rectangle_contact.normal_y
+def rectangle_2(
+    *, position_x_2: Array, position_y_2: Array, angle_2: Array, length_2: Array, width_2: Array
+) -> Rectangle:
+    """Return the place and shape of body 2."""
+    return Rectangle(position_x_2, position_y_2, angle_2, length_2, width_2)
 
 
 def inertia_1(*, mass_1: Array, length_1: Array, width_1: Array) -> Array:
@@ -83,38 +81,44 @@ def inertia_2(*, mass_2: Array, length_2: Array, width_2: Array) -> Array:
     return mass_2 * (length_2 * length_2 + width_2 * width_2) / 12
 
 
-def _closing(
-    x: Array, y: Array, n_x: Array, n_y: Array, *, position_x_1: Array, position_y_1: Array,
-    position_x_2: Array, position_y_2: Array, velocity_x_1: Array, velocity_y_1: Array,
-    spin_1: Array, velocity_x_2: Array, velocity_y_2: Array, spin_2: Array,
-) -> Array:  # fmt: skip
-    """Return the velocity of body 1 relative to body 2 at a point, along a direction."""
-    slip_x = (velocity_x_1 - spin_1 * (y - position_y_1)) - (
-        velocity_x_2 - spin_2 * (y - position_y_2)
-    )
-    slip_y = (velocity_y_1 + spin_1 * (x - position_x_1)) - (
-        velocity_y_2 + spin_2 * (x - position_x_2)
-    )
-    return n_x * slip_x + n_y * slip_y
+def rectangle_masses(*, mass_1: Array, inertia_1: Array, mass_2: Array, inertia_2: Array) -> Masses:
+    """Return mass and moment of inertia of both bodies."""
+    return Masses(mass_1, inertia_1, mass_2, inertia_2)
 
 
-def edge_action_without_friction(
+def planar_motion(
     *,
-    rectangle_contact: RectangleContact,
-    position_x_1: Array,
-    position_y_1: Array,
-    position_x_2: Array,
-    position_y_2: Array,
     velocity_x_1: Array,
     velocity_y_1: Array,
     spin_1: Array,
     velocity_x_2: Array,
     velocity_y_2: Array,
     spin_2: Array,
-    mass_1: Array,
-    mass_2: Array,
-    inertia_1: Array,
-    inertia_2: Array,
+) -> Motion:
+    """Return the velocities before the impact."""
+    return Motion(velocity_x_1, velocity_y_1, spin_1, velocity_x_2, velocity_y_2, spin_2)
+
+
+# --- the place of the contact
+
+
+def _closing(
+    x: Array, y: Array, n_x: Array, n_y: Array, one: Rectangle, two: Rectangle, motion: Motion
+) -> Array:
+    """Return the velocity of body 1 relative to body 2 at a point, along a direction."""
+    u = motion
+    slip_x = (u.velocity_x_1 - u.spin_1 * (y - one.y)) - (u.velocity_x_2 - u.spin_2 * (y - two.y))
+    slip_y = (u.velocity_y_1 + u.spin_1 * (x - one.x)) - (u.velocity_y_2 + u.spin_2 * (x - two.x))
+    return n_x * slip_x + n_y * slip_y
+
+
+def edge_action_without_friction(
+    *,
+    rectangle_contact: RectangleContact,
+    rectangle_1: Rectangle,
+    rectangle_2: Rectangle,
+    planar_motion: Motion,
+    rectangle_masses: Masses,
     restitution: Array,
 ) -> EdgeAction:
     """Return where the resultant of both ends of a touching edge acts.
@@ -124,20 +128,16 @@ def edge_action_without_friction(
     """
     at = rectangle_contact
     u_1, u_2 = (
-        _closing(
-            x, y, at.normal_x, at.normal_y, position_x_1=position_x_1, position_y_1=position_y_1,
-            position_x_2=position_x_2, position_y_2=position_y_2, velocity_x_1=velocity_x_1,
-            velocity_y_1=velocity_y_1, spin_1=spin_1, velocity_x_2=velocity_x_2,
-            velocity_y_2=velocity_y_2, spin_2=spin_2,
-        )
+        _closing(x, y, at.normal_x, at.normal_y, rectangle_1, rectangle_2, planar_motion)
         for x, y in ((at.first_x, at.first_y), (at.second_x, at.second_y))
-    )  # fmt: skip
+    )
     arms = [
-        (x - px) * at.normal_y - (y - py) * at.normal_x
-        for px, py in ((position_x_1, position_y_1), (position_x_2, position_y_2))
+        (x - body.x) * at.normal_y - (y - body.y) * at.normal_x
+        for body in (rectangle_1, rectangle_2)
         for x, y in ((at.first_x, at.first_y), (at.second_x, at.second_y))
     ]
     first_1, second_1, first_2, second_2 = arms
+    mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
     free = 1 / mass_1 + 1 / mass_2
     both = impact.on_edge(
         G_11=free + first_1 * first_1 / inertia_1 + first_2 * first_2 / inertia_2,
@@ -156,16 +156,9 @@ def edge_action_without_friction(
 def edge_action_with_friction(
     *,
     rectangle_contact: RectangleContact,
-    position_x_1: Array,
-    position_y_1: Array,
-    position_x_2: Array,
-    position_y_2: Array,
-    velocity_x_1: Array,
-    velocity_y_1: Array,
-    spin_1: Array,
-    velocity_x_2: Array,
-    velocity_y_2: Array,
-    spin_2: Array,
+    rectangle_1: Rectangle,
+    rectangle_2: Rectangle,
+    planar_motion: Motion,
 ) -> EdgeAction:
     """Return the end of a touching edge that approaches most; friction at two ends is not solved.
 
@@ -173,14 +166,9 @@ def edge_action_with_friction(
     """
     at = rectangle_contact
     u_1, u_2 = (
-        _closing(
-            x, y, at.normal_x, at.normal_y, position_x_1=position_x_1, position_y_1=position_y_1,
-            position_x_2=position_x_2, position_y_2=position_y_2, velocity_x_1=velocity_x_1,
-            velocity_y_1=velocity_y_1, spin_1=spin_1, velocity_x_2=velocity_x_2,
-            velocity_y_2=velocity_y_2, spin_2=spin_2,
-        )
+        _closing(x, y, at.normal_x, at.normal_y, rectangle_1, rectangle_2, planar_motion)
         for x, y in ((at.first_x, at.first_y), (at.second_x, at.second_y))
-    )  # fmt: skip
+    )
     return EdgeAction(np.where(u_2 < u_1, 1.0, 0.0), at.edge & (np.minimum(u_1, u_2) < 0))
 
 
@@ -202,14 +190,12 @@ def contact_arms(
     contact_y: Array,
     normal_x: Array,
     normal_y: Array,
-    position_x_1: Array,
-    position_y_1: Array,
-    position_x_2: Array,
-    position_y_2: Array,
+    rectangle_1: Rectangle,
+    rectangle_2: Rectangle,
 ) -> Arms:
     """Return rho x n and rho x t of both bodies, t = (-n_y, n_x) [m]."""
-    x_1, y_1 = contact_x - position_x_1, contact_y - position_y_1
-    x_2, y_2 = contact_x - position_x_2, contact_y - position_y_2
+    x_1, y_1 = contact_x - rectangle_1.x, contact_y - rectangle_1.y
+    x_2, y_2 = contact_x - rectangle_2.x, contact_y - rectangle_2.y
     return Arms(
         x_1 * normal_y - y_1 * normal_x,
         x_1 * normal_x + y_1 * normal_y,
@@ -221,27 +207,25 @@ def contact_arms(
 # --- what the law sees
 
 
-def delassus_normal(
-    *, contact_arms: Arms, mass_1: Array, mass_2: Array, inertia_1: Array, inertia_2: Array
-) -> Array:
+def delassus_normal(*, contact_arms: Arms, rectangle_masses: Masses) -> Array:
     """Return G_NN = 1/m1 + 1/m2 + (rho1 x n)^2/I1 + (rho2 x n)^2/I2 [kg-1]."""
+    mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
     of_1, of_2 = contact_arms.normal_1, contact_arms.normal_2
     return 1 / mass_1 + 1 / mass_2 + of_1 * of_1 / inertia_1 + of_2 * of_2 / inertia_2
 
 
-def delassus_coupling(*, contact_arms: Arms, inertia_1: Array, inertia_2: Array) -> Array:
+def delassus_coupling(*, contact_arms: Arms, rectangle_masses: Masses) -> Array:
     """Return G_NT = (rho1 x n)(rho1 x t)/I1 + (rho2 x n)(rho2 x t)/I2 [kg-1]."""
-    arms = contact_arms
+    arms, masses = contact_arms, rectangle_masses
     return (
-        arms.normal_1 * arms.tangential_1 / inertia_1
-        + arms.normal_2 * arms.tangential_2 / inertia_2
+        arms.normal_1 * arms.tangential_1 / masses.inertia_1
+        + arms.normal_2 * arms.tangential_2 / masses.inertia_2
     )
 
 
-def delassus_tangential(
-    *, contact_arms: Arms, mass_1: Array, mass_2: Array, inertia_1: Array, inertia_2: Array
-) -> Array:
+def delassus_tangential(*, contact_arms: Arms, rectangle_masses: Masses) -> Array:
     """Return G_TT = 1/m1 + 1/m2 + (rho1 x t)^2/I1 + (rho2 x t)^2/I2 [kg-1]."""
+    mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
     of_1, of_2 = contact_arms.tangential_1, contact_arms.tangential_2
     return 1 / mass_1 + 1 / mass_2 + of_1 * of_1 / inertia_1 + of_2 * of_2 / inertia_2
 
@@ -251,16 +235,13 @@ def approach_normal(
     contact_arms: Arms,
     normal_x: Array,
     normal_y: Array,
-    velocity_x_1: Array,
-    velocity_y_1: Array,
-    spin_1: Array,
-    velocity_x_2: Array,
-    velocity_y_2: Array,
-    spin_2: Array,
+    planar_motion: Motion,
 ) -> Array:
     """Return u_N = n.(v1 + w1 x rho1 - v2 - w2 x rho2) [m s-1]."""
-    centres = normal_x * (velocity_x_1 - velocity_x_2) + normal_y * (velocity_y_1 - velocity_y_2)
-    return centres + spin_1 * contact_arms.normal_1 - spin_2 * contact_arms.normal_2
+    u = planar_motion
+    drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
+    centres = normal_x * drift_x + normal_y * drift_y
+    return centres + u.spin_1 * contact_arms.normal_1 - u.spin_2 * contact_arms.normal_2
 
 
 def approach_tangential(
@@ -268,16 +249,13 @@ def approach_tangential(
     contact_arms: Arms,
     normal_x: Array,
     normal_y: Array,
-    velocity_x_1: Array,
-    velocity_y_1: Array,
-    spin_1: Array,
-    velocity_x_2: Array,
-    velocity_y_2: Array,
-    spin_2: Array,
+    planar_motion: Motion,
 ) -> Array:
     """Return u_T = t.(v1 + w1 x rho1 - v2 - w2 x rho2) [m s-1]."""
-    centres = normal_x * (velocity_y_1 - velocity_y_2) - normal_y * (velocity_x_1 - velocity_x_2)
-    return centres + spin_1 * contact_arms.tangential_1 - spin_2 * contact_arms.tangential_2
+    u = planar_motion
+    drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
+    centres = normal_x * drift_y - normal_y * drift_x
+    return centres + u.spin_1 * contact_arms.tangential_1 - u.spin_2 * contact_arms.tangential_2
 
 
 # --- where there is an impact

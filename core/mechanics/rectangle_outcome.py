@@ -7,23 +7,14 @@ from __future__ import annotations
 
 from core.mechanics.arrays import Array
 from core.mechanics.impact import Impulse
+from core.mechanics.rectangle_contact import Rectangle
 from core.mechanics.rectangle_impact import (
     Arms,
+    Masses,
     Motion,
     approach_normal,
     approach_tangential,
 )
-
-
-def impulse_normal(*, planar_impulse: Impulse) -> Array:
-    """Return the normal impulse on body 1 [N s]."""
-    return planar_impulse.normal
-
-
-def impulse_tangential(*, planar_impulse: Impulse) -> Array:
-    """Return the tangential impulse on body 1, along t = (-n_y, n_x) [N s]."""
-    return planar_impulse.tangential
-
 
 # --- after the impact
 
@@ -34,58 +25,21 @@ def motion_after(
     contact_arms: Arms,
     normal_x: Array,
     normal_y: Array,
-    velocity_x_1: Array,
-    velocity_y_1: Array,
-    spin_1: Array,
-    velocity_x_2: Array,
-    velocity_y_2: Array,
-    spin_2: Array,
-    mass_1: Array,
-    mass_2: Array,
-    inertia_1: Array,
-    inertia_2: Array,
+    planar_motion: Motion,
+    rectangle_masses: Masses,
 ) -> Motion:
     """Return all velocities after the impulse, qdot + M^-1 (W_N L_N + W_T L_T)."""
     L_N, L_T, arms = planar_impulse.normal, planar_impulse.tangential, contact_arms
     L_x, L_y = normal_x * L_N - normal_y * L_T, normal_y * L_N + normal_x * L_T
+    u, (mass_1, inertia_1, mass_2, inertia_2) = planar_motion, rectangle_masses
     return Motion(
-        velocity_x_1 + L_x / mass_1,
-        velocity_y_1 + L_y / mass_1,
-        spin_1 + (arms.normal_1 * L_N + arms.tangential_1 * L_T) / inertia_1,
-        velocity_x_2 - L_x / mass_2,
-        velocity_y_2 - L_y / mass_2,
-        spin_2 - (arms.normal_2 * L_N + arms.tangential_2 * L_T) / inertia_2,
+        u.velocity_x_1 + L_x / mass_1,
+        u.velocity_y_1 + L_y / mass_1,
+        u.spin_1 + (arms.normal_1 * L_N + arms.tangential_1 * L_T) / inertia_1,
+        u.velocity_x_2 - L_x / mass_2,
+        u.velocity_y_2 - L_y / mass_2,
+        u.spin_2 - (arms.normal_2 * L_N + arms.tangential_2 * L_T) / inertia_2,
     )
-
-
-def velocity_x_1_after(*, planar_motion_after: Motion) -> Array:
-    """Return the velocity of body 1 after the impact, x [m s-1]."""
-    return planar_motion_after.velocity_x_1
-
-
-def velocity_y_1_after(*, planar_motion_after: Motion) -> Array:
-    """Return the velocity of body 1 after the impact, y [m s-1]."""
-    return planar_motion_after.velocity_y_1
-
-
-def spin_1_after(*, planar_motion_after: Motion) -> Array:
-    """Return the angular velocity of body 1 after the impact [rad s-1]."""
-    return planar_motion_after.spin_1
-
-
-def velocity_x_2_after(*, planar_motion_after: Motion) -> Array:
-    """Return the velocity of body 2 after the impact, x [m s-1]."""
-    return planar_motion_after.velocity_x_2
-
-
-def velocity_y_2_after(*, planar_motion_after: Motion) -> Array:
-    """Return the velocity of body 2 after the impact, y [m s-1]."""
-    return planar_motion_after.velocity_y_2
-
-
-def spin_2_after(*, planar_motion_after: Motion) -> Array:
-    """Return the angular velocity of body 2 after the impact [rad s-1]."""
-    return planar_motion_after.spin_2
 
 
 def separation_normal(
@@ -96,7 +50,7 @@ def separation_normal(
         contact_arms=contact_arms,
         normal_x=normal_x,
         normal_y=normal_y,
-        **planar_motion_after._asdict(),
+        planar_motion=planar_motion_after,
     )
 
 
@@ -108,29 +62,18 @@ def separation_tangential(
         contact_arms=contact_arms,
         normal_x=normal_x,
         normal_y=normal_y,
-        **planar_motion_after._asdict(),
+        planar_motion=planar_motion_after,
     )
 
 
-def energy_before(
-    *,
-    velocity_x_1: Array,
-    velocity_y_1: Array,
-    spin_1: Array,
-    velocity_x_2: Array,
-    velocity_y_2: Array,
-    spin_2: Array,
-    mass_1: Array,
-    mass_2: Array,
-    inertia_1: Array,
-    inertia_2: Array,
-) -> Array:
+def energy_before(*, planar_motion: Motion, rectangle_masses: Masses) -> Array:
     """Return the kinetic energy of both bodies before the impact [J]."""
+    u, (mass_1, inertia_1, mass_2, inertia_2) = planar_motion, rectangle_masses
     return (
-        mass_1 * (velocity_x_1 * velocity_x_1 + velocity_y_1 * velocity_y_1)
-        + inertia_1 * spin_1 * spin_1
-        + mass_2 * (velocity_x_2 * velocity_x_2 + velocity_y_2 * velocity_y_2)
-        + inertia_2 * spin_2 * spin_2
+        mass_1 * (u.velocity_x_1 * u.velocity_x_1 + u.velocity_y_1 * u.velocity_y_1)
+        + inertia_1 * u.spin_1 * u.spin_1
+        + mass_2 * (u.velocity_x_2 * u.velocity_x_2 + u.velocity_y_2 * u.velocity_y_2)
+        + inertia_2 * u.spin_2 * u.spin_2
     ) / 2
 
 
@@ -154,50 +97,39 @@ def energy_lost(
 
 
 def momentum_residual_x(
-    *, planar_motion_after: Motion, velocity_x_1: Array, velocity_x_2: Array, mass_1: Array,
-    mass_2: Array,
-) -> Array:  # fmt: skip
+    *, planar_motion: Motion, planar_motion_after: Motion, rectangle_masses: Masses
+) -> Array:
     """Return what the velocities after the impact add to the linear momentum, x [N s]."""
-    after = planar_motion_after
-    change_1, change_2 = after.velocity_x_1 - velocity_x_1, after.velocity_x_2 - velocity_x_2
-    return mass_1 * change_1 + mass_2 * change_2
+    before, after, masses = planar_motion, planar_motion_after, rectangle_masses
+    change_1 = after.velocity_x_1 - before.velocity_x_1
+    change_2 = after.velocity_x_2 - before.velocity_x_2
+    return masses.mass_1 * change_1 + masses.mass_2 * change_2
 
 
 def momentum_residual_y(
-    *, planar_motion_after: Motion, velocity_y_1: Array, velocity_y_2: Array, mass_1: Array,
-    mass_2: Array,
-) -> Array:  # fmt: skip
+    *, planar_motion: Motion, planar_motion_after: Motion, rectangle_masses: Masses
+) -> Array:
     """Return what the velocities after the impact add to the linear momentum, y [N s]."""
-    after = planar_motion_after
-    change_1, change_2 = after.velocity_y_1 - velocity_y_1, after.velocity_y_2 - velocity_y_2
-    return mass_1 * change_1 + mass_2 * change_2
+    before, after, masses = planar_motion, planar_motion_after, rectangle_masses
+    change_1 = after.velocity_y_1 - before.velocity_y_1
+    change_2 = after.velocity_y_2 - before.velocity_y_2
+    return masses.mass_1 * change_1 + masses.mass_2 * change_2
 
 
 def angular_momentum_residual(
     *,
+    rectangle_1: Rectangle,
+    rectangle_2: Rectangle,
+    planar_motion: Motion,
     planar_motion_after: Motion,
-    position_x_1: Array,
-    position_y_1: Array,
-    position_x_2: Array,
-    position_y_2: Array,
-    velocity_x_1: Array,
-    velocity_y_1: Array,
-    spin_1: Array,
-    velocity_x_2: Array,
-    velocity_y_2: Array,
-    spin_2: Array,
-    mass_1: Array,
-    mass_2: Array,
-    inertia_1: Array,
-    inertia_2: Array,
+    rectangle_masses: Masses,
 ) -> Array:
     """Return what the velocities after add to the angular momentum about the origin [kg m2 s-1]."""
-    after = planar_motion_after
-    change_x_1, change_y_1 = after.velocity_x_1 - velocity_x_1, after.velocity_y_1 - velocity_y_1
-    change_x_2, change_y_2 = after.velocity_x_2 - velocity_x_2, after.velocity_y_2 - velocity_y_2
+    one, two, masses = rectangle_1, rectangle_2, rectangle_masses
+    change = Motion(*(u - v for u, v in zip(planar_motion_after, planar_motion, strict=True)))
     return (
-        mass_1 * (position_x_1 * change_y_1 - position_y_1 * change_x_1)
-        + inertia_1 * (after.spin_1 - spin_1)
-        + mass_2 * (position_x_2 * change_y_2 - position_y_2 * change_x_2)
-        + inertia_2 * (after.spin_2 - spin_2)
+        masses.mass_1 * (one.x * change.velocity_y_1 - one.y * change.velocity_x_1)
+        + masses.inertia_1 * change.spin_1
+        + masses.mass_2 * (two.x * change.velocity_y_2 - two.y * change.velocity_x_2)
+        + masses.inertia_2 * change.spin_2
     )

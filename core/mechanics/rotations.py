@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array
 
 
@@ -48,7 +49,7 @@ def turned(matrix: Array, vector: Array) -> Array:
 def _about(axis: int, angle: Array) -> Array:
     """Return the active rotation about one coordinate axis."""
     angle = np.asarray(angle, dtype=np.float64)
-    c, s = np.cos(angle), np.sin(angle)
+    c, s = cosine(angle), sine(angle)
     following, last = (axis + 1) % 3, (axis + 2) % 3
     matrix = np.zeros((*angle.shape, 3, 3))
     matrix[..., axis, axis] = 1.0

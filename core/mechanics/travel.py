@@ -13,6 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from core.mechanics.angles import cosine
 from core.mechanics.arrays import (
     Array,
     Mask,
@@ -241,7 +242,7 @@ def distance_at_time(
 
 def suggested_distance(*, amplitude: Array, alpha: Array, beta: Array) -> Array:
     """Return (A0/2) cos(beta) cos(alpha), the bound below for negligible gravity [m]."""
-    return np.abs(amplitude / 2 * np.cos(beta) * np.cos(alpha))
+    return np.abs(amplitude / 2 * cosine(beta) * cosine(alpha))
 
 
 def distance_bound(

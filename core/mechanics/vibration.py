@@ -8,7 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask, compensated_sum
+from core.mechanics.angles import cosine, sine
+from core.mechanics.arrays import Array, Mask, compensated_sum, ratio
+
+# Between them a square is a float with all its digits.
+FAR_BELOW, FAR_ABOVE = 1e-150, 1e150
 
 
 def amplitude(*, peak_to_peak: Array) -> Array:
@@ -18,42 +22,46 @@ def amplitude(*, peak_to_peak: Array) -> Array:
 
 def vibration_acceleration(*, frequency: Array, amplitude: Array) -> Array:
     """Return the amplitude of the drive acceleration, P = A0 (2 pi f)^2 [m s-2]."""
-    return amplitude * np.square(2 * np.pi * frequency)
+    w = 2 * np.pi * frequency
+    # Of a far frequency the square alone is no float, though P may be one.
+    near = (w > FAR_BELOW) & (w < FAR_ABOVE)
+    far = np.where(near, 1.0, w)
+    return np.where(near, amplitude * np.square(np.where(near, w, 1.0)), amplitude * far * far)
 
 
 def drive_along(*, vibration_acceleration: Array, alpha: Array, beta: Array) -> Array:
     """Return the drive acceleration at its peak along +x, P cos(beta) cos(alpha) [m s-2]."""
-    return vibration_acceleration * np.cos(beta) * np.cos(alpha)
+    return vibration_acceleration * cosine(beta) * cosine(alpha)
 
 
 def drive_across(*, vibration_acceleration: Array, alpha: Array, beta: Array) -> Array:
     """Return the drive acceleration at its peak along +y, W = P cos(beta) sin(alpha) [m s-2]."""
-    return vibration_acceleration * np.cos(beta) * np.sin(alpha)
+    return vibration_acceleration * cosine(beta) * sine(alpha)
 
 
 def drive_normal(*, vibration_acceleration: Array, beta: Array) -> Array:
     """Return the drive acceleration at its peak along +z, P sin(beta) [m s-2]."""
-    return vibration_acceleration * np.sin(beta)
+    return vibration_acceleration * sine(beta)
 
 
 def gravity_along(*, gravity: Array, gamma: Array) -> Array:
     """Return gravity along -x, g sin(gamma) [m s-2]."""
-    return gravity * np.sin(gamma)
+    return gravity * sine(gamma)
 
 
 def gravity_normal(*, gravity: Array, gamma: Array) -> Array:
     """Return gravity onto the floor of a track without lean, g cos(gamma) [m s-2]."""
-    return gravity * np.cos(gamma)
+    return gravity * cosine(gamma)
 
 
 def leaning_gravity_normal(*, gravity: Array, gamma: Array, delta: Array) -> Array:
     """Return gravity onto the floor of a leaning track, g cos(gamma) cos(delta) [m s-2]."""
-    return gravity * np.cos(gamma) * np.cos(delta)
+    return gravity * cosine(gamma) * cosine(delta)
 
 
 def gravity_across(*, gravity: Array, gamma: Array, delta: Array) -> Array:
     """Return gravity towards the wall, g_y = g cos(gamma) sin(delta) [m s-2]."""
-    return gravity * np.cos(gamma) * np.sin(delta)
+    return gravity * cosine(gamma) * sine(delta)
 
 
 def normal_acceleration(*, gravity_normal: Array, drive_normal: Array) -> Array:
@@ -66,7 +74,18 @@ def normal_acceleration(*, gravity_normal: Array, drive_normal: Array) -> Array:
 
 def throw_number(*, drive_normal: Array, gravity_normal: Array) -> Array:
     """Return the throw number, Gamma = P sin(beta) / gravity onto the floor [1]."""
-    return drive_normal / gravity_normal
+    return throw(drive_normal, gravity_normal)
+
+
+def throw(drive: Array, gravity: Array) -> Array:
+    """Return drive over gravity, both normal to the floor.
+
+    Infinite on an upright floor, with the sign of the drive; NaN there without drive, where the
+    regime is `flight` all the same.
+    """
+    push = np.where(gravity == 0, drive, 1.0)  # the sign matters there only
+    limit = np.where(push > 0, np.inf, np.where(push < 0, -np.inf, np.nan))
+    return ratio(drive, gravity, limit)
 
 
 def in_plane_drive_x(*, drive_along: Array, gravity_along: Array) -> Array:
@@ -101,17 +120,17 @@ def supported_acceleration(*, normal_acceleration: Array) -> Array:
 
 def rotated_acceleration_x(*, acceleration_x: Array, acceleration_y: Array, yaw: Array) -> Array:
     """Return the acceleration along the turned x axis, (3.10), (3.12) [m s-2]."""
-    return compensated_sum(np.cos(yaw) * acceleration_x, np.sin(yaw) * acceleration_y)
+    return compensated_sum(cosine(yaw) * acceleration_x, sine(yaw) * acceleration_y)
 
 
 def rotated_acceleration_y(*, acceleration_x: Array, acceleration_y: Array, yaw: Array) -> Array:
     """Return the acceleration along the turned y axis, (3.10), (3.12) [m s-2]."""
-    return compensated_sum(np.cos(yaw) * acceleration_y, -np.sin(yaw) * acceleration_x)
+    return compensated_sum(cosine(yaw) * acceleration_y, -sine(yaw) * acceleration_x)
 
 
 def velocity_bound(*, frequency: Array, amplitude: Array, alpha: Array, beta: Array) -> Array:
     """Return the largest speed of the track along x, v_b = A0 w cos(beta) cos(alpha) [m s-1]."""
-    return np.abs(2 * np.pi * frequency * amplitude * np.cos(beta) * np.cos(alpha))
+    return np.abs(2 * np.pi * frequency * amplitude * cosine(beta) * cosine(alpha))
 
 
 def floor_force(*, mass: Array, floor_acceleration: Array) -> Array:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask, ratio
 from core.mechanics.rolling import is_rolling
 from core.mechanics.screws import Reduction, ScrewKind, Wrench, vector
@@ -25,7 +26,7 @@ def rolling_drive(
     *, vibration_acceleration: Array, alpha: Array, beta: Array, axis_yaw: Array
 ) -> Array:
     """Return the drive at its peak along eta, D_eta = P cos(beta) sin(alpha + theta) [m s-2]."""
-    return vibration_acceleration * np.cos(beta) * np.sin(alpha + axis_yaw)
+    return vibration_acceleration * cosine(beta) * sine(alpha + axis_yaw)
 
 
 def axial_drive(
@@ -34,7 +35,7 @@ def axial_drive(
     """Return the drive at its peak along sigma, D_sigma = P cos(beta) cos(alpha + theta)
     [m s-2].
     """  # noqa: D205
-    return vibration_acceleration * np.cos(beta) * np.cos(alpha + axis_yaw)
+    return vibration_acceleration * cosine(beta) * cosine(alpha + axis_yaw)
 
 
 def axial_friction_acceleration(
@@ -173,46 +174,6 @@ def printed_floor_reduction(*, floor_wrench: Wrench) -> Reduction:
 def printed_force_reduction(*, force_wrench: Wrench) -> Reduction:
     """Return pitch and axis of the force system with the sign of (4.3), (4.5), (4.6)."""
     return _as_printed(force_wrench.reduced())
-
-
-def floor_pitch(*, floor_reduction: Reduction) -> Array:
-    """Return the pitch of the floor's wrench [m]."""
-    return floor_reduction.pitch
-
-
-def floor_axis_normal(*, floor_reduction: Reduction) -> Array:
-    """Return where the axis of the floor's wrench passes the centre, along n [m]."""
-    return floor_reduction.axis_point[..., 0]
-
-
-def floor_axis_rolling(*, floor_reduction: Reduction) -> Array:
-    """Return where the axis of the floor's wrench passes the centre, along eta [m]."""
-    return floor_reduction.axis_point[..., 1]
-
-
-def floor_axis_axial(*, floor_reduction: Reduction) -> Array:
-    """Return where the axis of the floor's wrench passes the centre, along sigma [m]."""
-    return floor_reduction.axis_point[..., 2]
-
-
-def force_pitch(*, force_reduction: Reduction) -> Array:
-    """Return the pitch of the force system: 0 but for rounding, whatever the data [m]."""
-    return force_reduction.pitch
-
-
-def force_axis_normal(*, force_reduction: Reduction) -> Array:
-    """Return where the axis of the force system passes the centre, along n: r/2 [m]."""
-    return force_reduction.axis_point[..., 0]
-
-
-def force_axis_rolling(*, force_reduction: Reduction) -> Array:
-    """Return where the axis of the force system passes the centre, along eta [m]."""
-    return force_reduction.axis_point[..., 1]
-
-
-def force_axis_axial(*, force_reduction: Reduction) -> Array:
-    """Return where the axis of the force system passes the centre, along sigma [m]."""
-    return force_reduction.axis_point[..., 2]
 
 
 def tips_along_axis(*, pressure_offset_axial: Array, length: Array) -> Mask:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from core.mechanics.arrays import Array
 from core.mechanics.travel import distance_bound
 
@@ -30,11 +32,12 @@ def effective_distance(
     """Return the distance x at which (3.18) from rest gives a speed (theory 13.12) [m].
 
     The speed may be simulated or measured. Infinite where (3.18) never reaches it: at or above the
-    terminal velocity, and where the part does not start.
+    terminal velocity, where the part does not start, and for a speed the other way, below 0.
     """
-    return distance_bound(
+    distance = distance_bound(
         starting_acceleration=starting_acceleration,
         velocity_bound=velocity,
         friction_kinetic=friction_kinetic,
         radius=radius,
     )
+    return np.where(velocity < 0, np.inf, distance)

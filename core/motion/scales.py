@@ -9,7 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask, ratio
+from core.mechanics.vibration import throw
 from core.motion.result import Motion
 
 
@@ -20,42 +22,42 @@ def drive_number(*, vibration_acceleration: Array, gravity: Array) -> Array:
 
 def drive_number_along(*, drive_number: Array, alpha: Array, beta: Array) -> Array:
     """Return p cos(beta) cos(alpha) [1]."""
-    return drive_number * (np.cos(beta) * np.cos(alpha))
+    return drive_number * (cosine(beta) * cosine(alpha))
 
 
 def drive_number_across(*, drive_number: Array, alpha: Array, beta: Array) -> Array:
     """Return p cos(beta) sin(alpha) [1]."""
-    return drive_number * (np.cos(beta) * np.sin(alpha))
+    return drive_number * (cosine(beta) * sine(alpha))
 
 
 def drive_number_normal(*, drive_number: Array, beta: Array) -> Array:
     """Return p sin(beta) [1]."""
-    return drive_number * np.sin(beta)
+    return drive_number * sine(beta)
 
 
 def gravity_number_along(*, gamma: Array) -> Array:
     """Return sin(gamma) [1]."""
-    return np.sin(gamma)
+    return sine(gamma)
 
 
 def gravity_number_across(*, gamma: Array, delta: Array) -> Array:
     """Return cos(gamma) sin(delta) [1]."""
-    return np.cos(gamma) * np.sin(delta)
+    return cosine(gamma) * sine(delta)
 
 
 def gravity_number_normal(*, gamma: Array) -> Array:
     """Return cos(gamma), for a floor without lean [1]."""
-    return np.cos(gamma)
+    return cosine(gamma)
 
 
 def leaning_gravity_number_normal(*, gamma: Array, delta: Array) -> Array:
     """Return cos(gamma) cos(delta) [1]."""
-    return np.cos(gamma) * np.cos(delta)
+    return cosine(gamma) * cosine(delta)
 
 
 def throw_number(*, drive_number_normal: Array, gravity_number_normal: Array) -> Array:
     """Return the throw number, drive over gravity normal to the floor [1]."""
-    return drive_number_normal / gravity_number_normal
+    return throw(drive_number_normal, gravity_number_normal)
 
 
 def velocity_scale(*, gravity: Array, frequency: Array) -> Array:

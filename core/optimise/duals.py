@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
+from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array
 
 
@@ -192,7 +193,7 @@ def _power(f: Any, a: Any, b: Any, da: Any, db: Any) -> Any:
 
 COMPARISONS = {"less", "less_equal", "greater", "greater_equal", "equal", "not_equal"}
 SWITCHES = {"absolute", "sign", "maximum", "minimum"}
-VALUE_ONLY = {"isfinite", "isnan", "isinf", "signbit"}
+VALUE_ONLY = {"isfinite", "isnan", "isinf", "signbit", "rint"}
 SHAPES_ONLY = {"shape", "ndim", "size", "zeros_like", "ones_like", "full_like", "empty_like"}
 LINEAR = {"stack", "broadcast_to", "concatenate", "sum", "squeeze", "reshape"}
 
@@ -208,8 +209,8 @@ RULES: dict[str, Callable[..., Any]] = {
     "expm1": _chain(lambda f, x: np.exp(x)),
     "log": _chain(lambda f, x: 1 / x),
     "log1p": _chain(lambda f, x: 1 / (1 + x)),
-    "sin": _chain(lambda f, x: np.cos(x)),
-    "cos": _chain(lambda f, x: -np.sin(x)),
+    "sin": _chain(lambda f, x: cosine(x)),
+    "cos": _chain(lambda f, x: -sine(x)),
     "tan": _chain(lambda f, x: 1 + f * f),
     "arcsin": _chain(lambda f, x: 1 / np.sqrt((1 - x) * (1 + x))),
     "arccos": _chain(lambda f, x: -1 / np.sqrt((1 - x) * (1 + x))),

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from core.mechanics.angles import radians
 from core.quantities import QUANTITIES
 from core.study.values import Fixed, Points, Span, Values
 
@@ -18,6 +19,11 @@ from core.study.values import Fixed, Points, Span, Values
 def to_si(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return values of a quantity, given in the unit of studies, in the unit of the code."""
     return np.deg2rad(values) if QUANTITIES[name].is_angle else values
+
+
+def parameter_to_si(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return values of a parameter in the unit of the code, angles without whole turns."""
+    return radians(values) if QUANTITIES[name].is_angle else values
 
 
 def from_si(name: str, values: NDArray[np.generic]) -> NDArray[np.generic]:
@@ -96,11 +102,12 @@ class Grid:
         on different axes then broadcast by themselves, and a result has exactly the dimensions
         that it depends on.
         """
-        known = {name: to_si(name, np.asarray(value)) for name, value in self.fixed.items()}
+        fixed = self.fixed.items()
+        known = {name: parameter_to_si(name, np.asarray(value)) for name, value in fixed}
         for position, name in enumerate(self.axes):
             shape = [1] * len(self.axes)
             shape[position] = -1
-            known[name] = to_si(name, self.coordinate(name)).reshape(shape)
+            known[name] = parameter_to_si(name, self.coordinate(name)).reshape(shape)
         return known
 
     def at(
@@ -118,7 +125,7 @@ class Grid:
             if name in wanted
         }
         cells |= {name: np.full(count, v) for name, v in self.fixed.items() if name in wanted}
-        return {name: to_si(name, values) for name, values in cells.items()}
+        return {name: parameter_to_si(name, values) for name, values in cells.items()}
 
 
 def random_places(grid: Grid, count: int, seed: int | str) -> dict[str, NDArray[np.int64]]:

@@ -219,6 +219,10 @@ BOTH: dict[str, Quantity] = {
 BUNDLES = {
     name: Quantity("1", "", label, description, bundle=True)
     for name, label, description in (
+        ("rectangle_1", "Rectangle 1", "Centre, angle, length and width."),
+        ("rectangle_2", "Rectangle 2", "Centre, angle, length and width."),
+        ("rectangle_masses", "Masses", "Masses and moments of inertia of both bodies."),
+        ("planar_motion", "Planar motion before", "All six velocities before."),
         ("rectangle_contact", "Contact of two rectangles", "Gap, normal, ends of the contact."),
         ("contact_arms", "Lever arms", "Moments of unit impulses at the contact."),
         ("edge_action", "Action on an edge", "Where on a touching edge the impulse acts."),

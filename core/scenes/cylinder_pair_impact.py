@@ -7,50 +7,82 @@ the source prints, (3.44), drives the bodies into each other and is not offered 
 
 from __future__ import annotations
 
+from typing import Any
+
 from core.mechanics import cylinder_impact, cylinder_outcome
 from core.mechanics.cylinder_contact import cylinder_contact
-from core.scenes.scene import Condition, Equation, Scene
+from core.scenes.scene import Condition, Equation, Scene, fields
 
+# What the impact leaves of both bodies, with the way to it.
+VELOCITIES: dict[str, Any] = {
+    f"{field}_{axis}_{body}_after": (
+        f"{field}_{body}",
+        place,
+        f"the {name} of body {body} after the impact, {axis} [{unit}]",
+    )
+    for body in (1, 2)
+    for field, name, unit in (
+        ("velocity", "velocity", "m s-1"),
+        ("spin", "angular velocity", "rad s-1"),
+    )
+    for place, axis in enumerate("xyz")
+}
 PLACE = (
     Equation("cylinder_1", cylinder_impact.cylinder_1, "theory 8.1"),
     Equation("cylinder_2", cylinder_impact.cylinder_2, "theory 8.1"),
     Equation("cylinder_masses", cylinder_impact.cylinder_masses, "theory 8.1"),
     Equation("spatial_motion", cylinder_impact.spatial_motion, "theory 8.1"),
     Equation("cylinder_contact", cylinder_contact, "theory 8.2"),
-    Equation("gap", cylinder_outcome.gap, "theory 8.2"),
-    Equation("contact_form", cylinder_outcome.contact_form, "theory 8.2"),
-    Equation("face_body", cylinder_outcome.face_body, "theory 8.2"),
-    Equation("normal_x", cylinder_outcome.normal_x, "theory 8.2"),
-    Equation("normal_y", cylinder_outcome.normal_y, "theory 8.2"),
-    Equation("normal_z", cylinder_outcome.normal_z, "theory 8.2"),
+    *fields(
+        "cylinder_contact",
+        "theory 8.2",
+        gap=("gap", "the gap; a lower bound of it where rims have entered each other [m]"),
+        contact_form=("form", "the form of contact, 1 to 5, or 0"),
+        face_body=("face_body", "the body whose face or side is met, 1 or 2; 0 if it is both"),
+        normal_x=("normal", 0, "n_x, the normal pointing from body 2 to body 1"),
+        normal_y=("normal", 1, "n_y, the normal pointing from body 2 to body 1"),
+        normal_z=("normal", 2, "n_z, the normal pointing from body 2 to body 1"),
+    ),
 )
 REST = (
-    Equation("contact_x", cylinder_outcome.contact_x, "theory 8.1"),
-    Equation("contact_y", cylinder_outcome.contact_y, "theory 8.1"),
-    Equation("contact_z", cylinder_outcome.contact_z, "theory 8.1"),
+    *fields(
+        "contact_frame",
+        "theory 8.1",
+        contact_x=("point", 0, "the point where the impulse acts, x [m]"),
+        contact_y=("point", 1, "the point where the impulse acts, y [m]"),
+        contact_z=("point", 2, "the point where the impulse acts, z [m]"),
+    ),
     Equation("spatial_delassus", cylinder_impact.spatial_delassus, "theory 8.1"),
-    Equation("delassus_normal", cylinder_outcome.delassus_normal, "theory 8.1"),
+    *fields(
+        "spatial_delassus",
+        "theory 8.1",
+        delassus_normal=(
+            "NN",
+            "G_NN = 1/m1 + 1/m2 + (rho1 x n).J1^-1 (rho1 x n) + the like of body 2 [kg-1]",
+        ),
+    ),
     Equation("spatial_approach", cylinder_impact.spatial_approach, "theory 8.1"),
-    Equation("approach_normal", cylinder_outcome.approach_normal, "theory 8.1"),
+    *fields(
+        "spatial_approach",
+        "theory 8.1",
+        approach_normal=("normal", "u_N = n.(v1 + w1 x rho1 - v2 - w2 x rho2) [m s-1]"),
+    ),
     Equation("sliding_before", cylinder_outcome.sliding_before, "theory 8.1"),
-    Equation("impulse_normal", cylinder_outcome.impulse_normal, "theory 8.1"),
+    *fields(
+        "spatial_impulse",
+        "theory 8.1",
+        impulse_normal=("normal", "the normal impulse on body 1 [N s]"),
+    ),
     Equation("impulse_friction", cylinder_outcome.impulse_friction, "theory 8.1"),
     Equation("impulse_x", cylinder_outcome.impulse_x, "theory 8.1"),
     Equation("impulse_y", cylinder_outcome.impulse_y, "theory 8.1"),
     Equation("impulse_z", cylinder_outcome.impulse_z, "theory 8.1"),
     Equation("spatial_motion_after", cylinder_impact.spatial_motion_after, "theory 8.1"),
-    Equation("velocity_x_1_after", cylinder_outcome.velocity_x_1_after, "theory 8.1"),
-    Equation("velocity_y_1_after", cylinder_outcome.velocity_y_1_after, "theory 8.1"),
-    Equation("velocity_z_1_after", cylinder_outcome.velocity_z_1_after, "theory 8.1"),
-    Equation("spin_x_1_after", cylinder_outcome.spin_x_1_after, "theory 8.1"),
-    Equation("spin_y_1_after", cylinder_outcome.spin_y_1_after, "theory 8.1"),
-    Equation("spin_z_1_after", cylinder_outcome.spin_z_1_after, "theory 8.1"),
-    Equation("velocity_x_2_after", cylinder_outcome.velocity_x_2_after, "theory 8.1"),
-    Equation("velocity_y_2_after", cylinder_outcome.velocity_y_2_after, "theory 8.1"),
-    Equation("velocity_z_2_after", cylinder_outcome.velocity_z_2_after, "theory 8.1"),
-    Equation("spin_x_2_after", cylinder_outcome.spin_x_2_after, "theory 8.1"),
-    Equation("spin_y_2_after", cylinder_outcome.spin_y_2_after, "theory 8.1"),
-    Equation("spin_z_2_after", cylinder_outcome.spin_z_2_after, "theory 8.1"),
+    *fields(
+        "spatial_motion_after",
+        "theory 8.1",
+        **VELOCITIES,
+    ),
     Equation("separation_normal", cylinder_outcome.separation_normal, "theory 8.1"),
     Equation("sliding_after", cylinder_outcome.sliding_after, "theory 8.1"),
     Equation("energy_before", cylinder_outcome.energy_before, "theory 8.1"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from core.mechanics import vibration, yawing
-from core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene
+from core.scenes.scene import STANDARD_GRAVITY, Condition, Equation, Scene, fields
 
 COMMON = (
     Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),
@@ -26,14 +26,57 @@ COMMON = (
     Equation("cone_margin", yawing.cone_margin, "theory 9.3"),
     Equation("floor_wrench", yawing.floor_wrench, "theory 9.3"),
     Equation("force_wrench", yawing.force_wrench, "(4.12), (4.13), theory 9.3"),
-    Equation("floor_pitch", yawing.floor_pitch, "(4.1), theory 9.1"),
-    Equation("floor_axis_normal", yawing.floor_axis_normal, "(4.3), theory 9.1"),
-    Equation("floor_axis_rolling", yawing.floor_axis_rolling, "(4.3), theory 9.1"),
-    Equation("floor_axis_axial", yawing.floor_axis_axial, "(4.3), theory 9.1"),
-    Equation("force_pitch", yawing.force_pitch, "(4.1), theory 9.1"),
-    Equation("force_axis_normal", yawing.force_axis_normal, "(4.3), theory 9.1"),
-    Equation("force_axis_rolling", yawing.force_axis_rolling, "(4.3), theory 9.1"),
-    Equation("force_axis_axial", yawing.force_axis_axial, "(4.3), theory 9.1"),
+    *fields(
+        "floor_reduction",
+        "(4.1), theory 9.1",
+        floor_pitch=("pitch", "the pitch of the floor's wrench [m]"),
+    ),
+    *fields(
+        "floor_reduction",
+        "(4.3), theory 9.1",
+        floor_axis_normal=(
+            "axis_point",
+            (..., 0),
+            "where the axis of the floor's wrench passes the centre, along n [m]",
+        ),
+        floor_axis_rolling=(
+            "axis_point",
+            (..., 1),
+            "where the axis of the floor's wrench passes the centre, along eta [m]",
+        ),
+        floor_axis_axial=(
+            "axis_point",
+            (..., 2),
+            "where the axis of the floor's wrench passes the centre, along sigma [m]",
+        ),
+    ),
+    *fields(
+        "force_reduction",
+        "(4.1), theory 9.1",
+        force_pitch=(
+            "pitch",
+            "the pitch of the force system: 0 but for rounding, whatever the data [m]",
+        ),
+    ),
+    *fields(
+        "force_reduction",
+        "(4.3), theory 9.1",
+        force_axis_normal=(
+            "axis_point",
+            (..., 0),
+            "where the axis of the force system passes the centre, along n: r/2 [m]",
+        ),
+        force_axis_rolling=(
+            "axis_point",
+            (..., 1),
+            "where the axis of the force system passes the centre, along eta [m]",
+        ),
+        force_axis_axial=(
+            "axis_point",
+            (..., 2),
+            "where the axis of the force system passes the centre, along sigma [m]",
+        ),
+    ),
 )
 THESIS = (
     *COMMON,

@@ -10,17 +10,28 @@ from __future__ import annotations
 
 from core.mechanics import rectangle_impact, rectangle_outcome
 from core.mechanics.rectangle_contact import rectangle_contact
-from core.scenes.scene import Condition, Equation, Scene
+from core.scenes.scene import Condition, Equation, Scene, fields
 
 PLACE = (
+    Equation("rectangle_1", rectangle_impact.rectangle_1, "theory 5.1"),
+    Equation("rectangle_2", rectangle_impact.rectangle_2, "theory 5.1"),
     Equation("rectangle_contact", rectangle_contact, "theory 5.1"),
-    Equation("gap", rectangle_impact.gap, "theory 5.1"),
-    Equation("face_body", rectangle_impact.face_body, "theory 5.1"),
-    Equation("contact_corner", rectangle_impact.contact_corner, "theory 5.1"),
-    Equation("normal_x", rectangle_impact.normal_x, "theory 5.1"),
-    Equation("normal_y", rectangle_impact.normal_y, "theory 5.1"),
+    *fields(
+        "rectangle_contact",
+        "theory 5.1",
+        gap=("gap", "the largest of the four gaps between a face and the other body [m]"),
+        face_body=("face_body", "the body whose face has the largest gap, 1 or 2"),
+        contact_corner=(
+            "corner",
+            "the corner of the other body nearest to that face, 1 to 4, or 0 for an edge",
+        ),
+        normal_x=("normal_x", "n_x, the normal pointing from body 2 to body 1"),
+        normal_y=("normal_y", "n_y, the normal pointing from body 2 to body 1"),
+    ),
     Equation("inertia_1", rectangle_impact.inertia_1, "theory 5.1"),
     Equation("inertia_2", rectangle_impact.inertia_2, "theory 5.1"),
+    Equation("rectangle_masses", rectangle_impact.rectangle_masses, "theory 5.1"),
+    Equation("planar_motion", rectangle_impact.planar_motion, "theory 5.1"),
 )
 REST = (
     Equation("contact_x", rectangle_impact.contact_x, "theory 5.1"),
@@ -31,15 +42,30 @@ REST = (
     Equation("delassus_tangential", rectangle_impact.delassus_tangential, "theory 5.1"),
     Equation("approach_normal", rectangle_impact.approach_normal, "theory 5.1"),
     Equation("approach_tangential", rectangle_impact.approach_tangential, "theory 5.1"),
-    Equation("impulse_normal", rectangle_outcome.impulse_normal, "theory 5.2, theory 5.3"),
-    Equation("impulse_tangential", rectangle_outcome.impulse_tangential, "theory 5.3"),
+    *fields(
+        "planar_impulse",
+        "theory 5.2, theory 5.3",
+        impulse_normal=("normal", "the normal impulse on body 1 [N s]"),
+    ),
+    *fields(
+        "planar_impulse",
+        "theory 5.3",
+        impulse_tangential=(
+            "tangential",
+            "the tangential impulse on body 1, along t = (-n_y, n_x) [N s]",
+        ),
+    ),
     Equation("planar_motion_after", rectangle_outcome.motion_after, "theory 5.2"),
-    Equation("velocity_x_1_after", rectangle_outcome.velocity_x_1_after, "theory 5.2"),
-    Equation("velocity_y_1_after", rectangle_outcome.velocity_y_1_after, "theory 5.2"),
-    Equation("spin_1_after", rectangle_outcome.spin_1_after, "theory 5.2"),
-    Equation("velocity_x_2_after", rectangle_outcome.velocity_x_2_after, "theory 5.2"),
-    Equation("velocity_y_2_after", rectangle_outcome.velocity_y_2_after, "theory 5.2"),
-    Equation("spin_2_after", rectangle_outcome.spin_2_after, "theory 5.2"),
+    *fields(
+        "planar_motion_after",
+        "theory 5.2",
+        velocity_x_1_after=("velocity_x_1", "the velocity of body 1 after the impact, x [m s-1]"),
+        velocity_y_1_after=("velocity_y_1", "the velocity of body 1 after the impact, y [m s-1]"),
+        spin_1_after=("spin_1", "the angular velocity of body 1 after the impact [rad s-1]"),
+        velocity_x_2_after=("velocity_x_2", "the velocity of body 2 after the impact, x [m s-1]"),
+        velocity_y_2_after=("velocity_y_2", "the velocity of body 2 after the impact, y [m s-1]"),
+        spin_2_after=("spin_2", "the angular velocity of body 2 after the impact [rad s-1]"),
+    ),
     Equation("separation_normal", rectangle_outcome.separation_normal, "theory 5.2"),
     Equation("separation_tangential", rectangle_outcome.separation_tangential, "theory 5.3"),
     Equation("energy_before", rectangle_outcome.energy_before, "theory 5.3"),

@@ -69,6 +69,51 @@ class Equation:
 
 
 @dataclass(frozen=True)
+class Field:
+    """The function of an equation that takes one field out of a bundle.
+
+    Attributes
+    ----------
+    bundle : str
+        The quantity that it needs.
+    path : tuple
+        The way to the field: names of fields, and places in tuples or arrays.
+    says : str
+        What stands there; its docstring.
+    """
+
+    bundle: str
+    path: tuple[Any, ...]
+    says: str
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "__doc__", self.says)
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        """The bundle is its only argument."""
+        return inspect.Signature([inspect.Parameter(self.bundle, inspect.Parameter.KEYWORD_ONLY)])
+
+    def __call__(self, **given: Any) -> Any:
+        """Return the field."""
+        value = given[self.bundle]
+        for step in self.path:
+            value = getattr(value, step) if isinstance(step, str) else value[step]
+        return value
+
+
+def fields(bundle: str, source: str, variant: str = "all", **rows: Any) -> tuple[Equation, ...]:
+    """Return the equations of quantities that stand in a bundle.
+
+    A row is the quantity's name, the way to its field, and last what it is, as one says "Return".
+    """
+    return tuple(
+        Equation(gives, Field(bundle, row[:-1], f"Return {row[-1]}."), source, variant)
+        for gives, row in rows.items()
+    )
+
+
+@dataclass(frozen=True)
 class Condition:
     """Where a regime holds, and for which outputs that matters.
 

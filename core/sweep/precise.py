@@ -169,6 +169,10 @@ def _sign(x: Any) -> Any:
     return x if CONTEXT.isnan(x) else CONTEXT.sign(x)
 
 
+def _nearest(x: Any) -> Any:
+    return CONTEXT.nint(x) if CONTEXT.isfinite(x) else x
+
+
 Elementwise = Callable[..., Any]
 
 REAL: dict[np.ufunc, Elementwise] = {
@@ -190,6 +194,7 @@ REAL: dict[np.ufunc, Elementwise] = {
     np.minimum: _smaller,
     np.sign: _sign,
     np.ldexp: CONTEXT.ldexp,
+    np.rint: _nearest,
 }
 """The functions that equations call on arrays, as mpmath has them."""
 
@@ -325,7 +330,7 @@ def sensitivities(
 def _columns(cells: Mapping[str, Array]) -> tuple[dict[str, Any], int]:
     """Return the cells as numbers, all of one length, and that length.
 
-    A parameter is the float that it is: of 180 degrees the sine is not 0.
+    A parameter is the float that it is, but for multiples of 90 degrees (`mechanics.angles`).
     """
     columns = {name: _AS_GIVEN(np.atleast_1d(values)) for name, values in cells.items()}
     size = max((column.size for column in columns.values()), default=1)

@@ -62,6 +62,27 @@ class Point:
 # --- drive, gravity and floor; sections 0.2, 3, 11.1
 
 
+def exact_at_right_angles(function, values):
+    """Return a function of an angle that takes the float of a multiple of 90 degrees as that."""
+    known = {k * math.pi / 2: mpf(values[k % 4]) for k in range(-4, 5)}
+
+    def of(angle):
+        plain = float(angle)
+        return known[plain] if plain in known and mpf(plain) == angle else function(angle)
+
+    return of
+
+
+sin = exact_at_right_angles(mp.sin, (0, 1, 0, -1))
+cos = exact_at_right_angles(mp.cos, (1, 0, -1, 0))
+
+
+def throw(drive, gravity):
+    if gravity:
+        return drive / gravity
+    return mp.sign(drive) * mp.inf if drive else mp.nan
+
+
 def sliding_fraction(p):
     if p.floor_acceleration == 0:
         return mpf(1)
@@ -83,16 +104,16 @@ def pressure_offset(p, D, a):
 
 PLANE = {
     "vibration_acceleration": lambda p: p.amplitude * (2 * mp.pi * p.frequency) ** 2,
-    "drive_along": lambda p: p.vibration_acceleration * mp.cos(p.beta) * mp.cos(p.alpha),
-    "drive_across": lambda p: p.vibration_acceleration * mp.cos(p.beta) * mp.sin(p.alpha),
-    "drive_normal": lambda p: p.vibration_acceleration * mp.sin(p.beta),
-    "gravity_along": lambda p: p.gravity * mp.sin(p.gamma),
-    "gravity_normal": lambda p: p.gravity * mp.cos(p.gamma),
+    "drive_along": lambda p: p.vibration_acceleration * cos(p.beta) * cos(p.alpha),
+    "drive_across": lambda p: p.vibration_acceleration * cos(p.beta) * sin(p.alpha),
+    "drive_normal": lambda p: p.vibration_acceleration * sin(p.beta),
+    "gravity_along": lambda p: p.gravity * sin(p.gamma),
+    "gravity_normal": lambda p: p.gravity * cos(p.gamma),
     "in_plane_drive_x": lambda p: p.drive_along - p.gravity_along,
     "in_plane_drive_y": lambda p: p.drive_across,
     "in_plane_drive": lambda p: mp.hypot(p.in_plane_drive_x, p.in_plane_drive_y),
     "normal_acceleration": lambda p: p.gravity_normal - p.drive_normal,
-    "throw_number": lambda p: p.drive_normal / p.gravity_normal,
+    "throw_number": lambda p: throw(p.drive_normal, p.gravity_normal),
     "floor_acceleration": lambda p: (
         max(ZERO, p.normal_acceleration) if p.physical else p.normal_acceleration
     ),
@@ -104,18 +125,16 @@ PLANE = {
     "acceleration_y": lambda p: plane_acceleration(p, p.in_plane_drive_y),
     "acceleration_z": lambda p: max(ZERO, -p.normal_acceleration) if p.physical else ZERO,
     "rotated_acceleration_x": lambda p: (
-        mp.cos(p.yaw) * p.acceleration_x + mp.sin(p.yaw) * p.acceleration_y
+        cos(p.yaw) * p.acceleration_x + sin(p.yaw) * p.acceleration_y
     ),
     "rotated_acceleration_y": lambda p: (
-        mp.cos(p.yaw) * p.acceleration_y - mp.sin(p.yaw) * p.acceleration_x
+        cos(p.yaw) * p.acceleration_y - sin(p.yaw) * p.acceleration_x
     ),
     "pressure_offset_x": lambda p: pressure_offset(p, p.in_plane_drive_x, p.acceleration_x),
     "pressure_offset_y": lambda p: pressure_offset(p, p.in_plane_drive_y, p.acceleration_y),
-    "track_speed": lambda p: (
-        2 * mp.pi * p.frequency * p.amplitude * mp.cos(p.beta) * mp.cos(p.alpha)
-    ),
+    "track_speed": lambda p: 2 * mp.pi * p.frequency * p.amplitude * cos(p.beta) * cos(p.alpha),
     "velocity_bound": lambda p: abs(p.track_speed),
-    "suggested_distance": lambda p: abs(p.amplitude / 2 * mp.cos(p.beta) * mp.cos(p.alpha)),
+    "suggested_distance": lambda p: abs(p.amplitude / 2 * cos(p.beta) * cos(p.alpha)),
 }
 
 # --- cylinder; section 7
@@ -271,8 +290,8 @@ def distance_bound(p):
 
 
 TRACK = PLANE | {
-    "gravity_normal": lambda p: p.gravity * mp.cos(p.gamma) * mp.cos(p.delta),
-    "gravity_across": lambda p: p.gravity * mp.cos(p.gamma) * mp.sin(p.delta),
+    "gravity_normal": lambda p: p.gravity * cos(p.gamma) * cos(p.delta),
+    "gravity_across": lambda p: p.gravity * cos(p.gamma) * sin(p.delta),
     "centripetal_acceleration": lambda p: p.speed**2 / p.radius,
     "lean": lambda p: -p.gravity_across if p.thesis else p.gravity_across,
     "starting_acceleration": lambda p: (

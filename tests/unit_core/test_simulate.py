@@ -403,6 +403,16 @@ class TestRates:
         )  # fmt: skip
         assert np.isinf(far).all()
 
+    def test_there_is_none_for_a_part_that_goes_backward(self):
+        at = {
+            "starting_acceleration": np.array(1.0), "friction_kinetic": np.array(0.4),
+            "radius": np.array(0.2),
+        }  # fmt: skip
+        there, back, still = effective_distance(velocity=np.array([0.1, -0.1, 0.0]), **at)
+        assert 0.005 < there < 0.0051  # v^2/(2 K) and a little
+        assert back == np.inf
+        assert still == 0
+
 
 def test_it_runs_where_no_cache_can_be_written():
     """A read-only installation compiles in memory."""

@@ -29,6 +29,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask
 from core.motion.bodies import Part
 from core.motion.cells import run_cells
@@ -239,10 +240,10 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
         time_step = step
     given: dict[str, ArrayLike] = {
         **body._asdict(),
-        "pull_along": weight * np.sin(throw.gamma),
-        "pull_normal": weight * np.cos(throw.gamma),
-        "drive_along": acceleration * np.cos(throw.beta),
-        "drive_normal": acceleration * np.sin(throw.beta),
+        "pull_along": weight * sine(np.asarray(throw.gamma, dtype=float)),
+        "pull_normal": weight * cosine(np.asarray(throw.gamma, dtype=float)),
+        "drive_along": acceleration * cosine(np.asarray(throw.beta, dtype=float)),
+        "drive_normal": acceleration * sine(np.asarray(throw.beta, dtype=float)),
         "circular_frequency": circular_frequency,
         "start_phase": throw.start_phase,
         "friction_kinetic": throw.friction_kinetic,

@@ -100,7 +100,7 @@ def step_cells(
     for i in range(groups.shape[0]):
         cell = cell_of(groups[i])
         table[i] = np.nan
-        if not np.all(np.isfinite(groups[i])) or cell.gravity_normal <= 0.0:
+        if not np.all(np.isfinite(groups[i])) or cell.gravity_normal < 0.0:
             status[i] = STATUS.no_solution
             continue
         found = run(

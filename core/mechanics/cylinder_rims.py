@@ -1,0 +1,169 @@
+"""Where a rim of one cylinder comes nearest to another cylinder (theory 8.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from core.mechanics import vectors
+from core.mechanics.arrays import Array, Mask
+from core.mechanics.cylinders import Cylinder, separation
+from core.mechanics.rectangle_contact import ALIKE
+from core.mechanics.vectors import Vector, across, cross, dot, norm, plus, scaled
+
+SAMPLES = 24  # of a rim: its distance from an axis has at most two minima, far apart or shallow
+MOST_STEPS = 40  # bisection alone would need 50 to the last digit; Newton's steps need about 5
+NEAR = 1e-6  # radian: of so short a step rounding may decide on which side of the bracket it ends
+
+
+def minima(
+    value: Callable[[Array], Array], slope_and_bend: Callable[[Array], tuple[Array, Array]]
+) -> tuple[Array, Array]:
+    """Return the two lowest minima of a function of an angle, by samples and Newton's method.
+
+    The second is the first again where there is one only.
+    """
+    step = 2 * np.pi / SAMPLES
+    values = [value(t) for t in step * np.arange(SAMPLES)]
+    least = [np.full(np.shape(values[0]), np.inf) for _ in range(2)]
+    place = [np.zeros(np.shape(values[0])) for _ in range(2)]
+    for number, here in enumerate(values):
+        dip = (here <= values[number - 1]) & (here < values[(number + 1) % SAMPLES])
+        best, next_best = dip & (here < least[0]), dip & (here < least[1])
+        place[1] = np.where(best, place[0], np.where(next_best, number * step, place[1]))
+        least[1] = np.where(best, least[0], np.where(next_best, here, least[1]))
+        place[0] = np.where(best, number * step, place[0])
+        least[0] = np.where(best, here, least[0])
+    place[1] = np.where(np.isfinite(least[1]), place[1], place[0])
+    return _refined(place[0], step, slope_and_bend), _refined(place[1], step, slope_and_bend)
+
+
+def _refined(
+    t: Array, reach: float, slope_and_bend: Callable[[Array], tuple[Array, Array]]
+) -> Array:
+    """Return the minimum within one sample of t, by Newton's method kept in a shrinking bracket."""
+    low, high = t - reach, t + reach
+    done: Mask = np.zeros(np.shape(t), dtype=np.bool_)
+    for _ in range(MOST_STEPS):
+        slope, bend = slope_and_bend(t)
+        low, high = np.where(slope < 0, t, low), np.where(slope > 0, t, high)
+        newton = t - slope / np.where(bend > 0, bend, 1.0)
+        inside = (newton > low) & (newton < high)
+        inside = (bend > 0) & (inside | (np.abs(newton - t) <= NEAR))
+        ahead = np.where(inside, newton, (low + high) / 2)
+        # What is done stays: a cell must not depend on those that are computed beside it.
+        ahead = np.where(done | (slope == 0), t, ahead)
+        done = done | (np.abs(ahead - t) <= 1e-15 * (1 + np.abs(t)))
+        t = ahead
+        if np.all(done):
+            break
+    return t
+
+
+class Rim(NamedTuple):
+    """A rim of a body: its middle as seen from the centre of another body, and two radii."""
+
+    middle: Vector
+    first: Vector
+    second: Vector
+
+    def at(self, angle: Array) -> Vector:
+        """Return the point at an angle."""
+        return plus(plus(self.middle, self.first, np.cos(angle)), self.second, np.sin(angle))
+
+    def along(self, angle: Array) -> Vector:
+        """Return the derivative of the point by the angle."""
+        return plus(scaled(self.second, np.cos(angle)), self.first, -np.sin(angle))
+
+
+def _way(place: Vector, base: Cylinder) -> Vector:
+    """Return the way to a place, seen from the centre of a body, from the body's nearest point."""
+    height, off = dot(place, base.axis), across(place, base.axis)
+    above = np.maximum(0.0, np.abs(height) - base.half) * np.where(height < 0, -1.0, 1.0)
+    return plus(scaled(off, _free(norm(off), base.radius)), base.axis, above)
+
+
+def _free(distance: Array, radius: Array) -> Array:
+    """Return which share of the distance from an axis lies outside a radius."""
+    outside = distance > radius
+    return np.where(outside, (distance - radius) / np.where(outside, distance, 1.0), 0.0)
+
+
+def _slope_and_bend(rim: Rim, base: Cylinder, angle: Array) -> tuple[Array, Array]:
+    """Return the derivatives of half the squared distance from a body along a rim."""
+    place, along = rim.at(angle), rim.along(angle)
+    way, off = _way(place, base), across(place, base.axis)
+    climb, beside = dot(along, base.axis), across(along, base.axis)
+    # What moves away from the axis counts in full, what goes round it by the share outside.
+    free = _free(norm(off), base.radius)
+    outward = dot(beside, vectors.direction(off, base.axis))
+    bend = np.where(np.abs(dot(place, base.axis)) > base.half, climb * climb, 0.0)
+    bend = (
+        bend + np.where(free > 0, outward * outward * (1 - free), 0.0) + free * dot(beside, beside)
+    )
+    return dot(way, along), bend - dot(way, vectors.minus(place, rim.middle))
+
+
+class Nearest(NamedTuple):
+    """The point of one body on its rim that is nearest to another body.
+
+    Attributes
+    ----------
+    gap : ndarray
+        The distance.
+    normal : three ndarrays
+        Unit vector along it, towards the rim.
+    point : three ndarrays
+        The nearest point of the other body.
+    proven : ndarray of bool
+        Where the normal separates the bodies by the distance: they are apart, and nowhere nearer.
+    """
+
+    gap: Array
+    normal: Vector
+    point: Vector
+    proven: Mask
+
+
+def nearest_on_rims(body: Cylinder, base: Cylinder, size: Array) -> Nearest:
+    """Return the proven place on either rim of `body` that is nearest to `base`.
+
+    None is proven where the bodies overlap, or where no rim of `body` is nearest.
+    """
+    first = vectors.any_across(body.axis)
+    radii = scaled(first, body.radius), scaled(cross(body.axis, first), body.radius)
+    places: list[Nearest] = []
+    for sign in (-1.0, 1.0):
+        middle = plus(vectors.minus(body.centre, base.centre), body.axis, sign * body.half)
+        rim = Rim(middle, *radii)
+
+        def squared(angle: Array, rim: Rim = rim) -> Array:
+            way = _way(rim.at(angle), base)
+            return dot(way, way)
+
+        def derivatives(angle: Array, rim: Rim = rim) -> tuple[Array, Array]:
+            return _slope_and_bend(rim, base, angle)
+
+        for angle in minima(squared, derivatives):
+            way = _way(rim.at(angle), base)
+            gap = norm(way)
+            n = vectors.direction(way, body.axis)
+            proven = (gap > 0) & (np.abs(separation(body, base, n) - gap) <= ALIKE * size)
+            point = plus(base.centre, vectors.minus(rim.at(angle), way))
+            places.append(Nearest(gap, n, point, proven))
+    best = places[0]
+    for place in places[1:]:
+        best = chosen(best.proven, best, place)
+    return best
+
+
+def chosen(mask: Mask, one: Nearest, other: Nearest) -> Nearest:
+    """Return one place where the mask holds, else the other."""
+    return Nearest(
+        np.where(mask, one.gap, other.gap),
+        vectors.where(mask, one.normal, other.normal),
+        vectors.where(mask, one.point, other.point),
+        np.where(mask, one.proven, other.proven),
+    )

@@ -1,0 +1,31 @@
+"""The shape of a cylinder, and how far a direction separates two of them (theory 8.2)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from core.mechanics import vectors
+from core.mechanics.arrays import Array
+from core.mechanics.vectors import Vector, across, dot, norm
+
+
+class Cylinder(NamedTuple):
+    """Centre, unit axis, radius and half length."""
+
+    centre: Vector
+    axis: Vector
+    radius: Array
+    half: Array
+
+
+def support(body: Cylinder, n: Vector) -> Array:
+    """Return how far a cylinder reaches from its centre along n."""
+    return body.half * np.abs(dot(n, body.axis)) + body.radius * norm(across(n, body.axis))
+
+
+def separation(one: Cylinder, other: Cylinder, n: Vector) -> Array:
+    """Return how far n, pointing from `other` to `one`, separates two cylinders."""
+    between = dot(n, vectors.minus(one.centre, other.centre))
+    return between - support(one, n) - support(other, n)
