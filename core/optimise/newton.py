@@ -9,25 +9,13 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from core.mechanics.arrays import Array
-from core.optimise.exact import Flags, Statuses
-
-Problem = Literal[
-    "plane_thesis", "plane_physical", "track_thesis", "track_derived", "track_physical"
-]
-
-PROBLEMS: dict[Problem, int] = {
-    "plane_thesis": 0,
-    "plane_physical": 1,
-    "track_thesis": 2,
-    "track_derived": 3,
-    "track_physical": 4,
-}
+from core.optimise.codes import ANGLE_PROBLEMS, AngleProblem, Flags, Statuses
 
 PIECE = 1024  # designs of one call of the kernel
 
@@ -73,7 +61,7 @@ class BatchOptimum(NamedTuple):
 
 
 def fastest(
-    problem: Problem,
+    problem: AngleProblem,
     *,
     vibration_acceleration: ArrayLike,
     gravity_along: ArrayLike,
@@ -103,7 +91,8 @@ def fastest(
     Parameters
     ----------
     problem : str
-        Scene and variant; a key of `PROBLEMS`. The physical ones keep floor (and wall) contact.
+        Scene and variant; a key of `ANGLE_PROBLEMS`. The physical ones keep floor (and wall)
+        contact.
     vibration_acceleration : array_like
         P [m s-2].
     gravity_along, gravity_across, gravity_normal : array_like
@@ -141,7 +130,7 @@ def fastest(
     table = np.empty((designs, kernel.COLUMNS))
     active = np.zeros(designs, dtype=np.int16)
     status = np.zeros(designs, dtype=np.int8)
-    number = PROBLEMS[problem]
+    number = ANGLE_PROBLEMS[problem]
 
     def run(start: int) -> None:
         piece = slice(start, start + PIECE)

@@ -17,8 +17,8 @@ from core.dataset.table import (
 )
 from core.mechanics.arrays import Array
 from core.optimise import known_answers
+from core.optimise.codes import STATUS
 from core.optimise.conditions import residual
-from core.optimise.exact import OPTIMUM_STATUSES, STATUS
 from core.optimise.found import Found
 from core.optimise.front import find_front, knee
 from core.optimise.grid import dense_grid
@@ -31,7 +31,7 @@ from core.optimise.verify import accuracy, verified
 from core.plan.grid import Grid, from_si
 from core.plan.labels import coordinates_of, global_attributes
 from core.plan.pieces import Computed, carry_out
-from core.quantities import QUANTITIES, REGIMES, Flag
+from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
 from core.study.models import Limited, Pareto, Weighted
 from core.watch import Watch
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.motion.verify import Comparison, compare
-from core.optimise.exact import STATUS
+from core.optimise.codes import STATUS
 from core.optimise.methods import METHODS, refusal
 from core.optimise.prepare import Optimisation
 from core.optimise.problem import LIMIT, ROUNDING, chosen_cells

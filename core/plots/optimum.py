@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from core.optimise import Optimisation
-from core.optimise.exact import STATUS
+from core.optimise.codes import STATUS
 from core.optimise.prepare import prepare
 from core.optimise.problem import chosen_cells
 from core.optimise.run import criterion_in_words, designs_of

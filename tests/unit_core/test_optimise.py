@@ -19,12 +19,12 @@ from core.catalogue import kind_schema
 from core.errors import StudyError
 from core.kinds import prepare_content, tabulate
 from core.optimise import METHODS, optimise
-from core.optimise.exact import OPTIMUM_STATUSES, STATUS
+from core.optimise.codes import STATUS
 from core.optimise.front import knee
 from core.optimise.run import BINDS
 from core.plots import PlotError
 from core.plots.optimum import draw_front, draw_landscape
-from core.quantities import REGIMES
+from core.quantities import OPTIMUM_STATUSES, REGIMES
 from core.study import load_study, parse_json, parse_study
 from core.sweep import sweep
 from core.watch import Watch
