@@ -109,7 +109,8 @@ def fastest(
     threads : int, optional
         At most as many; the number of cores by default. Results do not depend on it.
     """
-    from core.optimise.kernels import newton as kernel
+    from core.optimise.kernels.columns import COLUMNS
+    from core.optimise.kernels.newton import solve
 
     parts = np.broadcast_arrays(
         vibration_acceleration,
@@ -127,14 +128,14 @@ def fastest(
     shape = parts[0].shape
     groups = np.column_stack([np.ravel(part).astype(np.float64) for part in parts])
     designs = groups.shape[0]
-    table = np.empty((designs, kernel.COLUMNS))
+    table = np.empty((designs, COLUMNS))
     active = np.zeros(designs, dtype=np.int16)
     status = np.zeros(designs, dtype=np.int8)
     number = ANGLE_PROBLEMS[problem]
 
     def run(start: int) -> None:
         piece = slice(start, start + PIECE)
-        kernel.solve(
+        solve(
             number,
             floor_contact,
             wall_contact,
@@ -155,6 +156,6 @@ def fastest(
                 pass
     fields: dict[str, Any] = {
         name: table[:, number].reshape(shape)
-        for number, name in enumerate(BatchOptimum._fields[: kernel.COLUMNS])
+        for number, name in enumerate(BatchOptimum._fields[:COLUMNS])
     }
     return BatchOptimum(**fields, active=active.reshape(shape), status=status.reshape(shape))
