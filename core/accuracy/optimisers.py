@@ -18,7 +18,7 @@ from core.mechanics.arrays import Array
 from core.optimise.codes import STATUS
 from core.optimise.known_answers import is_closed, is_compiled
 from core.optimise.methods import METHODS, refusal
-from core.optimise.prepare import Optimisation
+from core.optimise.optimisation import Optimisation
 from core.optimise.problem import LIMIT, Problem, cells_of, chosen_cells
 from core.optimise.run import with_limit
 from core.study.models import Pareto

@@ -21,7 +21,7 @@ from core.kinds import prepare_content, tabulate
 from core.optimise import METHODS, optimise
 from core.optimise.codes import STATUS
 from core.optimise.front import knee
-from core.optimise.run import BINDS
+from core.optimise.labels import BINDS
 from core.plots import PlotError
 from core.plots.optimum import draw_front, draw_landscape
 from core.quantities import OPTIMUM_STATUSES, REGIMES
