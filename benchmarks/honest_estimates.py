@@ -23,10 +23,11 @@ from benchmarks.motions import (
     stepped_motion,
 )
 from core.motion.result import STATUS, Motion
-from core.optimise.exact import STATUS as OPTIMUM
+from core.optimise.codes import STATUS as OPTIMUM
 from core.optimise.known_answers import by_closed_form, is_closed
 from core.optimise.methods import METHODS, SEARCH_BUDGET, by_search
-from core.optimise.prepare import Optimisation, prepare
+from core.optimise.optimisation import Optimisation
+from core.optimise.prepare import prepare
 from core.optimise.run import compute, designs_of
 from core.study import parse_study
 from core.watch import Watch

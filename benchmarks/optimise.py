@@ -18,9 +18,9 @@ import numpy as np
 from core.accuracy.optimisers import answer
 from core.mechanics.arrays import Array
 from core.optimise import METHODS, optimise
+from core.optimise.codes import ANGLE_PROBLEMS, AngleProblem
 from core.optimise.methods import refusal
-from core.optimise.newton import PROBLEMS, fastest
-from core.optimise.newton import Problem as Batch
+from core.optimise.newton import fastest
 from core.optimise.prepare import prepare
 from core.optimise.problem import chosen_cells
 from core.optimise.run import designs_of
@@ -190,13 +190,13 @@ def print_batch(everything: Mapping[str, Mapping[str, tuple[Array, float, Array]
     given, within = designs(DESIGNS), bounds(DESIGNS)
     print(f"\nBatches of {DESIGNS:,} designs, microseconds a design")
     print(f"  {'problem':18}{'1 thread':>10}{'2 threads':>11}{'random bounds':>15}")
-    problem: Batch
-    for problem in PROBLEMS:
+    problem: AngleProblem
+    for problem in ANGLE_PROBLEMS:
         free = {} if problem.startswith("plane") else {"limit": np.full(DESIGNS, np.inf)}
         asked = {**given, **free}
         fastest(problem, **asked)  # compiles
 
-        def took(problem: Batch, asked: dict[str, Array], threads: int) -> float:
+        def took(problem: AngleProblem, asked: dict[str, Array], threads: int) -> float:
             return least_seconds(lambda: fastest(problem, **asked, threads=threads)) / DESIGNS * 1e6
 
         one, two = took(problem, asked, 1), took(problem, asked, 2)

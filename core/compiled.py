@@ -29,7 +29,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 CORE = Path(__file__).resolve().parent
 
-FROZEN = ("compiled.py", "quantities/flags.py")
+FROZEN = ("compiled.py", "quantities/flags.py", "optimise/codes.py")
 """What kernels may import besides kernel files; the values are frozen into the cached code."""
 
 SETTINGS = (

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 
 @dataclass(frozen=True)
@@ -25,11 +25,15 @@ class Problem:
         What is wrong.
     fix : str
         What would be right.
+    about : str
+        The name that it is about, by which a caller finds the place where a user wrote it; empty
+        where nobody asks. No part of what users see, nor of what makes two problems equal.
     """
 
     place: str
     message: str
     fix: str
+    about: str = field(default="", compare=False, repr=False)
 
     def __str__(self) -> str:
         return f"{self.place}: {self.message}. {self.fix}{'' if self.fix.endswith('?') else '.'}"
@@ -78,11 +82,16 @@ class SceneError(VibrafeedError):
 MEANT = 4  # letters of a name that tell which is meant
 
 
-def suggestion(name: str, known: Iterable[str], otherwise: str = "") -> str:
-    """Return ``Did you mean ...?`` for the nearest known name, or the whole choice."""
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name that a mistyped or shortened one stands for; None if none is near."""
     choice = sorted(known)
     longer = [known for known in choice if len(name) >= MEANT and known.startswith(name)]
     near = longer or difflib.get_close_matches(name, choice, n=1, cutoff=0.6)
-    if near:
-        return f"Did you mean '{near[0]}'?"
-    return otherwise or "Known: " + ", ".join(choice)
+    return near[0] if near else None
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """Return ``Did you mean ...?`` for the nearest known name, or the whole choice."""
+    choice = sorted(known)
+    meant = nearest(name, choice)
+    return f"Did you mean '{meant}'?" if meant else "Known: " + ", ".join(choice)

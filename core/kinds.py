@@ -11,11 +11,10 @@ import numpy as np
 from core import motion, optimise, sweep
 from core.dataset.table import Table
 from core.errors import Problem, StudyError
-from core.optimise.exact import OPTIMUM_STATUSES
 from core.plan.pieces import Computed, carry_out
 from core.plan.prepared import Prepared
 from core.plan.sample import FAILED, LEFT_OUT
-from core.quantities import MOTION_STATUSES
+from core.quantities import MOTION_STATUSES, OPTIMUM_STATUSES
 from core.study.load import parse_study
 from core.study.models import Study
 from core.watch import Watch

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from core.accuracy.cells import SEED, random_cells, sample_size
 from core.accuracy.curves import Curve, Measured, Point
 from core.mechanics.arrays import Array
-from core.optimise.exact import STATUS
+from core.optimise.codes import STATUS
 from core.optimise.known_answers import is_closed, is_compiled
 from core.optimise.methods import METHODS, refusal
-from core.optimise.prepare import Optimisation
+from core.optimise.optimisation import Optimisation
 from core.optimise.problem import LIMIT, Problem, cells_of, chosen_cells
 from core.optimise.run import with_limit
 from core.study.models import Pareto

@@ -1,7 +1,8 @@
 """The best values of some parameters: exact answers, a compiled batch solver, and optimisers."""
 
 from core.optimise.methods import METHODS
-from core.optimise.prepare import Optimisation, further, prepare
+from core.optimise.optimisation import Optimisation
+from core.optimise.prepare import further, prepare
 from core.optimise.run import compute, label, optimise, tabulate
 
 __all__ = [

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.optimise.exact import STATUS
+from core.optimise.codes import STATUS
 from core.optimise.problem import Problem
 from core.watch import Watch
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array, ratio
 from core.optimise import known_answers
-from core.optimise.exact import STATUS
+from core.optimise.codes import STATUS
 from core.optimise.found import Found
 from core.optimise.methods import METHODS
 from core.optimise.problem import LIMIT, Problem, cells_of

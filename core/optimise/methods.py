@@ -14,7 +14,7 @@ import numpy as np
 
 from core.mechanics.arrays import Array
 from core.optimise import known_answers, scipy_methods
-from core.optimise.exact import STATUS
+from core.optimise.codes import STATUS
 from core.optimise.found import Found, Solver
 from core.optimise.grid import by_grid
 from core.optimise.population import by_population

@@ -9,25 +9,13 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from core.mechanics.arrays import Array
-from core.optimise.exact import Flags, Statuses
-
-Problem = Literal[
-    "plane_thesis", "plane_physical", "track_thesis", "track_derived", "track_physical"
-]
-
-PROBLEMS: dict[Problem, int] = {
-    "plane_thesis": 0,
-    "plane_physical": 1,
-    "track_thesis": 2,
-    "track_derived": 3,
-    "track_physical": 4,
-}
+from core.optimise.codes import ANGLE_PROBLEMS, AngleProblem, Flags, Statuses
 
 PIECE = 1024  # designs of one call of the kernel
 
@@ -73,7 +61,7 @@ class BatchOptimum(NamedTuple):
 
 
 def fastest(
-    problem: Problem,
+    problem: AngleProblem,
     *,
     vibration_acceleration: ArrayLike,
     gravity_along: ArrayLike,
@@ -103,7 +91,8 @@ def fastest(
     Parameters
     ----------
     problem : str
-        Scene and variant; a key of `PROBLEMS`. The physical ones keep floor (and wall) contact.
+        Scene and variant; a key of `ANGLE_PROBLEMS`. The physical ones keep floor (and wall)
+        contact.
     vibration_acceleration : array_like
         P [m s-2].
     gravity_along, gravity_across, gravity_normal : array_like
@@ -120,7 +109,8 @@ def fastest(
     threads : int, optional
         At most as many; the number of cores by default. Results do not depend on it.
     """
-    from core.optimise.kernels import newton as kernel
+    from core.optimise.kernels.columns import COLUMNS
+    from core.optimise.kernels.newton import solve
 
     parts = np.broadcast_arrays(
         vibration_acceleration,
@@ -138,14 +128,14 @@ def fastest(
     shape = parts[0].shape
     groups = np.column_stack([np.ravel(part).astype(np.float64) for part in parts])
     designs = groups.shape[0]
-    table = np.empty((designs, kernel.COLUMNS))
+    table = np.empty((designs, COLUMNS))
     active = np.zeros(designs, dtype=np.int16)
     status = np.zeros(designs, dtype=np.int8)
-    number = PROBLEMS[problem]
+    number = ANGLE_PROBLEMS[problem]
 
     def run(start: int) -> None:
         piece = slice(start, start + PIECE)
-        kernel.solve(
+        solve(
             number,
             floor_contact,
             wall_contact,
@@ -166,6 +156,6 @@ def fastest(
                 pass
     fields: dict[str, Any] = {
         name: table[:, number].reshape(shape)
-        for number, name in enumerate(BatchOptimum._fields[: kernel.COLUMNS])
+        for number, name in enumerate(BatchOptimum._fields[:COLUMNS])
     }
     return BatchOptimum(**fields, active=active.reshape(shape), status=status.reshape(shape))

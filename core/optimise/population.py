@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.optimise.exact import STATUS
+from core.optimise.codes import STATUS
 from core.optimise.found import Found
 from core.optimise.problem import Problem, cells_of, chosen_cells, columns
 from core.optimise.single import spread

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from core.mechanics.arrays import Array
-from core.optimise.exact import STATUS
+from core.optimise.codes import STATUS
 from core.optimise.found import Found, Solver, status_of
 from core.optimise.problem import Problem, cells_of, chosen_cells
 from core.optimise.single import Single, spread

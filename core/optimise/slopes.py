@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.optimise.problem import Problem
-from core.optimise.robust import motion_sensitivities, sensitivities
+from core.optimise.sensitivities import motion_sensitivities, sensitivities
 
 MOST_SENSITIVE = 1_000
 """Designs of a study that asks for sensitivities: each is derived by itself."""

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.motion.verify import Comparison, compare
-from core.optimise.exact import STATUS
+from core.optimise.codes import STATUS
 from core.optimise.methods import METHODS, refusal
-from core.optimise.prepare import Optimisation
+from core.optimise.optimisation import Optimisation
 from core.optimise.problem import LIMIT, ROUNDING, chosen_cells
 from core.plan.grid import to_si
 from core.plan.sample import Sample, sample_of

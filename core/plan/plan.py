@@ -230,11 +230,13 @@ def _unknown_output(scene: Scene, variant: str, name: str) -> Problem:
             "outputs",
             f"the {scene.choice} '{variant}' of {scene.name} does not give '{name}'",
             f"Set {scene.choice} to {' or '.join(others)}",
+            about=name,
         )
     return Problem(
         "outputs",
         f"{scene.name} has no output '{name[:60]}'",
         suggestion(name, scene.outputs(variant)),
+        about=name,
     )
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
 
-from core.errors import LimitError, Problem, StudyError, suggestion
+from core.errors import LimitError, Problem, StudyError, nearest
 from core.plan.grid import Grid
 from core.plan.plan import Plan, plan_scene
 from core.quantities import QUANTITIES
@@ -182,7 +182,9 @@ def further_problems(
         and isinstance(parameters, Mapping)
     ):
         return []
-    given = [_meant(str(name)) for name in parameters]
+    given = [
+        name if name in PARAMETERS else nearest(name, PARAMETERS) for name in map(str, parameters)
+    ]
     found: list[Problem] = []
     try:
         scene, variant, found = chosen(content)
@@ -191,14 +193,6 @@ def further_problems(
         found = [*found, *error.problems]
     places = {problem.place for problem in known.problems}
     return [problem for problem in found if problem.place not in places]
-
-
-def _meant(name: str) -> str:
-    """Return the parameter that a key stands for, mistyped or not; empty if none is near."""
-    if name in PARAMETERS:
-        return name
-    guess = suggestion(name, PARAMETERS, otherwise="")
-    return guess.split("'")[1] if guess.startswith("Did you mean") else ""
 
 
 def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:

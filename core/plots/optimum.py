@@ -15,10 +15,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from core.optimise import Optimisation
-from core.optimise.exact import STATUS
+from core.optimise.codes import STATUS
+from core.optimise.labels import criterion_in_words
 from core.optimise.prepare import prepare
 from core.optimise.problem import chosen_cells
-from core.optimise.run import criterion_in_words, designs_of
+from core.optimise.run import designs_of
 from core.plan.grid import from_si
 from core.plots.problem import PlotError
 from core.plots.text import UNITS, number, with_unit

@@ -7,7 +7,13 @@ show are read from here. Inside the code all values are SI and angles are radian
 
 from __future__ import annotations
 
-from core.quantities.flags import MOTION_MODES, MOTION_STATUSES, REGIMES, Flag
+from core.quantities.flags import (
+    MOTION_MODES,
+    MOTION_STATUSES,
+    OPTIMUM_STATUSES,
+    REGIMES,
+    Flag,
+)
 from core.quantities.impacts import IMPACTS
 from core.quantities.isolated import ISOLATED
 from core.quantities.motion import MOTION
@@ -20,6 +26,7 @@ __all__ = [
     "FAMILIES",
     "MOTION_MODES",
     "MOTION_STATUSES",
+    "OPTIMUM_STATUSES",
     "QUANTITIES",
     "REGIMES",
     "Flag",

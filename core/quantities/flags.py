@@ -83,6 +83,22 @@ MOTION_STATUSES: dict[str, Flag] = {
     "moving": Flag(9, "the part still moves at the end of the duration"),
 }
 
+OPTIMUM_STATUSES: dict[str, Flag] = {
+    "optimal": Flag(0, "no other choice within the bounds does better"),
+    "flat": Flag(1, "the choice does not matter, as without a drive"),
+    "no_motion": Flag(2, "no choice within the bounds moves the part forwards"),
+    "not_attained": Flag(
+        3,
+        "static friction still holds the part there; next to it the output jumps to the value",
+    ),
+    "infeasible": Flag(4, "no choice keeps the bounds, limits and contacts", valid=False),
+    "invalid": Flag(5, "an argument is no number, or is out of its range", valid=False),
+    "limit_reached": Flag(6, "the limit on steps came before the last digit", valid=False),
+    "no_value": Flag(7, "the outputs have no value within the bounds", valid=False),
+    "not_computed": Flag(8, "the study was stopped before this design", valid=False),
+    "suboptimal": Flag(9, "a dense grid has a better point, which the search missed", valid=False),
+}
+
 MOTION_MODES: dict[str, Flag] = {
     "stick": Flag(0, "friction holds the part on the track"),
     "forward": Flag(1, "the part slides forward"),

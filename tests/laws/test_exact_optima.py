@@ -9,7 +9,8 @@ from scipy import optimize
 
 from core.mechanics import friction, rolling, wall
 from core.optimise import exact
-from core.optimise.exact import ACTIVE, STATUS
+from core.optimise.codes import ACTIVE, STATUS
+from core.quantities import OPTIMUM_STATUSES
 
 RANDOM = np.random.default_rng(1204)
 DESIGNS = 1000
@@ -462,4 +463,4 @@ def test_what_has_no_answer_says_why():
         assert status(function(**sticky, **mu, friction_static=0.5)) == STATUS["not_attained"]
     away = {**one, **mu, "gravity_across": -1.0}
     assert status(exact.track_physical_fastest(**away, friction_static=0.3)) == STATUS["infeasible"]
-    assert len({flag.value for flag in exact.OPTIMUM_STATUSES.values()}) == len(STATUS)
+    assert len({flag.value for flag in OPTIMUM_STATUSES.values()}) == len(STATUS)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from core.optimise import optimise
-from core.optimise.exact import STATUS
+from core.optimise.codes import STATUS
 from core.study import parse_study
 
 RANDOM = np.random.default_rng(512)

@@ -45,11 +45,12 @@ def small_package(where: Path) -> Path:
     core = Path(compiled.__file__).parent
     kernels = where / "core/toy/kernels"
     kernels.mkdir(parents=True)
-    for folder in (where / "core", where / "core/toy", kernels, where / "core/quantities"):
+    frozen = [where / "core" / name for name in compiled.FROZEN]
+    for folder in {where / "core", where / "core/toy", kernels, *(file.parent for file in frozen)}:
         folder.mkdir(exist_ok=True)
         (folder / "__init__.py").write_text("")
-    shutil.copy(core / "compiled.py", where / "core/compiled.py")
-    shutil.copy(core / "quantities/flags.py", where / "core/quantities/flags.py")
+    for file in frozen:
+        shutil.copy(core / file.relative_to(where / "core"), file)
     (kernels / "callee.py").write_text(CALLEE.format(added="1.0"))
     (kernels / "caller.py").write_text(CALLER)
     return where

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from core.catalogue import describe, study_schema
-from core.errors import LimitError, SceneError, StudyError
+from core.errors import LimitError, Problem, SceneError, StudyError
 from core.kinds import prepare_content
 from core.motion import SYSTEMS, simulate
 from core.optimise import optimise
@@ -371,3 +371,13 @@ def test_the_schema_knows_every_scene_output_and_parameter():
 
 def test_no_quantity_is_declared_twice():
     assert len(QUANTITIES) == sum(len(family) for family in FAMILIES)
+
+
+def test_a_problem_says_which_name_it_is_about_beside_what_users_see():
+    with pytest.raises(StudyError) as caught:
+        make_plan("rectangle-on-plane", None, ["speed_" + 70 * "x"], ())
+    (problem, *_) = [p for p in caught.value.problems if p.place == "outputs"]
+    # The message shows the first 60 characters; the field has them all.
+    assert problem.about == "speed_" + 70 * "x"
+    assert problem == Problem(problem.place, problem.message, problem.fix)
+    assert problem.about not in f"{problem!r} {problem}"

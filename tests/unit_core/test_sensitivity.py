@@ -13,11 +13,8 @@ from mpmath import mp, mpf
 
 from core.errors import StudyError
 from core.optimise.duals import Dual, NotDifferentiableError
-from core.optimise.robust import (
-    motion_sensitivities,
-    robust_value,
-    sensitivities,
-)
+from core.optimise.robust import robust_value
+from core.optimise.sensitivities import motion_sensitivities, sensitivities
 from core.plan import plan as plans
 from core.scenes import SCENES
 from core.scenes.scene import Equation, Scene

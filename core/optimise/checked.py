@@ -1,0 +1,168 @@
+"""The answers of a method set against what is known besides: outputs, margins, residual, gap."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.mechanics.arrays import Array
+from core.optimise import known_answers
+from core.optimise.codes import STATUS
+from core.optimise.conditions import residual
+from core.optimise.found import Found
+from core.optimise.front import knee
+from core.optimise.grid import dense_grid
+from core.optimise.methods import METHODS
+from core.optimise.optimisation import Optimisation
+from core.optimise.problem import LIMIT, ROUNDING, Problem, chosen_cells
+from core.optimise.single import spread
+from core.optimise.slopes import slopes
+from core.plan.grid import from_si
+from core.quantities import REGIMES
+from core.study.models import Pareto
+
+FORWARD = ("acceleration_x", "starting_acceleration", "conveying_velocity")
+"""Outputs that are forward motion where they are positive."""
+
+GAP_POINTS = 40_000  # of the grid that a design is compared with
+GAP_POINTS_MOTION = 1_600
+FLAT = 1e-14  # of the scale: what all choices differ by is rounding
+MISSED = 1e-6  # a gap above this is more than a method leaves
+AT_BOUND = 1e-9  # of a variable's range: it lies on its bound
+
+
+def checked(
+    prepared: Optimisation,
+    found: Found,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+) -> dict[str, NDArray[Any]]:
+    """Return every variable of the result, in the units of studies; arrays of shape (cells,)."""
+    problem, tolerance = prepared.problem, METHODS[prepared.method].tolerance
+    cells = found.status.shape
+    lost: NDArray[np.bool_] = np.asarray(np.isnan(found.x).any(axis=0))
+    # Without an optimum the outputs are those of the lower bounds, and left out below.
+    x = np.where(lost, problem.lower[:, None], found.x)
+    known = problem.known(x, design)
+    size = problem.scale(scales)
+
+    def whole(values: Array) -> Array:
+        return np.where(lost, np.nan, np.broadcast_to(values, cells))
+
+    value = whole(problem.objective(known))
+    if problem.uncertain is not None:
+        value = whole(problem.judged(x, design, scales)[0])
+    if found.value is not None:
+        # At the edge of stick the outputs are those of a part at rest.
+        held = found.status == STATUS["not_attained"]
+        value = np.where(held, found.value, value)
+    status = _status(problem, found.status, known, design, scales)
+    arrays: dict[str, NDArray[Any]] = {
+        f"best_{name}": from_si(name, found.x[i]) for i, name in enumerate(problem.names)
+    }
+    arrays["objective"] = problem.sign * value
+    for name in prepared.units:
+        if name in known:
+            arrays[name] = whole(problem.output(name, known))
+    for kept in problem.kept:
+        margin = whole(problem.safe_margin(kept, x, design))
+        binds = np.abs(margin) <= tolerance * scales[kept.output]
+        arrays[f"margin_{kept.name}"] = np.where(binds, 0.0, margin)
+        arrays[f"binds_{kept.name}"] = binds.astype(np.int8)
+    span = problem.upper - problem.lower
+    for i, name in enumerate(problem.names):
+        for end, bound in (("lower", problem.lower[i]), ("upper", problem.upper[i])):
+            at = (np.abs(x[i] - bound) <= max(tolerance, AT_BOUND) * span[i]) & ~lost
+            arrays[f"binds_{name}_{end}"] = at.astype(np.int8)
+    here, near = _of_each_point(problem, known, design)
+    left = found.residual
+    if left is None:
+        left = residual(here, x, near, scales, max(tolerance, AT_BOUND))
+    else:
+        left = left / size
+    # A worst case has kinks of its own: first-order conditions of one value do not speak of it.
+    no_slope = lost | (problem.uncertain is not None)
+    arrays["optimality_residual"] = np.where(no_slope, np.nan, left)
+    gap = _gap(prepared.method, here, value, lost, near, scales) / size
+    arrays["optimum_gap"] = gap
+    missed = (status == STATUS["optimal"]) & (gap > max(tolerance, MISSED))
+    status = np.where(missed, np.int8(STATUS["suboptimal"]), status)
+    arrays["evaluations"] = np.broadcast_to(np.asarray(found.evaluations, np.float64), cells)
+    if isinstance(problem.criterion, Pareto):
+        points = problem.criterion.points
+        pair = (arrays[problem.criterion.output], arrays[problem.criterion.against])
+        arrays["knee"] = knee(*(part.reshape(-1, points) for part in pair)).ravel()
+    if prepared.study.sensitivities:
+        told = slopes(problem, x, design, lost)
+        arrays |= {f"sensitivity_{name}": values for name, values in told.items()}
+    arrays["optimum_status"] = status
+    regime = np.broadcast_to(problem.regime(known, scales, tolerance), cells)
+    none = np.int8(REGIMES["not_assessed"].value)
+    arrays["regime"] = np.where(lost, none, regime)
+    return arrays
+
+
+def _status(
+    problem: Problem,
+    status: NDArray[np.int8],
+    known: Mapping[str, Any],
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+) -> NDArray[np.int8]:
+    """Return the statuses, with what a method that knows no physics cannot tell."""
+    optimal = status == STATUS["optimal"]
+    output = problem.criterion.output
+    if problem.sign > 0 and output in FORWARD:
+        rests = ~(np.broadcast_to(problem.output(output, dict(known)), status.shape) > 0)
+        status = np.where(optimal & rests, STATUS["no_motion"], status)
+    if np.any(optimal) and not problem.is_motion:
+        lower, upper = problem.lower[:, None, None], problem.upper[:, None, None]
+        x = lower + (upper - lower) * spread(16, len(problem.names))[:, None, :]
+        column = {name: values[:, None] for name, values in design.items()}
+        values = problem.objective(problem.known(x, column))
+        values = np.broadcast_to(values, (status.size, 16))
+        best = np.broadcast_to(problem.objective(dict(known)), status.shape)
+        apart = np.maximum(values.max(axis=1), best) - np.minimum(values.min(axis=1), best)
+        flat = apart <= FLAT * problem.scale(scales)
+        status = np.where(optimal & flat & (status == STATUS["optimal"]), STATUS["flat"], status)
+    return np.asarray(status, dtype=np.int8)
+
+
+def _of_each_point(
+    problem: Problem, known: Mapping[str, Any], design: Mapping[str, Array]
+) -> tuple[Problem, Mapping[str, Array]]:
+    """Return the problem that each answer solves: on a front, with the limit at its own value."""
+    if not isinstance(problem.criterion, Pareto):
+        return problem, design
+    other = np.abs(problem.output(problem.criterion.against, dict(known)))
+    return problem.limited(), {**design, LIMIT: np.broadcast_to(other, design[LIMIT].shape)}
+
+
+def _gap(
+    method: str,
+    problem: Problem,
+    value: Array,
+    lost: NDArray[np.bool_],
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+) -> Array:
+    """Return the objective of another answer less the one found; NaN without either."""
+    if LIMIT in (kept.name for kept in problem.kept) and problem.against:
+        # A limit of nothing, which rounding may just break, would leave no answer.
+        design = {**design, LIMIT: design[LIMIT] + ROUNDING * scales[problem.against]}
+    reference = np.full(lost.shape, np.nan)
+    if method != "exact" and known_answers.is_closed(problem):
+        answer = known_answers.by_closed_form(problem, design)
+        reference = np.asarray(answer.value)
+    elif method != "newton" and known_answers.is_compiled(problem):
+        answer = known_answers.by_newton(problem, design)
+        reference = np.asarray(answer.value)
+    rest = np.flatnonzero(np.isnan(reference) & ~lost)
+    if rest.size:
+        points = GAP_POINTS_MOTION if problem.is_motion else GAP_POINTS
+        best = dense_grid(problem, chosen_cells(design, rest), chosen_cells(scales, rest), points)
+        reference[rest] = np.where(np.isfinite(best), best, np.nan)
+    return np.where(lost, np.nan, reference - value)

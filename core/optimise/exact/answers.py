@@ -1,0 +1,120 @@
+"""What exact answers look like, and what all of them share."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from core.mechanics.arrays import Array, Mask
+from core.optimise.codes import ACTIVE, STATUS, TIGHT, Flags, Statuses
+
+
+class PlaneOptimum(NamedTuple):
+    """The best angles on a plane; all arrays have the broadcast shape.
+
+    Attributes
+    ----------
+    alpha, beta : ndarray
+        Azimuth and elevation of the drive [rad]; NaN where there are none.
+    acceleration_x, acceleration_y : ndarray
+        The accelerations there [m s-2].
+    active : ndarray of int16
+        Sum of the `ACTIVE` bits of the constraints that hold with equality.
+    status : ndarray of int8
+        Value of an `OPTIMUM_STATUSES` entry.
+    """
+
+    alpha: Array
+    beta: Array
+    acceleration_x: Array
+    acceleration_y: Array
+    active: Flags
+    status: Statuses
+
+
+class TrackOptimum(NamedTuple):
+    """The best angles on the track; as `PlaneOptimum`, with K = a_x at rest [m s-2]."""
+
+    alpha: Array
+    beta: Array
+    starting_acceleration: Array
+    active: Flags
+    status: Statuses
+
+
+class ParetoSet(NamedTuple):
+    """Points that no other angles beat in a_x and in |a_y|; a last axis counts the points.
+
+    `status` has the broadcast shape without that axis.
+    """
+
+    alpha: Array
+    beta: Array
+    acceleration_x: Array
+    acceleration_y: Array
+    status: Statuses
+
+
+def broadcast(*parts: ArrayLike) -> tuple[Array, ...]:
+    """Return the arguments as float64 arrays of one shape."""
+    return tuple(np.broadcast_arrays(*(np.asarray(part, dtype=np.float64) for part in parts)))
+
+
+def all_finite(*parts: Array) -> Mask:
+    """Return where every argument is a finite number."""
+    return np.asarray(np.all([np.isfinite(part) for part in parts], axis=0))
+
+
+def usable(valid: Mask, *parts: Array) -> tuple[Array, ...]:
+    """Return the arguments with 0 in place of what is not valid: no warnings from NaN."""
+    return tuple(np.where(valid, part, 0.0) for part in parts)
+
+
+def statuses(valid: Mask, infeasible: Mask, driven: Mask, gain: Array) -> Statuses:
+    """Return the status of each answer; `gain` is positive where the part moves forwards."""
+    status = np.where(gain > 0, STATUS["optimal"], STATUS["no_motion"])
+    status = np.where(driven, status, STATUS["flat"])
+    status = np.where(infeasible, STATUS["infeasible"], status)
+    return np.asarray(np.where(valid, status, STATUS["invalid"]), dtype=np.int8)
+
+
+def tight(bit: int, margin: Array, scale: Array) -> Flags:
+    """Return the bit where a margin is none on its scale, else 0."""
+    return np.where(np.abs(margin) <= TIGHT * scale, bit, 0).astype(np.int16)
+
+
+def bounds_active(alpha: Array, beta: Array) -> Flags:
+    """Return the bits of the angles' own bounds, 0 and 90 deg."""
+    one, right = np.ones_like(alpha), np.pi / 2
+    return np.asarray(
+        tight(ACTIVE["alpha_lower"], alpha, one)
+        | tight(ACTIVE["alpha_upper"], right - alpha, one)
+        | tight(ACTIVE["beta_lower"], beta, one)
+        | tight(ACTIVE["beta_upper"], right - beta, one)
+    )
+
+
+def plane_optimum(
+    alpha: Array, beta: Array, along: Array, across: Array, active: Flags, status: Statuses
+) -> PlaneOptimum:
+    """Return the answer; NaN where the status tells that there is none."""
+    bad = _hidden(status)
+    alpha, beta, along, across = (np.where(bad, np.nan, p) for p in (alpha, beta, along, across))
+    return PlaneOptimum(
+        alpha, beta, along, across, np.where(bad, 0, active).astype(np.int16), status
+    )
+
+
+def track_optimum(
+    alpha: Array, beta: Array, K: Array, active: Flags, status: Statuses
+) -> TrackOptimum:
+    """Return the answer; NaN where the status tells that there is none."""
+    bad = _hidden(status)
+    alpha, beta, K = (np.where(bad, np.nan, part) for part in (alpha, beta, K))
+    return TrackOptimum(alpha, beta, K, np.where(bad, 0, active).astype(np.int16), status)
+
+
+def _hidden(status: Statuses) -> Mask:
+    return np.asarray((status == STATUS["infeasible"]) | (status == STATUS["invalid"]))

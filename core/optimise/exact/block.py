@@ -1,0 +1,110 @@
+"""The block on the floor, friction disc (theory 12.2)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from core.mechanics.arrays import Array, ratio
+from core.optimise.exact.answers import PlaneOptimum
+from core.optimise.exact.candidates import Candidate, fastest_slide
+
+# Newton's steps for the tilted optimum; more are needed only where two roots all but meet.
+MOST_STEPS = 60
+
+
+def plane_physical_fastest(
+    *,
+    vibration_acceleration: ArrayLike,
+    gravity_along: ArrayLike,
+    gravity_normal: ArrayLike,
+    friction_kinetic: ArrayLike,
+    friction_static: ArrayLike,
+) -> PlaneOptimum:
+    """Return the angles of the largest a_x of a block on the floor, friction disc (theory 12.2).
+
+    On a horizontal or falling track: alpha = 0, a_y = 0, beta = min(atan(mu_k), asin(G/P)); there
+    is no trade-off. On a climbing track a drive close to the limit of motion does better from the
+    side: it turns friction away from x. For a friction along -(cos psi, sin psi) the best a_x is
+
+        V = cos psi [sqrt(1 + mu^2) sqrt(P^2 - c^2 sin^2 psi) - mu G - c cos psi],  c = g sin gamma,
+
+    whose derivative by cos(psi) is convex, so that Newton's method from cos(psi) = 0 climbs to the
+    one interior maximum; it is compared with alpha = 0. Motion is possible from
+    P^2 > c^2 + mu_s^2 G^2/(1 + mu_s^2) on if c > 0 (alone along x only from
+    P sqrt(1 + mu_s^2) > c + mu_s G on, which is later), else `no_motion`, with NaN.
+
+    Where mu_s > mu_k and the best angles lie in stick, the best is at the edge of stick, as a limit
+    (`not_attained`). `friction_static` is at least `friction_kinetic`.
+    """
+    return fastest_slide(
+        vibration_acceleration,
+        gravity_along,
+        gravity_normal,
+        friction_kinetic,
+        friction_static,
+        _turned_and_held,
+        _acceleration,
+    )
+
+
+def _turned_and_held(k: Array, g: Array, mu: Array, mu_s: Array) -> tuple[Candidate, Candidate]:
+    return _turned(k, g, mu, mu_s), _held(k, g, mu, mu_s)
+
+
+def _turned(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
+    """Return the interior maximum over the direction of friction, x = cos(psi)."""
+    A = np.hypot(1.0, mu)
+    p2 = (1 - k) * (1 + k)
+    exists = (k > 0) & (p2 > 0) & (A * np.sqrt(np.maximum(p2, 0.0)) > mu * g)
+    p2, k1 = np.where(exists, p2, 1.0), np.where(exists, k, 0.5)
+    x = np.zeros_like(k1)
+    for _ in range(MOST_STEPS):
+        root = np.sqrt(p2 + (k1 * x) ** 2)
+        t = k1 * x / root
+        slope = A * (p2 / root + 2 * k1 * x * t) - 2 * k1 * x - mu * g
+        bend = k1 * (A * t * (3 - t * t) - 2)
+        # A convex slope that no longer falls, or a root beyond 1: no maximum inside.
+        exists &= (bend < 0) | (slope <= 0)
+        ahead = x - slope / np.where(bend < 0, bend, -1.0)
+        exists &= ahead < 1
+        moving = exists & (ahead > x)
+        if not np.any(moving):
+            break
+        x = np.where(moving, ahead, x)
+    exists &= x > 0
+    x = np.where(exists, x, 1.0)
+    sine = np.sqrt((1 - x) * (1 + x))
+    root = np.sqrt(np.maximum(1 - np.where(exists, k, 0.0) ** 2 * sine**2, 0.0))
+    dx, dy = k * sine**2 + root * x / A, -k * sine * x + root * sine / A
+    dz = root * mu / A
+    exists &= dz < np.minimum(g, 1.0)
+    excess = A * root - mu * g - k * x  # |D| - mu n
+    exists &= (excess > (mu_s - mu) * (g - dz)) & (excess > 0) & (dy > 0)
+    alpha = np.arctan2(np.where(exists, dy, 0.0), np.where(exists, dx, 1.0))
+    beta = np.arcsin(np.where(exists, dz, 0.0))
+    return alpha, beta, np.zeros_like(k), np.asarray(exists)
+
+
+def _held(k: Array, g: Array, mu: Array, mu_s: Array) -> Candidate:
+    """Return the best point of |D| = mu_s n with alpha > 0: a_x = D_x (1 - mu_k/mu_s) there.
+
+    |D|^2 = q^2 - k^2 - 2 k D_x, q = cos(beta), so that D_x is largest where q^2 - (mu_s n)^2 is.
+    """
+    dz = g * (mu_s / np.hypot(1.0, mu_s)) ** 2
+    q2 = (1 - dz) * (1 + dz)
+    exists = (k > 0) & (q2 > 0) & (mu_s > mu)
+    q = np.sqrt(np.where(exists, q2, 1.0))
+    k1 = np.where(exists, k, 1.0)
+    Dx = (q * q - k1 * k1 - (mu_s * (g - dz)) ** 2) / (2 * k1)
+    exists &= (Dx > 0) & (Dx < q - k1)
+    side = np.sqrt(np.where(exists, (q - Dx - k1) * (q + Dx + k1), 0.0))
+    alpha = np.arctan2(side, np.where(exists, Dx + k1, 1.0))
+    beta = np.arcsin(np.where(exists, dz, 0.0))
+    return alpha, beta, np.ones_like(k), np.asarray(exists)
+
+
+def _acceleration(D: tuple[Array, Array], floor: Array, mu: Array) -> tuple[Array, Array]:
+    """Return D (1 - mu n/|D|), sliding from rest."""
+    left = 1.0 - ratio(mu * floor, np.hypot(*D), 0.0)
+    return D[0] * left, D[1] * left

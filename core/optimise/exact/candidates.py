@@ -1,0 +1,99 @@
+"""What block and cylinder share under the friction disc: candidates, of which the best is taken.
+
+All in units of the drive acceleration P: k = c/P, g = G/P.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from core.mechanics.arrays import Array, Mask
+from core.optimise.codes import ACTIVE, STATUS
+from core.optimise.exact.answers import (
+    PlaneOptimum,
+    all_finite,
+    bounds_active,
+    broadcast,
+    plane_optimum,
+    statuses,
+    tight,
+    usable,
+)
+
+Candidate = tuple[Array, Array, Array, Mask]
+"""alpha, beta, 1 where static friction still holds there, and whether it is a candidate."""
+
+Accelerate = Callable[[tuple[Array, Array], Array, Array], tuple[Array, Array]]
+"""Takes the drive in the plane less gravity, the floor's n0 and mu; returns a_x and a_y."""
+
+Others = Callable[[Array, Array, Array, Array], tuple[Candidate, Candidate]]
+"""Takes k, g, mu and the static mu; returns the best turned drive, sliding and just held."""
+
+
+def _straight(k: Array, g: Array, mu: Array, mu_s: Array) -> tuple[Candidate, Candidate]:
+    """Return alpha = 0 at the best angle of slip, and at the edge of stick."""
+    zero = np.zeros_like(k)
+    lift_off = np.arcsin(np.minimum(g, 1.0))
+    beta = np.minimum(np.arctan(mu), lift_off)
+    # At lift-off there is nothing to hold the part; g - sin(beta) is rounding there.
+    floor = np.where(beta < lift_off, g - np.sin(beta), 0.0)
+    slips = np.cos(beta) - k > mu_s * floor
+    share = (k + mu_s * g) / np.hypot(1.0, mu_s)
+    edge = np.arctan(mu_s) - np.arccos(np.clip(share, -1.0, 1.0))
+    starts = ~slips & (share < 1) & (edge >= 0) & (edge < lift_off) & (mu_s > mu)
+    return (zero, beta, zero, np.asarray(slips)), (zero, edge, zero + 1, np.asarray(starts))
+
+
+def fastest_slide(
+    vibration_acceleration: ArrayLike,
+    gravity_along: ArrayLike,
+    gravity_normal: ArrayLike,
+    friction_kinetic: ArrayLike,
+    friction_static: ArrayLike,
+    turned: Others,
+    accelerate: Accelerate,
+) -> PlaneOptimum:
+    """Return the angles of the largest a_x: straight along x, or turned aside.
+
+    Arguments broadcast; one out of range has the status `invalid`.
+    """
+    P, c, G, mu, mu_s = broadcast(
+        vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, friction_static
+    )
+    valid = all_finite(P, c, G, mu, mu_s) & (P >= 0) & (G >= 0) & (mu >= 0) & (mu_s >= mu)
+    driven = valid & (P > 0)
+    P, c, G, mu, mu_s = usable(valid, P, c, G, mu, mu_s)
+    scale = np.where(driven, P, 1.0)
+    k, g = c / scale, G / scale
+    candidates = (*_straight(k, g, mu, mu_s), *turned(k, g, mu, mu_s))
+    zero = np.zeros_like(P)
+    alpha, beta, held, across = zero, zero, zero, zero
+    along = np.full_like(P, -np.inf)
+    for a, b, at_edge, exists in candidates:
+        floor = np.maximum(G - P * np.sin(b), 0.0)
+        push = P * np.cos(b)
+        ax, ay = accelerate((push * np.cos(a) - c, push * np.sin(a)), floor, mu)
+        better = exists & driven & (ax > along)
+        along, across = np.where(better, ax, along), np.where(better, ay, across)
+        alpha, beta = np.where(better, a, alpha), np.where(better, b, beta)
+        held = np.where(better, at_edge, held)
+    # Without drive the part rests, or slides down the slope.
+    slides = np.abs(c) > mu_s * G
+    idle = np.where(slides, -c + np.sign(c) * mu * G, 0.0)
+    status = statuses(valid, np.zeros_like(valid), driven, along)
+    status = np.where((status == STATUS["optimal"]) & (held > 0), STATUS["not_attained"], status)
+    status = status.astype(np.int8)
+    active = bounds_active(alpha, beta) | tight(ACTIVE["floor"], G - P * np.sin(beta), P + G)
+    active |= np.where(held > 0, ACTIVE["start"], 0).astype(np.int16)
+    still = status == STATUS["no_motion"]
+    flat = status == STATUS["flat"]
+    along, across = np.where(flat, idle, along), np.where(flat, 0.0, across)
+    alpha, beta, along, across = (
+        np.where(still, np.nan, part) for part in (alpha, beta, along, across)
+    )
+    return plane_optimum(
+        alpha, beta, along, across, np.where(still, 0, active).astype(np.int16), status
+    )

@@ -1,0 +1,221 @@
+"""The printed formulas of part and plane: constant friction towards -y (theory 12.1)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from core.mechanics.arrays import Array, ratio
+from core.optimise.codes import ACTIVE
+from core.optimise.exact.answers import (
+    ParetoSet,
+    PlaneOptimum,
+    all_finite,
+    bounds_active,
+    broadcast,
+    plane_optimum,
+    statuses,
+    tight,
+    usable,
+)
+
+
+def plane_thesis_fastest(
+    *,
+    vibration_acceleration: ArrayLike,
+    gravity_along: ArrayLike,
+    gravity_normal: ArrayLike,
+    friction_kinetic: ArrayLike,
+    floor_contact: bool,
+) -> PlaneOptimum:
+    """Return the angles of the largest a_x under the printed friction (theory 12.1).
+
+    alpha = 0 and beta = atan(mu), or with `floor_contact` (n0 >= 0) the smaller of that and the
+    lift-off angle asin(G/P). The second is the smaller from P = G sqrt(1 + mu^2)/mu on.
+    """
+    return plane_thesis_limited(
+        vibration_acceleration=vibration_acceleration,
+        gravity_along=gravity_along,
+        gravity_normal=gravity_normal,
+        friction_kinetic=friction_kinetic,
+        limit=np.inf,
+        floor_contact=floor_contact,
+    )
+
+
+def plane_thesis_limited(
+    *,
+    vibration_acceleration: ArrayLike,
+    gravity_along: ArrayLike,
+    gravity_normal: ArrayLike,
+    friction_kinetic: ArrayLike,
+    limit: ArrayLike,
+    floor_contact: bool,
+) -> PlaneOptimum:
+    """Return the angles of the largest a_x with |a_y| <= limit, printed friction (theory 12.1).
+
+    With asin(G/P) <= atan(mu) (case A): alpha = 0; beta is the lift-off angle, where a_y = 0, or
+    without `floor_contact` sin(beta) = min((G + limit/mu)/P, sin(atan mu)). Else (case B):
+    alpha = 0, beta = atan(mu) while a_y >= -limit there, then the point of a_y = -limit on the
+    curve tan(beta) = mu (cos(alpha) + sin(alpha)), which has a closed form (`_on_curve`). It lies
+    within 90 deg while P sqrt(1 + mu^2) >= mu G - limit; below that the status is `infeasible`.
+    """
+    P, c, G, mu, E = broadcast(
+        vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, limit
+    )
+    valid = all_finite(P, c, G, mu) & (P >= 0) & (G >= 0) & (mu >= 0) & (E >= 0)
+    driven = valid & (P > 0)
+    P, c, G, mu, E = usable(valid, P, c, G, mu, E)
+    scale = np.where(driven, P, 1.0)
+    g, e, A = G / scale, E / scale, np.hypot(1.0, mu)
+    lifts = mu >= g * A
+    leaving = np.minimum(g + ratio(e, mu, np.inf), mu / A)
+    sine = g if floor_contact else leaving
+    on_curve = ~lifts & (mu * mu / A < mu * g - e)
+    infeasible = driven & on_curve & (mu * g - e > A)
+    held = on_curve & ~infeasible & driven
+    alpha, beta = _on_curve(np.where(held, mu * g - np.where(held, e, 0.0), 0.0), mu)
+    alpha = np.where(held, alpha, 0.0)
+    beta = np.where(held, beta, np.where(lifts, np.arcsin(np.minimum(sine, 1.0)), np.arctan(mu)))
+    # Without drive a_y is -mu G at every angle.
+    infeasible |= valid & ~driven & (mu * G > E)
+    along, across = _printed_accelerations(P, c, G, mu, alpha, beta)
+    status = statuses(valid, infeasible, driven, along)
+    active = bounds_active(alpha, beta) | tight(ACTIVE["across_lower"], E + across, P + G)
+    active |= tight(ACTIVE["across_upper"], E - across, P + G)
+    if floor_contact:
+        active |= tight(ACTIVE["floor"], G - P * np.sin(beta), P + G)
+    return plane_optimum(alpha, beta, along, across, active, status)
+
+
+def plane_thesis_weighted(
+    *,
+    vibration_acceleration: ArrayLike,
+    gravity_along: ArrayLike,
+    gravity_normal: ArrayLike,
+    friction_kinetic: ArrayLike,
+    weight: ArrayLike,
+    floor_contact: bool,
+) -> PlaneOptimum:
+    """Return the angles of the largest a_x - weight |a_y|, printed friction (theory 12.1).
+
+    Where a_y < 0 the sum is linear in d with the gradient (1, w, mu (1 + w)), so that its top has
+    tan(alpha) = w and tan(beta) = mu (cos(alpha) + sin(alpha)): a point of the Pareto set. Case B:
+    alpha = min(atan(w), alpha_max); every w >= tan(alpha_max) ends in the kink a_y = 0. Case A:
+    alpha = 0 and beta = max(asin(G/P), atan(mu (1 - w))); the kink is the lift-off angle, reached
+    from w = 1 - tan(asin(G/P))/mu on, and with `floor_contact` for every w.
+    """
+    P, c, G, mu, w = broadcast(
+        vibration_acceleration, gravity_along, gravity_normal, friction_kinetic, weight
+    )
+    valid = all_finite(P, c, G, mu, w) & (P >= 0) & (G >= 0) & (mu >= 0) & (w >= 0)
+    driven = valid & (P > 0)
+    P, c, G, mu, w = usable(valid, P, c, G, mu, w)
+    g, A = G / np.where(driven, P, 1.0), np.hypot(1.0, mu)
+    lifts = mu >= g * A
+    lift_off = np.arcsin(np.minimum(g, 1.0))
+    leaving = lift_off if floor_contact else np.maximum(lift_off, np.arctan(mu * (1 - w)))
+    alpha = np.where(lifts, 0.0, np.minimum(np.arctan(w), _alpha_max(g, mu)))
+    beta = np.where(lifts, leaving, _curve_beta(alpha, mu))
+    along, across = _printed_accelerations(P, c, G, mu, alpha, beta)
+    status = statuses(valid, np.zeros_like(valid), driven, along)
+    kink = ACTIVE["across_lower"] | ACTIVE["across_upper"]
+    active = bounds_active(alpha, beta) | tight(kink, across, P + G)
+    if floor_contact:
+        active |= tight(ACTIVE["floor"], G - P * np.sin(beta), P + G)
+    return plane_optimum(alpha, beta, along, across, active, status)
+
+
+def plane_thesis_pareto(
+    *,
+    vibration_acceleration: ArrayLike,
+    gravity_along: ArrayLike,
+    gravity_normal: ArrayLike,
+    friction_kinetic: ArrayLike,
+    floor_contact: bool,
+    points: int,
+) -> ParetoSet:
+    """Return points of the trade-off between a_x and |a_y|, printed friction (theory 12.1).
+
+    From the largest a_x to the least |a_y|. Case A with `floor_contact`: one point, repeated.
+    Case A without: alpha = 0, beta from atan(mu) down to asin(G/P), evenly spaced in beta. Case B:
+    the curve tan(beta) = mu (cos(alpha) + sin(alpha)), alpha evenly spaced from 0 to where a_y = 0,
+    or to 90 deg where P sqrt(1 + mu^2) < mu G and a_y stays negative.
+    """
+    P, c, G, mu = (
+        part[..., np.newaxis]
+        for part in broadcast(
+            vibration_acceleration, gravity_along, gravity_normal, friction_kinetic
+        )
+    )
+    valid = all_finite(P, c, G, mu) & (P >= 0) & (G >= 0) & (mu >= 0)
+    driven = valid & (P > 0)
+    P, c, G, mu = usable(valid, P, c, G, mu)
+    g, A = G / np.where(driven, P, 1.0), np.hypot(1.0, mu)
+    lifts = mu >= g * A
+    lift_off = np.arcsin(np.minimum(g, 1.0))
+    share = np.linspace(0.0, 1.0, points)
+    first = lift_off if floor_contact else np.arctan(mu)
+    alpha = np.where(lifts, 0.0, share * _alpha_max(g, mu))
+    beta = np.where(lifts, first + share * (lift_off - first), _curve_beta(alpha, mu))
+    along, across = _printed_accelerations(P, c, G, mu, alpha, beta)
+    status = statuses(valid, np.zeros_like(valid), driven, along[..., :1])[..., 0]
+    bad = ~valid
+    return ParetoSet(
+        np.where(bad, np.nan, alpha),
+        np.where(bad, np.nan, beta),
+        np.where(bad, np.nan, along),
+        np.where(bad, np.nan, across),
+        status,
+    )
+
+
+def plane_thesis_least_across(
+    *,
+    vibration_acceleration: ArrayLike,
+    gravity_normal: ArrayLike,
+    friction_kinetic: ArrayLike,
+    beta: ArrayLike,
+) -> Array:
+    """Return the alpha of the least |a_y| at given beta, printed friction (theory 12.1) [rad].
+
+    sin(alpha) = mu (G - P sb)/(P cb), where a_y = 0; clipped to [0, 1]: 90 deg where a_y stays
+    negative, 0 where it stays positive (beyond lift-off).
+    """
+    P, G, mu, b = broadcast(vibration_acceleration, gravity_normal, friction_kinetic, beta)
+    push, floor = P * np.cos(b), mu * (G - P * np.sin(b))
+    inside = np.clip(floor, 0.0, push)
+    return np.asarray(np.arcsin(ratio(inside, push, 0.0)))
+
+
+def _printed_accelerations(
+    P: Array, c: Array, G: Array, mu: Array, alpha: Array, beta: Array
+) -> tuple[Array, Array]:
+    """Return a_x and a_y of (3.11)."""
+    friction = mu * (G - P * np.sin(beta))
+    push = P * np.cos(beta)
+    return push * np.cos(alpha) - c - friction, push * np.sin(alpha) - friction
+
+
+def _curve_beta(alpha: Array, mu: Array) -> Array:
+    return np.asarray(np.arctan(mu * (np.cos(alpha) + np.sin(alpha))))
+
+
+def _on_curve(level: Array, mu: Array) -> tuple[Array, Array]:
+    """Return the point of the curve tan(beta) = mu (ca + sa) with d_y + mu d_z = level.
+
+    It is the highest point over d_x + mu d_z of the circle that the plane of the level cuts from
+    the unit sphere: the foot of the plane plus a step along the projected gradient.
+    """
+    A2 = 1.0 + mu * mu
+    A = np.hypot(1.0, mu)
+    s = np.minimum(level / A, 1.0)
+    x = np.sqrt((1 - s) * (1 + s)) * np.sqrt(A2 / (1 + 2 * mu * mu))
+    y = s / A - x * (mu * mu / A2)
+    alpha = np.clip(np.arctan2(y, x), 0.0, np.pi / 2)
+    return alpha, _curve_beta(alpha, mu)
+
+
+def _alpha_max(g: Array, mu: Array) -> Array:
+    """Return where a_y = 0 on the curve of case B; 90 deg where it stays negative."""
+    return _on_curve(np.minimum(mu * g, np.hypot(1.0, mu)), mu)[0]

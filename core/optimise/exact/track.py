@@ -1,0 +1,130 @@
+"""The rectangle on the track: the printed forces, and both contacts kept (theory 4, 12)."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from core.mechanics.arrays import Array
+from core.optimise.codes import ACTIVE, STATUS
+from core.optimise.exact.answers import (
+    TrackOptimum,
+    all_finite,
+    bounds_active,
+    broadcast,
+    statuses,
+    tight,
+    track_optimum,
+    usable,
+)
+
+
+def track_fastest(
+    *,
+    variant: Literal["thesis", "derived"],
+    vibration_acceleration: ArrayLike,
+    gravity_along: ArrayLike,
+    gravity_across: ArrayLike,
+    friction_kinetic: ArrayLike,
+    wall_contact: bool,
+) -> TrackOptimum:
+    """Return the angles of the largest K of the track's printed forces (theory 4.2, 12).
+
+    tan(alpha) = mu, beta = 0: K = P sqrt(1 + mu^2) - c -+ mu g_y. There the wall has to pull unless
+    g_y is large. With `wall_contact` (at rest, W <= g_y): alpha = min(atan(mu), asin(g_y/P)). The
+    `thesis` variant prints the balance with the other sign, W <= -g_y, which no lean onto the wall
+    allows: `infeasible`.
+    """
+    P, c, gy, mu = broadcast(
+        vibration_acceleration, gravity_along, gravity_across, friction_kinetic
+    )
+    valid = all_finite(P, c, gy, mu) & (P >= 0) & (mu >= 0)
+    driven = valid & (P > 0)
+    P, c, gy, mu = usable(valid, P, c, gy, mu)
+    sign = 1.0 if variant == "derived" else -1.0
+    room = sign * gy
+    alpha = np.arctan(mu)
+    infeasible = np.zeros_like(valid)
+    if wall_contact:
+        infeasible = valid & (room < 0)
+        sine = np.clip(room / np.where(driven, P, 1.0), 0.0, 1.0)
+        alpha = np.minimum(alpha, np.arcsin(sine))
+    beta = np.zeros_like(alpha)
+    K = P * (np.cos(alpha) + mu * np.sin(alpha)) - c - mu * room
+    active = bounds_active(alpha, beta)
+    if wall_contact:
+        active |= tight(ACTIVE["wall"], room - P * np.sin(alpha), P + np.abs(gy))
+    return track_optimum(alpha, beta, K, active, statuses(valid, infeasible, driven, K))
+
+
+def track_physical_fastest(
+    *,
+    vibration_acceleration: ArrayLike,
+    gravity_along: ArrayLike,
+    gravity_across: ArrayLike,
+    gravity_normal: ArrayLike,
+    friction_kinetic: ArrayLike,
+    friction_static: ArrayLike,
+) -> TrackOptimum:
+    """Return the angles of the largest a_x at rest with floor and wall kept (theory 4.4, 12).
+
+    K_0 = P cb ca - c - mu (g_z - P sb + g_y - P cb sa). Without bounds tan(alpha) = mu and
+    tan(beta) = mu/sqrt(1 + mu^2); where that lifts the part off the wall, P cb sa = g_y and
+    sin(beta) = mu sqrt((1 - g_y^2/P^2)/(1 + mu^2)); sin(beta) at most g_z/P in both.
+
+    The part starts if the same maximum with mu_s for mu is positive, else `no_motion`, with NaN.
+    Where mu_s > mu_k and the best angles lie in stick, the answer is at the edge of stick
+    (`not_attained`), a point of the same geometry with one more plane: `core.optimise.newton`
+    finds it; here its angles are NaN. `friction_static` is at least `friction_kinetic`.
+    """
+    P, c, gy, gz, mu, mu_s = broadcast(
+        vibration_acceleration,
+        gravity_along,
+        gravity_across,
+        gravity_normal,
+        friction_kinetic,
+        friction_static,
+    )
+    valid = all_finite(P, c, gy, gz, mu, mu_s) & (P >= 0) & (mu >= 0) & (mu_s >= mu)
+    driven = valid & (P > 0)
+    P, c, gy, gz, mu, mu_s = usable(valid, P, c, gy, gz, mu, mu_s)
+    infeasible = valid & ((gy < 0) | (gz < 0))
+    scale = np.where(driven, P, 1.0)
+    y, z = np.maximum(gy, 0.0) / scale, np.maximum(gz, 0.0) / scale
+    alpha, beta = _both_contacts(y, z, mu)
+    easiest = _both_contacts(y, z, mu_s)
+    start = _both_value(P, c, gy, gz, mu_s, *easiest)
+    K = _both_value(P, c, gy, gz, mu, alpha, beta)
+    stuck = _both_value(P, c, gy, gz, mu_s, alpha, beta) <= 0
+    moves = start > 0
+    active = bounds_active(alpha, beta)
+    active |= tight(ACTIVE["wall"], gy - P * np.cos(beta) * np.sin(alpha), P + np.abs(gy))
+    active |= tight(ACTIVE["floor"], gz - P * np.sin(beta), P + np.abs(gz))
+    status = statuses(valid, infeasible, driven, np.where(moves, 1.0, 0.0))
+    at_edge = stuck & moves & (status == STATUS["optimal"])
+    status = np.where(at_edge, STATUS["not_attained"], status).astype(np.int8)
+    hidden = at_edge | (status == STATUS["no_motion"])
+    alpha, beta, K = (np.where(hidden, np.nan, part) for part in (alpha, beta, K))
+    return track_optimum(alpha, beta, K, np.where(hidden, 0, active).astype(np.int16), status)
+
+
+def _both_contacts(y: Array, z: Array, mu: Array) -> tuple[Array, Array]:
+    """Return the angles of the largest d_x + mu (d_y + d_z) with d_y <= y, d_z <= z."""
+    kept = np.minimum(y, 1.0)
+    wall = np.minimum(mu * np.sqrt((1 - kept) * (1 + kept)) / np.hypot(1.0, mu), z)
+    across = np.sqrt(np.maximum((1 - wall) * (1 + wall) - kept * kept, 0.0))
+    at_wall = (y < 1) & (kept <= mu * across)
+    free = np.minimum(mu / np.sqrt(1 + 2 * mu * mu), z)
+    alpha = np.where(at_wall, np.arctan2(kept, across), np.arctan(mu))
+    return alpha, np.arcsin(np.where(at_wall, wall, free))
+
+
+def _both_value(
+    P: Array, c: Array, gy: Array, gz: Array, mu: Array, alpha: Array, beta: Array
+) -> Array:
+    """Return K_0 of theory 4.4."""
+    push = P * np.cos(beta)
+    floor, wall = gz - P * np.sin(beta), gy - push * np.sin(alpha)
+    return np.asarray(push * np.cos(alpha) - c - mu * (floor + wall))

@@ -1,0 +1,471 @@
+"""The block with the friction disc: its largest a_x over alpha and beta (theory 12.2).
+
+At fixed beta a_x is concave in D_x, and its limits leave an interval of D_x (`best_across`,
+Newton's method); over beta, the slope of that best value is known, and its sign changes are closed
+in on between samples (`best_along`). With q = cos(beta), R = |D| has R^2 = q^2 - k^2 - 2 k D_x.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from core.compiled import compiled
+from core.optimise.codes import TIGHT
+from core.optimise.kernels.columns import (
+    ALONG,
+    ALPHA_HI,
+    ALPHA_LO,
+    BETA_HI,
+    BETA_LO,
+    INFEASIBLE,
+    KEPT,
+    LIMIT,
+    LIMIT_REACHED,
+    MU_K,
+    MU_S,
+    NO_MOTION,
+    NORMAL,
+    NOT_ATTAINED,
+    OPTIMAL,
+    P_,
+    Numbers,
+)  # fmt: skip
+
+RIGHT = math.pi / 2
+
+STEPS = 6  # equal steps of beta, where alpha = 0 and 90 deg are allowed
+STEPS_WITHIN = 64  # with other bounds, which can leave narrow windows
+SPECIAL = 4  # angles added: of friction, where a turned drive starts first, and where it is best
+SAMPLES = STEPS_WITHIN + SPECIAL + 1
+RETREATS = 16  # equal steps of D_x on the way to a smaller a_y
+MOST_INNER = 40  # Newton steps in D_x
+MOST_OUTER = 160  # steps that close in on a sign change
+HALVINGS = 20  # of an interval that hides a maximum
+LAST_DIGIT = 2e-16
+FLAT_SLOPE = 5e-16  # a slope over beta is a sum of terms of order 1, each rounded
+
+# What holds D_x of the best at one beta.
+FREE, NEAREST, FARTHEST, STICK_EDGE, ACROSS_LIMIT = range(5)  # nothing, a0, a1, stick, |a_y|
+
+
+class Block(NamedTuple):
+    """A design, in units of P.
+
+    Attributes
+    ----------
+    k, g : float
+        Gravity along -x and onto the floor.
+    mu, mu_s : float
+        Friction coefficients.
+    e : float
+        Largest |a_y|.
+    a0, a1 : float
+        Bounds of |alpha| [rad].
+    """
+
+    k: float
+    g: float
+    mu: float
+    mu_s: float
+    e: float
+    a0: float
+    a1: float
+
+
+class Best(NamedTuple):
+    """The best at one beta.
+
+    Attributes
+    ----------
+    slides : bool
+        Whether the block can slide forwards there; nothing else counts where it cannot.
+    value, slope : float
+        a_x, and its slope over beta.
+    drive : float
+        D_x.
+    held : int
+        What holds D_x: `FREE` to `ACROSS_LIMIT`.
+    """
+
+    slides: bool
+    value: float
+    slope: float
+    drive: float
+    held: int
+
+
+class Level(NamedTuple):
+    """A block at one beta: q = cos(beta), the friction mu n and mu_s n, and slopes over beta."""
+
+    q: float
+    dq: float
+    m: float
+    dm: float
+    ms: float
+    dms: float
+
+
+@compiled
+def _level(beta: float, block: Block) -> Level:
+    q, dq = math.cos(beta), -math.sin(beta)
+    n = block.g - math.sin(beta)
+    m, ms = block.mu * n, block.mu_s * n
+    if n <= 1e-15 * (1 + block.g):  # at lift-off itself friction is 0, not its rounding
+        m = ms = 0.0
+    return Level(q, dq, m, -block.mu * q, ms, -block.mu_s * q)
+
+
+@compiled
+def _across(X: float, k: float, at: Level) -> float:
+    """Return |a_y| at D_x = X."""
+    q = at.q
+    R = math.sqrt(max(q * q - k * k - 2 * k * X, 0.0))
+    Y = math.sqrt(max((q - X - k) * (q + X + k), 0.0))
+    return Y * (1.0 - at.m / R) if R > 0 else Y
+
+
+@compiled
+def _top_across(high: float, held: int, least: float, k: float, at: Level) -> tuple[float, int]:
+    """Return D_x of the largest a_x between `least` or 0 and `high`, and what holds it.
+
+    a_x is concave in D_x and its slope too: Newton's steps from the right fall to the root.
+    """
+    q, m = at.q, at.m
+    X, low = high, max(least, 0.0)
+    for _ in range(MOST_INNER):
+        R2 = q * q - k * k - 2 * k * X
+        R = math.sqrt(R2)
+        slope = 1.0 - m / R - m * k * X / (R * R2)
+        if slope >= 0:
+            break
+        bend = -2 * m * k / (R * R2) - 3 * m * k * k * X / (R2 * R2 * R)
+        ahead = X - slope / bend
+        if ahead >= X:
+            break
+        X, held = ahead, FREE
+        if low >= X:
+            X, held = low, FARTHEST if least > 0 else FREE
+            break
+    return X, held
+
+
+@compiled
+def _retreat(X: float, low: float, k: float, at: Level, e: float) -> tuple[float, float]:
+    """Return D_x before and after the first step from X down that keeps |a_y| <= e; else -1."""
+    for i in range(1, RETREATS + 1):
+        trial = X + (low - X) * i / RETREATS
+        if at.q * at.q - k * k - 2 * k * trial < at.ms * at.ms:
+            break
+        if _across(trial, k, at) <= e:
+            return X + (low - X) * (i - 1) / RETREATS, trial
+    return X, -1.0
+
+
+@compiled
+def _last_within(start: float, end: float, k: float, at: Level, e: float) -> float:
+    """Return the last D_x from `end` towards `start` that keeps |a_y| <= e; `end` does."""
+    over, under = _across(start, k, at) - e, _across(end, k, at) - e
+    for step in range(MOST_OUTER):
+        trial = (start * under - end * over) / (under - over)
+        if step % 3 == 2 or not min(start, end) < trial < max(start, end):
+            trial = (start + end) / 2
+        if trial in (start, end):
+            break
+        excess = _across(trial, k, at) - e
+        if excess > 0:
+            start, over, under = trial, excess, under / 2
+        else:
+            done = end - trial if end > trial else trial - end
+            end, under, over = trial, excess, over / 2
+            if done <= LAST_DIGIT or excess == 0:
+                break
+    return end
+
+
+@compiled
+def _within_limit(X: float, low: float, high: float, k: float, at: Level, e: float) -> float:
+    """Return D_x within the limit of a_y that is nearest to X; -1 if there is none.
+
+    Push more along x: a_y falls with D_x on a climbing track. On a falling one a_x is largest at
+    a0, and only beyond a maximum of a_y can less of D_x keep the limit.
+    """
+    start, end = X, high
+    if k <= 0:
+        start, end = _retreat(X, low, k, at, e)
+        if end < 0:
+            return -1.0
+    elif _across(high, k, at) > e:
+        return -1.0
+    return _last_within(start, end, k, at, e)
+
+
+@compiled
+def _slope_along(X: float, held: int, at: Level, block: Block) -> float:
+    """Return the slope over beta of a_x at the best D_x, which moves with what holds it."""
+    k, q, dq, m, dm = block.k, at.q, at.dq, at.m, at.dm
+    R2 = q * q - k * k - 2 * k * X
+    R = math.sqrt(max(R2, 0.0))
+    fX = 1.0 - m / R - m * k * X / (R * R2)
+    fb = X * (-dm / R + m * q * dq / (R * R2))
+    if held == NEAREST:
+        return fb + fX * dq * math.cos(block.a0)
+    if held == FARTHEST:
+        return fb + fX * dq * math.cos(block.a1)
+    if held == STICK_EDGE:
+        return fb + fX * (q * dq - at.ms * at.dms) / k
+    if held == ACROSS_LIMIT:
+        Y = math.sqrt(max((q - X - k) * (q + X + k), 1e-300))
+        rest = 1.0 - m / R
+        ay_X = -(X + k) / Y * rest - Y * m * k / (R * R2)
+        ay_b = q * dq / Y * rest + Y * (-dm / R + m * q * dq / (R * R2))
+        return fb - fX * ay_b / ay_X if ay_X != 0 else fb
+    return fb
+
+
+@compiled
+def best_across(beta: float, block: Block) -> Best:
+    """Return the best that the block can do at this beta."""
+    k, e = block.k, block.e
+    at = _level(beta, block)
+    q, nowhere = at.q, Best(False, 0.0, 0.0, 0.0, FREE)
+    most, least = q * math.cos(block.a0) - k, q * math.cos(block.a1) - k
+    low, high, held = max(least, 0.0), most, NEAREST
+    free = q * q - k * k - at.ms * at.ms
+    if k > 0 and free < 2 * k * high:
+        high, held = free / (2 * k), STICK_EDGE
+    if not (high > 0 and high >= low):
+        return nowhere
+    if k <= 0 and free - 2 * k * high < 0:
+        return nowhere
+    X = high
+    if k > 0 and at.m > 0:
+        X, held = _top_across(high, held, least, k, at)
+    if _across(X, k, at) > e:
+        end = _within_limit(X, low, high, k, at, e)
+        if end < 0:
+            return nowhere
+        # An end at alpha = a0 stays there: the limit holds only up to rounding.
+        held = NEAREST if end == X else ACROSS_LIMIT
+        if k > 0 and end == high:
+            held = NEAREST if high == most else STICK_EDGE
+        X = end
+    R = math.sqrt(max(q * q - k * k - 2 * k * X, 0.0))
+    if R <= 0:
+        return nowhere
+    return Best(True, X * (1.0 - at.m / R), _slope_along(X, held, at, block), X, held)
+
+
+@compiled
+def _turned_top(k: float, g: float, mu: float) -> float:
+    """Return beta of the best turned drive without limits; 0 if there is none (theory 12.2).
+
+    Newton's method for the direction of friction, x = cos(psi), from 0: the slope is convex.
+    """
+    A = math.hypot(1.0, mu)
+    p2 = (1.0 - k) * (1.0 + k)
+    if not (k > 0 and p2 > 0 and A * math.sqrt(p2) > mu * g):
+        return 0.0
+    x = 0.0
+    for _ in range(MOST_INNER):
+        root = math.sqrt(p2 + (k * x) ** 2)
+        t = k * x / root
+        slope = A * (p2 / root + 2 * k * x * t) - 2 * k * x - mu * g
+        bend = k * (A * t * (3 - t * t) - 2)
+        if slope <= 0 or bend >= 0:
+            break
+        x -= slope / bend
+        if x >= 1:
+            return 0.0
+    return math.asin(math.sqrt(p2 + (k * x) ** 2) * mu / A)
+
+
+@compiled
+def _azimuths(lower: float, upper: float) -> tuple[float, float, float]:
+    """Return the bounds of |alpha|, on which alone a_x depends, and the sign of alpha."""
+    if lower > 0:
+        return lower, upper, 1.0
+    if upper < 0:
+        return -upper, -lower, -1.0
+    return 0.0, max(upper, -lower), 1.0 if upper >= -lower else -1.0
+
+
+@compiled
+def _sampled(
+    first: float, last: float, steps: int, sideways: float, block: Block, betas: Numbers
+) -> int:
+    """Fill the angles to try, in order, and return their number."""
+    mu, mu_s = block.mu, block.mu_s
+    count = steps + 1
+    for i in range(count):
+        betas[i] = first + (last - first) * i / steps
+    betas[steps] = last
+    turned = min(block.g * mu_s * mu_s / (1 + mu_s * mu_s), 1.0)
+    for special in (math.atan(mu), math.atan(mu_s), math.asin(turned), sideways):
+        if first < special < last:
+            i = count
+            while betas[i - 1] > special:
+                betas[i] = betas[i - 1]
+                i -= 1
+            betas[i] = special
+            count += 1
+    return count
+
+
+@compiled
+def _past_minimum(
+    inner: float, slope: float, value: float, outer: float, away: float, block: Block
+) -> tuple[float, float]:
+    """Return an outer end without the minimum in between, and the slope there.
+
+    Both ends rise: a maximum and a minimum lie between. Halve until the minimum is outside.
+    """
+    start, height = inner, value
+    for _ in range(HALVINGS):
+        trial = (start + outer) / 2
+        at = best_across(trial, block)
+        if not at.slides:
+            return trial, -slope
+        if (at.slope > 0) != (slope > 0):
+            return trial, at.slope
+        if at.value > height:
+            start, height = trial, at.value
+        else:
+            outer = trial
+    return outer, away
+
+
+@compiled
+def _sign_change(a: float, fa: float, b: float, fb: float, block: Block) -> tuple[float, bool]:
+    """Return where the slope over beta changes sign, and whether the last digit was reached.
+
+    Secants with halved weights (Illinois); every third step halves, for slopes that jump. Where the
+    block does not slide within its limits counts as past the change: it ends at the last that does.
+    """
+    t = a
+    for step in range(MOST_OUTER):
+        before = t
+        t = (a + b) / 2 if step % 3 == 2 else (a * fb - b * fa) / (fb - fa)
+        if not min(a, b) < t < max(a, b):
+            t = (a + b) / 2
+        if t in (a, b) or abs(b - a) <= LAST_DIGIT:
+            return a, True
+        at = best_across(t, block)
+        if not at.slides:
+            b, fb = t, -fa
+            continue
+        ft = at.slope
+        if abs(ft) <= FLAT_SLOPE or abs(t - before) <= LAST_DIGIT:
+            return t, True
+        if (ft > 0) == (fa > 0):
+            a, fa = t, ft
+            fb /= 2
+        else:
+            b, fb = t, ft
+            fa /= 2
+    return a, abs(b - a) <= 1e-12
+
+
+@compiled
+def _climbed(
+    i: int, count: int, betas: Numbers, values: Numbers, rises: Numbers, block: Block
+) -> tuple[float, bool]:
+    """Return beta of the hill that sample i lies on, and whether the last digit was reached."""
+    inner, slope = betas[i], rises[i]
+    j = i + 1 if slope > 0 else i - 1
+    if slope == 0 or not 0 <= j < count:
+        return inner, True
+    slides = values[j] > -math.inf
+    outer, away = betas[j], rises[j] if slides else -slope
+    if slides and (away > 0) == (slope > 0):
+        outer, away = _past_minimum(inner, slope, values[i], outer, away, block)
+    if (away > 0) == (slope > 0):
+        return outer, True
+    return _sign_change(inner, slope, outer, away, block)
+
+
+@compiled
+def _azimuth(beta: float, at: Best, block: Block) -> float:
+    """Return |alpha| of the best at one beta."""
+    if at.held == NEAREST:
+        return block.a0
+    if at.held == FARTHEST:
+        return block.a1
+    # Next to 0 alpha is a root of roundings; there it is 0.
+    q, X, k = math.cos(beta), at.drive, block.k
+    aside = q - X - k
+    Y = math.sqrt(aside * (q + X + k)) if aside > KEPT else 0.0
+    return max(math.atan2(Y, X + k), block.a0)
+
+
+@compiled
+def _is_held(beta: float, at: Best, block: Block) -> bool:
+    """Return whether static friction just holds the block at its best."""
+    q, X, k, g = math.cos(beta), at.drive, block.k, block.g
+    R = math.sqrt(max(q * q - k * k - 2 * k * X, 0.0))
+    return block.mu_s > block.mu and R - block.mu_s * (g - math.sin(beta)) < TIGHT * (1 + g)
+
+
+@compiled
+def _highest(
+    count: int, betas: Numbers, values: Numbers, rises: Numbers, lift_off: float, side: float,
+    block: Block, best: Numbers,
+) -> int:  # fmt: skip
+    """Return the status; `best` becomes alpha, beta of the highest hill between the samples."""
+    top = -math.inf
+    status = NO_MOTION
+    for i in range(count):
+        value = values[i]
+        if value == -math.inf:
+            continue
+        if (i > 0 and values[i - 1] > value) or (i + 1 < count and values[i + 1] > value):
+            continue
+        found, within = _climbed(i, count, betas, values, rises, block)
+        if not within:
+            status = LIMIT_REACHED
+        at = best_across(found, block)
+        if not at.slides or at.value < value - KEPT:
+            found = betas[i]
+            at = best_across(found, block)
+        if at.value > top:
+            top = at.value
+            best[0], best[1] = side * _azimuth(found, at, block), found
+            if status != LIMIT_REACHED:
+                held = _is_held(found, at, block) and found < lift_off
+                status = NOT_ATTAINED if held else OPTIMAL
+    return status if top > 0 else NO_MOTION
+
+
+@compiled
+def best_along(p: Numbers, betas: Numbers, values: Numbers, rises: Numbers, best: Numbers) -> int:
+    """Return the status of the block with the friction disc; `best` becomes alpha, beta.
+
+    `p` are the groups of a design; the other arrays, of shape (SAMPLES,), are for the samples.
+    """
+    k, g = p[ALONG] / p[P_], p[NORMAL] / p[P_]
+    mu, mu_s = p[MU_K], p[MU_S]
+    lift_off = math.asin(min(g, 1.0)) if g >= 0 else -10.0
+    first, last = p[BETA_LO], min(p[BETA_HI], lift_off)
+    if first > last:
+        return INFEASIBLE
+    steep = math.hypot(1.0, mu_s)
+    least = math.hypot(k, mu_s * g / steep) if k > 0 else (k + mu_s * g) / steep
+    if least >= 1.0:
+        return NO_MOTION  # whatever the bounds (theory 12.2)
+    a0, a1, side = _azimuths(p[ALPHA_LO], p[ALPHA_HI])
+    block = Block(k, g, mu, mu_s, p[LIMIT] / p[P_], a0, a1)
+    sideways = _turned_top(k, g, mu)
+    whole = a1 >= RIGHT and first <= 0 and p[BETA_HI] >= min(math.atan(mu), last)
+    if a0 == 0 and (k <= 0 or (whole and sideways == 0)):
+        # Straight along x is best at every beta, or at the best beta.
+        straight = min(max(math.atan(mu), first), last)
+        floor = g - math.sin(straight) if straight < lift_off else 0.0
+        if math.cos(straight) - k > mu_s * floor:
+            best[0], best[1] = 0.0, straight
+            return OPTIMAL
+    steps = STEPS if a0 == 0 and a1 >= RIGHT else STEPS_WITHIN
+    count = _sampled(first, last, steps, sideways, block, betas)
+    for i in range(count):
+        at = best_across(betas[i], block)
+        values[i], rises[i] = (at.value, at.slope) if at.slides else (-math.inf, 0.0)
+    return _highest(count, betas, values, rises, lift_off, side, block, best)

@@ -1,0 +1,176 @@
+"""The highest point of a piece of the unit sphere that planes cut out (theory 12).
+
+The printed formulas and the track are linear in the drive direction d, and so are all their limits,
+contacts and bounds. The best d is then the top of the sphere, the top of one circle, or a corner of
+two: the active set is looked for among these, and each is a closed form.
+"""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import compiled
+from core.optimise.codes import TIGHT
+from core.optimise.kernels.columns import (
+    ACROSS,
+    ALONG,
+    ALPHA_HI,
+    ALPHA_LO,
+    BETA_HI,
+    BETA_LO,
+    INFEASIBLE,
+    KEPT,
+    LIMIT,
+    MU_K,
+    MU_S,
+    NO_MOTION,
+    NORMAL,
+    NOT_ATTAINED,
+    OPTIMAL,
+    P_,
+    PLANE_THESIS,
+    TRACK_PHYSICAL,
+    TRACK_THESIS,
+    Numbers,
+)  # fmt: skip
+
+ROWS = 9  # most planes of one problem
+NEAR_PARALLEL = 1e-20  # squared sine below which two planes have no corner
+
+
+@compiled
+def _kept(A: Numbers, b: Numbers, rows: int, x: float, y: float, z: float) -> bool:
+    """Return whether a direction keeps all planes a.d <= b."""
+    for i in range(rows):  # noqa: SIM110 - a generator would not compile
+        if A[i, 0] * x + A[i, 1] * y + A[i, 2] * z > b[i] + KEPT:
+            return False
+    return True
+
+
+@compiled
+def _highest_corner(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) -> bool:
+    """Return whether two planes meet on the sphere within all others; the highest into `best`."""
+    found = False
+    highest = -math.inf
+    for i in range(rows):
+        for j in range(i):
+            nx = A[i, 1] * A[j, 2] - A[i, 2] * A[j, 1]
+            ny = A[i, 2] * A[j, 0] - A[i, 0] * A[j, 2]
+            nz = A[i, 0] * A[j, 1] - A[i, 1] * A[j, 0]
+            square = nx * nx + ny * ny + nz * nz
+            if square < NEAR_PARALLEL:
+                continue
+            # The corner line's point nearest to the origin: (b_i a_j - b_j a_i) x n/|n|^2.
+            vx = b[i] * A[j, 0] - b[j] * A[i, 0]
+            vy = b[i] * A[j, 1] - b[j] * A[i, 1]
+            vz = b[i] * A[j, 2] - b[j] * A[i, 2]
+            fx = (vy * nz - vz * ny) / square
+            fy = (vz * nx - vx * nz) / square
+            fz = (vx * ny - vy * nx) / square
+            left = 1.0 - (fx * fx + fy * fy + fz * fz)
+            if left < -KEPT:
+                continue
+            reach = math.sqrt(max(left, 0.0) / square)
+            for sign in (-reach, reach):
+                x, y, z = fx + sign * nx, fy + sign * ny, fz + sign * nz
+                value = u[0] * x + u[1] * y + u[2] * z
+                if value > highest and _kept(A, b, rows, x, y, z):
+                    best[0], best[1], best[2] = x, y, z
+                    highest = value
+                    found = True
+    return found
+
+
+@compiled
+def _top_of_pieces(u: Numbers, A: Numbers, b: Numbers, rows: int, best: Numbers) -> bool:
+    """Return whether a unit vector keeps a.d <= b; `best` becomes the one with the largest u.d.
+
+    The rows of A are unit vectors. Where the top of the sphere oversteps a plane and the top of
+    that plane's circle keeps all others, it is the answer: without the others nothing is higher.
+    Else the answer is a corner, for on any other circle the way to the top of the sphere is free.
+    """
+    size = math.sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2])
+    x, y, z = u[0] / size, u[1] / size, u[2] / size
+    if _kept(A, b, rows, x, y, z):
+        best[0], best[1], best[2] = x, y, z
+        return True
+    for i in range(rows):
+        along = A[i, 0] * u[0] + A[i, 1] * u[1] + A[i, 2] * u[2]
+        if along <= (b[i] + KEPT) * size:
+            continue
+        if b[i] < -1.0 - KEPT:
+            return False
+        px, py, pz = u[0] - along * A[i, 0], u[1] - along * A[i, 1], u[2] - along * A[i, 2]
+        length = math.sqrt(px * px + py * py + pz * pz)
+        if length <= 1e-10 * size:
+            continue
+        low = max(b[i], -1.0)
+        step = math.sqrt((1.0 - low) * (1.0 + low)) / length
+        x, y, z = low * A[i, 0] + step * px, low * A[i, 1] + step * py, low * A[i, 2] + step * pz
+        if _kept(A, b, rows, x, y, z):
+            best[0], best[1], best[2] = x, y, z
+            return True
+    return _highest_corner(u, A, b, rows, best)
+
+
+@compiled
+def _plane(A: Numbers, b: Numbers, row: int, x: float, y: float, z: float, limit: float) -> int:
+    """Put the plane (x, y, z).d <= limit into the next row, and return the number of rows."""
+    size = math.sqrt(x * x + y * y + z * z)
+    A[row, 0], A[row, 1], A[row, 2] = x / size, y / size, z / size
+    b[row] = limit / size
+    return row + 1
+
+
+@compiled
+def linear(
+    problem: int, floor: bool, wall: bool, p: Numbers, u: Numbers, A: Numbers, b: Numbers,
+    best: Numbers,
+) -> int:  # fmt: skip
+    """Return the status of a linear problem; `best` becomes the direction."""
+    P, k, y, g = p[P_], p[ALONG] / p[P_], p[ACROSS] / p[P_], p[NORMAL] / p[P_]
+    mu, mu_s, e = p[MU_K], p[MU_S], p[LIMIT] / p[P_]
+    a0, a1, b0, b1 = p[ALPHA_LO], p[ALPHA_HI], p[BETA_LO], p[BETA_HI]
+    rows = _plane(A, b, 0, math.sin(a0), -math.cos(a0), 0.0, 0.0)
+    rows = _plane(A, b, rows, -math.sin(a1), math.cos(a1), 0.0, 0.0)
+    middle = (a0 + a1) / 2
+    # Two half-planes back to back leave a whole plane: keep to the side between the bounds.
+    rows = _plane(A, b, rows, -math.cos(middle), -math.sin(middle), 0.0, 0.0)
+    rows = _plane(A, b, rows, 0.0, 0.0, -1.0, -math.sin(b0))
+    top = math.sin(b1)
+    if (floor or problem == TRACK_PHYSICAL) and g < top:
+        top = g
+    rows = _plane(A, b, rows, 0.0, 0.0, 1.0, top)
+    u[0], u[1], u[2] = 1.0, 0.0, 0.0
+    constant = -k
+    if problem == PLANE_THESIS:
+        u[2] = mu
+        constant -= mu * g
+        if e < math.inf:
+            rows = _plane(A, b, rows, 0.0, 1.0, mu, mu * g + e)
+            rows = _plane(A, b, rows, 0.0, -1.0, -mu, e - mu * g)
+    else:
+        u[1] = mu
+        room = -y if problem == TRACK_THESIS else y
+        constant -= mu * room
+        if wall or problem == TRACK_PHYSICAL:
+            rows = _plane(A, b, rows, 0.0, 1.0, 0.0, room)
+    if problem == TRACK_PHYSICAL:
+        u[2] = mu
+        constant -= mu * g
+        u[1] = u[2] = mu_s
+        if not _top_of_pieces(u, A, b, rows, best):
+            return INFEASIBLE
+        needed = k + mu_s * (y + g)
+        if best[0] + mu_s * (best[1] + best[2]) <= needed:
+            return NO_MOTION
+        u[1] = u[2] = mu
+        if mu_s > mu:
+            rows = _plane(A, b, rows, -1.0, -mu_s, -mu_s, -needed)
+        _top_of_pieces(u, A, b, rows, best)
+        held = needed - best[0] - mu_s * (best[1] + best[2])
+        return NOT_ATTAINED if mu_s > mu and held > -TIGHT else OPTIMAL
+    if not _top_of_pieces(u, A, b, rows, best):
+        return INFEASIBLE
+    value = u[0] * best[0] + u[1] * best[1] + u[2] * best[2] + constant
+    return OPTIMAL if P * value > 0 else NO_MOTION

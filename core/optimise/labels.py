@@ -1,0 +1,169 @@
+"""Labels of the optima: what was looked for in words, attributes of every variable, a message."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.dataset.table import (
+    Table,
+    Variable,
+    flag_attributes,
+    quantity_attributes,
+    regime_attributes,
+)
+from core.optimise.methods import METHODS
+from core.optimise.optimisation import Optimisation
+from core.optimise.problem import Problem
+from core.optimise.slopes import sensitive
+from core.optimise.verify import accuracy, verified
+from core.plan.grid import from_si
+from core.plan.labels import coordinates_of, global_attributes
+from core.plan.pieces import Computed
+from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
+from core.study.models import Limited, Pareto, Weighted
+from core.watch import Watch
+
+BINDS = {
+    "free": Flag(0, "the constraint leaves room"),
+    "binds": Flag(1, "the constraint holds with equality"),
+}
+KNEE = {"point": Flag(0, "a point of the front"), "knee": Flag(1, "its knee")}
+
+
+def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
+    """Return what was computed of an optimisation, labelled; `watch` may stop verifying it."""
+    arrays, dims = computed.arrays, tuple(prepared.grid.axes)
+    attributes = _attributes(prepared, arrays["regime"])
+    variables = {name: Variable(dims, arrays[name], attributes[name]) for name in prepared.units}
+    words = {
+        **_global_attributes(prepared),
+        "message": _message(prepared, arrays),
+        "accuracy": accuracy(arrays["optimum_gap"]),
+        "evaluations": float(arrays["evaluations"].sum()),
+        **computed.notes,
+        **verified(prepared, arrays, watch),
+    }
+    return Table(coordinates_of(prepared.plan, prepared.grid), variables, words)
+
+
+def criterion_in_words(problem: Problem) -> str:
+    """Return what is looked for, in a few words."""
+    return _looked_for(problem) + _over_interval(problem)
+
+
+def _over_interval(problem: Problem) -> str:
+    if problem.uncertain is None:
+        return ""
+    name = problem.uncertain.name
+    ends = (problem.uncertain.lower, problem.uncertain.upper)
+    lower, upper = (float(from_si(name, np.asarray(end))) for end in ends)
+    how = "in the worst case" if problem.robust == "worst" else "on average"
+    unit = QUANTITIES[name].unit
+    return f", {how} over {name} from {lower:g} to {upper:g}{'' if unit == '1' else f' {unit}'}"
+
+
+def _looked_for(problem: Problem) -> str:
+    criterion = problem.criterion
+    output, against = criterion.output, problem.against
+    if isinstance(criterion, Weighted):
+        return f"largest {output} - {criterion.weight:g} |{against}|"
+    if isinstance(criterion, Limited):
+        unit = QUANTITIES[criterion.against].unit
+        return f"largest {output} with |{against}| <= {criterion.limit:g} {unit}"
+    if isinstance(criterion, Pareto):
+        return f"{output} high, |{against}| low: the whole front"
+    return f"{'least' if problem.sign < 0 else 'largest'} {output}"
+
+
+def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, dict[str, Any]]:
+    """Return the CF attributes of every variable."""
+    problem = prepared.problem
+    words = criterion_in_words(problem)
+    attributes: dict[str, dict[str, Any]] = {}
+    for name in prepared.units:
+        if name in QUANTITIES:
+            attributes[name] = quantity_attributes(name)
+    for name in problem.names:
+        quantity = QUANTITIES[name]
+        attributes[f"best_{name}"] = quantity_attributes(name) | {
+            "long_name": f"Best {quantity.label[0].lower()}{quantity.label[1:]}"
+        }
+        for end, bound in (("lower", "lower"), ("upper", "upper")):
+            attributes[f"binds_{name}_{end}"] = _binds(f"the {bound} bound of {name}")
+    for kept in problem.kept:
+        what = kept.name.replace("_", " ")
+        attributes[f"margin_{kept.name}"] = {
+            "units": QUANTITIES[kept.output].unit,
+            "long_name": f"Margin of {what}",
+            "comment": f"How far {kept.output} is from its bound; 0 where it binds.",
+        }
+        attributes[f"binds_{kept.name}"] = _binds(what)
+    output = problem.criterion.output
+    attributes["objective"] |= {
+        "units": QUANTITIES[output].unit,
+        "comment": f"At the optimum: {words}.",
+        "criterion": problem.criterion.kind,
+        "output": output,
+    }
+    attributes["optimum_status"] = flag_attributes(
+        "optimum_status", OPTIMUM_STATUSES, tuple(OPTIMUM_STATUSES)
+    )
+    if prepared.study.sensitivities:
+        for name in sensitive(problem):
+            label = QUANTITIES[name].label
+            attributes[f"sensitivity_{name}"] = {
+                "units": "1",
+                "long_name": f"Sensitivity to {label[0].lower()}{label[1:]}",
+                "comment": f"d ln({problem.criterion.output})/d ln({name}) at the optimum.",
+            }
+    if "knee" in prepared.units:
+        attributes["knee"] = flag_attributes("knee", KNEE, tuple(KNEE))
+    names = set(prepared.plan.regimes)
+    if (regimes == REGIMES["not_assessed"].value).any():
+        names.add("not_assessed")
+    attributes["regime"] = regime_attributes(tuple(names))
+    return attributes
+
+
+def _binds(what: str) -> dict[str, Any]:
+    return flag_attributes("optimum_status", BINDS, tuple(BINDS)) | {
+        "long_name": f"Whether {what} binds"
+    }
+
+
+def _message(prepared: Optimisation, arrays: Mapping[str, NDArray[Any]]) -> str:
+    """Return what came out, in plain words."""
+    by_value = {flag.value: (name, flag.description) for name, flag in OPTIMUM_STATUSES.items()}
+    arrays = {name: values.ravel() for name, values in arrays.items()}
+    counts = np.bincount(arrays["optimum_status"], minlength=len(by_value))
+    if arrays["optimum_status"].size > 1:
+        parts = [f"{by_value[v][0]} {n:,}" for v, n in enumerate(counts) if n]
+        return f"of {arrays['optimum_status'].size:,} answers: {', '.join(parts)}"
+    name, description = by_value[int(arrays["optimum_status"][0])]
+    text = f"{name}: {description}"
+    if np.isnan(arrays["objective"][0]):
+        return text
+    found = [
+        f"{n} = {arrays[f'best_{n}'][0]:.6g} {QUANTITIES[n].unit}" for n in prepared.problem.names
+    ]
+    binding = [n.removeprefix("binds_") for n in arrays if n.startswith("binds_") and arrays[n][0]]
+    tight = f"; binding: {', '.join(binding)}" if binding else "; nothing binds"
+    return f"{text}; {', '.join(found)}{tight}"
+
+
+def _global_attributes(prepared: Optimisation) -> dict[str, str]:
+    study, plan = prepared.study, prepared.plan
+    method, words = METHODS[prepared.method], criterion_in_words(prepared.problem)
+    attributes = {
+        **global_attributes(prepared, f"optimisation, {method.says}"),
+        "title": study.title or f"{plan.scene.title}: {words}",
+        "criterion": words,
+        "method": prepared.method,
+    }
+    if plan.scene.choice == "method":  # that of the motion; `method` is the optimiser's
+        attributes["motion_method"] = plan.variant
+    return attributes

@@ -1,0 +1,113 @@
+"""An optimisation that can be carried out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from core.motion.method import Method
+from core.motion.prepare import other_method
+from core.optimise.problem import Problem
+from core.optimise.slopes import sensitive
+from core.plan.grid import Grid
+from core.plan.prepared import Box, Prepared
+from core.quantities import QUANTITIES
+from core.study.models import (
+    OptimiseStudy,
+    Pareto,
+)
+
+QUICK = ("exact", "newton")  # without a search
+QUICK_SECONDS, OTHER_SECONDS, MOTION_SECONDS = 2e-5, 0.05, 0.3
+"""Roughly what a design takes."""
+RIVAL_SECONDS = 0.02  # roughly, of a design by the method that verifies
+
+FLAGS = ("optimum_status", "regime", "knee")
+
+
+@dataclass(frozen=True)
+class Optimisation(Prepared):
+    """An optimisation that can be carried out; the grid's last axis is the front, if any.
+
+    Attributes
+    ----------
+    designs : Grid
+        The grid without the front.
+    problem : Problem
+        What is solved at each of its points.
+    method : str
+        A key of `METHODS`.
+    """
+
+    study: OptimiseStudy
+    designs: Grid
+    problem: Problem
+    method: str
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """The unit of each variable of the result, in order."""
+        problem = self.problem
+        criterion = problem.criterion
+        units = {f"best_{name}": QUANTITIES[name].unit for name in problem.names}
+        units["objective"] = QUANTITIES[criterion.output].unit
+        told = (criterion.output, problem.against, *(kept.output for kept in problem.kept))
+        asked = [name for name in self.study.outputs if name != "regime"]
+        units |= {name: QUANTITIES[name].unit for name in (*filter(None, told), *asked)}
+        for kept in problem.kept:
+            units[f"margin_{kept.name}"] = QUANTITIES[kept.output].unit
+            units[f"binds_{kept.name}"] = "1"
+        for name in problem.names:
+            units |= {f"binds_{name}_lower": "1", f"binds_{name}_upper": "1"}
+        units |= dict.fromkeys(("optimality_residual", "optimum_gap", "evaluations"), "1")
+        if isinstance(criterion, Pareto):
+            units["knee"] = "1"
+        if self.study.sensitivities:
+            units |= dict.fromkeys((f"sensitivity_{name}" for name in sensitive(problem)), "1")
+        return {**units, "optimum_status": "1", "regime": "1"}
+
+    @cached_property
+    def dims(self) -> dict[str, tuple[str, ...]]:
+        """The axes of each variable: all of them."""
+        return dict.fromkeys(self.units, tuple(self.grid.axes))
+
+    @property
+    def seconds_a_cell(self) -> float:
+        """As in `Prepared`."""
+        if self.problem.is_motion:
+            return MOTION_SECONDS
+        return QUICK_SECONDS if self.method in QUICK else OTHER_SECONDS
+
+    @property
+    def other_motion(self) -> Method | None:
+        """The method that follows the motions again, if the outputs are those of a motion."""
+        return other_method(self.plan, self.designs, self.problem.names)
+
+    @property
+    def verified_by(self) -> str:
+        """As in `Prepared`."""
+        if not self.problem.is_motion:
+            return super().verified_by
+        return f"the method {self.other_motion.name}" if self.other_motion else ""
+
+    @property
+    def seconds_a_verified_cell(self) -> float:
+        """As in `Prepared`."""
+        if not self.problem.is_motion:
+            return super().seconds_a_verified_cell + RIVAL_SECONDS
+        return self.other_motion.seconds_a_cell if self.other_motion else 0.0
+
+    @property
+    def cut_axes(self) -> tuple[str, ...]:
+        """The axes along which the study may be carried out in pieces: a front is one whole."""
+        return tuple(self.designs.axes)
+
+    def within(self, box: Box) -> Optimisation:
+        """Return the same study for a part of its designs."""
+        return replace(self, grid=self.grid.within(box), designs=self.designs.within(box))
+
+    @property
+    def bytes(self) -> int:
+        """Bytes that the result takes, uncompressed."""
+        short = sum(name in FLAGS or name.startswith("binds_") for name in self.units)
+        return self.cells * (8 * (len(self.units) - short) + short)

@@ -1,0 +1,104 @@
+"""What is wrong between the parts of a study of optimisation, and where the study says it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+from core.errors import Problem as Wrong
+from core.study.models import (
+    Limited,
+    OptimiseStudy,
+    OutputLimit,
+    Pareto,
+)
+from core.study.values import Between, Values
+
+NAMES_OF_STATES = ("regime", "motion_status")
+"""Outputs that are names and no numbers."""
+
+
+def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Wrong]:
+    """Yield what is wrong between the parts of a study."""
+    criterion = study.criterion
+    if isinstance(criterion, Limited) and criterion.limit < 0:
+        fix = "Give the largest absolute value, 0 or more"
+        yield Wrong("criterion.limit", f"it is {criterion.limit:g}", fix)
+    places = {f"constraints.{i}.output": one.output for i, one in enumerate(study.constraints)}
+    places |= {"criterion.output": criterion.output}
+    places |= {"criterion.against": getattr(criterion, "against", "")}
+    for place, name in places.items():
+        if name in NAMES_OF_STATES:
+            yield Wrong(place, f"{name} is a name and not a number", "Take another output")
+    if len(set(criterion_outputs(study))) < len(criterion_outputs(study)):
+        yield Wrong("criterion.against", "it is the output itself", "Name another output")
+    for name in study.bounds():
+        if name in values:
+            fix = f"Remove it there, or under parameters.{name}"
+            yield Wrong(f"variables.{name}", "it is also given as a parameter", fix)
+    seen: set[str] = set()
+    for number, one in enumerate(study.constraints):
+        place = f"constraints.{number}"
+        if one.lower is None and one.upper is None:
+            yield Wrong(place, "it bounds nothing", "Give lower, upper or both")
+        elif one.lower is not None and one.upper is not None and one.lower > one.upper:
+            yield Wrong(place, "lower is above upper", "Swap them")
+        if one.absolute and one.upper is not None and one.upper < 0:
+            yield Wrong(f"{place}.upper", "no absolute value is below 0", "Give 0 or more")
+        for name, _ in ends_of(one):
+            if name in seen:
+                yield Wrong(place, f"{one.output} has such a bound already", "Remove one of them")
+            seen.add(name)
+
+
+def wrong_intervals(
+    study: OptimiseStudy,
+    intervals: Mapping[str, Between],
+    values: Mapping[str, Values],
+    bounds: Mapping[str, Between],
+) -> Iterable[Wrong]:
+    """Yield what is wrong with the uncertain parameter."""
+    for name in intervals:
+        if name in values or name in bounds:
+            section = "parameters" if name in values else "variables"
+            fix = f"Remove it there, or under {section}.{name}"
+            yield Wrong(f"uncertain.{name}", f"it is also under {section}", fix)
+    if len(intervals) > 1:
+        fix = "Keep the one that matters most"
+        yield Wrong("uncertain", f"there are {len(intervals)} of them, and one is taken", fix)
+    if study.robust is not None and not intervals:
+        fix = "Add [uncertain], for example friction = { lower = 0.2, upper = 0.4 }"
+        yield Wrong("robust", "nothing is uncertain", fix)
+    if intervals and isinstance(study.criterion, Pareto):
+        fix = "Use the criterion limit, at some limits"
+        yield Wrong("uncertain", "a whole front is not traced over an interval", fix)
+
+
+def placed(problem: Wrong, study: OptimiseStudy, bounds: Mapping[str, Between]) -> Wrong:
+    """Return a problem of the plan at the place where the study says what it is about."""
+    section, _, name = problem.place.partition(".")
+    if section == "parameters" and name in bounds:
+        return replace(problem, place=f"variables.{name}")
+    if section == "outputs":
+        for number, one in enumerate(study.constraints):
+            if one.output == problem.about:
+                return replace(problem, place=f"constraints.{number}.output")
+        for key in ("output", "against"):
+            if problem.about and getattr(study.criterion, key, None) == problem.about:
+                return replace(problem, place=f"criterion.{key}")
+    return problem
+
+
+def criterion_outputs(study: OptimiseStudy) -> tuple[str, ...]:
+    """Return the outputs that the criterion names."""
+    against = getattr(study.criterion, "against", None)
+    return (study.criterion.output, *((against,) if against else ()))
+
+
+def ends_of(one: OutputLimit) -> Iterable[tuple[str, float]]:
+    """Yield the name and the bound of each constraint that a limit stands for."""
+    name = f"{one.output}_absolute" if one.absolute else one.output
+    if one.lower is not None:
+        yield f"{name}_lower", one.lower
+    if one.upper is not None:
+        yield f"{name}_upper", one.upper
