@@ -6,7 +6,6 @@ digits make up for the cancellation. Inputs are in the units of studies, angles 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -113,14 +112,6 @@ def along(*, frequency: Any, amplitude: Any, alpha: Any, beta: Any) -> Any:
     """Return P cos(beta) cos(alpha) [m s-2]."""
     P = drive(frequency=frequency, amplitude=amplitude)
     return P * _sin_cos(beta)[1] * _sin_cos(alpha)[1]
-
-
-def throw_number_upright(*, frequency: Any, amplitude: Any, beta: Any, gravity: Any) -> Any:
-    """Return P sin(beta)/(g cos(gamma)) where gamma is the float that is nearest to pi/2 [1]."""
-    from mpmath import mp, mpf
-
-    P = drive(frequency=frequency, amplitude=amplitude)
-    return P * _sin_cos(beta)[0] / (gravity * mp.cos(mpf(math.pi / 2)))
 
 
 def starting_acceleration(
