@@ -418,6 +418,7 @@ class TestSettings:
             ("VIBRAFEED_API_KEYS", KEY, "Did you mean 'VIBRAFEED_API_KEY_HASHES'?"),
             ("vibrafeed_api_key", KEY, "Did you mean 'VIBRAFEED_API_KEY_HASHES'?"),
         ],
+        ids=lambda text: "secret" if KEY in text else None,  # it differs between processes
     )
     def test_a_wrong_setting_is_named_and_secrets_are_not_echoed(
         self, monkeypatch, name, value, words
