@@ -229,10 +229,12 @@ def normal_cycle(s: float, gn: float, e: float, most_periods: int, rows: Floats)
 
 @compiled
 def phase_doubt(rows: Floats, count: int, s: float, gn: float, e: float) -> float:
-    """Return by how much roundings may move a phase of the cycle.
+    """Return by how much roundings may move a phase of the cycle, as far as that moves the part.
 
     They grow along a chain of hops until the part rests on the floor; where it never does, the
-    cycle is known the less, the nearer its map is to one that has it twice.
+    cycle is known the less, the nearer its map is to one that has it twice. A landing that comes
+    late matters by what the floor gives there, its force and the impulse: next to nothing where a
+    part has hardly lifted off.
     """
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     least, growth, never_rests = 2.0, 1.0, True
@@ -251,7 +253,8 @@ def phase_doubt(rows: Floats, count: int, s: float, gn: float, e: float) -> floa
         if not 1e-100 < size < 1e100:
             a, b, c, d, size, least = 1.0, 0.0, 0.0, 1.0, 2.0, 2.0
         least = min(least, size)
-        growth = max(growth, size / least)
+        given = min(1.0, (abs(n1) + speed) / (s + gn))
+        growth = max(growth, 1.0 + (size / least - 1.0) * given)
     rounding = EPSILON * (TURN + s)
     if never_rests:
         # Of a cycle that has just doubled one half may have been kept: it does not quite close.

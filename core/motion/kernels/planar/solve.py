@@ -30,6 +30,10 @@ from core.motion.kernels.statuses import MODE, MODES, STATUS
 UNDECIDED = -1  # no status: the cell needs its cycle
 LEAST_GRAVITY = 1e-12  # onto the floor, of all: less is the rounding of an upright track
 ROUNDING = 4e-14  # of a mean velocity, per unit of the drive and of friction's impulses
+MOST_RUBBING = 8.0
+"""Friction adds up over no more than so many times the share of the period in which a part slides,
+times its largest: what is huge acts for as short a time."""
+THRESHOLD = 4e-16  # rounding of the sine at which friction is overcome
 
 
 @compiled
@@ -161,6 +165,22 @@ def write_impacts(rows: Floats, count: int, drive: Drive, periods: int, result: 
 
 
 @compiled
+def slip_doubt(drive: Drive) -> float:
+    """Return how much velocity hangs on the rounding of the phases where a slip starts.
+
+    Friction falls there from the static to the kinetic one, so that a slip starts with a jerk. Its
+    phase, asin of the threshold, is known the less, the nearer the threshold is to 1.
+    """
+    least, largest, _ = stick_range(drive.c, drive.s, drive.gs, drive.gn, drive.mu_s)
+    jump = (drive.mu_s - drive.mu_k) * (drive.s + drive.gn)
+    doubt = 0.0
+    for threshold in (least, largest):
+        if abs(threshold) < 1.0:
+            doubt += jump * THRESHOLD / math.sqrt((1.0 - threshold) * (1.0 + threshold))
+    return doubt
+
+
+@compiled
 def solve(
     cell: Cell, rows: Floats, sums: Floats, log: Floats, result: Floats
 ) -> tuple[int, int, float]:
@@ -205,8 +225,12 @@ def solve(
         sums[:] = total
     time = periods * cycles * TURN
     result[COLUMN.velocity], result[COLUMN.spread] = sums[DISTANCE] / time, 0.0
+    slides = (sums[TIMES + MODE.forward] + sums[TIMES + MODE.backward]) / time
     doubt = ROUNDING + (phase_doubt(rows, count, s, gn, e) if s > gn else 0.0)
-    result[COLUMN.error] = error + doubt * (abs(c) + abs(gs) + mu_k * (s + gn))
+    rubbing = mu_k * (s + gn) * min(1.0, MOST_RUBBING * slides)
+    result[COLUMN.error] = error + doubt * (abs(c) + abs(gs) + rubbing)
+    if mu_s > mu_k and sums[TIMES + MODE.stick] > 0.0:
+        result[COLUMN.error] += slip_doubt(drive) * slides
     for mode in range(MODES):
         result[COLUMN.stick + mode] = sums[TIMES + mode] / time
     write_impacts(rows, count, drive, periods, result)
