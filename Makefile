@@ -9,14 +9,17 @@ RUNNING := $(VENV)/.running
 TESTING := $(VENV)/.testing
 FIGURE := fig-5-1
 
-.PHONY: run test check serve clean
+.PHONY: run test quick check serve clean
 
 run: $(RUNNING)
 	$(BIN)/vibrafeed run configs/figures/$(FIGURE).toml -o results/$(FIGURE).nc
 	$(BIN)/vibrafeed plot results/$(FIGURE).nc -o results/$(FIGURE).png
 
 test: $(TESTING)
-	$(BIN)/python -m pytest
+	scripts/test $(BIN)
+
+quick: $(TESTING)
+	scripts/quick $(BIN)
 
 check: $(TESTING)
 	scripts/check $(BIN)

@@ -1,0 +1,22 @@
+"""Marks by place and by measured duration."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+SLOW = frozenset((HERE / "slow.txt").read_text().split())
+"""Tests that take half a second or more, as `scripts/slow` measured: file and name."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests of the service, and the slow ones."""
+    for item in items:
+        place = item.path.relative_to(HERE)
+        if place.parts[0] in ("service", "browser", "packaging"):
+            item.add_marker(pytest.mark.service)
+        name = item.nodeid.partition("::")[2].partition("[")[0]
+        if f"{place.name}::{name}" in SLOW:
+            item.add_marker(pytest.mark.slow)
