@@ -7,7 +7,6 @@ and the curvature are left. All functions take and return broadcastable float64 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask, ratio
@@ -107,36 +106,6 @@ def efficiency_is_unbounded(*, efficiency: Array) -> Mask:
     return np.isinf(efficiency)
 
 
-def stick_fraction(*, motion: Motion) -> Array:
-    """Return the part of the period in which friction holds the part [1]."""
-    return motion.stick
-
-
-def forward_fraction(*, motion: Motion) -> Array:
-    """Return the part of the period in which the part slides forward [1]."""
-    return motion.forward
-
-
-def backward_fraction(*, motion: Motion) -> Array:
-    """Return the part of the period in which the part slides backward [1]."""
-    return motion.backward
-
-
-def flight_fraction(*, motion: Motion) -> Array:
-    """Return the part of the period in which the part is off the floor [1]."""
-    return motion.flight
-
-
-def impacts_per_period(*, motion: Motion) -> Array:
-    """Return the impacts on the floor per period of the drive [1]."""
-    return motion.impacts
-
-
-def period_multiple(*, motion: Motion) -> Array:
-    """Return after how many periods of the drive the motion repeats; 0 where it does not [1]."""
-    return motion.multiple
-
-
 def landing_speed(*, motion: Motion, velocity_scale: Array) -> Array:
     """Return the largest speed normal to the floor before an impact [m s-1]."""
     return motion.landing_speed * velocity_scale
@@ -145,8 +114,3 @@ def landing_speed(*, motion: Motion, velocity_scale: Array) -> Array:
 def hop_height(*, motion: Motion, length_scale: Array) -> Array:
     """Return the largest distance from the floor [m]."""
     return motion.hop_height * length_scale
-
-
-def motion_status(*, motion: Motion) -> NDArray[np.int8]:
-    """Return how the motion ended, a `MOTION_STATUSES` value."""
-    return motion.status

@@ -27,6 +27,7 @@ from core.scenes.scene import (
     Constraint,
     Equation,
     Scene,
+    fields,
 )
 
 
@@ -70,15 +71,37 @@ RESULTS = (
     Equation("conveying_velocity_spread", scales.conveying_velocity_spread, "theory 13.8"),
     Equation("conveying_velocity_error", scales.conveying_velocity_error, "theory 13.8"),
     Equation("efficiency", scales.efficiency, "theory 13.10"),
-    Equation("stick_fraction", scales.stick_fraction, "theory 13.2"),
-    Equation("forward_fraction", scales.forward_fraction, "theory 13.2"),
-    Equation("backward_fraction", scales.backward_fraction, "theory 13.2"),
-    Equation("flight_fraction", scales.flight_fraction, "theory 13.2"),
-    Equation("impacts_per_period", scales.impacts_per_period, "theory 13.4"),
-    Equation("period_multiple", scales.period_multiple, "theory 13.8"),
+    *fields(
+        "motion",
+        "theory 13.2",
+        stick_fraction=("stick", "the part of the period in which friction holds the part [1]"),
+        forward_fraction=("forward", "the part of the period in which the part slides forward [1]"),
+        backward_fraction=(
+            "backward",
+            "the part of the period in which the part slides backward [1]",
+        ),
+        flight_fraction=("flight", "the part of the period in which the part is off the floor [1]"),
+    ),
+    *fields(
+        "motion",
+        "theory 13.4",
+        impacts_per_period=("impacts", "the impacts on the floor per period of the drive [1]"),
+    ),
+    *fields(
+        "motion",
+        "theory 13.8",
+        period_multiple=(
+            "multiple",
+            "after how many periods of the drive the motion repeats; 0 where it does not [1]",
+        ),
+    ),
     Equation("landing_speed", scales.landing_speed, "theory 13.4"),
     Equation("hop_height", scales.hop_height, "theory 13.2"),
-    Equation("motion_status", scales.motion_status, "theory 13.8"),
+    *fields(
+        "motion",
+        "theory 13.8",
+        motion_status=("status", "how the motion ended, a `MOTION_STATUSES` value"),
+    ),
 )
 ANY_RESULT = frozenset(equation.gives for equation in RESULTS) | {"regime"}
 

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
-
 from core.mechanics.arrays import Array, Mask
 from core.motion.bodies import Cylinder, Part, Rectangle
 from core.motion.groups import Contacts
 from core.motion.methods import METHODS
 from core.motion.methods.tumbling import Throw, Tumble
 from core.motion.result import STATUS
-from core.scenes.scene import STANDARD_GRAVITY, STATIC_ABOVE_KINETIC, Condition, Equation, Scene
+from core.scenes.scene import (
+    STANDARD_GRAVITY,
+    STATIC_ABOVE_KINETIC,
+    Condition,
+    Equation,
+    Scene,
+    fields,
+)
 
 
 def rectangle(*, length: Array, height: Array) -> Part:
@@ -64,46 +68,6 @@ def throw(
     )
 
 
-def final_pitch(*, tumble: Tumble) -> Array:
-    """Return the pitch at the end, with all its turns [rad]."""
-    return tumble.pitch
-
-
-def resting_side(*, tumble: Tumble) -> Array:
-    """Return the side that lies on the plane at the end, 0 if none does [1]."""
-    return tumble.resting_side
-
-
-def settling_time(*, tumble: Tumble) -> Array:
-    """Return the time from which the part lies at rest for good; NaN where it does not [s]."""
-    return tumble.settling_time
-
-
-def impact_count(*, tumble: Tumble) -> Array:
-    """Return the number of impacts [1]."""
-    return tumble.impacts
-
-
-def largest_bounce(*, tumble: Tumble) -> Array:
-    """Return the largest height of the lowest corner after the first impact [m]."""
-    return tumble.largest_bounce
-
-
-def drift_velocity(*, tumble: Tumble) -> Array:
-    """Return the displacement along the plane over the duration [m s-1]."""
-    return tumble.velocity
-
-
-def specific_energy_lost(*, tumble: Tumble) -> Array:
-    """Return the energy per mass that impacts and friction took [J kg-1]."""
-    return tumble.energy_lost
-
-
-def tumbling_status(*, tumble: Tumble) -> NDArray[np.int8]:
-    """Return how the run ended, a `MOTION_STATUSES` value."""
-    return tumble.status
-
-
 def _ended(name: str) -> Callable[..., Mask]:
     def ended(*, tumble: Tumble) -> Mask:
         return tumble.status == STATUS[name]
@@ -113,14 +77,50 @@ def _ended(name: str) -> Callable[..., Mask]:
 
 
 RESULTS = (
-    Equation("final_pitch", final_pitch, "theory 2.1"),
-    Equation("resting_side", resting_side, "theory 2.1"),
-    Equation("settling_time", settling_time, "theory 13.5"),
-    Equation("impact_count", impact_count, "theory 13.4"),
-    Equation("largest_bounce", largest_bounce, "theory 13.4"),
-    Equation("drift_velocity", drift_velocity, "theory 13.8"),
-    Equation("specific_energy_lost", specific_energy_lost, "theory 5.3"),
-    Equation("motion_status", tumbling_status, "theory 2.3"),
+    *fields(
+        "tumble",
+        "theory 2.1",
+        final_pitch=("pitch", "the pitch at the end, with all its turns [rad]"),
+        resting_side=(
+            "resting_side",
+            "the side that lies on the plane at the end, 0 if none does [1]",
+        ),
+    ),
+    *fields(
+        "tumble",
+        "theory 13.5",
+        settling_time=(
+            "settling_time",
+            "the time from which the part lies at rest for good; NaN where it does not [s]",
+        ),
+    ),
+    *fields(
+        "tumble",
+        "theory 13.4",
+        impact_count=("impacts", "the number of impacts [1]"),
+        largest_bounce=(
+            "largest_bounce",
+            "the largest height of the lowest corner after the first impact [m]",
+        ),
+    ),
+    *fields(
+        "tumble",
+        "theory 13.8",
+        drift_velocity=("velocity", "the displacement along the plane over the duration [m s-1]"),
+    ),
+    *fields(
+        "tumble",
+        "theory 5.3",
+        specific_energy_lost=(
+            "energy_lost",
+            "the energy per mass that impacts and friction took [J kg-1]",
+        ),
+    ),
+    *fields(
+        "tumble",
+        "theory 2.3",
+        motion_status=("status", "how the run ended, a `MOTION_STATUSES` value"),
+    ),
 )
 ANY_RESULT = frozenset(equation.gives for equation in RESULTS) | {"regime"}
 
