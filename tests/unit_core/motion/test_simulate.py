@@ -19,7 +19,7 @@ from core.study import load_study, parse_study
 from core.sweep import sweep
 from core.watch import Watch
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 HOP = {
     "frequency": "60 Hz", "amplitude": "0.4 mm", "beta": "25 deg", "friction": 0.4, "gravity": 9.8,
 }  # fmt: skip

@@ -26,7 +26,7 @@ from core.sweep import Sweep, tabulate
 from core.sweep.lazy import open_lazily
 from core.sweep.zarr_view import CHUNK_CELLS, ZarrView, axis_values, chunk_shape
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 SWEEPS = {
     path.stem: content
     for path in sorted(CONFIGS.rglob("*.toml"))

@@ -11,7 +11,7 @@ from core.plan.pieces import Cut, join
 from core.study import load_study
 from core.watch import Watch
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 STUDIES = {
     "sweep": {
         "kind": "sweep",

@@ -317,7 +317,7 @@ class TestScenes:
         used = {name for scene in (*SCENES.values(), *SYSTEMS.values()) for v in scene.variants
                 for eq in scene.variants[v] for name in (eq.gives, *eq.inputs)}  # fmt: skip
         used |= {name for alias in ALIASES for name in alias.inputs}
-        configs = Path(__file__).parents[2] / "configs"
+        configs = Path(__file__).parents[3] / "configs"
         for study in ("trajectory.toml", "tumbling-course.toml", "track-course.toml"):
             used |= set(simulate(load_study(configs / study)).variables)
         front = optimise(load_study(configs / "optimise-pareto.toml"))

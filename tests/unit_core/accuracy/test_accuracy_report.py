@@ -37,7 +37,7 @@ from core.sweep.precise import (
 )
 from core.watch import Watch
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 # Next to lift-off the normal acceleration is a difference of nearly equal numbers.
 NEAR = {"frequency": 50.0, "amplitude": 2e-4, "gravity": 9.81, "gamma": 0.0}

@@ -19,7 +19,7 @@ from core.quantities import REGIMES
 from core.study import load_study, parse_study
 from core.sweep import sweep
 
-CONFIGS = Path(__file__).parents[2] / "configs"
+CONFIGS = Path(__file__).parents[3] / "configs"
 STUDIES = sorted(CONFIGS.rglob("*.toml"))
 NUMBERS = range(1, 30)
 PAIRS = [(n, n + 1) for n in range(1, 21, 2)]

@@ -21,7 +21,7 @@ from core.study import load_study, parse_study
 from core.sweep import sweep
 from core.watch import Watch
 
-CONFIGS = sorted((Path(__file__).parents[2] / "configs").glob("optimise-*.toml"))
+CONFIGS = sorted((Path(__file__).parents[3] / "configs").glob("optimise-*.toml"))
 # The data of figure 5.1 of the source, less strong: below lift-off at the best angles.
 DATA = {"frequency": 60, "amplitude": "0.1 mm", "friction": 0.5, "gravity": 9.8}
 
