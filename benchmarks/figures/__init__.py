@@ -4,9 +4,3 @@ Each claim of the source about a figure is put to the data of configs/figures, w
 formulas as printed. A function for each figure, or for each pair that shows the same data, measures
 what the claim speaks of and decides from the numbers.
 """
-
-from benchmarks.figures.judgement import VERDICTS, Judgement
-from benchmarks.figures.page import FIGURES, PAGE, draw_picture, page
-from benchmarks.figures.studies import picture_of
-
-__all__ = ["FIGURES", "PAGE", "VERDICTS", "Judgement", "draw_picture", "page", "picture_of"]

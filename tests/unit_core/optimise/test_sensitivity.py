@@ -1,98 +1,22 @@
-"""Sensitivities against exact derivatives at 60 digits and against laws; robust values."""
+"""Sensitivities against exact derivatives at 60 digits, and against laws."""
 
 from __future__ import annotations
 
-import importlib.util
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from mpmath import mp, mpf
 
 from core.errors import StudyError
-from core.optimise.duals import Dual, NotDifferentiableError
-from core.optimise.robust import robust_value
 from core.optimise.sensitivities import motion_sensitivities, sensitivities
 from core.plan import plan as plans
 from core.scenes import SCENES
 from core.scenes.scene import Equation, Scene
+from exact_planes import FORMULAS, Point
+from plane_points import parameters, random_point
 
-
-def sibling(name):
-    """Return another test module, for its exact formulas."""
-    spec = importlib.util.spec_from_file_location(
-        f"_{name}", Path(__file__).with_name(f"{name}.py")
-    )
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-FORMULAS = sibling("test_accuracy_mpmath")
 POINTS, PAIRS = 4, 24  # random points of a variant, and derivatives taken at each
-
-# --- dual numbers
-
-
-SMOOTH = {
-    "sqrt": np.sqrt, "square": np.square, "exp": np.exp, "expm1": np.expm1, "log": np.log,
-    "log1p": np.log1p, "sin": np.sin, "cos": np.cos, "tan": np.tan, "arcsin": np.arcsin,
-    "arccos": np.arccos, "arctan": np.arctan, "sinh": np.sinh, "cosh": np.cosh, "tanh": np.tanh,
-    "arctanh": np.arctanh, "reciprocal": np.reciprocal, "absolute": np.abs,
-    "negative": np.negative,
-    "arctan2": lambda x: np.arctan2(x, 0.3) + np.arctan2(0.3, x),
-    "hypot": lambda x: np.hypot(x, 0.3), "maximum": lambda x: np.maximum(x * x, 0.1),
-    "minimum": lambda x: np.minimum(0.9, x), "clip": lambda x: np.clip(x * x, 0.1, 0.9),
-    "power": lambda x: x**2.5 + 1.5**x + x**x, "divide": lambda x: 0.7 / x + x / 0.7 + x / (1 + x),
-    "where": lambda x: np.where(x > 0.5, x * x, -x),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", SMOOTH)
-def test_elementary_derivatives_against_differences(name):
-    # A fourth-order difference: truncation h^4/30 f^(5) and rounding eps/h f both stay below 1e-9.
-    f, h, x = SMOOTH[name], 1e-3, np.array([0.35, 0.62])
-    slope = f(Dual(x, 1.0, [])).slope
-    expected = (8 * (f(x + h) - f(x - h)) - (f(x + 2 * h) - f(x - 2 * h))) / (12 * h)
-    assert slope == pytest.approx(expected, rel=1e-7, abs=1e-9)
-
-
-def test_the_chain_rule():
-    x = np.array([0.3, 0.7])
-    inner = np.sin(Dual(x, 1.0, []))
-    outer = np.exp(Dual(np.sin(x), 1.0, []))
-    assert np.exp(inner).slope == pytest.approx(outer.slope * inner.slope, rel=1e-15)
-
-
-def test_what_does_not_change_has_no_slope_however_steep():
-    still = Dual(np.array([0.0]), 0.0, [])
-    assert np.sqrt(still).slope == 0
-    assert np.hypot(still, still).slope == 0
-
-
-@pytest.mark.parametrize(
-    "choose", [np.abs, lambda x: np.maximum(x, 0.0), lambda x: np.where(x == 0, 1.0, x)]
-)
-def test_a_choice_between_equals_is_noted(choose):
-    ties = []
-    choose(Dual(np.array([0.0, 1.0]), 1.0, ties))
-    assert ties
-
-
-def test_asarray_does_not_lose_the_slope():
-    x = Dual(2.0, 1.0, [])
-    assert (np.asarray(x) * x).slope == 4.0
-    with pytest.raises(NotDifferentiableError):
-        np.asarray(x, dtype=np.float64)
-
-
-@pytest.mark.parametrize("function", [np.floor, np.linalg.norm, np.add.reduce])
-def test_functions_without_a_rule_say_so(function):
-    with pytest.raises(NotDifferentiableError):
-        function(Dual(np.ones(2), 1.0, []))
 
 
 # --- closed forms against 60 digits
@@ -122,15 +46,15 @@ def check(output, parameter, found, derivative, given):
 
 
 @pytest.mark.parametrize(
-    ("scene", "variant"), [(s, v) for s in FORMULAS.FORMULAS for v in SCENES[s].variants]
+    ("scene", "variant"), [(s, v) for s in FORMULAS for v in SCENES[s].variants]
 )
 def test_planes_and_track_at_sixty_digits(scene, variant):
     rng = np.random.default_rng(7)
-    names = FORMULAS.parameters(scene, [variant])
+    names = parameters(scene, [variant])
     outputs = [name for name in SCENES[scene].outputs(variant) if name != "regime"]
     compared = 0
     for _ in range(POINTS):
-        point = FORMULAS.random_point(scene, rng)
+        point = random_point(scene, rng)
         point = {name: float(point[name]) for name in names}
         given = {name: mpf(value) for name, value in point.items()}
         found = sensitivities(scene, variant, outputs, point, names)
@@ -141,7 +65,7 @@ def test_planes_and_track_at_sixty_digits(scene, variant):
                 h = mpf(10) ** -24 * (abs(at[parameter]) or 1)
                 low, high = (
                     getattr(
-                        FORMULAS.Point(scene, variant, {**at, parameter: at[parameter] + way * h}),
+                        Point(scene, variant, {**at, parameter: at[parameter] + way * h}),
                         output,
                     )
                     for way in (-1, 1)
@@ -438,57 +362,3 @@ def test_aperiodic_motion_has_no_derivative():
     )["conveying_velocity", "amplitude"]
     assert math.isnan(one.derivative)
     assert "aperiodic" in one.note
-
-
-# --- robust values
-
-
-def hill(points, friction):
-    """Return a value with a minimum inside the interval of friction, and a jump at 0.5."""
-    return points[:, 0] * (friction - 0.33) ** 2 - np.where(friction > 0.5, points[:, 1], 0.0)
-
-
-def test_the_worst_case_against_brute_force():
-    points = np.random.default_rng(0).uniform(0.5, 1.0, (50, 2))
-    fine = np.linspace(0.2, 0.7, 5001)
-    brute = np.min([hill(points, np.full(50, f)) for f in fine], axis=0)
-    worst = robust_value(hill, (0.2, 0.7), how="worst", nodes=51)(points)
-    # The least value lies just beyond the jump; the next node is up to 0.01 further on.
-    assert worst == pytest.approx(brute, abs=0.01 * 2 * 0.37)
-    assert np.all(worst >= brute - 1e-15)
-
-
-def test_the_worst_of_a_monotone_value_is_that_of_an_end():
-    points = np.ones((3, 1))
-    worst = robust_value(lambda p, f: -f * p[:, 0], (0.2, 0.4), nodes=2)(points)
-    assert worst == pytest.approx([-0.4] * 3, rel=1e-15)
-
-
-def test_the_mean_against_brute_force():
-    points = np.random.default_rng(0).uniform(0.5, 1.0, (50, 2))
-    smooth = robust_value(hill, (0.2, 0.4), how="mean", nodes=2)(points)
-    exact = points[:, 0] * ((0.07**3 + 0.13**3) / 3) / 0.2  # two nodes: exact up to cubes
-    assert smooth == pytest.approx(exact, rel=1e-13)
-    rough = robust_value(hill, (0.2, 0.7), how="mean", nodes=64)(points)
-    fine = np.linspace(0.2, 0.7, 20001)
-    brute = np.mean([hill(points, np.full(50, f)) for f in fine], axis=0)
-    # A jump of 1 at most, over 64 nodes whose weights are pi/2/64 at most.
-    assert rough == pytest.approx(brute, abs=math.pi / 2 / 64)
-
-
-@pytest.mark.parametrize("how", ["worst", "mean"])
-def test_a_node_without_a_value_takes_the_value_away(how):
-    def no_value(points, friction):
-        return np.where(friction > 0.35, np.nan, points[:, 0])
-
-    got = robust_value(no_value, (0.2, 0.4), how=how)(np.ones((2, 1)))
-    assert np.isnan(got).all()
-
-
-@pytest.mark.parametrize(("interval", "how", "nodes"), [
-    ((0.4, 0.2), "worst", 3), ((0.2, 0.4), "worst", 1), ((0.2, 0.4), "middle", 3),
-    ((0.2, math.inf), "mean", 0),
-])  # fmt: skip
-def test_wrong_requests_are_refused(interval, how, nodes):
-    with pytest.raises(ValueError, match=r"interval|nodes|how"):
-        robust_value(hill, interval, how=how, nodes=nodes)

@@ -21,6 +21,7 @@ from core.plots.text import math_symbol
 from core.quantities import REGIMES
 from core.study import parse_study
 from core.sweep import sweep
+from pictures import problem, subtitle
 
 DEGREES = {"start": 0, "stop": 60, "num": 13}
 TRACK = {
@@ -85,16 +86,6 @@ def occurring(dataset: xarray.Dataset, **at: float) -> set[str]:
 
 def named(figure: Figure) -> set[str]:
     return {text.split(" (")[0].replace(" ", "_") for text in legend(figure)}
-
-
-def subtitle(figure: Figure) -> str:
-    return figure.axes[0].get_title(loc="left").replace("\N{NO-BREAK SPACE}", " ")
-
-
-def problem(dataset: xarray.Dataset, **asked: object):
-    with pytest.raises(PlotError) as caught:
-        draw(dataset, **asked)
-    return caught.value.problem
 
 
 @pytest.mark.parametrize("kind", ["contour", "surface", "line"])

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import json
 import math
-import re
 import time
 from dataclasses import replace
 from functools import wraps
@@ -19,85 +18,14 @@ from app.jobs.store import Store
 from app.jobs.work import compute_block, write_result
 from core.catalogue import study_schema
 from core.errors import StudyError
-from core.kinds import KINDS, is_whole, prepare_content, tabulate
+from core.kinds import KINDS, prepare_content, tabulate
 from core.motion.methods import METHODS
 from core.plan.pieces import Computed, Cut, join
 from core.plan.sample import chosen_places
-from core.scenes import SCENES
-from core.sweep.verify import rounding_of
 from core.watch import Watch
-
-BOUND = SCENES["rectangle-on-track"].rounding_bound
+from verified_studies import BEST, BOUND, DRIVE, MOTION, PAIR, STUDIES, SWEEP, number, told
 
 motion_prepare = importlib.import_module("core.motion.prepare")  # a function has its name
-
-# A plane of gravity 9.81: at the second amplitude the drive lifts the part off but for 1e-9 of it.
-DRIVE = 9.81 * (1 - 1e-9) / ((2 * math.pi * 50) ** 2 * math.sin(math.radians(30)))
-SWEEP = {
-    "kind": "sweep",
-    "scene": "rectangle-on-plane",
-    "variant": "thesis",
-    "outputs": ["normal_acceleration", "throw_number"],
-    "parameters": {
-        "frequency": 50,
-        "amplitude": [1e-4, DRIVE],
-        "beta": [10, 30],
-        "gravity": 9.81,
-    },
-    "verify": 4,
-}
-MOTION = {
-    "kind": "simulate",
-    "scene": "rectangle-on-plane",
-    "outputs": ["conveying_velocity", "flight_fraction"],
-    "parameters": {
-        "frequency": 50,
-        "amplitude": {"start": "0.1 mm", "stop": "0.24 mm", "num": 8},
-        "beta": [20, 30],
-        "friction": 0.4,
-    },
-    "verify": 3,
-}
-BEST = {
-    "kind": "optimise",
-    "scene": "rectangle-on-plane",
-    "variant": "thesis",
-    "criterion": {"kind": "limit", "limit": 0.5},
-    "parameters": {"frequency": 50, "amplitude": "0.3 mm", "friction": [0.1, 0.2, 0.3, 0.4]},
-    "verify": 3,
-}
-PAIR = {
-    "kind": "sweep",
-    "scene": "rectangle-pair-impact",
-    "outputs": ["impulse_normal"],
-    "parameters": {
-        "position_x_1": "5 mm",
-        "position_y_1": "20.9641016 mm",
-        "angle_1": "30 deg",
-        "velocity_y_1": ["-0.5 m/s", "-0.4 m/s"],
-        "length_1": "50 mm",
-        "width_1": "8 mm",
-        "mass_1": "5 g",
-        "length_2": "40 mm",
-        "width_2": "10 mm",
-        "mass_2": "8 g",
-        "restitution": 0.3,
-        "contact_tolerance": 1e-6,
-    },
-    "verify": 2,
-}
-STUDIES = {"sweep": SWEEP, "simulate": MOTION, "optimise": BEST}
-
-
-def told(content):
-    attributes = tabulate(prepare_content(content)).attributes
-    return {name: value for name, value in attributes.items() if name.startswith("verified")}
-
-
-def number(pattern, text):
-    found = re.search(pattern, text)
-    assert found, text
-    return float(found[1])
 
 
 def test_an_ill_conditioned_cell_is_told_with_its_condition():
@@ -263,140 +191,6 @@ def test_pieces_tell_the_same(kind):
     table = KINDS[kind].label(prepared, join(prepared, parts), Watch())
     assert table.attributes == tabulate(prepared).attributes
     assert table.attributes["verified_cells"] == STUDIES[kind]["verify"]
-
-
-class Countdown:
-    """A watch's stop that says no so many times, and yes from then on."""
-
-    def __init__(self, noes):
-        self.left = noes
-
-    def __call__(self):
-        self.left -= 1
-        return self.left < 0
-
-
-def labelled(content, stop, change=None):
-    """Return the attributes of a study whose verifying is stopped, and of computing is not."""
-    prepared = prepare_content(content)
-    kind = KINDS[prepared.study.kind]
-    computed = kind.compute(prepared, Watch())
-    if change is not None:
-        computed = Computed({**computed.arrays, **change(computed.arrays)}, computed.notes)
-    return kind.label(prepared, computed, Watch(stop=stop)).attributes
-
-
-@pytest.mark.parametrize("kind", STUDIES)
-def test_no_time_is_spent_after_the_deadline(kind, monkeypatch):
-    def never(*arguments, **more):
-        raise AssertionError("it was stopped")
-
-    # What verifies is not reached: the words are no claim about a single cell.
-    monkeypatch.setattr("core.sweep.precise.exact_values", never)
-    monkeypatch.setattr("core.motion.verify.run_equations", never)
-    monkeypatch.setattr("core.optimise.population.by_population", never)
-    prepared, done = prepare_content(STUDIES[kind]), []
-    share = prepared.computing_share
-
-    def late():
-        return sum(done) > share * (1 - 1e-9)  # computing is over
-
-    table = tabulate(prepared, Watch(done.append, late))
-    asked = STUDIES[kind]["verify"]
-    told = table.attributes
-    assert told["verified_cells"] == 0
-    assert told["verified_left_out"] == asked
-    assert told["verified_worst"] == f"stopped before {asked} of {asked} cells could be verified"
-    assert np.isfinite(table.variables[next(iter(table.variables))].values).all()
-    assert not is_whole(table)
-
-
-def test_following_again_stops_between_cells():
-    # Looks: before the first cell, and before each.
-    told = labelled(MOTION, Countdown(2))
-    assert (told["verified_cells"], told["verified_left_out"]) == (1, 2)
-    assert "; 1 repeat, rest or settle" in told["verified_worst"]
-    assert told["verified_worst"].endswith("; stopped before 2 of 3 cells could be verified")
-    assert labelled(MOTION, Countdown(1))["verified_worst"].startswith("stopped before 3 of 3")
-
-
-@pytest.mark.parametrize(("looks", "cells"), [(0, 0), (2, 0), (3, 8), (5, 8), (6, 16), (9, 20)])
-def test_50_digits_stop_between_pieces(looks, cells):
-    # Looks: before each piece of 8 cells, and before each of the two outputs in it.
-    many = {**SWEEP["parameters"], "amplitude": {"start": 1e-5, "stop": 1e-4, "num": 10}}
-    told = labelled({**SWEEP, "parameters": many, "verify": 20}, Countdown(looks))
-    assert told["verified_cells"] == cells
-    assert told.get("verified_left_out", 0) == 20 - cells
-    assert ("stopped before" in told["verified_worst"]) == (cells < 20)
-    assert ("ulp" in told["verified_worst"]) == (cells > 0)
-
-
-def test_a_cell_that_takes_long_is_a_piece():
-    prepared = prepare_content(PAIR)
-    places, count = chosen_places(prepared)
-    cells = prepared.grid.at(places, count, prepared.plan.parameters)
-    got = {name: np.zeros(count) for name in prepared.plan.outputs}
-    found = rounding_of(prepared.plan, cells, got, Watch(stop=Countdown(3)))
-    assert found.evaluated.tolist() == [True, False]
-
-
-def test_answers_stop_between_the_two_ways():
-    prepared = prepare_content(BEST)
-    kind, done = KINDS["optimise"], []
-    computed = kind.compute(prepared, Watch())
-    watch = Watch(done.append, lambda: sum(done) >= 0.5)
-    told = kind.label(prepared, computed, watch).attributes
-    # The outputs are judged, no answer is: no cell is verified, and the rival claims nothing.
-    assert told["verified_cells"] == 0
-    assert told["verified_left_out"] == 3
-    assert "within the bound" in told["verified_worst"]
-    assert "finds" not in told["verified_worst"]
-    none = labelled(BEST, Countdown(0))
-    assert none["verified_worst"] == "stopped before 3 of 3 cells could be verified"
-
-
-@pytest.mark.parametrize(
-    ("content", "status"), [(MOTION, "motion_status"), (BEST, "optimum_status")]
-)
-def test_cells_that_were_not_computed_are_not_verified(content, status, monkeypatch):
-    prepared = prepare_content(content)
-    places, _ = chosen_places(prepared)
-    place = tuple(places[name][1:] for name in prepared.dims[status])
-
-    def without_two(arrays):
-        """Leave all of the chosen cells but the first as a stop does."""
-        changed = {name: values.copy() for name, values in arrays.items()}
-        for values in changed.values():
-            if values.dtype == np.float64 and values.shape == arrays[status].shape:
-                values[place] = np.nan
-        changed[status][place] = {"motion_status": 0, "optimum_status": 8}[status]
-        return changed
-
-    followed = []
-    module = importlib.import_module("core.motion.verify")
-    run = module.run_equations
-
-    def counted(plan, cells, watch):
-        followed.append(max(values.size for values in cells.values()))
-        return run(plan, cells, watch)
-
-    monkeypatch.setattr(module, "run_equations", counted)
-    told = labelled(content, None, without_two)
-    assert followed == ([1] if content is MOTION else [])
-    assert told["verified_cells"] == 1
-    assert told["verified_left_out"] == 2
-    assert told["verified_worst"].endswith("stopped before 2 of 3 cells could be verified")
-
-
-def test_verifying_has_its_share_of_the_progress():
-    for content in STUDIES.values():
-        prepared, done = prepare_content(content), []
-        tabulate(prepared, Watch(done.append))
-        assert sum(done) == pytest.approx(1)
-        assert prepared.computing_share < 0.9  # these grids are small
-    assert Watch(done.append, threads=1).part(0.5).threads == 1
-    plain = {name: value for name, value in SWEEP.items() if name != "verify"}
-    assert prepare_content(plain).computing_share == 1
 
 
 def test_a_bound_is_named_only_where_there_is_one():
