@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.motions import planar_motion, planar_path
+from benchmarks.worked_values import HOPS, MEAN_VELOCITIES, REFERENCE_SPEEDS
 from core.quantities import MOTION_STATUSES
 
 STATUS = {name: flag.value for name, flag in MOTION_STATUSES.items()}
@@ -149,14 +150,10 @@ def test_hop_length(throw):
 
 
 def test_published_hops():
-    # Theory 15: length of the hop, and landing speed in g cos(gamma)/w.
-    for throw, span, speed in (
-        (1.2, 2.40230492451042, 0.575055135178),
-        (2.5, 5.38663648976433, 5.30699875065),
-    ):
+    for throw, hop in HOPS.items():
         result = motion(beta=45, mu=0.5, throw=throw)
-        assert float(result.flight) * 2 * math.pi == pytest.approx(span, rel=1e-14)
-        assert float(result.landing_speed) == pytest.approx(speed, rel=1e-11)
+        assert float(result.flight) * 2 * math.pi == pytest.approx(hop.length, rel=1e-14)
+        assert float(result.landing_speed) == pytest.approx(hop.landing_speed, rel=1e-11)
 
 
 def test_thresholds_from_both_sides():
@@ -172,9 +169,9 @@ def test_thresholds_from_both_sides():
 
 
 def test_best_throw():
-    # g cot(beta)/(2 f): hop after hop at its lowest throw number, mm/s.
+    # g cot(beta)/(2 f): hop after hop at its lowest throw number.
     speed = velocity(50, beta=30, mu=0.5, throw=3.5)
-    assert 1e3 * speed == pytest.approx(169.914184, abs=5e-7)
+    assert 1e3 * speed == pytest.approx(REFERENCE_SPEEDS["hop after hop"].value, abs=5e-7)
     assert speed == pytest.approx(9.81 / math.tan(math.radians(30)) / 100, rel=1e-13)
 
 
@@ -182,39 +179,26 @@ def test_best_throw():
 
 
 @pytest.mark.parametrize(
-    ("frequency", "beta", "gamma", "mu", "throw", "e", "expected"),
-    [
-        (50, 30, 3, 0.5, 0.8, 0, 16.697054),
-        (100, 20, 3, 0.3, 0.9, 0, -1.317534),
-        (60, 30, 4, 0.8, 0.99, 0, 22.746289),
-        (50, 30, 3, 0.5, 1.5, 0, 38.083349),
-        (50, 30, 0, 0.2, 2.5, 0, 125.411070),
-        (50, 30, 0, 0.5, 1.4, 0.5, 34.747040),
-        *((50, 30, 0, 0.5, 1.2, e, 37.676497) for e in (0, 0.1, 0.2, 0.3, 0.4)),
-    ],
+    ("name", "e"), [(name, e) for name, case in REFERENCE_SPEEDS.items() for e in case.restitutions]
 )
-def test_reference_speeds(frequency, beta, gamma, mu, throw, e, expected):
-    speed = velocity(frequency, beta=beta, gamma=gamma, mu=mu, throw=throw, e=e)
-    assert round(1e3 * speed, 6) == expected
-
-
-@pytest.mark.parametrize(
-    ("amplitude", "frequency", "beta", "gamma", "mu", "mu_static", "e", "expected"),
-    [
-        (24e-6, 60, 20, 0, 0.25, 0.35, 0, 4.3067566120832e-4),
-        (0.22e-3, 60, 8, 1, 0.3, 0.3, 0, 1.3192764443573e-4),
-        (0.3e-3, 50, 28, 2, 0.4, 0.4, 0, 0.029158419079761),
-        (0.4e-3, 60, 25, 0, 0.4, 0.4, 0, 0.12799649244377),
-        (0.5e-3, 60, 28, 0, 0.5, 0.5, 0, 0.15359266133662),
-        (0.2e-3, 60, 32, 0, 0.4, 0.4, 0.2, 0.034566932320251),
-    ],
-)
-def test_worked_means(amplitude, frequency, beta, gamma, mu, mu_static, e, expected):
+def test_reference_speeds(name, e):
+    case = REFERENCE_SPEEDS[name]
     speed = velocity(
-        frequency, 9.8, amplitude, beta=beta, gamma=gamma, mu=mu, mu_static=mu_static, e=e
-    )
+        case.frequency, beta=case.beta, gamma=case.gamma, mu=case.friction,
+        throw=case.throw_number, e=e,
+    )  # fmt: skip
+    assert round(1e3 * speed, 6) == case.value
+
+
+@pytest.mark.parametrize("name", MEAN_VELOCITIES)
+def test_worked_means(name):
+    case = MEAN_VELOCITIES[name]
+    speed = velocity(
+        case.frequency, 9.8, case.amplitude, beta=case.beta, gamma=case.gamma,
+        mu=case.friction_kinetic, mu_static=case.friction_static, e=case.restitution,
+    )  # fmt: skip
     # A run of ever smaller hops is cut at 1e-10 g/w; without one nothing but rounding is left.
-    assert speed == pytest.approx(expected, rel=1e-10 if e else 1e-13)
+    assert speed == pytest.approx(case.value, rel=1e-10 if case.restitution else 1e-13)
 
 
 # --- another method: small steps, from rest, each event bisected

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.worked_values import MEAN_VELOCITIES
 from core.errors import StudyError
 from core.kinds import prepare_content, tabulate
 from core.motion import SYSTEMS, simulate
@@ -23,7 +24,7 @@ CONFIGS = Path(__file__).parents[3] / "configs"
 HOP = {
     "frequency": "60 Hz", "amplitude": "0.4 mm", "beta": "25 deg", "friction": 0.4, "gravity": 9.8,
 }  # fmt: skip
-HOP_SPEED = 0.12799649244377  # theory 15 of the source's register of worked values
+HOP_SPEED = MEAN_VELOCITIES["hop"].value
 
 
 def study(scene: str = "rectangle-on-plane", **changes):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from benchmarks.worked_values import DRIVE
 from core.errors import StudyError
 from core.plan.evaluate import evaluate
 from core.quantities import REGIMES
@@ -11,7 +12,6 @@ from core.study import parse_study
 from core.sweep import prepare, sweep
 
 SCENE = "cylinder-rolling"
-# P = 39.4784176043574 m/s2
 BASE = {
     "frequency": 50, "amplitude": 4e-4, "alpha": 12, "beta": 6, "gravity": 9.8, "diameter": 0.008,
     "length": 0.02, "mass": 0.005, "friction": 0.35,
@@ -48,7 +48,7 @@ def test_values_by_hand():
         "required_friction", "cone_margin", "printed_yaw_rate",
         axis_yaw=20, spin_rate=300, yaw_rate=5, drilling_moment=1e-6,
     )  # fmt: skip
-    P, beta, turn = 39.4784176043574, np.deg2rad(6), np.deg2rad(32)
+    P, beta, turn = DRIVE, np.deg2rad(6), np.deg2rad(32)
     eta, sigma = P * np.cos(beta) * np.sin(turn), P * np.cos(beta) * np.cos(turn)
     n0, u = 9.8 - P * np.sin(beta), 0.004 * 300 * 5
     friction = np.hypot(eta / 3, sigma - u)
@@ -133,7 +133,7 @@ def test_its_time_derivative_is_that_of_theory_9_4_and_contradicts_4_18():
     rate, over = float(at["printed_yaw_rate"][1]), np.deg2rad(2 * step)
     by_yaw = float(at["printed_yaw_rate"][2] - at["printed_yaw_rate"][0]) / over * rate
     by_spin = -rate / spin * float(at["spin_acceleration"][1])
-    P, beta, turn = 39.4784176043574, np.deg2rad(6), np.deg2rad(12 + 20)
+    P, beta, turn = DRIVE, np.deg2rad(6), np.deg2rad(12 + 20)
     expected = -(4 / 9) * (P * np.cos(beta)) ** 2 * np.sin(2 * turn) / (0.004 * spin) ** 2
     assert by_yaw + by_spin == pytest.approx(expected, rel=1e-8)
     assert float(at["yaw_acceleration"]) == 0
