@@ -9,6 +9,7 @@ import math
 import time
 from dataclasses import dataclass
 
+from benchmarks.worked_values import REFERENCE_SPEEDS
 from core.accuracy.engines import ENGINES, Drive, engine_velocity, installed
 
 GRAVITY = 9.81  # m s-2
@@ -28,7 +29,7 @@ class Case:
     gamma : float
         Incline of the track, degrees.
     velocity : float
-        Known mean velocity [m s-1]: of the closed forms and of a method of events.
+        Known mean velocity [m s-1], of tests/data.
     """
 
     name: str
@@ -45,9 +46,9 @@ class Case:
         return Drive(frequency, amplitude, BETA, gamma, 0.5, GRAVITY)
 
 
-CASES = (
-    Case("hop", throw_number=1.2, gamma=0.0, velocity=37.676497e-3),
-    Case("stick-slip", throw_number=0.8, gamma=3.0, velocity=16.697054e-3),
+CASES = tuple(
+    Case(speed.name, speed.throw_number, speed.gamma, speed.value / 1e3)
+    for speed in (REFERENCE_SPEEDS["hop"], REFERENCE_SPEEDS["stick-slip"])
 )
 
 

@@ -11,6 +11,8 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import ArrayLike, NDArray
 
+from benchmarks.worked_values import GRAVITY, MEAN_VELOCITIES
+
 Array = NDArray[np.float64]
 
 BLOCK = 64  # cells in step: enough for the processor's lanes, few enough for its first cache
@@ -138,31 +140,21 @@ def main() -> None:
             f"{CELLS * 80_000 / best / used / 1e9:.2f} steps a nanosecond and thread"
         )
     assert np.all(np.isfinite(velocities))
-    for name, gravity, amplitude, frequency, beta_, gamma_, friction_, restitution_, known in KNOWN:
-        circular = 2 * np.pi * frequency
-        acceleration = amplitude * circular**2 / gravity
-        b, c = np.radians(beta_), np.radians(gamma_)
+    for case in MEAN_VELOCITIES.values():
+        if case.friction_static != case.friction_kinetic:
+            continue  # here friction has one coefficient
+        groups, known = case.groups(), case.value
         for steps in (400, 1600, 6400):
             velocity = lockstep_velocities(
-                acceleration * np.cos(b), acceleration * np.sin(b), np.sin(c), np.cos(c),
-                friction_, restitution_, steps,
+                groups["drive_number_along"], groups["drive_number_normal"],
+                groups["gravity_number_along"], groups["gravity_number_normal"],
+                case.friction_kinetic, case.restitution, steps,
             )  # fmt: skip
-            found = float(velocity) * gravity / circular
+            found = float(velocity) * GRAVITY / case.circular_frequency
             print(
-                f"{name:14} {steps:5} steps: {1e3 * found:11.6f} mm/s, known "
+                f"{case.name:14} {steps:5} steps: {1e3 * found:11.6f} mm/s, known "
                 f"{1e3 * known:11.6f}, error {100 * (found / known - 1):+.4f} %"
             )
-
-
-# Name, gravity, amplitude [m], frequency [Hz], beta, gamma [degree], friction, restitution, mean
-# velocity [m s-1] of closed forms and of a method of events.
-KNOWN = (
-    ("sliding", 9.8, 0.22e-3, 60, 8, 1, 0.3, 0.0, 1.3192764443573e-4),
-    ("hop", 9.8, 0.3e-3, 50, 28, 2, 0.4, 0.0, 0.029158419079761),
-    ("long hop", 9.8, 0.4e-3, 60, 25, 0, 0.4, 0.0, 0.12799649244377),
-    ("hop after hop", 9.8, 0.5e-3, 60, 28, 0, 0.5, 0.0, 0.15359266133662),
-    ("chatter", 9.8, 0.2e-3, 60, 32, 0, 0.4, 0.2, 0.034566932320251),
-)
 
 
 if __name__ == "__main__":

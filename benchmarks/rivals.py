@@ -92,7 +92,7 @@ KNOWN = (
     Known("corner, 4", 4, 1.0, lambda u: u.mean(axis=1)),
     Known("bowl, 4", 4, 1.0, lambda u: 1 - np.sum((u - 0.3712) ** 2, axis=1)),
 )
-"""The functions of `tests/unit_core/test_search.py`, on which no search may fall short."""
+"""The functions of `tests/unit_core/optimise/test_search.py`, on which no search may fall short."""
 
 NARROW = 1e-5
 """By how much a search may fall short of `KNOWN`: what the tests ask for at a jump."""

@@ -1,7 +1,7 @@
 """Prints the error of the time stepping against the step, its order, and its speed.
 
-`python -m benchmarks.stepping_order`. Exact values: theory 13.8 (v), (vi), the worked means of
-theory 15, and the reference method in space.
+`python -m benchmarks.stepping_order`. Exact values: theory 13.8 (v), (vi), the worked means
+of tests/data, and the reference method in space.
 """
 
 from __future__ import annotations
@@ -14,20 +14,11 @@ from typing import Any
 import numpy as np
 
 from benchmarks.motions import planar_stepped_motion, reference_motion, stepped_motion, stepped_path
+from benchmarks.worked_values import MEAN_VELOCITIES
 from core.accuracy.curves import fitted_slope
 
 STEPS = (100, 300, 1000, 3000, 10000, 30000, 100000)
 REST = {"drive_number_along": 0.0, "drive_number_across": 0.0, "drive_number_normal": 0.0}
-
-# Theory 15: amplitude (mm), frequency (Hz), beta, gamma (degrees), mu_s, mu_k, eps, mean (m/s).
-WORKED = {
-    "stick-slip": (0.024, 60, 20, 0, 0.35, 0.25, 0.0, 4.3067566120832e-4),
-    "sliding": (0.22, 60, 8, 1, 0.3, 0.3, 0.0, 1.3192764443573e-4),
-    "hop on a climb": (0.3, 50, 28, 2, 0.4, 0.4, 0.0, 0.029158419079761),
-    "hop": (0.4, 60, 25, 0, 0.4, 0.4, 0.0, 0.12799649244377),
-    "hop after hop": (0.5, 60, 28, 0, 0.5, 0.5, 0.0, 0.15359266133662),
-    "chatter": (0.2, 60, 32, 0, 0.4, 0.4, 0.2, 0.034566932320251),
-}
 
 
 def show(name: str, error: Callable[[int], float], steps: tuple[int, ...] = STEPS) -> None:
@@ -67,21 +58,6 @@ def chute(n: int) -> float:
     return abs(found - exact)
 
 
-def planar(name: str) -> tuple[dict[str, float], float]:
-    """Return the groups of a worked value and its mean velocity in g/w."""
-    amplitude, frequency, beta, gamma, static, kinetic, restitution, mean = WORKED[name]
-    w = 2.0 * math.pi * frequency
-    drive = amplitude * 1e-3 * w * w / 9.8
-    groups = {
-        "drive_number_along": drive * math.cos(math.radians(beta)),
-        "drive_number_normal": drive * math.sin(math.radians(beta)),
-        "gravity_number_along": math.sin(math.radians(gamma)),
-        "gravity_number_normal": math.cos(math.radians(gamma)),
-        "friction_static": static, "friction_kinetic": kinetic, "restitution": restitution,
-    }  # fmt: skip
-    return groups, mean * w / 9.8
-
-
 def cells(count: int, across: bool) -> dict[str, Any]:
     """Return random cells: drives of 0.5 to 5 g, slides and hops."""
     random = np.random.default_rng(5)
@@ -113,8 +89,8 @@ def main() -> None:
     print("error against steps a period:", *STEPS)
     show("disc, travel", disc)
     show("chute, speed", chute)
-    for name in WORKED:
-        groups, mean = planar(name)
+    for name, case in MEAN_VELOCITIES.items():
+        groups, mean = case.groups(), case.scaled
 
         def error(n: int, groups: dict[str, float] = groups, mean: float = mean) -> float:
             return abs(float(planar_stepped_motion(**groups, steps_per_period=n).velocity) - mean)

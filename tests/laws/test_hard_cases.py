@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.worked_values import MEAN_VELOCITIES
 from core.accuracy import extremes
 from core.accuracy.extremes import (
     Computed,
@@ -23,6 +24,7 @@ from core.accuracy.extremes import (
     worst_of_families,
 )
 from core.accuracy.hard_cases import HARD_CASES, HardCase
+from core.accuracy.hard_cases.studies import WORKED
 from core.accuracy.textbook import Answer, exact
 from core.motion import cells
 from core.watch import Watch
@@ -176,3 +178,17 @@ def test_the_report_has_the_worst_first_and_then_all() -> None:
     assert table.variables["passed"].values.tolist() == [1, 1, 0]
     assert table.to_xarray().sizes == {"case": 3}
     assert run_catalogue(Watch(stop=lambda: True), some) == []
+
+
+@pytest.mark.parametrize(
+    ("case", "worked"),
+    [
+        ("motion with shrinking hops", "chatter"),
+        ("regularised, slip speed 1e-06", "stick-slip"),
+        ("regularised, stiffness 1e+06", "hop"),
+    ],
+)
+def test_what_the_catalogue_repeats_is_a_worked_value(case: str, worked: str) -> None:
+    answer = BY_NAME[case].answer()
+    assert answer.source == WORKED
+    assert answer.value == MEAN_VELOCITIES[worked].value

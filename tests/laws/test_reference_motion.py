@@ -9,39 +9,23 @@ import numpy as np
 import pytest
 
 from benchmarks.motions import reference_motion, reference_path, stepped_path
+from benchmarks.worked_values import GRAVITY, MEAN_VELOCITIES
 from core.motion.result import STATUS
 
-GRAVITY = 9.8
 NO_DRIVE: dict[str, Any] = {
     "drive_number_along": 0.0, "drive_number_across": 0.0, "drive_number_normal": 0.0
 }  # fmt: skip
 
-# Theory 15: amplitude (mm), frequency (Hz), beta, gamma (degrees), mu_s, mu_k, eps, mean (m/s).
-WORKED = {
-    "stick-slip": (0.024, 60, 20, 0, 0.35, 0.25, 0.0, 4.3067566120832e-4),
-    "sliding": (0.22, 60, 8, 1, 0.3, 0.3, 0.0, 1.3192764443573e-4),
-    "hop on a climb": (0.3, 50, 28, 2, 0.4, 0.4, 0.0, 0.029158419079761),
-    "hop": (0.4, 60, 25, 0, 0.4, 0.4, 0.0, 0.12799649244377),
-    "hop after hop": (0.5, 60, 28, 0, 0.5, 0.5, 0.0, 0.15359266133662),
-    "chatter": (0.2, 60, 32, 0, 0.4, 0.4, 0.2, 0.034566932320251),
-}
 
-
-@pytest.mark.parametrize("name", WORKED)
+@pytest.mark.parametrize("name", MEAN_VELOCITIES)
 def test_worked_mean_velocities(name: str) -> None:
-    amplitude, frequency, beta, gamma, static, kinetic, restitution, mean = WORKED[name]
-    w = 2.0 * math.pi * frequency
-    drive = amplitude * 1e-3 * w * w / GRAVITY
-    found = reference_motion(
-        drive_number_along=drive * math.cos(math.radians(beta)), drive_number_across=0.0,
-        drive_number_normal=drive * math.sin(math.radians(beta)),
-        gravity_number_along=math.sin(math.radians(gamma)), gravity_number_across=0.0,
-        gravity_number_normal=math.cos(math.radians(gamma)),
-        friction_static=static, friction_kinetic=kinetic, restitution=restitution,
-    )  # fmt: skip
+    case = MEAN_VELOCITIES[name]
+    found = reference_motion(**case.groups())
     assert found.status == STATUS["periodic"]
     assert found.multiple == 1
-    assert float(found.velocity) * GRAVITY / w == pytest.approx(mean, rel=1e-8)
+    assert float(found.velocity) * GRAVITY / case.circular_frequency == pytest.approx(
+        case.value, rel=1e-8
+    )
     shares = found.stick + found.forward + found.backward + found.flight
     # Slips that are begun by quadrature start within 1e-3 of a phase; all phases are counted.
     assert shares == pytest.approx(1.0, abs=1e-9)

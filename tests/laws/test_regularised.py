@@ -9,47 +9,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from benchmarks.motions import regularised_motion
+from benchmarks.worked_values import HOPS, MEAN_VELOCITIES
 from core.motion.methods import regularised
 from core.motion.methods.regularised import COARSER, SAFETY, SOFTER, SOLVERS, TWICE_COARSER
 from core.motion.methods.regularised.laws import PEAK, Cell, laws
 from core.motion.result import STATUS
 
 RANDOM = np.random.default_rng(139)
-GRAVITY = 9.8
-
-
-def groups(amplitude, frequency, beta, gamma, kinetic, static, restitution) -> dict[str, float]:
-    """Return the groups of a straight planar track; amplitude in m, frequency in Hz, degrees."""
-    beta, gamma = math.radians(beta), math.radians(gamma)
-    drive = amplitude * (2 * math.pi * frequency) ** 2 / GRAVITY
-    return {
-        "drive_number_along": drive * math.cos(beta),
-        "drive_number_across": 0.0,
-        "drive_number_normal": drive * math.sin(beta),
-        "gravity_number_along": math.sin(gamma),
-        "gravity_number_across": 0.0,
-        "gravity_number_normal": math.cos(gamma),
-        "friction_kinetic": kinetic,
-        "friction_static": static,
-        "restitution": restitution,
-    }
-
-
-# Mean velocities of theory 15 [m s-1], by closed forms and by a method of events.
-CASES = {
-    "stick-slip": (groups(24e-6, 60, 20, 0, 0.25, 0.35, 0), 60, 4.3067566120832e-4),
-    "sliding": (groups(0.22e-3, 60, 8, 1, 0.3, 0.3, 0), 60, 1.3192764443573e-4),
-    "hop": (groups(0.3e-3, 50, 28, 2, 0.4, 0.4, 0), 50, 0.029158419079761),
-    "long hop": (groups(0.4e-3, 60, 25, 0, 0.4, 0.4, 0), 60, 0.12799649244377),
-    "hop after hop": (groups(0.5e-3, 60, 28, 0, 0.5, 0.5, 0), 60, 0.15359266133662),
-    "chatter": (groups(0.2e-3, 60, 32, 0, 0.4, 0.4, 0.2), 60, 0.034566932320251),
-}
-
-
-def expected(name: str) -> float:
-    """Return the mean velocity in g/w."""
-    _, frequency, velocity = CASES[name]
-    return velocity * 2 * math.pi * frequency / GRAVITY
+GROUPS = {name: case.groups() for name, case in MEAN_VELOCITIES.items()}
 
 
 def motion(given: dict, **changes):
@@ -71,13 +38,13 @@ def motion(given: dict, **changes):
         # The damped floor recovers in 2 x damping ratio/stiffness^(1/2), the ratio growing as
         # stiffness^(1/6).
         ("hop after hop", {"contact_stiffness": [1e7, 1e9]}, -1 / 3),
-        ("long hop", {"contact_stiffness": [1e7, 1e9]}, -1 / 3),
+        ("hop", {"contact_stiffness": [1e7, 1e9]}, -1 / 3),
     ],
 )
 def test_worked_means_are_approached_at_the_order_of_the_laws(name, changes, order):
-    found = motion(CASES[name][0], tolerance=1e-7, **changes)
+    found = motion(GROUPS[name], tolerance=1e-7, **changes)
     assert np.all(found.status == STATUS["periodic"])
-    errors = np.abs(found.velocity - expected(name))
+    errors = np.abs(found.velocity - MEAN_VELOCITIES[name].scaled)
     swept = np.array(next(iter(changes.values())))
     measured = np.diff(np.log(errors)) / np.diff(np.log(swept))
     # Before the limit the next order still adds its share, h^(1/3) at the worst: within a tenth
@@ -85,12 +52,12 @@ def test_worked_means_are_approached_at_the_order_of_the_laws(name, changes, ord
     assert measured == pytest.approx(order, abs=0.1)
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", MEAN_VELOCITIES)
 def test_the_estimate_covers_the_error_without_exaggeration(name):
     # At 1e-7 the laws' error is far above the integrator's, which scatters: at 1e-6 sliding is
     # found, by luck of the steps, between 2 and 100 times as well as estimated.
-    found = motion(CASES[name][0], tolerance=1e-7)
-    error = abs(found.velocity - expected(name))
+    found = motion(GROUPS[name], tolerance=1e-7)
+    error = abs(found.velocity - MEAN_VELOCITIES[name].scaled)
     # Factors 4 and 16: the difference is 1.5 times the error at the slowest orders, somewhat less
     # before the limit, and 3 times at order 1.
     assert 1.2 * SAFETY * error <= found.error <= 3.3 * SAFETY * error
@@ -99,10 +66,10 @@ def test_the_estimate_covers_the_error_without_exaggeration(name):
 @pytest.mark.parametrize(
     # LSODA may stay with its explicit formula after a landing.
     ("name", "solvers"),
-    [("stick-slip", SOLVERS), ("long hop", ("Radau", "BDF"))],
+    [("stick-slip", SOLVERS), ("hop", ("Radau", "BDF"))],
 )
 def test_integrators_agree(name, solvers):
-    found = [motion(CASES[name][0], solver=solver, tolerance=1e-7) for solver in solvers]
+    found = [motion(GROUPS[name], solver=solver, tolerance=1e-7) for solver in solvers]
     for other in found[1:]:
         # A few thousand steps of 1e-7 each; the regularisation's own error is 1e-3 and more.
         assert other.velocity == pytest.approx(float(found[0].velocity), rel=1e-4)
@@ -112,15 +79,15 @@ def test_integrators_agree(name, solvers):
 
 
 def test_flight_and_landing_of_a_hop():
-    """Theory 15: duration and landing speed of the hop at a throw number of 1.2."""
-    given = {**CASES["hop"][0], "gravity_number_along": 0.0, "gravity_number_normal": 1.0}
-    stiffness = np.array([1e6, 1e8])
+    """The hop at a throw number of 1.2."""
+    given = {**GROUPS["hop on a climb"], "gravity_number_along": 0.0, "gravity_number_normal": 1.0}
+    stiffness, hop = np.array([1e6, 1e8]), HOPS[1.2]
     found = motion(given | {"drive_number_normal": 1.2}, contact_stiffness=stiffness)
     # At lift-off the part is still as deep as the weight of its time of recovery, stiffness^(-1/3),
     # makes it: the hop, a cube of time at its start, is late by less than the cube root.
     allowed = (6 * stiffness ** (-4 / 3)) ** (1 / 3)
-    assert np.all(np.abs(2 * np.pi * found.flight - 2.40230492451042) < allowed)
-    assert np.all(np.abs(found.landing_speed - 0.575055135178) < allowed)
+    assert np.all(np.abs(2 * np.pi * found.flight - hop.length) < allowed)
+    assert np.all(np.abs(found.landing_speed - hop.landing_speed) < allowed)
     assert np.all(found.impacts == 1)
     shares = found.stick + found.forward + found.backward + found.flight
     assert shares == pytest.approx(np.ones(2), abs=1e-12)  # cuts of one period
@@ -197,7 +164,7 @@ def test_contact_takes_energy_and_never_pulls(coordinates):
 
 
 def test_energy_is_kept_on_a_floor_without_loss():
-    given = {**CASES["hop"][0], "friction_kinetic": 0.0, "friction_static": 0.0}
+    given = {**GROUPS["hop on a climb"], "friction_kinetic": 0.0, "friction_static": 0.0}
     law = laws(0.0, 0.0, 1.0, 1e-4, 1e4)
     cell = Cell(law, (0.0, 0.0), (0.0, given["gravity_number_normal"]))
     path = solve_ivp(
@@ -212,13 +179,13 @@ def test_energy_is_kept_on_a_floor_without_loss():
 
 def test_a_turned_drive_turns_the_motion():
     """Friction is a disc: across the line of the drive nothing happens (theory 13.1)."""
-    given = {**CASES["long hop"][0]}
+    given = {**GROUPS["hop"]}
     straight = motion(given, planar=False, tolerance=1e-7)
     drive = given["drive_number_along"]
     given["drive_number_along"] = drive * 0.6
     given["drive_number_across"] = drive * 0.8
     turned = motion(given, planar=False, tolerance=1e-7)
-    flat = motion(CASES["long hop"][0], tolerance=1e-7)
+    flat = motion(GROUPS["hop"], tolerance=1e-7)
     # Integrators weigh the errors by component: equal within their tolerance only.
     assert turned.velocity == pytest.approx(0.6 * float(straight.velocity), rel=1e-4)
     assert flat.velocity == pytest.approx(float(straight.velocity), rel=1e-4)
@@ -227,7 +194,7 @@ def test_a_turned_drive_turns_the_motion():
 
 def test_the_problem_is_stiff():
     """An explicit integrator needs steps of slip_speed/friction, whatever it wants to resolve."""
-    given, _, _ = CASES["stick-slip"]
+    given = GROUPS["stick-slip"]
     slip = 1e-8
     drive = given["drive_number_along"], given["drive_number_normal"]
     cell = Cell(laws(0.25, 0.35, 0.0, slip, 1e4), drive, (0.0, 1.0))
@@ -245,7 +212,7 @@ def test_the_problem_is_stiff():
 
 
 def test_a_part_at_rest_creeps_in_proportion_to_the_slip_speed():
-    given = {**CASES["stick-slip"][0], "drive_number_along": 0.1, "drive_number_normal": 0.1}
+    given = {**GROUPS["stick-slip"], "drive_number_along": 0.1, "drive_number_normal": 0.1}
     given["gravity_number_along"] = 0.05
     slip = np.array([1e-3, 1e-4])
     found = motion(given, slip_speed=slip, tolerance=1e-8)
@@ -259,7 +226,7 @@ def test_a_part_at_rest_creeps_in_proportion_to_the_slip_speed():
 
 
 def test_what_has_no_mean_says_so(monkeypatch):
-    given = CASES["hop"][0]
+    given = GROUPS["hop on a climb"]
     steep = motion(given, gravity_number_along=0.6, gravity_number_normal=0.8)
     assert steep.status == STATUS["runaway"]
     assert np.isnan(steep.velocity)
@@ -283,7 +250,7 @@ def test_what_has_no_mean_says_so(monkeypatch):
 
 
 def test_arguments_broadcast_and_wrong_requests_are_refused():
-    given = CASES["stick-slip"][0]
+    given = GROUPS["stick-slip"]
     found = motion(given, friction_kinetic=[[0.25], [0.3]], slip_speed=[1e-3, 1e-4, 1e-5])
     assert all(field.shape == (2, 3) for field in found)
     single = motion(given, friction_kinetic=0.3, slip_speed=1e-4)

@@ -17,6 +17,7 @@ from benchmarks.motions import (
     stepped_motion,
     stepped_path,
 )
+from benchmarks.worked_values import MEAN_VELOCITIES
 from core.motion.result import STATUS
 
 GRAVITY = 9.8
@@ -24,31 +25,12 @@ NO_DRIVE: dict[str, Any] = {
     "drive_number_along": 0.0, "drive_number_across": 0.0, "drive_number_normal": 0.0
 }  # fmt: skip
 
-# Theory 15: amplitude (mm), frequency (Hz), beta, gamma (degrees), mu_s, mu_k, eps, mean (m/s).
-WORKED = {
-    "stick-slip": (0.024, 60, 20, 0, 0.35, 0.25, 0.0, 4.3067566120832e-4),
-    "sliding": (0.22, 60, 8, 1, 0.3, 0.3, 0.0, 1.3192764443573e-4),
-    "hop on a climb": (0.3, 50, 28, 2, 0.4, 0.4, 0.0, 0.029158419079761),
-    "hop": (0.4, 60, 25, 0, 0.4, 0.4, 0.0, 0.12799649244377),
-    "hop after hop": (0.5, 60, 28, 0, 0.5, 0.5, 0.0, 0.15359266133662),
-    "chatter": (0.2, 60, 32, 0, 0.4, 0.4, 0.2, 0.034566932320251),
-}
 HOPS = ("hop on a climb", "hop", "hop after hop", "chatter")
 
 
 def worked(name: str) -> tuple[dict[str, Any], float]:
     """Return the planar groups of a worked value, and its mean velocity in g/w."""
-    amplitude, frequency, beta, gamma, static, kinetic, restitution, mean = WORKED[name]
-    w = 2.0 * math.pi * frequency
-    drive = amplitude * 1e-3 * w * w / GRAVITY
-    groups = {
-        "drive_number_along": drive * math.cos(math.radians(beta)),
-        "drive_number_normal": drive * math.sin(math.radians(beta)),
-        "gravity_number_along": math.sin(math.radians(gamma)),
-        "gravity_number_normal": math.cos(math.radians(gamma)),
-        "friction_static": static, "friction_kinetic": kinetic, "restitution": restitution,
-    }  # fmt: skip
-    return groups, mean * w / GRAVITY
+    return MEAN_VELOCITIES[name].groups(), MEAN_VELOCITIES[name].scaled
 
 
 def spatial(**changes: Any) -> dict[str, Any]:
@@ -135,7 +117,7 @@ def test_curved_chute_at_first_order() -> None:
     np.testing.assert_array_equal(found[-1].position[:, 1:], 0.0)  # it keeps to the corner
 
 
-@pytest.mark.parametrize("name", WORKED)
+@pytest.mark.parametrize("name", MEAN_VELOCITIES)
 def test_worked_mean_velocities(name: str) -> None:
     groups, mean = worked(name)
     found = planar_stepped_motion(**groups, steps_per_period=2000)
@@ -210,7 +192,7 @@ def test_mean_velocity_at_the_wall_is_that_of_the_reference() -> None:
 
 
 def test_planar_motion_is_that_in_space_without_anything_across() -> None:
-    for name in WORKED:
+    for name in MEAN_VELOCITIES:
         groups, _ = worked(name)
         planar = planar_stepped_motion(**groups, steps_per_period=500)
         across = {"drive_number_across": 0.0, "gravity_number_across": 0.0}

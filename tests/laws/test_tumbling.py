@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.motions import tumbling_motion, tumbling_path
+from benchmarks.worked_values import MEAN_VELOCITIES
 from core.mechanics import impact
 from core.motion.bodies import Ball, Cylinder, Rectangle
 from core.motion.kernels.tumbling.geometry import corner_at, speed_scale
@@ -358,33 +359,27 @@ def test_above_throw_number_one_it_leaves():
     assert found.velocity == pytest.approx(0, abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("amplitude", "beta", "gamma", "mu_s", "mu_k", "expected"),
-    [
-        (0.22e-3, 8, 1, 0.3, 0.3, 1.3192764443573e-4),
-        (24e-6, 20, 0, 0.35, 0.25, 4.3067566120832e-4),
-        (0.3e-3, 28, 2, 0.4, 0.4, 0.029158419079761),
-    ],
-)
-def test_a_flat_part_is_conveyed_like_a_point(amplitude, beta, gamma, mu_s, mu_k, expected):
-    # Worked values of theory 15: two-sided sliding, stick-slip, hop without rebound. The part is so
-    # long that it never tips; a hop lands on both ends at once.
-    frequency = 50.0 if beta == 28 else 60.0
-    periods = 400 if beta == 8 else 40
+@pytest.mark.parametrize("name", ["sliding", "stick-slip", "hop on a climb"])
+def test_a_flat_part_is_conveyed_like_a_point(name):
+    # The part is so long that it never tips; a hop lands on both ends at once.
+    case = MEAN_VELOCITIES[name]
+    periods = 400 if name == "sliding" else 40
     path = tumbling_path(
-        part=Rectangle(0.2, 0.001), times=np.array([periods, periods + 1]) / frequency,
-        friction_kinetic=mu_k, friction_static=mu_s, restitution=0.0, frequency=frequency,
-        amplitude=amplitude, beta=np.radians(beta), gamma=np.radians(gamma), gravity=9.8,
+        part=Rectangle(0.2, 0.001), times=np.array([periods, periods + 1]) / case.frequency,
+        friction_kinetic=case.friction_kinetic, friction_static=case.friction_static,
+        restitution=0.0, frequency=case.frequency, amplitude=case.amplitude,
+        beta=np.radians(case.beta), gamma=np.radians(case.gamma), gravity=9.8,
     )  # fmt: skip
     # Order 4 with 64 steps a period, and an end of the transient that decays by the period.
-    assert np.diff(path.along)[0] * frequency == pytest.approx(expected, rel=1e-5)
+    speed = np.diff(path.along)[0] * case.frequency
+    assert speed == pytest.approx(case.value, rel=1e-5)
 
 
 # --- no solution
 
 
 def test_where_a_sliding_corner_has_no_solution_the_run_says_so():
-    # Rectangle at s = 60 degrees: limiting friction 1.34715062811 (theory 15), whatever its shape.
+    # Rectangle at s = 60 degrees: limiting friction 1.347 (theory 2.5), whatever its shape.
     part = Rectangle(0.02, 0.005)
     pitch = np.pi / 3 - np.arctan2(0.005, 0.02)
     slides = {"part": part, "pitch": pitch, "restitution": 0.0, "gravity": GRAVITY}

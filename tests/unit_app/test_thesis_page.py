@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.figures import FIGURES, PAGE, VERDICTS, Judgement, page, picture_of
+from benchmarks.figures.judgement import VERDICTS, Judgement
+from benchmarks.figures.page import FIGURES, PAGE, page
+from benchmarks.figures.studies import picture_of
 from core.scenes import SCENES
 
 ROOT = Path(__file__).parents[2]

@@ -1,0 +1,51 @@
+"""The studies of chapter 5, their data, and where the pictures go."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import cache
+from pathlib import Path
+
+import xarray as xr
+
+from core.study import SweepStudy, load_study, parse_study
+from core.sweep import sweep
+
+ROOT = Path(__file__).parents[2]
+STUDIES = ROOT / "configs" / "figures"
+PICTURES = ROOT / "docs" / "figures"
+
+
+def path_of(number: int) -> Path:
+    """Return the study of figure 5.number."""
+    return STUDIES / f"fig-5-{number}.toml"
+
+
+def picture_of(number: int) -> Path:
+    """Return the picture of figure 5.number."""
+    return PICTURES / f"fig-5-{number}.png"
+
+
+@cache
+def study(number: int) -> SweepStudy:
+    """Return the study of figure 5.number."""
+    return load_study(path_of(number))
+
+
+@cache
+def data(number: int) -> xr.Dataset:
+    """Return the data of figure 5.number."""
+    return sweep(study(number))
+
+
+def changed(number: int, *, variant: str | None = None, **parameters: object) -> xr.Dataset:
+    """Return the figure's data with another variant, or with other values of parameters."""
+    content = tomllib.loads(path_of(number).read_text(encoding="utf-8"))
+    content["parameters"] |= parameters
+    content["variant"] = variant or content["variant"]
+    return sweep(parse_study(content))
+
+
+def fine(start: float, stop: float, step: float) -> dict[str, float]:
+    """Return a range of a study."""
+    return {"start": start, "stop": stop, "step": step}

@@ -1,0 +1,466 @@
+"""Optima: what they tell, what no optimum looks like, and what the user does not know."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from core.errors import StudyError
+from core.kinds import prepare_content, tabulate
+from core.optimise import METHODS, optimise
+from core.optimise.codes import STATUS
+from core.optimise.front import knee
+from core.optimise.labels import BINDS
+from core.plots import PlotError
+from core.plots.optimum import draw_front, draw_landscape
+from core.quantities import OPTIMUM_STATUSES, REGIMES
+from core.study import load_study, parse_study
+from core.sweep import sweep
+from core.watch import Watch
+
+CONFIGS = sorted((Path(__file__).parents[3] / "configs").glob("optimise-*.toml"))
+# The data of figure 5.1 of the source, less strong: below lift-off at the best angles.
+DATA = {"frequency": 60, "amplitude": "0.1 mm", "friction": 0.5, "gravity": 9.8}
+
+
+def content(**change):
+    return {
+        "kind": "optimise",
+        "scene": "rectangle-on-plane",
+        "variant": "thesis",
+        "criterion": {"kind": "limit", "limit": "0.5 m/s^2"},
+        "parameters": DATA,
+        **change,
+    }
+
+
+def solved(**change):
+    return optimise(parse_study(content(**change)))
+
+
+def problems(**change) -> dict[str, str]:
+    with pytest.raises(StudyError) as caught:
+        prepare_content(content(**change))
+    return {problem.place: f"{problem.message}. {problem.fix}" for problem in caught.value.problems}
+
+
+def status(dataset) -> str:
+    (name,) = [n for n, v in STATUS.items() if v == int(dataset.optimum_status)]
+    return name
+
+
+# --- what comes out
+
+
+def test_the_dataset_tells_everything():
+    dataset = solved(
+        parameters={**DATA, "friction": [0.3, 0.5], "gamma": [0, 2, 4]},
+        outputs=["throw_number"],
+        constraints=[{"output": "throw_number", "upper": 0.5}],
+    )
+    assert dataset.sizes == {"friction": 2, "gamma": 3}
+    assert {"objective", "acceleration_x", "acceleration_y", "throw_number"} <= set(dataset)
+    for name in ("limit", "floor_contact", "throw_number_upper"):
+        assert {f"margin_{name}", f"binds_{name}"} <= set(dataset)
+    for name in ("alpha_lower", "alpha_upper", "beta_lower", "beta_upper"):
+        assert f"binds_{name}" in dataset
+    assert dataset.best_beta.attrs["long_name"].startswith("Best ")
+    assert dataset.best_beta.attrs["units"] == "degree"
+    assert dataset.objective.attrs["output"] == "acceleration_x"
+    assert list(dataset.optimum_status.attrs["flag_values"]) == list(range(len(OPTIMUM_STATUSES)))
+    assert dataset.binds_limit.attrs["flag_meanings"] == " ".join(BINDS)
+    for key in ("criterion", "method", "message", "elapsed_seconds", "study", "study_sha256"):
+        assert dataset.attrs[key]
+    assert dataset.attrs["criterion"] == "largest acceleration_x with |acceleration_y| <= 0.5 m s-2"
+    # Where it binds the margin is nothing, and the throw number its bound.
+    tight = dataset.binds_throw_number_upper.values == 1
+    assert tight.any()
+    np.testing.assert_allclose(dataset.throw_number.values[tight], 0.5, rtol=1e-7)
+    np.testing.assert_array_equal(dataset.margin_throw_number_upper.values[tight], 0.0)
+    assert (dataset.optimality_residual < 1e-6).all()
+    # The dense grid is never better by more than the method's own tolerance.
+    assert (dataset.optimum_gap < 1e-8).all()
+
+
+def test_a_message_says_what_came_out():
+    message = solved().attrs["message"]
+    assert message.startswith("optimal: ")
+    assert "alpha = 4." in message
+    assert message.endswith("binding: limit")
+
+
+def test_a_batch_is_its_single_designs():
+    parameters = {**DATA, "friction": [0.2, 0.4, 0.8], "amplitude": [5e-5, 1e-4, 4e-4]}
+    for change in (
+        {},
+        {"criterion": {"kind": "weighted", "weight": 0.3}},
+        {"method": "population"},
+        {"criterion": {"kind": "pareto", "points": 5}},
+    ):
+        batch = solved(parameters=parameters, **change)
+        for mu, amplitude in itertools.product(parameters["friction"], parameters["amplitude"]):
+            one = solved(parameters={**DATA, "friction": mu, "amplitude": amplitude}, **change)
+            same = batch.sel(friction=mu, amplitude=amplitude)
+            for name in ("best_alpha", "best_beta", "objective", "optimum_status"):
+                np.testing.assert_array_equal(same[name], one[name], err_msg=name)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_finds_the_best_elevation(method):
+    # alpha given, the limit of no concern: beta = atan(mu) (theory 12.1) needs full azimuth.
+    change = {
+        "criterion": {"kind": "maximise"},
+        "parameters": {**DATA, "alpha": 0},
+        "method": None if method == "exact" else method,  # its closed forms are for both angles
+    }
+    dataset = solved(**change)
+    # 26.565 deg; at a smooth top the angle is known to the square root of the objective's error.
+    assert float(dataset.best_beta) == pytest.approx(np.degrees(np.arctan(0.5)), abs=0.02)
+    assert abs(float(dataset.optimum_gap)) < 1e-6
+    assert dataset.sizes == {}
+    assert "best_alpha" not in dataset
+
+
+@pytest.mark.parametrize(
+    ("method", "gap"),
+    [("shgo", 1e-6), ("direct", 1e-3), ("trust-constr", 1e-3), ("grid", 1e-3)],
+)
+def test_the_rougher_methods_come_near(method, gap):
+    # Prices, barriers and grids keep away from edges; the default methods are in the laws.
+    dataset = solved(method=method)
+    assert abs(float(dataset.optimum_gap)) < gap
+    # What is more than a method's own tolerance is admitted.
+    missed = float(dataset.optimum_gap) > max(METHODS[method].tolerance, 1e-6)
+    assert status(dataset) == ("suboptimal" if missed else "optimal")
+
+
+def test_the_residual_does_not_look_across_lift_off():
+    # The best is at lift-off, where the friction disc has a kink in n0.
+    change = {"variant": "physical", "criterion": {"kind": "maximise"}, "method": "population"}
+    kept = solved(parameters={**DATA, "amplitude": "0.5 mm"}, **change)
+    assert int(kept.binds_floor_contact) == 1
+    assert float(kept.optimality_residual) < 1e-8
+
+
+def test_frequency_and_amplitude_can_be_variables():
+    # The strongest drive below lift-off at beta = 20 deg: the bound of the throw number binds.
+    dataset = solved(
+        variant="physical",
+        criterion={"kind": "maximise"},
+        variables={
+            "amplitude": {"lower": "0.01 mm", "upper": "1 mm"},
+            "frequency": {"lower": 40, "upper": "60 Hz"},
+        },
+        parameters={"friction": 0.3, "beta": 20, "gravity": 9.8},
+        constraints=[{"output": "throw_number", "upper": 0.9}],
+    )
+    assert int(dataset.binds_throw_number_upper) == 1
+    w = 2 * np.pi * float(dataset.best_frequency)
+    drive = float(dataset.best_amplitude) * w * w
+    assert drive * np.sin(np.radians(20)) == pytest.approx(0.9 * 9.8, rel=1e-8)
+    floor = 9.8 - drive * np.sin(np.radians(20))
+    expected = drive * np.cos(np.radians(20)) - 0.3 * floor
+    assert float(dataset.objective) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_constraint_on_the_absolute_value_is_the_limit():
+    one = solved()
+    two = solved(
+        criterion={"kind": "maximise"},
+        constraints=[{"output": "acceleration_y", "absolute": True, "upper": 0.5}],
+    )
+    assert two.attrs["method"] == "population"
+    assert float(two.objective) == pytest.approx(float(one.objective), rel=1e-9)
+    assert int(two.binds_acceleration_y_absolute_upper) == 1
+
+
+def test_bounds_of_the_angles_are_kept_and_told():
+    within = {"alpha": {"lower": 10, "upper": 20}, "beta": {"lower": 0, "upper": 5}}
+    dataset = solved(variables=within, criterion={"kind": "maximise"})
+    best = (float(dataset.best_alpha), float(dataset.best_beta))
+    assert best == pytest.approx((10.0, 5.0), rel=1e-15)
+    assert (int(dataset.binds_alpha_lower), int(dataset.binds_beta_upper)) == (1, 1)
+    assert dataset.attrs["method"] == "newton"
+
+
+def test_floor_contact_can_be_given_up():
+    strong = {**DATA, "amplitude": "0.5 mm"}
+    kept = solved(criterion={"kind": "maximise"}, parameters=strong)
+    free = solved(criterion={"kind": "maximise"}, parameters=strong, floor_contact=False)
+    # The thesis's own answer, atan(mu), is beyond lift-off (theory 12.1).
+    assert float(free.best_beta) == pytest.approx(np.degrees(np.arctan(0.5)), abs=1e-9)
+    assert int(free.regime) == REGIMES["flight"].value
+    assert int(kept.regime) == REGIMES["slip"].value
+    assert int(kept.binds_floor_contact) == 1
+    assert float(kept.margin_floor_contact) == 0
+    assert float(kept.best_beta) < float(free.best_beta)
+
+
+def test_the_fastest_true_motion():
+    dataset = optimise(load_study(next(path for path in CONFIGS if "velocity" in path.stem)))
+    # By a plain grid of the simulated motion: 0.17 m/s near 22 deg, far beyond lift-off (7.9 deg).
+    assert float(dataset.best_beta) == pytest.approx(21.8, abs=0.1)
+    assert float(dataset.throw_number) > 2
+    assert abs(float(dataset.optimum_gap)) < 1e-2
+    assert dataset.attrs["motion_method"] == "events"
+
+
+def test_a_small_feasible_corner_is_searched_as_a_whole():
+    # Both contacts leave a tenth of the angles, with a low point in each of its corners.
+    dataset = solved(
+        scene="rectangle-on-track",
+        variant="physical",
+        criterion={"kind": "minimise"},
+        parameters={
+            "frequency": 25.775, "amplitude": 0.0013445, "gravity": 9.81, "gamma": -9.096,
+            "friction": 0.0941, "delta": 39.83,
+        },
+    )  # fmt: skip
+    assert status(dataset) == "optimal"
+    assert float(dataset.optimum_gap) < 1e-9
+
+
+def test_a_drive_just_strong_enough_moves_the_part():
+    # Friction holds the part at all but a few angles: the choice matters.
+    least = 0.5 * 9.8 / np.sqrt(1.25)
+    amplitude = 1.0005 * least / (2 * np.pi * 60) ** 2
+    dataset = solved(
+        variant="physical",
+        criterion={"kind": "maximise"},
+        parameters={**DATA, "amplitude": amplitude},
+    )
+    assert status(dataset) == "optimal"
+    assert float(dataset.best_beta) == pytest.approx(np.degrees(np.arctan(0.5)), abs=1e-7)
+
+
+def test_knees():
+    corner = np.array([[4.0, 3.9, 3.0, 0.0]])
+    other = np.array([[4.0, 1.0, 0.5, 0.0]])
+    np.testing.assert_array_equal(knee(corner, -other), [[0, 1, 0, 0]])
+    np.testing.assert_array_equal(knee(np.full((1, 3), np.nan), np.zeros((1, 3))), [[1, 0, 0]])
+
+
+# --- pictures
+
+
+def test_a_front_and_its_knee_are_drawn():
+    parameters = {**DATA, "friction": [0.3, 0.5]}
+    dataset = solved(parameters=parameters, criterion={"kind": "pareto", "points": 20})
+    (axes,) = draw_front(dataset).axes
+    curves = [line for line in axes.lines if len(line.get_xdata()) == 20]
+    assert len(curves) == 2
+    np.testing.assert_array_equal(curves[0].get_ydata(), dataset.acceleration_x[0])
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert names == ["friction = 0.3", "friction = 0.5", "knee"]
+
+
+def test_a_landscape_shows_optimum_and_limits():
+    dataset = solved(parameters={**DATA, "friction": [0.3, 0.5]})
+    axes = draw_landscape(dataset, {"friction": 0.5}).axes[0]
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert names == ["edge of limit", "edge of floor contact", "optimum"]
+    (star,) = [line for line in axes.lines if line.get_marker() == "*"]
+    assert star.get_xdata()[0] == dataset.best_beta.values[1]
+    assert star.get_ydata()[0] == dataset.best_alpha.values[1]
+
+
+def test_what_cannot_be_drawn_is_refused():
+    with pytest.raises(PlotError, match="no front"):
+        draw_front(solved())
+    with pytest.raises(PlotError, match="1 variables"):
+        draw_landscape(solved(parameters={**DATA, "alpha": 0}))
+    with pytest.raises(PlotError, match="not ranged"):
+        draw_landscape(solved(), {"gamma": 1})
+    with pytest.raises(PlotError, match="no optimisation"):
+        draw_front(solved().drop_vars("optimum_status"))
+
+
+# --- no optimum
+
+
+def test_a_drive_too_weak_to_move():
+    for method in (None, "population", "slsqp"):
+        dataset = solved(
+            variant="physical",
+            criterion={"kind": "maximise"},
+            parameters={**DATA, "amplitude": "1 um"},
+            method=method,
+        )
+        assert status(dataset) == "no_motion"
+
+
+def test_a_choice_that_does_not_matter():
+    # Straight up, every azimuth is the same direction.
+    dataset = solved(
+        criterion={"kind": "minimise"},
+        parameters={**DATA, "amplitude": "10 um", "beta": 90},
+        method="population",
+    )
+    assert status(dataset) == "flat"
+    assert "does not matter" in dataset.attrs["message"]
+
+
+@pytest.mark.parametrize("method", [None, "slsqp", "population", "grid", "differential_evolution"])
+def test_bounds_that_exclude_everything(method):
+    dataset = solved(
+        parameters={**DATA, "amplitude": "0.5 mm"},
+        variables={"alpha": {"lower": 0, "upper": 90}, "beta": {"lower": 60, "upper": 90}},
+        method=method,
+    )
+    assert status(dataset) == "infeasible"
+    assert np.isnan(dataset.best_beta)
+    assert np.isnan(dataset.objective)
+    assert int(dataset.regime) == REGIMES["not_assessed"].value
+    assert "not_assessed" in dataset.regime.attrs["flag_meanings"]
+    assert dataset.attrs["message"].startswith("infeasible: no choice keeps")
+
+
+@pytest.mark.parametrize("method", ["population", "slsqp", "differential_evolution", "direct"])
+def test_outputs_without_a_value(method):
+    # In flight the floor's resultant is nowhere: NaN would end scipy's differential evolution.
+    change = {
+        "variant": "physical",
+        "criterion": {"kind": "maximise", "output": "pressure_offset_x"},
+        "parameters": {**DATA, "amplitude": "0.5 mm", "height": "10 mm", "length": "20 mm"},
+        "floor_contact": False,
+        "method": method,
+    }
+    nowhere = solved(**change, variables={"beta": {"lower": 30, "upper": 90}})
+    assert status(nowhere) == "no_value"
+    partly = solved(**change, variables={"beta": {"lower": 0, "upper": 90}})
+    assert status(partly) == "optimal"
+    # Sliding: mu times half the height, theory 4.4.
+    assert float(partly.objective) == pytest.approx(0.5 * 0.005, rel=1e-9)
+
+
+@pytest.mark.parametrize("method", ["grid", "population", "slsqp"])
+def test_what_was_never_begun_is_not_computed(method):
+    study = parse_study(content(method=method))
+    dataset = optimise(study, watch=Watch(deadline=0.0))
+    assert status(dataset) == "not_computed"
+
+
+def test_a_study_that_is_stopped_keeps_what_is_finished():
+    asked = []
+
+    def stop() -> bool:
+        asked.append(1)
+        return len(asked) > 1
+
+    prepared = prepare_content(content(parameters={**DATA, "friction": [0.3, 0.5]}, method="slsqp"))
+    table = tabulate(prepared, Watch(stop=stop))
+    statuses = table.variables["optimum_status"].values
+    assert statuses.tolist() == [STATUS["optimal"], STATUS["not_computed"]]
+    assert np.isnan(table.variables["best_beta"].values[1])
+
+
+def test_a_motion_that_is_stopped_amid_a_design_leaves_it_not_computed():
+    """Its last points have no value, since they were not followed: nothing is known of it."""
+    asked = []
+
+    def stop() -> bool:
+        asked.append(1)
+        return len(asked) > 20
+
+    prepared = prepare_content(
+        {
+            "kind": "optimise",
+            "scene": "rectangle-on-plane",
+            "method": "differential_evolution",
+            "criterion": {"kind": "maximise", "output": "conveying_velocity"},
+            "variables": {"beta": {"lower": 0, "upper": 90}},
+            "parameters": {"frequency": 50, "amplitude": "0.3 mm", "friction": [0.2, 0.5]},
+        }
+    )
+    table = tabulate(prepared, Watch(stop=stop))
+    statuses = table.variables["optimum_status"].values
+    assert statuses.tolist() == [STATUS["not_computed"]] * 2
+    assert np.isnan(table.variables["objective"].values).all()
+
+
+# --- what the user does not know, and what matters
+
+
+def uncertain(**change):
+    parameters = {name: value for name, value in DATA.items() if name != "friction"}
+    return {
+        "parameters": parameters,
+        "uncertain": {"friction": {"lower": 0.3, "upper": 0.5}},
+        "criterion": {"kind": "maximise", "output": "acceleration_x"},
+        **change,
+    }
+
+
+class TestRobust:
+    def test_the_worst_friction_of_a_sliding_part_is_the_largest(self):
+        # On the floor a_x = D_x - mu n0 falls with mu: the worst case is the upper end.
+        robust = solved(**uncertain())
+        known = solved(criterion={"kind": "maximise"}, method="population")
+        assert float(robust.objective) == pytest.approx(float(known.objective), rel=1e-9)
+        # A maximum is flat: an error of 1e-9 of the value is one of 3e-5 of the angle.
+        assert float(robust.best_beta) == pytest.approx(float(known.best_beta), abs=3e-3)
+        assert np.isnan(robust.optimality_residual)
+        assert "in the worst case over friction from 0.3 to 0.5" in robust.attrs["criterion"]
+
+    def test_the_mean_of_a_linear_output_is_that_of_the_middle(self):
+        robust = solved(**uncertain(robust="mean"))
+        parameters = {**DATA, "friction": 0.4}
+        known = solved(criterion={"kind": "maximise"}, parameters=parameters, method="population")
+        assert float(robust.objective) == pytest.approx(float(known.objective), rel=1e-9)
+
+    def test_constraints_hold_over_the_whole_interval(self):
+        limit = {"kind": "limit", "limit": "0.5 m/s^2"}
+        robust = solved(**uncertain(criterion=limit))
+        at = {"alpha": float(robust.best_alpha), "beta": float(robust.best_beta)}
+        for friction in np.linspace(0.3, 0.5, 41):
+            parameters = {**DATA, "friction": float(friction), **at}
+            study = {"kind": "sweep", "scene": "rectangle-on-plane", "variant": "thesis",
+                     "outputs": ["acceleration_y"], "parameters": parameters}  # fmt: skip
+            assert abs(float(sweep(parse_study(study)).acceleration_y)) <= 0.5 + 1e-6
+
+    def test_wrong_intervals(self):
+        both = {"friction": {"lower": 0.3, "upper": 0.5}, "gamma": {"lower": 0, "upper": 3}}
+        assert "one is taken" in problems(**uncertain(uncertain=both))["uncertain"]
+        assert "parameters" in problems(**uncertain(parameters=DATA))["uncertain.friction"]
+        assert "front" in problems(**uncertain(criterion={"kind": "pareto"}))["uncertain"]
+        assert "nothing is uncertain" in problems(robust="mean")["robust"]
+        assert "kinks" in problems(**uncertain(method="slsqp"))["method"]
+        assert "method" in problems(**uncertain(method="newton"))
+
+
+class TestSensitivities:
+    def test_powers_are_exponents(self):
+        # P cos(beta) goes with the square of frequency, and with amplitude; not with friction.
+        found = solved(
+            criterion={"kind": "maximise", "output": "drive_along"},
+            parameters={"frequency": 60, "amplitude": ["0.1 mm", "0.2 mm"], "alpha": 0},
+            variables={"beta": {"lower": "20 deg", "upper": "60 deg"}},
+            floor_contact=False,
+            sensitivities=True,
+        )
+        np.testing.assert_allclose(found.sensitivity_frequency, 2, rtol=1e-14)
+        np.testing.assert_allclose(found.sensitivity_amplitude, 1, rtol=1e-14)
+        beta = np.deg2rad(found.best_beta)
+        np.testing.assert_allclose(found.sensitivity_beta, -beta * np.tan(beta), rtol=1e-12)
+        assert "sensitivity_friction" not in found
+
+    def test_those_of_a_smooth_optimum_by_its_own_variables_are_0(self):
+        found = solved(criterion={"kind": "maximise"}, variant="thesis", sensitivities=True,
+                       parameters={**DATA, "amplitude": "0.05 mm"})  # fmt: skip
+        assert float(found.sensitivity_beta) == pytest.approx(0, abs=1e-7)
+
+    def test_motion_is_derived_inside_its_regime(self):
+        found = optimise(load_study(CONFIGS[0].parent / "optimise-robust.toml"))
+        # v/(g/w) depends on p = A0 w^2/g alone: d ln v/d ln f = 2 d ln v/d ln A0 - 1.
+        np.testing.assert_allclose(
+            found.sensitivity_frequency, 2 * found.sensitivity_amplitude - 1, atol=1e-3
+        )
+
+    def test_many_designs_are_refused(self):
+        parameters = {**DATA, "amplitude": {"start": 1e-4, "stop": 2e-4, "num": 2000}}
+        assert (
+            "at most 1,000" in problems(parameters=parameters, sensitivities=True)["sensitivities"]
+        )

@@ -1,0 +1,209 @@
+"""Studies of optimisation: what they accept, and every way to carry one out."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+from typer.testing import CliRunner
+
+from app.cli import app
+from app.main import create_app
+from app.settings import Settings
+from core.catalogue import kind_schema
+from core.errors import StudyError
+from core.kinds import prepare_content
+from core.optimise import METHODS, optimise
+from core.optimise.codes import STATUS
+from core.quantities import REGIMES
+from core.study import load_study, parse_json, parse_study
+
+CONFIGS = sorted((Path(__file__).parents[3] / "configs").glob("optimise-*.toml"))
+# The data of figure 5.1 of the source, less strong: below lift-off at the best angles.
+DATA = {"frequency": 60, "amplitude": "0.1 mm", "friction": 0.5, "gravity": 9.8}
+
+
+def content(**change):
+    return {
+        "kind": "optimise",
+        "scene": "rectangle-on-plane",
+        "variant": "thesis",
+        "criterion": {"kind": "limit", "limit": "0.5 m/s^2"},
+        "parameters": DATA,
+        **change,
+    }
+
+
+def problems(**change) -> dict[str, str]:
+    with pytest.raises(StudyError) as caught:
+        prepare_content(content(**change))
+    return {problem.place: f"{problem.message}. {problem.fix}" for problem in caught.value.problems}
+
+
+# --- what a study may say
+
+
+@pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)
+def test_every_example_has_an_optimum_everywhere(path):
+    dataset = optimise(load_study(path))
+    assert (dataset.optimum_status == STATUS["optimal"]).all()
+    for name, variable in dataset.data_vars.items():
+        if name != "optimality_residual" or "worst case" not in dataset.attrs["criterion"]:
+            assert np.isfinite(variable).all(), name
+        assert variable.dims == dataset.regime.dims, name
+    assert set(np.unique(dataset.regime)) <= set(dataset.regime.attrs["flag_values"])
+    assert (dataset.regime != REGIMES["not_assessed"].value).all()
+
+
+def test_there_is_an_example_of_every_criterion():
+    kinds = {tomllib.loads(path.read_text())["criterion"]["kind"] for path in CONFIGS}
+    assert kinds == {"weighted", "limit", "pareto", "maximise", "minimise"}
+
+
+def test_all_mistakes_are_told_at_once():
+    found = problems(
+        variant="theses",
+        colour="red",
+        criterion={"kind": "limit", "limit": "5 kg", "weight": 2},
+        variables={"beta": {"lower": "90 deg", "upper": 10}, "betta": {"lower": 0, "upper": 1}},
+        constraints=[{"output": "throw_number", "uper": 1}],
+        parameters={**DATA, "amplitude": "-1 mm"},
+    )
+    assert set(found) == {
+        "variant",
+        "colour",
+        "criterion.limit",
+        "criterion.weight",
+        "variables.beta",
+        "variables.betta",
+        "constraints.0.uper",
+        "parameters.amplitude",
+    }
+    assert "thesis" in found["variant"]
+    assert "weight' is not a key of the criterion 'limit'" in found["criterion.weight"]
+    assert "not above" in found["variables.beta"]
+    assert "Did you mean 'beta'" in found["variables.betta"]
+
+
+@pytest.mark.parametrize(
+    ("change", "place", "words"),
+    [
+        ({"criterion": {"kind": "limit"}}, "criterion.limit", "missing"),
+        ({"criterion": {"kind": "limit", "limit": -1}}, "criterion.limit", "0 or more"),
+        ({"criterion": {"kind": "limit", "limit": None}}, "criterion.limit", "number"),
+        ({"criterion": {"kind": "maximise", "output": "regime"}}, "criterion.output", "a name"),
+        ({"constraints": [{"output": "regime", "upper": 1}]}, "constraints.0.output", "a name"),
+        ({"kind": "optimize", "constraints": 5}, "constraints", "tuple"),
+        ({"criterion": {"kind": "limits", "limit": 1}}, "criterion.kind", "Did you mean 'limit'"),
+        ({"criterion": {"limit": 1}}, "criterion.kind", "missing"),
+        ({"criterion": {"kind": "weighted", "weight": -1}}, "criterion.weight", "greater"),
+        ({"criterion": {"kind": "pareto", "points": 1}}, "criterion.points", "greater"),
+        (
+            {"criterion": {"kind": "maximise", "output": "acceleration_v"}},
+            "criterion.output",
+            "Did you mean 'acceleration_",
+        ),
+        (
+            {"criterion": {"kind": "weighted", "against": "acceleration_x"}},
+            "criterion.against",
+            "the output itself",
+        ),
+        ({"variables": {"beta": {"lower": -200, "upper": 0}}}, "variables.beta", "at least -180"),
+        ({"variables": {"beta": {"lower": 0}}}, "variables.beta", "bounds"),
+        (
+            {"variables": {"friction": {"lower": 0, "upper": 1}}},
+            "variables.friction",
+            "also given as a parameter",
+        ),
+        ({"variables": {"mass": {"lower": 0.1, "upper": 1}}}, "variables.mass", "not used"),
+        ({"constraints": [{"output": "throw_number"}]}, "constraints.0", "bounds nothing"),
+        (
+            {"constraints": [{"output": "throw_number", "lower": 2, "upper": 1}]},
+            "constraints.0",
+            "above",
+        ),
+        ({"constraints": [{"output": "throw_numbr", "upper": 1}]}, "constraints.0.output", "Did"),
+        (
+            {"constraints": [{"output": "throw_number", "upper": n} for n in (1, 2)]},
+            "constraints.1",
+            "already",
+        ),
+        ({"method": "slsq"}, "method", "Did you mean 'slsqp'"),
+        ({"method": "minimize_scalar"}, "method", "one variable"),
+        ({"method": "newton", "criterion": {"kind": "weighted"}}, "method", "Leave method out"),
+        ({"scene": "rectangle-isolated", "variant": None}, "criterion.output", "no output"),
+        ({"parameters": {**DATA, "beta": 1, "alpha": 2}}, "variables", "nothing is left"),
+        ({"parameters": {"frequency": 60, "friction": 0.5}}, "parameters.amplitude", "missing"),
+        ({"outputs": ["speed_x"]}, "outputs", "no output"),
+    ],
+)  # fmt: skip
+def test_a_mistake_is_told_with_its_place(change, place, words):
+    found = problems(**change)
+    assert place in found, found
+    assert words in found[place], found
+
+
+def test_equal_studies_share_one_key_and_come_back_from_their_canonical_form():
+    one = parse_study(content())
+    two = parse_study(
+        content(
+            criterion={"kind": "limit", "limit": 0.5, "output": "acceleration_x"},
+            parameters={**DATA, "amplitude": 1e-4},
+        )
+    )
+    assert one.key() == two.key()
+    assert parse_json(one.canonical()).key() == one.key()
+    wide = parse_study(content(variables={"beta": {"lower": "0.1 rad", "upper": 80}}))
+    assert parse_json(wide.canonical()).key() == wide.key() != one.key()
+
+
+def test_the_schema_tells_criteria_apart_and_names_the_methods():
+    schema = kind_schema("optimise")
+    assert set(schema["properties"]["criterion"]["discriminator"]["mapping"]) == {
+        "weighted", "limit", "pareto", "maximise", "minimise",
+    }  # fmt: skip
+    assert schema["properties"]["method"]["enum"] == [*METHODS, None]
+    assert "conveying_velocity" in schema["properties"]["outputs"]["items"]["enum"]
+    json.dumps(schema, allow_nan=False)
+
+
+# --- by command and by request
+
+
+def test_by_command_by_request_and_by_call(tmp_path):
+    import xarray
+
+    path = next(path for path in CONFIGS if "pareto" in path.stem)
+    study = tomllib.loads(path.read_text())
+    called = optimise(parse_study(study))
+    ran = CliRunner().invoke(app, ["run", str(path), "-o", str(tmp_path / "front.nc")])
+    assert ran.exit_code == 0, ran.output
+    assert "the whole front, method exact" in ran.output
+    xarray.testing.assert_equal(xarray.load_dataset(tmp_path / "front.nc"), called)
+    planned = CliRunner().invoke(app, ["run", "--dry-run", str(path)])
+    assert planned.exit_code == 0
+    assert "by the choice of alpha, beta" in planned.output
+    with TestClient(create_app(Settings(data_directory=tmp_path / "data"))) as client:
+        reply = client.post("/processes/optimise/execution", json={"inputs": {"study": study}})
+        assert reply.status_code == 200, reply.text
+        wrong = client.post("/processes/optimise/execution", json={**study, "kind": "sweep"})
+        assert wrong.status_code == 422
+        stopped = TestClient(
+            create_app(Settings(data_directory=tmp_path / "more", max_execution_seconds=1e-9))
+        )
+        with stopped:
+            left = stopped.post(
+                "/processes/optimise/execution", json={**content(), "method": "slsqp"}
+            )
+    body = reply.json()
+    assert body["complete"]
+    assert body["cells"] == 400
+    best = np.array(body["variables"]["best_alpha"]["data"])
+    np.testing.assert_array_equal(best, called.best_alpha.values)
+    assert body["variables"]["optimum_status"]["flags"]["optimal"] == 0
+    assert not left.json()["complete"]
+    assert left.json()["variables"]["best_alpha"]["data"] is None

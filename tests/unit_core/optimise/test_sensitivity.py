@@ -1,0 +1,364 @@
+"""Sensitivities against exact derivatives at 60 digits, and against laws."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from core.errors import StudyError
+from core.optimise.sensitivities import motion_sensitivities, sensitivities
+from core.plan import plan as plans
+from core.scenes import SCENES
+from core.scenes.scene import Equation, Scene
+from exact_planes import FORMULAS, Point
+from plane_points import parameters, random_point
+
+POINTS, PAIRS = 4, 24  # random points of a variant, and derivatives taken at each
+
+
+# --- closed forms against 60 digits
+
+
+def condition(derivative, given):
+    """Return the condition number of a derivative, by all inputs, at least 1."""
+    value, step = derivative(given), mpf(10) ** -12
+    total = mpf(0)
+    for name, x in given.items():
+        if x != 0:
+            beside = derivative({**given, name: x * (1 + step)})
+            total += abs(beside - value) / step
+    return max(mpf(1), total / abs(value)) if value else None
+
+
+def check(output, parameter, found, derivative, given):
+    """Compare with the exact derivative: 1e-12 of it, times its condition number."""
+    exact = derivative(given)
+    if not exact:
+        # What is 0 by cancellation has no relative error; the terms are below 1e5.
+        assert abs(found.derivative) <= 1e-9, (output, parameter)
+        return
+    error = abs(mpf(found.derivative) - exact) / abs(exact)
+    allowed = mpf(1e-12) * condition(derivative, given) + mpf(found.error) / abs(exact)
+    assert error <= allowed, (output, parameter, found, mp.nstr(exact, 20), mp.nstr(error, 3))
+
+
+@pytest.mark.parametrize(
+    ("scene", "variant"), [(s, v) for s in FORMULAS for v in SCENES[s].variants]
+)
+def test_planes_and_track_at_sixty_digits(scene, variant):
+    rng = np.random.default_rng(7)
+    names = parameters(scene, [variant])
+    outputs = [name for name in SCENES[scene].outputs(variant) if name != "regime"]
+    compared = 0
+    for _ in range(POINTS):
+        point = random_point(scene, rng)
+        point = {name: float(point[name]) for name in names}
+        given = {name: mpf(value) for name, value in point.items()}
+        found = sensitivities(scene, variant, outputs, point, names)
+        for number in rng.choice(len(found), PAIRS, replace=False):
+            (output, parameter), one = list(found.items())[number]
+
+            def derivative(at, output=output, parameter=parameter):
+                h = mpf(10) ** -24 * (abs(at[parameter]) or 1)
+                low, high = (
+                    getattr(
+                        Point(scene, variant, {**at, parameter: at[parameter] + way * h}),
+                        output,
+                    )
+                    for way in (-1, 1)
+                )
+                return (high - low) / (2 * h)
+
+            if math.isnan(one.derivative):
+                assert one.note
+                continue
+            with mp.workdps(90):
+                check(output, parameter, one, derivative, given)
+            compared += 1
+    assert compared >= POINTS * PAIRS / 2
+
+
+# --- the other scenes against differences of the scenes themselves
+
+
+ORDINARY = {
+    "frequency": 47.0, "amplitude": 2.1e-4, "friction": 0.31, "gravity": 9.81, "alpha": 0.23,
+    "beta": 0.37, "mass": 0.021, "length": 0.033, "width": 0.017, "height": 0.012,
+    "diameter": 0.014, "pitch": 0.31, "pitch_rate": 1.7, "centre_height": 0.03,
+    "centre_along": 0.01, "velocity_along": 0.13, "velocity_upward": -0.07, "axis_yaw": 0.21,
+    "spin_rate": 2.3, "yaw_rate": 1.1, "drilling_moment": 1.3e-4,
+    "position_x_1": 0.001, "position_y_1": 0.0161, "angle_1": 0.4, "length_1": 0.02,
+    "width_1": 0.012, "mass_1": 0.02, "velocity_x_1": 0.1, "velocity_y_1": -0.2, "spin_1": 1.0,
+    "position_x_2": 0.0, "position_y_2": 0.0, "angle_2": 0.1, "length_2": 0.025, "width_2": 0.011,
+    "mass_2": 0.03, "velocity_x_2": -0.05, "velocity_y_2": 0.1, "spin_2": -0.7,
+    "restitution": 0.4, "contact_tolerance": 0.5,
+}  # fmt: skip
+
+
+CYLINDERS = {
+    "position_x_1": 0.0, "position_y_1": 0.0, "position_z_1": 0.0, "azimuth_1": 0.2,
+    "elevation_1": 0.1, "diameter_1": 0.02, "length_1": 0.03, "position_x_2": 0.002,
+    "position_y_2": 0.001, "position_z_2": -0.0168, "azimuth_2": 1.3, "elevation_2": -0.05,
+    "diameter_2": 0.015, "length_2": 0.04, "velocity_x_1": 0.1, "velocity_y_1": 0.05,
+    "velocity_z_1": -0.3, "spin_x_1": 1.0, "spin_y_1": -2.0, "spin_z_1": 0.5,
+    "velocity_x_2": -0.1, "velocity_y_2": 0.02, "velocity_z_2": 0.1, "spin_x_2": 0.3,
+    "spin_y_2": 0.7, "spin_z_2": -1.0,
+}  # fmt: skip
+
+
+def taken(scene, variant, outputs):
+    """Return the ordinary values that the outputs need."""
+    ordinary = ORDINARY | (CYLINDERS if scene == "cylinder-pair-impact" else {})
+    parameters = plans.scene_parameters(SCENES[scene], variant)
+    known = {name: ordinary[name] for name in parameters if name in ordinary}
+    try:
+        plans.make_plan(scene, variant, outputs, known)
+    except StudyError as error:
+        unused = {problem.place.split(".")[1] for problem in error.problems}
+        known = {name: value for name, value in known.items() if name not in unused}
+    return known
+
+
+def values(scene, variant, outputs, point):
+    plan = plans.make_plan(scene, variant, outputs, point)
+    known = {name: np.asarray(value) for name, value in {**plan.defaults, **point}.items()}
+    for equation in plan.equations:
+        known[equation.gives] = equation.function(**{n: known[n] for n in equation.inputs})
+    return {name: float(known[name]) for name in plan.outputs}
+
+
+@pytest.mark.parametrize(
+    ("scene", "variant"),
+    [
+        (s, v)
+        for s in ("rectangle-isolated", "cylinder-isolated", "rectangle-pair-impact",
+                  "cylinder-rolling")
+        for v in SCENES[s].variants
+    ]
+    + [("cylinder-pair-impact", "moreau")],
+)  # fmt: skip
+def test_the_other_scenes_against_differences(scene, variant):
+    # Fourth order, step 1e-3: truncation of order 1e-12 and rounding of order 1e-13/1e-3, both
+    # relative to the value's own scale, value over parameter; bends may be a hundred times that.
+    outputs = [name for name in SCENES[scene].outputs(variant) if name != "regime"]
+    point = taken(scene, variant, outputs)
+    rng = np.random.default_rng(3)
+    chosen = list(rng.choice(sorted(n for n in point if point[n] != 0), 4, replace=False))
+    found = sensitivities(scene, variant, outputs, point, chosen)
+    at = values(scene, variant, outputs, point)
+    compared = 0
+    for parameter in chosen:
+        h = 1e-3 * abs(point[parameter])
+        m2, m1, p1, p2 = (
+            values(scene, variant, outputs, point | {parameter: point[parameter] + k * h})
+            for k in (-2, -1, 1, 2)
+        )
+        for output in outputs:
+            one = found[output, parameter]
+            if math.isnan(one.derivative):
+                assert one.note
+                continue
+            expected = (8 * (p1[output] - m1[output]) - (p2[output] - m2[output])) / (12 * h)
+            scale = abs(at[output] / point[parameter]) + abs(expected)
+            # What is 0 but for rounding, as residuals are, has terms of order 1e-2 to 1.
+            allowed = 1e-8 * scale + 1e-11
+            assert one.derivative == pytest.approx(expected, abs=allowed), (output, parameter)
+            compared += 1
+    assert compared > len(outputs)
+
+
+# --- laws
+
+
+def test_a_power_law_gives_its_exponent_exactly():
+    point = {"frequency": 53.0, "amplitude": 2.7e-4}
+    found = sensitivities(
+        "rectangle-on-plane", None, ["vibration_acceleration"], point, ["frequency", "amplitude"]
+    )
+    assert found["vibration_acceleration", "frequency"].logarithmic == pytest.approx(2, rel=4e-16)
+    assert found["vibration_acceleration", "amplitude"].logarithmic == pytest.approx(1, rel=4e-16)
+    assert found["vibration_acceleration", "amplitude"].error == 0
+
+
+def test_dimensions_bind_the_exponents():
+    # A velocity is m s-1, so that stretching every length, or every time, must stretch it alike.
+    point = {
+        "frequency": 50.0, "amplitude": 3e-4, "alpha": 0.2, "beta": 0.3, "gamma": 0.05,
+        "delta": 0.4, "friction": 0.3, "radius": 0.2, "distance": 0.5, "gravity": 9.81,
+    }  # fmt: skip
+    parameters = ["amplitude", "radius", "distance", "frequency", "gravity"]
+    of = sensitivities("rectangle-on-track", None, ["transport_velocity"], point, parameters)
+    amplitude, radius, distance, frequency, gravity = (
+        of["transport_velocity", name].logarithmic for name in parameters
+    )
+    assert amplitude + radius + distance + gravity == pytest.approx(1, abs=1e-13)  # metres
+    assert frequency + 2 * gravity == pytest.approx(1, abs=1e-13)  # per second
+
+
+def test_a_removable_singularity_is_met_from_both_sides():
+    # v^2 = 2 K x phi(s): at speed 0 and mu = 0 phi switches to its limit, with the slope -1/2.
+    point = {
+        "frequency": 50.0, "amplitude": 3e-4, "beta": 0.3, "gamma": 0.0, "delta": 0.0,
+        "friction_kinetic": 0.0, "radius": 0.2, "distance": 0.5,
+    }  # fmt: skip
+    one = sensitivities(
+        "rectangle-on-track", "derived", ["transport_velocity"], point, ["friction_kinetic"]
+    )["transport_velocity", "friction_kinetic"]
+    P = 3e-4 * (100 * math.pi) ** 2
+    K, x, R = P * math.cos(0.3), 0.5, 0.2
+    # K has no slope by mu on a level track with alpha = 0; ds/dmu = 2 x/R.
+    assert one.derivative == pytest.approx(-math.sqrt(2 * K * x) * x / (2 * R), rel=1e-9)
+    assert "both sides" in one.note
+
+
+def test_a_jump_has_no_derivative():
+    # The part lets go: below the limit of static friction it rests, above it slides at once.
+    point = {
+        "frequency": 50.0, "amplitude": 1e-4, "beta": 0.2, "friction_static": 0.4,
+        "friction_kinetic": 0.2,
+    }  # fmt: skip
+    P, G = 1e-4 * (100 * math.pi) ** 2, 9.80665
+    limit = P * math.cos(0.2) / (G - P * math.sin(0.2))
+    name = "rectangle-on-plane"
+    near = sensitivities(
+        name, "physical", ["acceleration_x"], point | {"friction_static": limit},
+        ["friction_static", "friction_kinetic"],
+    )  # fmt: skip
+    free = sensitivities(
+        name, "physical", ["acceleration_x"], point, ["friction_static", "friction_kinetic"]
+    )
+    assert free["acceleration_x", "friction_static"].derivative == 0
+    one = near["acceleration_x", "friction_static"]
+    # The limit itself is rounded: the tie is met, or the point lies just in slip.
+    assert one.derivative == 0 or (math.isnan(one.derivative) and "jump" in one.note)
+
+
+def test_a_kink_has_no_derivative():
+    # max(0, n0) at lift-off: slope -sin(beta) below, 0 above.
+    beta, frequency = math.pi / 2, 1 / (2 * math.pi)
+    found = sensitivities(
+        "rectangle-on-plane", "physical", ["floor_acceleration"],
+        {"frequency": frequency, "amplitude": 1.0, "beta": beta, "gravity": 1.0}, ["gravity"],
+    )["floor_acceleration", "gravity"]  # fmt: skip
+    assert math.isnan(found.derivative)
+    assert "at a switch" in found.note
+
+
+def test_even_functions_have_slope_0_where_they_turn():
+    point = {"frequency": 50.0, "amplitude": 3e-4, "beta": 0.3, "friction": 0.2, "alpha": 0.0}
+    found = sensitivities(
+        "cylinder-on-plane", "physical", ["acceleration_x"], point, ["alpha", "beta"]
+    )
+    assert found["acceleration_x", "alpha"].derivative == pytest.approx(0, abs=1e-12)
+
+
+def test_a_parameter_that_plays_no_part_is_refused():
+    with pytest.raises(StudyError, match="radius"):
+        sensitivities(
+            "rectangle-on-plane", None, ["vibration_acceleration"],
+            {"frequency": 50.0, "amplitude": 1e-4}, ["radius"],
+        )  # fmt: skip
+
+
+def test_an_equation_without_rules_is_named(monkeypatch):
+    scene = SCENES["rectangle-on-plane"]
+    steps = Equation("vibration_acceleration", lambda *, frequency: np.floor(frequency), "none")
+    bad = Scene("bad", "bad", "none", "none", {"one": (steps,)}, "one", {"one": ()})
+    monkeypatch.setitem(plans.SCENES, scene.name, bad)
+    with pytest.raises(StudyError, match=r"vibration_acceleration.*floor"):
+        sensitivities(
+            scene.name, None, ["vibration_acceleration"], {"frequency": 50.0}, ["frequency"]
+        )
+
+
+# --- simulated motion
+
+
+def test_motion_in_hop_after_hop_has_its_exact_exponents():
+    # v = pi g cos(beta + gamma)/(w sin beta): -1 for frequency, 0 for amplitude (theory 13.8).
+    beta, throw, w = 0.4, 3.5, 2 * math.pi * 50
+    point = {
+        "frequency": 50.0, "amplitude": throw * 9.81 / (math.sin(beta) * w * w), "beta": beta,
+        "friction": 0.4, "gravity": 9.81,
+    }  # fmt: skip
+    of = motion_sensitivities(
+        "rectangle-on-plane",
+        None,
+        ["conveying_velocity"],
+        point,
+        ["frequency", "amplitude", "beta"],
+    )
+    exact = {
+        "frequency": -1.0, "amplitude": 0.0, "beta": -beta / (math.sin(beta) * math.cos(beta))
+    }  # fmt: skip
+    for name, exponent in exact.items():
+        one = of["conveying_velocity", name]
+        assert one.logarithmic == pytest.approx(exponent, abs=1e-9)
+        assert abs(one.logarithmic - exponent) <= 1e-12 + 100 * one.error * point[name] / 0.14
+
+
+def test_motion_with_two_sided_sliding_against_its_closed_form():
+    # gamma = 0, theory 13.8 (i): the velocity in closed form, its slope by mu from 40 digits.
+    beta, mu, P, w, g = 0.3, 0.2, 30.0, 300.0, 9.81
+
+    def speed(m):
+        q = m * mp.tan(beta)
+        sine = mp.pi * m * g / (2 * P * mp.cos(beta) * mp.cos(mp.pi * q / 2))
+        bracket = (1 + q * q) * mp.sin(mp.pi * q / 2) + 2 * q / mp.pi * mp.cos(mp.pi * q / 2)
+        return P / w * mp.cos(beta) * mp.sqrt(1 - sine * sine) * bracket
+
+    point = {
+        "frequency": w / (2 * math.pi), "amplitude": P / w**2, "beta": beta, "gravity": g,
+        "friction": mu,
+    }  # fmt: skip
+    one = motion_sensitivities(
+        "rectangle-on-plane", None, ["conveying_velocity"], point, ["friction"]
+    )["conveying_velocity", "friction"]
+    with mp.workdps(40):
+        exact = float(mp.diff(speed, mpf(mu)))
+    # Rounding of the velocities, 1e-15, over the least steps that took part.
+    assert one.derivative == pytest.approx(exact, rel=1e-8)
+
+
+def test_scaling_binds_the_exponents_of_motion():
+    # (A, f, g) -> (A, s f, s^2 g) gives s v (theory 13.8).
+    point = {
+        "frequency": 50.0, "amplitude": 3e-4, "beta": 0.3, "gamma": 0.02, "friction": 0.3,
+        "gravity": 9.81,
+    }  # fmt: skip
+    names = ["frequency", "gravity", "amplitude"]
+    of = motion_sensitivities("rectangle-on-plane", None, ["conveying_velocity"], point, names)
+    f, g, a = (of["conveying_velocity", name].logarithmic for name in names)
+    assert f + 2 * g == pytest.approx(1, abs=1e-7)
+    assert a + g == pytest.approx(1, abs=1e-7)
+
+
+def test_motion_at_the_edge_of_its_regime_has_no_derivative():
+    # At throw number 1 hops begin: one side slides, the other hops.
+    beta, w = 0.4, 2 * math.pi * 50
+    amplitude = 9.81 / (math.sin(beta) * w * w)
+    point = {
+        "frequency": 50.0, "amplitude": amplitude, "beta": beta, "friction": 0.4, "gravity": 9.81
+    }  # fmt: skip
+    one = motion_sensitivities(
+        "rectangle-on-plane", None, ["conveying_velocity"], point, ["amplitude"]
+    )["conveying_velocity", "amplitude"]
+    assert math.isnan(one.derivative)
+    assert one.note
+
+
+def test_aperiodic_motion_has_no_derivative():
+    point = {
+        "frequency": 50.0, "amplitude": 2.1e-3, "beta": 0.5, "friction": 0.4, "gravity": 9.81,
+        "restitution": 0.6, "most_periods": 50.0,
+    }  # fmt: skip
+    settings = {"most_periods": point.pop("most_periods")}
+    assert settings
+    one = motion_sensitivities(
+        "rectangle-on-plane", None, ["conveying_velocity"], point, ["amplitude"]
+    )["conveying_velocity", "amplitude"]
+    assert math.isnan(one.derivative)
+    assert "aperiodic" in one.note

@@ -1,0 +1,106 @@
+"""A study carried out in pieces is the study carried out as a whole."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from core.dataset.netcdf import write_netcdf
+from core.kinds import KINDS, prepare, prepare_content, tabulate
+from core.plan.pieces import Cut, join
+from core.study import load_study
+from core.watch import Watch
+
+CONFIGS = Path(__file__).parents[3] / "configs"
+STUDIES = {
+    "sweep": {
+        "kind": "sweep",
+        "scene": "rectangle-on-track",
+        "outputs": ["acceleration_x", "floor_force", "transport_velocity"],
+        "parameters": {
+            "frequency": {"start": 20, "stop": 120, "num": 11},
+            "mass": [0.01, 0.02],
+            "amplitude": ["0.35 mm", "0.5 mm", "1 mm"],
+            "alpha": {"start": 0, "stop": 20, "num": 7},
+            "beta": {"start": 0, "stop": 40, "num": 9},
+            "delta": 10,
+            "friction": 0.3,
+            "radius": 0.8,
+            "distance": "0.2 mm",
+        },
+    },
+    "simulate": {
+        "kind": "simulate",
+        "scene": "rectangle-on-plane",
+        "outputs": ["conveying_velocity", "flight_fraction"],
+        "parameters": {
+            "frequency": [30, 50],
+            "amplitude": {"start": "0.05 mm", "stop": "0.75 mm", "num": 13},
+            "beta": {"start": 5, "stop": 60, "num": 5},
+            "friction": 0.4,
+        },
+    },
+    "optimise": {
+        "kind": "optimise",
+        "scene": "cylinder-on-plane",
+        "criterion": {
+            "kind": "pareto",
+            "output": "acceleration_x",
+            "against": "acceleration_y",
+            "points": 5,
+        },
+        "parameters": {
+            "frequency": {"start": 20, "stop": 60, "num": 5},
+            "amplitude": "0.5 mm",
+            "friction": [0.2, 0.3, 0.4],
+        },
+    },
+}
+
+
+def in_pieces(prepared, cells):
+    kind, cut = KINDS[prepared.study.kind], Cut(prepared, cells)
+    boxes = [cut.box(index) for index in range(len(cut))]
+    return cut, join(
+        prepared, ((box, kind.compute(prepared.within(box), Watch())) for box in boxes)
+    )
+
+
+@pytest.mark.parametrize("cells", [1, 7, 100, 1000])
+@pytest.mark.parametrize("study", STUDIES)
+def test_pieces_make_the_same_file(study, cells, tmp_path):
+    prepared = prepare_content(STUDIES[study])
+    _, computed = in_pieces(prepared, cells)
+    write_netcdf(KINDS[study].label(prepared, computed, Watch()), tmp_path / "pieces.nc")
+    write_netcdf(tabulate(prepared), tmp_path / "whole.nc")
+    assert (tmp_path / "pieces.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()
+
+
+@pytest.mark.parametrize("cells", [1, 7, 100, 1000, 10**6])
+@pytest.mark.parametrize("study", STUDIES)
+def test_boxes_cover_the_grid_once(study, cells):
+    prepared = prepare_content(STUDIES[study])
+    cut = Cut(prepared, cells)
+    axes = prepared.cut_axes
+    count = np.zeros([prepared.grid.shape[name] for name in axes], dtype=int)
+    for index in range(len(cut)):
+        box = cut.box(index)
+        count[tuple(slice(*box[name]) if name in box else slice(None) for name in axes)] += 1
+    assert (count == 1).all()
+
+
+def test_pieces_are_no_larger_than_asked_and_not_much_smaller():
+    prepared = prepare_content(STUDIES["sweep"])
+    for cells in (9, 40, 63, 200, 5000):
+        cut = Cut(prepared, cells)
+        sizes = [prepared.within(cut.box(index)).cells for index in range(len(cut))]
+        assert sum(sizes) == prepared.cells
+        assert max(sizes) <= cells
+        assert len(cut) <= 3 * prepared.cells / cells + 1
+
+
+def test_a_course_in_time_is_one_piece():
+    prepared = prepare(load_study(CONFIGS / "trajectory.toml"))
+    cut, computed = in_pieces(prepared, 1)
+    assert len(cut) == 1
+    assert "position_along" in KINDS["simulate"].label(prepared, computed, Watch()).variables

@@ -1,0 +1,26 @@
+"""Worked values of tests/data, computed independently of this code, digit by digit."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.worked_values import CLOSED_FORMS, ClosedForm
+from core.study import parse_study
+from core.sweep import sweep
+
+EXACT = 1e-13
+
+
+@pytest.mark.parametrize(
+    "row", CLOSED_FORMS, ids=lambda row: f"{row.scene}-{row.variant}-{row.output}-{row.value}"
+)
+def test_a_worked_value(row: ClosedForm) -> None:
+    study = {
+        "kind": "sweep", "scene": row.scene, "variant": row.variant, "outputs": [row.output],
+        "parameters": row.given,
+    }  # fmt: skip
+    found = float(sweep(parse_study(study))[row.output])
+    if row.half_unit is None:
+        assert found == pytest.approx(row.value, rel=EXACT)
+    else:
+        assert found == pytest.approx(row.value, abs=row.half_unit, rel=0)
