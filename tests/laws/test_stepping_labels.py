@@ -1,0 +1,69 @@
+"""What time stepping calls a motion on the track does not hang on its steps.
+
+Slips and landings fall on steps, so that a motion that repeats every period runs through a cycle of
+several that differ by what a step changes. On this bowl a third of the cells were called
+`period_doubled` for that.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from core.kinds import prepare_content, tabulate
+
+STUDY = {
+    "kind": "simulate",
+    "scene": "rectangle-on-track",
+    "method": "time-stepping",
+    "outputs": ["conveying_velocity", "conveying_velocity_error", "period_multiple"],
+}
+BOWL = {"frequency": 50, "gamma": 2, "radius": "0.15 m", "friction": 0.2}
+AMPLITUDES, BETAS = np.linspace(1e-4, 6e-4, 11), np.linspace(10.0, 40.0, 7)
+DOUBLED = (AMPLITUDES[:, None] > 0.54e-3) & (BETAS == 40.0)
+"""Where the period doubles in truth, at 0.57 mm and 40 degrees, or nearly."""
+
+
+def bowl(**changes):
+    """Return multiples, velocities and errors over the bowl, or a part of it."""
+    drive = {"amplitude": AMPLITUDES.tolist(), "beta": BETAS.tolist()}
+    given = changes.pop("parameters", {})
+    content = {**STUDY, **changes, "parameters": {**BOWL, **drive, **given}}
+    table = tabulate(prepare_content(content))
+    return [table.variables[name].values for name in ("period_multiple", *STUDY["outputs"][:2])]
+
+
+@pytest.fixture(scope="module")
+def by_steps():
+    return {steps: bowl(steps_per_period=steps) for steps in (250, 1000)}
+
+
+@pytest.mark.parametrize("steps", [250, 1000])
+def test_no_period_is_doubled_by_the_steps(by_steps, steps):
+    multiple, _, _ = by_steps[steps]
+    wrong = (multiple > 1) & ~DOUBLED
+    assert wrong.mean() <= 0.01
+
+
+def test_labels_stay_while_the_motion_stays_within_its_error(by_steps):
+    (coarse, slow, error), (fine, fast, finer) = by_steps.values()
+    answered = np.isfinite(slow) & np.isfinite(fast)
+    assert answered.mean() > 0.95
+    same = np.abs(slow - fast) <= error + finer
+    assert np.mean((coarse != fine)[answered & same & ~DOUBLED]) <= 0.01
+
+
+def test_a_period_that_is_doubled_is_called_so():
+    # Well beyond the doubling: states of two periods differ by more than a hundred steps' changes.
+    multiple, _, _ = bowl(parameters={"amplitude": 6e-4, "beta": 40.0})
+    assert multiple == 2
+
+
+@pytest.mark.parametrize(("amplitude", "beta"), [(2e-4, 15.0), (3.5e-4, 20.0), (4e-4, 35.0)])
+def test_the_reference_says_the_same(by_steps, amplitude, beta):
+    point = {"amplitude": amplitude, "beta": beta}
+    multiple, velocity, error = bowl(method="reference", parameters=point)
+    at = np.argmin(np.abs(AMPLITUDES - amplitude)), np.argmin(np.abs(BETAS - beta))
+    steps, slow, doubt = (values[at] for values in by_steps[1000])
+    assert steps == multiple
+    assert abs(slow - velocity) <= doubt + error
