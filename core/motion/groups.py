@@ -88,6 +88,13 @@ def table(columns: Iterable[ArrayLike]) -> tuple[NDArray[np.float64], tuple[int,
     return np.stack([array.ravel() for array in arrays], axis=-1), arrays[0].shape
 
 
+def cells_of(
+    fields: Iterable[str], groups: Groups, **settings: ArrayLike
+) -> tuple[NDArray[np.float64], tuple[int, ...]]:
+    """Return the rows of a kernel, whose cell has these fields, and the shape of the cells."""
+    return table(settings[n] if n in settings else getattr(groups, n) for n in fields)
+
+
 def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
     """Return the groups of every cell as plain numbers, and the shape of the cells."""
     rows, shape = table(groups)

@@ -17,23 +17,12 @@ from numpy.typing import ArrayLike, NDArray
 from core.mechanics.arrays import Array
 from core.motion.cells import run_cells
 from core.motion.course import Course, CourseAsked, track_of
-from core.motion.groups import Contacts, Groups, table
+from core.motion.groups import Contacts, Groups, cells_of
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.result import Motion, motion_of
 from core.quantities import MOTION_MODES
 from core.scenes import Constraint
 from core.watch import Watch
-
-COLUMNS = (
-    "drive_number_along",
-    "drive_number_normal",
-    "gravity_number_along",
-    "gravity_number_normal",
-    "friction_static",
-    "friction_kinetic",
-    "restitution",
-)
-"""The groups that a planar motion depends on, in the order of the kernel."""
 
 
 class Path(NamedTuple):
@@ -69,11 +58,12 @@ def planar_motion(
     the drive; `most_periods` bounds how long an aperiodic motion is followed. Equal cells are
     computed once; restitution plays no part in a cell that never lifts off.
     """
-    from core.motion.kernels.planar import solve_cells
+    from core.motion.kernels.planar import Cell, solve_cells
 
     lifts = np.abs(groups.drive_number_normal) > groups.gravity_number_normal
     groups = groups._replace(restitution=np.where(lifts, groups.restitution, 0.0))
-    cells, shape = table([*_columns(groups), tolerance, most_periods])
+    settings = {"tolerance": tolerance, "most_periods": most_periods}
+    cells, shape = cells_of(Cell._fields, groups, **settings)
     return motion_of(*run_cells(solve_cells, cells, watch=watch), shape)
 
 
@@ -91,9 +81,10 @@ def planar_path(groups: Groups, *, tolerance: float, most_periods: float, phases
         on with the next one. An aperiodic motion is shown over the last stretch that was followed,
         some periods long; beyond it all is NaN, and the mode is unknown.
     """
-    from core.motion.kernels.planar import follow, sample
+    from core.motion.kernels.planar import Cell, follow, sample
 
-    cell = np.array([*_columns(groups), tolerance, most_periods])
+    settings = {"tolerance": tolerance, "most_periods": most_periods}
+    (cell,), _ = cells_of(Cell._fields, groups, **settings)
     pieces, shift, way, repeats = follow(cell)
     samples = sample(pieces, cell, shift, phases, repeats)
     return Path(
@@ -104,10 +95,6 @@ def planar_path(groups: Groups, *, tolerance: float, most_periods: float, phases
         samples[:, 3],
         _modes(samples[:, 4], way),
     )
-
-
-def _columns(groups: Groups) -> list[ArrayLike]:
-    return [getattr(groups, name) for name in COLUMNS]
 
 
 def _modes(values: Array, way: float) -> NDArray[np.int8]:

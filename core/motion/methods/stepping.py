@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from core.mechanics.arrays import Array
 from core.motion.cells import run_cells
 from core.motion.course import Course, CourseAsked, track_of
-from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, table
+from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, cells_of
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.path import Path
 from core.motion.result import Motion, motion_of
@@ -31,22 +31,6 @@ MOST_STEPS = 100_000_000
 
 
 SLOW = 1e-9  # in g/w: a normal velocity of a part that stays on the floor
-
-COLUMNS = (
-    "drive_number_along",
-    "drive_number_across",
-    "drive_number_normal",
-    "gravity_number_along",
-    "gravity_number_across",
-    "gravity_number_normal",
-    "curvature_number",
-    "friction_static",
-    "friction_kinetic",
-    "wall_friction",
-    "restitution",
-    "wall_restitution",
-)
-"""The groups in the order of the kernel."""
 
 
 def stepped_motion(
@@ -115,10 +99,10 @@ def stepped_motion(
     ValueError
         If a count is out of its range.
     """
-    from core.motion.kernels.stepping import FLOOR, PLANAR, WALL, step_cells
+    from core.motion.kernels.stepping import FLOOR, PLANAR, WALL, Cell, step_cells
 
     _check(steps_per_period, most_periods, tolerance, contacts)
-    cells, shape = table(getattr(groups, name) for name in COLUMNS)
+    cells, shape = cells_of(Cell._fields, groups)
     coarse, shifted = _waves(steps_per_period), _waves(steps_per_period, shift=-0.5)
     fine = _waves(2 * steps_per_period + 1)  # odd, so that no middle of a step is one of both
     if planar:
@@ -172,7 +156,7 @@ def stepped_path(
     ValueError
         If phases are not finite and ascending, or need more than `MOST_STEPS` steps.
     """
-    from core.motion.kernels.stepping import path
+    from core.motion.kernels.stepping import Cell, path
 
     asked = np.atleast_1d(np.asarray(phases, dtype=np.float64))
     if asked.ndim != 1 or asked.size == 0 or not np.all(np.isfinite(asked)):
@@ -184,7 +168,7 @@ def stepped_path(
     steps = (asked[-1] - asked[0]) / step
     if steps > MOST_STEPS:
         raise ValueError(f"phases need {steps:.3g} steps; the limit is {MOST_STEPS:,}")
-    cell = np.array([getattr(groups, name) for name in COLUMNS], dtype=np.float64)
+    (cell,), _ = cells_of(Cell._fields, groups)
     start = np.array([*position, *velocity, spin], dtype=np.float64)
     if start.size != 7 or not (np.all(np.isfinite(cell)) and np.all(np.isfinite(start))):
         raise ValueError("groups, position (3) and velocity (3) must be finite")

@@ -43,14 +43,14 @@ def upright(cell: Cell) -> tuple[Drive, float, float]:
     A drive that points down pushes up half a turn later; one that points back is the mirror image.
     `phase` is where the study's own phase 0 lies, `way` is -1 in the mirror.
     """
-    c, s, gs = cell.drive_along, cell.drive_normal, cell.gravity_along
+    c, s, gs = cell.drive_number_along, cell.drive_number_normal, cell.gravity_number_along
     phase, way = 0.0, 1.0
     if s < 0:
         c, s, phase = -c, -s, math.pi
     if c < 0:
         c, gs, way = -c, -gs, -1.0
     return (
-        Drive(c, s, gs, cell.gravity_normal, cell.friction_static, cell.friction_kinetic),
+        Drive(c, s, gs, cell.gravity_number_normal, cell.friction_static, cell.friction_kinetic),
         phase,
         way,
     )

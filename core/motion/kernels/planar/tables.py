@@ -14,10 +14,10 @@ from core.motion.kernels.statuses import MODES
 class Cell(NamedTuple):
     """The groups of one cell; a row of the kernels' table in this order."""
 
-    drive_along: float
-    drive_normal: float
-    gravity_along: float
-    gravity_normal: float
+    drive_number_along: float
+    drive_number_normal: float
+    gravity_number_along: float
+    gravity_number_normal: float
     friction_static: float
     friction_kinetic: float
     restitution: float

@@ -37,8 +37,15 @@ def run(
     """
     steps = sines.size
     # The largest acceleration: what a step can change in a velocity, by the place of an event.
-    scale = abs(cell.drive_along) + abs(cell.drive_across) + abs(cell.drive_normal)
-    scale = scale + abs(cell.gravity_along) + abs(cell.gravity_across) + abs(cell.gravity_normal)
+    scale = (
+        abs(cell.drive_number_along) + abs(cell.drive_number_across) + abs(cell.drive_number_normal)
+    )
+    scale = (
+        scale
+        + abs(cell.gravity_number_along)
+        + abs(cell.gravity_number_across)
+        + abs(cell.gravity_number_normal)
+    )
     width = WIDTHS[scene]
     state = np.zeros(width)
     state[STATE.spare], state[STATE.pressed] = math.inf, 1.0
@@ -76,10 +83,14 @@ def run(
 @compiled
 def push_of(scene: int, cell: Cell) -> float:
     """Return what can change the velocity along the track in a unit of phase."""
-    load = abs(cell.drive_normal) + cell.gravity_normal
-    push = abs(cell.drive_along) + abs(cell.gravity_along) + cell.friction_kinetic * load
+    load = abs(cell.drive_number_normal) + cell.gravity_number_normal
+    push = (
+        abs(cell.drive_number_along) + abs(cell.gravity_number_along) + cell.friction_kinetic * load
+    )
     if scene == WALL:
-        push += cell.wall_friction * (abs(cell.drive_across) + abs(cell.gravity_across))
+        push += cell.wall_friction * (
+            abs(cell.drive_number_across) + abs(cell.gravity_number_across)
+        )
     return push
 
 
@@ -100,7 +111,7 @@ def step_cells(
     for i in range(groups.shape[0]):
         cell = cell_of(groups[i])
         table[i] = np.nan
-        if not np.all(np.isfinite(groups[i])) or cell.gravity_normal < 0.0:
+        if not np.all(np.isfinite(groups[i])) or cell.gravity_number_normal < 0.0:
             status[i] = STATUS.no_solution
             continue
         found = run(
@@ -111,7 +122,7 @@ def step_cells(
         if scene == WALL:
             frictionless = frictionless and cell.wall_friction == 0.0
         if frictionless and found != STATUS.no_solution and found != STATUS.at_rest:
-            found = STATUS.neutral if cell.gravity_along == 0.0 else STATUS.runaway
+            found = STATUS.neutral if cell.gravity_number_along == 0.0 else STATUS.runaway
         status[i] = found
         if found in (STATUS.no_solution, STATUS.runaway):
             continue

@@ -35,8 +35,8 @@ def planar_period(state: Floats, tally: Floats, cell: Cell, sines: Floats, h: fl
     """Advance a planar state by one period and tally it."""
     x, z, ux, uz = state[STATE.x], state[STATE.z], state[STATE.ux], state[STATE.uz]
     spare, pressed = state[STATE.spare], state[STATE.pressed] > 0.0
-    along, normal_drive = cell.drive_along, cell.drive_normal
-    down, weight = cell.gravity_along, cell.gravity_normal
+    along, normal_drive = cell.drive_number_along, cell.drive_number_normal
+    down, weight = cell.gravity_number_along, cell.gravity_number_normal
     static, kinetic = cell.friction_static, cell.friction_kinetic
     restitution = cell.restitution
     still, fall, start, peak = 1e-6 * h, h * weight, x, 0.0
@@ -66,7 +66,7 @@ def spatial_period(
     uy, spin = state[STATE.uy], state[STATE.spin]
     y = state[STATE.y] if wall else 0.0
     spare, pressed = state[STATE.spare], state[STATE.pressed] > 0.0
-    still, fall, start, peak = 1e-6 * h, h * cell.gravity_normal, x, 0.0
+    still, fall, start, peak = 1e-6 * h, h * cell.gravity_number_normal, x, 0.0
     leaning, failed = wall and state[STATE.leaning] > 0.0, False
     for k in range(sines.size):
         ax, ay, az = acceleration(ux, sines[k], cosines[k], cell, absolute)
@@ -104,9 +104,11 @@ def acceleration(
     ux: float, sine: float, cosine: float, cell: Cell, absolute: bool
 ) -> tuple[float, float, float]:
     """Return the acceleration of a free part relative to the track (theory 13.1)."""
-    speed = ux + cell.drive_along * cosine if absolute else ux
+    speed = ux + cell.drive_number_along * cosine if absolute else ux
     return (
-        cell.drive_along * sine - cell.gravity_along,
-        cell.drive_across * sine - cell.gravity_across - cell.curvature * speed * speed,
-        cell.drive_normal * sine - cell.gravity_normal,
+        cell.drive_number_along * sine - cell.gravity_number_along,
+        cell.drive_number_across * sine
+        - cell.gravity_number_across
+        - cell.curvature_number * speed * speed,
+        cell.drive_number_normal * sine - cell.gravity_number_normal,
     )

@@ -203,17 +203,17 @@ def unsettled(
     gain, before = third - second, second - first
     trend = gain * before > 0.0 and abs(gain) > 0.2 * abs(before)
     # At high speed friction is mu_k times the weight, whether the part hops or not.
-    friction = cell.friction_kinetic * cell.gravity_normal
-    pull = abs(cell.gravity_along)
+    friction = cell.friction_kinetic * cell.gravity_number_normal
+    pull = abs(cell.gravity_number_along)
     if scene == FLOOR:
-        pull = math.hypot(pull, cell.gravity_across)
+        pull = math.hypot(pull, cell.gravity_number_across)
         # Without a wall a part on a lean may slide or roll away across.
         late = states[done, STATE.uy] - states[done - quarter, STATE.uy]
         early = states[done - quarter, STATE.uy] - states[done - 2 * quarter, STATE.uy]
         if late * early > 0.0 and abs(late) > 0.5 * abs(early) and abs(late) > quarter * 1e-3:
             return STATUS.runaway
     if scene == WALL:
-        friction += cell.wall_friction * max(0.0, cell.gravity_across)
+        friction += cell.wall_friction * max(0.0, cell.gravity_number_across)
     if trend and pull >= friction and abs(gain) > 0.5 * abs(before):
         return STATUS.runaway
     batch = max(1, (done - quarter) // BATCHES)

@@ -16,13 +16,13 @@ PLANAR, FLOOR, WALL = 0, 1, 2
 class Cell(NamedTuple):
     """The groups of one cell; a row of the kernels' table in this order."""
 
-    drive_along: float
-    drive_across: float
-    drive_normal: float
-    gravity_along: float
-    gravity_across: float
-    gravity_normal: float
-    curvature: float
+    drive_number_along: float
+    drive_number_across: float
+    drive_number_normal: float
+    gravity_number_along: float
+    gravity_number_across: float
+    gravity_number_normal: float
+    curvature_number: float
     friction_static: float
     friction_kinetic: float
     wall_friction: float

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from core.mechanics.arrays import Array
-from core.motion.groups import Contacts, Groups, table
+from core.motion.groups import Contacts, Groups, cells_of
 from core.motion.method import Follow, Method
 from core.motion.methods.regularised.laws import Cell, laws
 from core.motion.methods.regularised.orbit import Run, SpentError, measures_of, orbit_of
@@ -52,7 +52,7 @@ LOOSER = 10.0
 """Factor of the tolerance for the estimate of the integrator's error."""
 
 
-COLUMNS = (
+FIELDS = (
     "drive_number_along",
     "drive_number_across",
     "drive_number_normal",
@@ -62,8 +62,12 @@ COLUMNS = (
     "friction_kinetic",
     "friction_static",
     "restitution",
+    "slip_speed",
+    "contact_stiffness",
+    "tolerance",
+    "most_periods",
 )
-"""The groups that matter here."""
+"""The groups that matter here, and the settings."""
 
 
 def _cell_motion(
@@ -178,8 +182,13 @@ def regularised_motion(
         raise ValueError(f"solver is {solver!r}; it must be one of {', '.join(SOLVERS)}")
     if planar and not groups.planar:
         raise ValueError("planar motion has no drive and no gravity across the track")
-    settings = (slip_speed, contact_stiffness, tolerance, most_periods)
-    rows, shape = table([*(getattr(groups, name) for name in COLUMNS), *settings])
+    settings = {
+        "slip_speed": slip_speed,
+        "contact_stiffness": contact_stiffness,
+        "tolerance": tolerance,
+        "most_periods": most_periods,
+    }
+    rows, shape = cells_of(FIELDS, groups, **settings)
     fields = {name: np.full(shape, np.nan) for name in Motion._fields[:-1]}
     fields["multiple"][...] = 0
     status = np.full(shape, STATUS["not_computed"], dtype=np.int8)
