@@ -80,7 +80,7 @@ def test_a_diff_is_applied_where_its_lines_stand() -> None:
 
 def test_adding_a_scene(tree: Path) -> None:
     page = (ROOT / "docs" / "adding-a-scene.md").read_text(encoding="utf-8")
-    test = "tests/unit_core/test_ball_on_plane.py"
+    test = "tests/unit_core/scenes/test_ball_on_plane.py"
     assert carry_out(page, tree) == [
         "core/scenes/ball_on_plane.py", "core/scenes/__init__.py", test,
     ]  # fmt: skip
@@ -104,7 +104,7 @@ def test_adding_a_scene(tree: Path) -> None:
 
 def test_adding_a_method(tree: Path) -> None:
     page = (ROOT / "docs" / "adding-a-method.md").read_text(encoding="utf-8")
-    test = "tests/unit_core/test_midpoint.py"
+    test = "tests/unit_core/motion/test_midpoint.py"
     assert carry_out(page, tree) == [
         "core/motion/methods/midpoint.py", "core/motion/methods/__init__.py", test,
     ]  # fmt: skip
