@@ -1,7 +1,7 @@
 """Prints how near and how fast the optimisers come: `python -m benchmarks.optimise`.
 
 Four tables: every method on the same random designs, error against time, which is also drawn
-(`docs/optimise-methods.png`); the batch of 10,000 designs against the best of scipy in a
+(`docs/generated/optimise-methods.png`); the batch of 10,000 designs against the best of scipy in a
 loop; a whole front against one limit; and the thesis's own answer beside the physical one and the
 fastest true motion, on the data of figure 5.1.
 """
@@ -27,7 +27,7 @@ from core.optimise.run import designs_of
 from core.study import parse_study
 from core.watch import Watch
 
-PICTURE = Path(__file__).parents[1] / "docs" / "optimise-methods.png"
+PICTURE = Path(__file__).parents[1] / "docs" / "generated" / "optimise-methods.png"
 SCIPY = ("slsqp", "trust-constr", "differential_evolution", "shgo", "direct")
 DESIGNS = 10_000
 SAMPLE = 20  # designs of each method

@@ -1,4 +1,4 @@
-"""Writes docs/quantities.md from the declarations: `python -m benchmarks.quantities_page`."""
+"""`python -m benchmarks.quantities_page` writes docs/generated/quantities.md from declarations."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from core.quantities import MOTION_STATUSES, QUANTITIES, REGIMES, Quantity
 
-PAGE = Path(__file__).parents[1] / "docs" / "quantities.md"
+PAGE = Path(__file__).parents[1] / "docs" / "generated" / "quantities.md"
 
 
 def page() -> str:

@@ -5,6 +5,10 @@ this code and with that of another checkout of the repository, in folder OTHER, 
 array of every result. For changes of structure, which may not change a bit; where they do, the
 largest difference is told. Both run on this machine: other processors may differ in the last
 digits.
+
+``python -m benchmarks.same_results --plain`` says by how much: it compares this code on this
+processor with the same code where numpy, the BLAS and numba use nothing that a plain x86-64
+processor does not have.
 """
 
 from __future__ import annotations
@@ -14,7 +18,9 @@ import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -22,6 +28,13 @@ import numpy as np
 ROOT = Path(__file__).parents[1]
 FIGURES = ("3-3", "3-15", "5-1", "5-9", "5-14", "5-21", "5-22", "5-26", "5-29")
 LEFT_OUT = ("tumbling.toml",)  # minutes
+
+PLAIN = {
+    "NPY_DISABLE_CPU_FEATURES": "X86_V3 X86_V4 AVX512_ICL AVX512_SPR",
+    "OPENBLAS_CORETYPE": "Prescott",
+    "NUMBA_CPU_NAME": "generic",
+}
+"""Settings by which numpy 2.4, its BLAS and numba keep to what every x86-64 processor has."""
 
 DRIVE = {"frequency": 50.0, "amplitude": [1e-4, 2e-4, 3e-4, 4e-4], "beta": [10.0, 25.0, 40.0]}
 
@@ -84,15 +97,15 @@ def compute(folder: Path) -> None:
         np.savez(folder / f"{name}.npz", **arrays)
 
 
-def run(tree: Path, folder: Path) -> None:
-    """Carry out every study with the code of a tree, in a process of its own."""
+def run(tree: Path, folder: Path, settings: Mapping[str, str] = MappingProxyType({})) -> None:
+    """Carry out every study with the code of a tree, in a process of its own with settings."""
     folder.mkdir()
     (folder / "studies.json").write_text(json.dumps(studies()))
     code = (
         "import runpy, sys; sys.argv = ['same_results', '--compute', sys.argv[1]];"
         f"runpy.run_path({str(Path(__file__))!r}, run_name='__main__')"
     )
-    environment = {**os.environ, "PYTHONPATH": str(tree)}
+    environment = {**os.environ, "PYTHONPATH": str(tree), **settings}
     subprocess.run([sys.executable, "-c", code, str(folder)], cwd=tree, env=environment, check=True)
 
 
@@ -128,14 +141,18 @@ def _difference(key: str, one: np.ndarray[Any, Any], other: np.ndarray[Any, Any]
 
 
 def main() -> int:
-    """Compare two trees; return 1 if any array differs."""
+    """Compare two trees, or two processors; return 1 if any array differs."""
     if sys.argv[1] == "--compute":
         compute(Path(sys.argv[2]))
         return 0
     with tempfile.TemporaryDirectory() as name:
         ours, theirs = Path(name) / "ours", Path(name) / "theirs"
         run(ROOT, ours)
-        run(Path(sys.argv[1]).resolve(), theirs)
+        if sys.argv[1] == "--plain":
+            # Whatever was compiled for this processor stays out of it.
+            run(ROOT, theirs, {**PLAIN, "NUMBA_CACHE_DIR": str(Path(name) / "compiled")})
+        else:
+            run(Path(sys.argv[1]).resolve(), theirs)
         found = differences(ours, theirs)
     print(f"{len(studies()) - len(found)} of {len(studies())} studies are the same to the byte")
     for study, told in found.items():

@@ -78,10 +78,10 @@ def test_the_page_goes_beside_the_study_and_names_a_command_that_does_what_it_sa
 
 
 def test_the_page_of_the_documents_is_whole():
-    page = (ROOT / "docs/accuracy.md").read_text()
+    page = (ROOT / "docs/generated/accuracy.md").read_text()
     pictures = re.findall(r"!\[.*?\]\((.*?)\)", page)
     assert len(pictures) >= 6
-    assert all((ROOT / "docs" / picture).exists() for picture in pictures)
+    assert all((ROOT / "docs/generated" / picture).exists() for picture in pictures)
     commands = re.findall(
         r"^`vibrafeed report (\S+) --only (\S+)(?: --seconds \d+)?`$", page, re.MULTILINE
     )

@@ -1,0 +1,139 @@
+"""The guides are carried out to the letter: what a page shows is done in a copy of the tree."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from core.compiled import folder
+
+ROOT = Path(__file__).parents[2]
+HEADING = re.compile(r"^## The (?:file|line|test): `([^`]+)`$", re.MULTILINE)
+BLOCK = re.compile(r"^```(python|diff)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def carry_out(page: str, tree: Path) -> list[str]:
+    """Do in a tree what a page shows: new files as they stand, and changes of files line by line.
+
+    Returns the paths, in the page's order.
+    """
+    done = []
+    _, *parts = HEADING.split(page)
+    for path, part in zip(parts[::2], parts[1::2], strict=True):
+        ((language, block),) = BLOCK.findall(part)
+        file = tree / path
+        if language == "python":
+            assert not file.exists(), path
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(block, encoding="utf-8")
+        else:
+            file.write_text(changed(file.read_text(encoding="utf-8"), block), encoding="utf-8")
+        done.append(path)
+    return done
+
+
+def changed(text: str, diff: str) -> str:
+    """Return a text changed by a diff; the lines around each change have to be there, once."""
+    for hunk in diff.split("@@\n"):
+        lines = hunk.splitlines(keepends=True)
+        before = "".join(line[1:] for line in lines if line[0] in " -")
+        after = "".join(line[1:] for line in lines if line[0] in " +")
+        assert text.count(before) == 1, before
+        text = text.replace(before, after)
+    return text
+
+
+def run(tree: Path, *arguments: str) -> str:
+    """Return what a fresh Python says that imports from the tree; it has to succeed."""
+    environment = {**os.environ, "PYTHONPATH": str(tree), "COLUMNS": "200", "NO_COLOR": "1"}
+    compiled = folder()  # of the same kernels
+    if compiled is not None:
+        environment["NUMBA_CACHE_DIR"] = str(compiled.parent)
+    done = subprocess.run(
+        [sys.executable, *arguments], cwd=tree, env=environment, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture
+def tree(tmp_path: Path) -> Path:
+    """Return a copy of the program, without its tests."""
+    for name in ("core", "app", "vibrafeed"):
+        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    return tmp_path
+
+
+def test_a_diff_is_applied_where_its_lines_stand() -> None:
+    assert changed("a\nb\nc\n", " a\n+x\n b\n@@\n-c\n+d\n") == "a\nx\nb\nd\n"
+    for text in ("b\n", "a\na\n"):
+        with pytest.raises(AssertionError):
+            changed(text, " a\n+x\n")
+
+
+def test_adding_a_scene(tree: Path) -> None:
+    page = (ROOT / "docs" / "adding-a-scene.md").read_text(encoding="utf-8")
+    test = "tests/unit_core/scenes/test_ball_on_plane.py"
+    assert carry_out(page, tree) == [
+        "core/scenes/ball_on_plane.py", "core/scenes/__init__.py", test,
+    ]  # fmt: skip
+    assert " passed" in run(tree, "-m", "pytest", "-q", "-p", "no:cacheprovider", test)
+    # 5/7 of P cos(0) cos(0), P = 1e-4 (100 pi)^2
+    run(
+        tree,
+        "-c",
+        "from core.quantities import REGIMES\n"
+        "from core.study import parse_study\n"
+        "from core.sweep import sweep\n"
+        "found = sweep(parse_study({'kind': 'sweep', 'scene': 'ball-on-plane',\n"
+        "    'outputs': ['acceleration_x'],\n"
+        "    'parameters': {'frequency': 50, 'amplitude': '0.1 mm', 'beta': 0}}))\n"
+        "exact = 5 / 7 * 9.869604401089358\n"
+        "assert abs(float(found.acceleration_x) - exact) <= 1e-14 * exact\n"
+        "assert int(found.regime) == REGIMES['roll'].value\n",
+    )
+    assert "ball-on-plane" in run(tree, "-m", "vibrafeed", "scenes")
+
+
+def test_adding_a_method(tree: Path) -> None:
+    page = (ROOT / "docs" / "adding-a-method.md").read_text(encoding="utf-8")
+    test = "tests/unit_core/motion/test_midpoint.py"
+    assert carry_out(page, tree) == [
+        "core/motion/methods/midpoint.py", "core/motion/methods/__init__.py", test,
+    ]  # fmt: skip
+    assert " passed" in run(tree, "-m", "pytest", "-q", "-p", "no:cacheprovider", test)
+    # As its `Method` says: offered where it follows, priced, verified, refused; not the default.
+    run(
+        tree,
+        "-c",
+        "from core.catalogue import describe, describe_all\n"
+        "from core.errors import StudyError\n"
+        "from core.kinds import prepare_content\n"
+        "from core.motion.methods.midpoint import MIDPOINT\n"
+        "methods = {line['name']: line['methods'] for line in describe_all()}\n"
+        "assert {name for name in methods if 'midpoint' in methods[name]} == {\n"
+        "    'rectangle-on-plane', 'cylinder-on-plane'}\n"
+        "assert describe('rectangle-on-plane', method='midpoint')['method'] == 'midpoint'\n"
+        "given = {'frequency': 50, 'amplitude': '0.2 mm', 'beta': 30, 'friction': 0.4}\n"
+        "study = {'kind': 'simulate', 'scene': 'rectangle-on-plane', 'parameters': given}\n"
+        "assert prepare_content(study).plan.variant == 'events'\n"
+        "prepared = prepare_content({**study, 'method': 'midpoint', 'verify': 2})\n"
+        "assert prepared.seconds_a_cell == MIDPOINT.seconds_a_cell\n"
+        "assert prepared.verified_by == 'the method ' + MIDPOINT.checked_by[0]\n"
+        "given['alpha'] = 1\n"
+        "try:\n"
+        "    prepare_content({**study, 'method': 'midpoint'})\n"
+        "except StudyError as refused:\n"
+        "    assert refused.problems[0].message == MIDPOINT.refuses[0].message\n"
+        "else:\n"
+        "    raise AssertionError('alpha was not refused')\n",
+    )
+    said = run(tree, "-m", "vibrafeed", "scenes", "rectangle-on-plane", "--method", "midpoint")
+    assert "method midpoint" in said
