@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.motions import planar_motion
-from core.optimise.search import MESSAGES, search_many, search_maximum
+from core.optimise.search import MESSAGES, search_maximum
 from core.watch import Watch
 
 BUDGET = 6000
