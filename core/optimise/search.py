@@ -56,8 +56,6 @@ class Found(NamedTuple):
         inf where a neighbour has no value. NaN if the search was stopped.
     evaluations : int
         Points evaluated.
-    levels : int
-        Batches they came in.
     status : str
         A key of `MESSAGES`.
     message : str
@@ -68,7 +66,6 @@ class Found(NamedTuple):
     value: float
     drop: float
     evaluations: int
-    levels: int
     status: SearchStatus
     message: str
 
@@ -102,11 +99,15 @@ def search_maximum(
     """
     lower, upper = (np.asarray(end, dtype=np.float64) for end in (lower, upper))
     _check(lower, upper, budget, tolerance)
-    search = _Search(evaluate, lower, upper, budget, watch or Watch())
+    search = _Search(evaluate, lower, upper, watch or Watch())
+    status: SearchStatus = "converged"
     try:
-        return search.found(_run(search, tolerance, seed))
+        if search.free.size:
+            status = _evolve(search, budget - 3**search.free.size, tolerance, seed)
+        search.look_around()
     except _StoppedError:
-        return search.found("stopped")
+        status = "stopped"
+    return search.found(status)
 
 
 def _check(lower: Array, upper: Array, budget: int, tolerance: float) -> None:
@@ -131,17 +132,15 @@ class _SpentError(Exception):
 
 
 class _Search:
-    """Evaluates points of the unit box, counts them, and keeps the best."""
+    """Evaluates points of the unit box of the variables that are not held; keeps the best."""
 
-    def __init__(self, evaluate: Evaluate, lower: Array, upper: Array, budget: int, watch: Watch):
+    def __init__(self, evaluate: Evaluate, lower: Array, upper: Array, watch: Watch):
         self.evaluate, self.watch = evaluate, watch
         self.lower, self.upper = lower, upper
         self.free = np.flatnonzero(upper > lower)
-        self.around = 3**self.free.size - 1
-        self.left, self.budget = budget - self.around, budget
         self.point = np.full(self.free.size, np.nan)
         self.value, self.least, self.drop = -math.inf, math.inf, math.nan
-        self.used = self.levels = 0
+        self.used = 0
 
     def values(self, unit: Array) -> Array:
         """Return the values at points (n, free); -inf where there is none."""
@@ -150,21 +149,13 @@ class _Search:
         values = np.asarray(self.evaluate(self.place(unit)), dtype=np.float64)
         if values.shape != unit.shape[:1]:
             raise ValueError(f"{len(unit)} points gave values of shape {values.shape}")
-        self.watch.advance(len(unit) / self.budget)
         values = np.where(np.isfinite(values), values, -np.inf)
         self.used += len(unit)
-        self.levels += 1
         self.least = min(self.least, float(values.min()))
         best = int(values.argmax())
         if values[best] > self.value:
             self.point, self.value = unit[best], float(values[best])
         return values
-
-    def lost(self, wide: Array) -> Array:
-        """Return what scipy makes least at points (free, n), those outside moved onto the edge."""
-        if self.used + wide.shape[1] > self.left:
-            raise _SpentError
-        return -self.values(np.clip(wide.T, 0.0, 1.0))
 
     def place(self, unit: Array) -> Array:
         """Return points of the unit box (n, free) in the box (n, d); both ends are met exactly."""
@@ -173,6 +164,12 @@ class _Search:
         points[:, self.free] = np.where(unit == 1, high, low + unit * (high - low))
         return points
 
+    def look_around(self) -> None:
+        """Set what is lost at worst next to the best point; in a box of one point, look there."""
+        offsets = np.array(list(itertools.product((-NEARBY, 0.0, NEARBY), repeat=self.free.size)))
+        nearby = self.values(np.clip(np.nan_to_num(self.point) + offsets, 0.0, 1.0))
+        self.drop = self.value - float(nearby.min())
+
     def found(self, status: SearchStatus) -> Found:
         """Return what is known."""
         point, value = np.full(self.lower.size, np.nan), math.nan
@@ -180,28 +177,17 @@ class _Search:
             point, value = self.place(self.point[None])[0], self.value
         if status != "stopped" and self.least == self.value:
             status = "flat" if math.isfinite(value) else "no_value"
-        return Found(point, value, self.drop, self.used, self.levels, status, MESSAGES[status])
+        return Found(point, value, self.drop, self.used, status, MESSAGES[status])
 
 
-def _run(search: _Search, tolerance: float, seed: int) -> SearchStatus:
-    """Carry the search out."""
-    d = search.free.size
-    if d == 0:
-        search.values(np.empty((1, 0)))
-        search.drop = 0.0
-        return "converged"
-    status = _evolve(search, tolerance, seed)
-    if math.isfinite(search.value):
-        value = search.value
-        around = np.array([o for o in itertools.product((-1, 0, 1), repeat=d) if any(o)])
-        nearby = np.clip(search.point + NEARBY * around, 0.0, 1.0)
-        search.drop = value - float(search.values(nearby).min())
-    return status
-
-
-def _evolve(search: _Search, tolerance: float, seed: int) -> SearchStatus:
+def _evolve(search: _Search, budget: int, tolerance: float, seed: int) -> SearchStatus:
     """Let populations evolve, one after the other, until the evaluations are spent."""
     from scipy import optimize
+
+    def lost(wide: Array) -> Array:
+        if search.used + wide.shape[1] > budget:
+            raise _SpentError
+        return -search.values(np.clip(wide.T, 0.0, 1.0))
 
     def narrow(intermediate_result: Any) -> bool:
         members = np.clip(intermediate_result.population, 0.0, 1.0)
@@ -211,11 +197,11 @@ def _evolve(search: _Search, tolerance: float, seed: int) -> SearchStatus:
     try:
         while True:
             ended = optimize.differential_evolution(
-                search.lost,
+                lost,
                 [(-BEYOND, 1 + BEYOND)] * search.free.size,
                 strategy="best1bin",
                 popsize=MEMBERS // search.free.size,  # a variable; scipy goes up to a power of 2
-                maxiter=search.budget,
+                maxiter=budget,
                 init="sobol",
                 tol=0.0,  # of values: those of a flat stretch are equal
                 callback=narrow,
