@@ -172,7 +172,7 @@ def by_cma(
 def by_scipy(judge: Judge, seed: int, *, members: int, strategy: str, **more: Any) -> None:
     """Run scipy's differential evolution, vectorised, again and again until the budget is spent.
 
-    Sobol's points come in powers of 2: 40 members are 64, 200 are 256, 400 are 512, 1,000 are 1,024.
+    Sobol's points come in powers of 2: 40 members are 64, 200 are 256, 1,000 are 1,024.
     """
     for again in range(1000):
         optimize.differential_evolution(
