@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,10 +26,11 @@ from benchmarks.motions import (
 from core.motion.result import STATUS, Motion
 from core.optimise.codes import STATUS as OPTIMUM
 from core.optimise.known_answers import by_closed_form, is_closed
-from core.optimise.methods import METHODS, SEARCH_BUDGET, by_search
+from core.optimise.methods import METHODS
 from core.optimise.optimisation import Optimisation
 from core.optimise.prepare import prepare
 from core.optimise.run import compute, designs_of
+from core.optimise.scipy_methods import SEARCH_BUDGET, one_by_one, search
 from core.study import parse_study
 from core.watch import Watch
 
@@ -371,7 +373,8 @@ def optimum_against_finer(count: int) -> list[Measured]:
         took = time.perf_counter() - started
         design = designs_of(problem, prepared.designs)
         scales = problem.scales(design)
-        finer = by_search(problem, design, scales, Watch(), FINER * SEARCH_BUDGET)
+        longer = one_by_one(partial(search, budget=FINER * SEARCH_BUDGET), 0.0)
+        finer = longer(problem, design, scales, Watch())
         x = np.where(np.isnan(finer.x), problem.lower[:, None], finer.x)
         reference, beyond = problem.judged(x, design, scales)
         if is_closed(problem):

@@ -8,21 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
 
 from core.mechanics.arrays import Array
 from core.optimise import known_answers, scipy_methods
-from core.optimise.codes import STATUS
 from core.optimise.found import Found, Solver
 from core.optimise.grid import by_grid
 from core.optimise.population import by_population
-from core.optimise.problem import Problem, cells_of, chosen_cells
-from core.optimise.single import NO_VALUE
+from core.optimise.problem import Problem
 from core.watch import Watch
-
-SEARCH_BUDGET = 4000  # points of a design
 
 
 def _exact(
@@ -39,40 +32,6 @@ def _newton(
     found = known_answers.by_newton(problem, design)
     watch.advance(1.0)
     return found
-
-
-def by_search(
-    problem: Problem,
-    design: Mapping[str, Array],
-    scales: Mapping[str, Array],
-    watch: Watch,
-    budget: int = SEARCH_BUDGET,
-) -> Found:
-    """Return what the global search for outputs that jump finds, all designs side by side."""
-    from core.optimise import search
-
-    cells = cells_of(design)
-    size = problem.scale(scales)
-
-    def evaluate(cell: Any, points: Array) -> Array:
-        value, beyond = problem.judged(
-            points.T, chosen_cells(design, cell), chosen_cells(scales, cell), watch
-        )
-        # Anything that keeps the constraints beats anything that does not.
-        worse = np.where(np.isfinite(beyond), -NO_VALUE - beyond, np.nan)
-        return np.where(beyond > 0, worse, value / size[cell])
-
-    ends = (np.tile(end, (cells, 1)) for end in (problem.lower, problem.upper))
-    found = search.search_many(evaluate, *ends, budget=budget, watch=watch)
-    stopped = np.array([one.status == "stopped" for one in found])
-    value = np.array([one.value for one in found])
-    status = np.where(value > -NO_VALUE / 2, STATUS["optimal"], STATUS["infeasible"])
-    status = np.where(np.isfinite(value), status, STATUS["no_value"])
-    status = np.where(stopped, STATUS["not_computed"], status).astype(np.int8)
-    x = np.stack([one.point for one in found], axis=1)
-    x = np.where(status == STATUS["optimal"], x, np.nan)
-    evaluations = np.array([one.evaluations for one in found], dtype=np.int64)
-    return Found(x, status, evaluations=evaluations, says=found[-1].message)
 
 
 @dataclass(frozen=True)
@@ -103,7 +62,11 @@ METHODS: dict[str, Method] = {
     "population": Method(
         by_population, 1e-8, "differential evolution of all designs at once", at_once=True
     ),
-    "search": Method(by_search, 1e-6, "global search for outputs that jump", at_once=True),
+    "search": Method(
+        scipy_methods.one_by_one(scipy_methods.search, 0.0),
+        1e-6,
+        "global search for outputs that jump",
+    ),
     "grid": Method(by_grid, 1e-6, "a dense grid, then finer ones around its best", at_once=True),
     "differential_evolution": Method(
         scipy_methods.one_by_one(scipy_methods.differential_evolution, 1e-9),

@@ -18,7 +18,7 @@ from core.study.models import (
 )
 
 QUICK = ("exact", "newton")  # without a search
-QUICK_SECONDS, OTHER_SECONDS, MOTION_SECONDS = 2e-5, 0.05, 0.3
+QUICK_SECONDS, OTHER_SECONDS, MOTION_SECONDS = 2e-5, 0.05, 0.7
 """Roughly what a design takes."""
 RIVAL_SECONDS = 0.02  # roughly, of a design by the method that verifies
 

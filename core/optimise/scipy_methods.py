@@ -1,9 +1,13 @@
-"""scipy's optimisers: one design after the other; scipy is loaded when one of them runs."""
+"""scipy's optimisers, and the search that is made of one of them: one design after the other.
+
+scipy is loaded when one of them runs.
+"""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +16,8 @@ from core.mechanics.arrays import Array
 from core.optimise.codes import STATUS
 from core.optimise.found import Found, Solver, status_of
 from core.optimise.problem import Problem, cells_of, chosen_cells
-from core.optimise.single import Single, spread
+from core.optimise.search import search_maximum
+from core.optimise.single import NO_VALUE, Single, spread
 from core.watch import Watch
 
 One = Callable[[Single], tuple[Array, str]]
@@ -21,6 +26,11 @@ One = Callable[[Single], tuple[Array, str]]
 STARTS = 8  # of the optimisers that follow slopes
 SAMPLES = 256  # of which the best are the starts
 DENSE = 129  # points of the search over one variable
+SEARCH_BUDGET = 12_000  # points of a design that the search for outputs that jump may take
+
+
+class StoppedError(Exception):
+    """The watch asked to stop amid a design."""
 
 
 def _starts(single: Single, count: int = STARTS) -> Array:
@@ -173,6 +183,22 @@ def differential_evolution(single: Single) -> tuple[Array, str]:
     return np.asarray(answer.x), str(answer.message)
 
 
+def search(single: Single, budget: int = SEARCH_BUDGET) -> tuple[Array, str]:
+    """Return the end of the global search for outputs that jump."""
+
+    def ranked(points: Array) -> Array:
+        value, beyond = single.judged(points.T)
+        # Anything that keeps the constraints beats anything that does not.
+        worse = np.where(np.isfinite(beyond), -NO_VALUE - beyond, np.nan)
+        return np.where(beyond > 0, worse, value)
+
+    ends = np.zeros(single.variables), np.ones(single.variables)
+    found = search_maximum(ranked, *ends, budget=budget, watch=single.watch)
+    if found.status == "stopped":
+        raise StoppedError
+    return np.nan_to_num(found.point), found.message  # without any value, the lower bounds
+
+
 def shgo(single: Single) -> tuple[Array, str]:
     """Return the best end of the simplicial homology search."""
     from scipy import optimize
@@ -240,12 +266,16 @@ def one_by_one(one: One, tolerance: float) -> Solver:
         status = np.full(cells, STATUS["not_computed"], dtype=np.int8)
         evaluations = np.zeros(cells, dtype=np.int64)
         says = ""
+        inner = replace(watch, progress=None)  # whole designs are the progress
         for cell in range(cells):
             if watch.stopped():
                 break
             here = slice(cell, cell + 1)
-            single = Single(problem, chosen_cells(design, here), chosen_cells(scales, here), watch)
-            unit, says = one(single)
+            single = Single(problem, chosen_cells(design, here), chosen_cells(scales, here), inner)
+            try:
+                unit, says = one(single)
+            except StoppedError:
+                break
             if problem.is_motion and watch.stopped():
                 break  # the points that were asked for last have no value
             value, beyond = single.judged(unit)

@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 from benchmarks.motions import planar_motion
-from core.optimise.search import MESSAGES, search_many, search_maximum
+from core.optimise.codes import STATUS
+from core.optimise.methods import METHODS
+from core.optimise.prepare import prepare
+from core.optimise.problem import chosen_cells
+from core.optimise.run import designs_of
+from core.optimise.search import MESSAGES, search_maximum
+from core.study import parse_study
 from core.watch import Watch
 
 BUDGET = 6000
@@ -27,7 +33,6 @@ def search(f, lower, upper, budget=BUDGET, **more):
 
     found = search_maximum(counted, lower, upper, budget=budget, **more)
     assert found.evaluations == sum(spent) <= budget
-    assert found.levels == len(spent)
     assert found.message == MESSAGES[found.status]
     if math.isfinite(found.value):
         assert f(found.point[None])[0] == found.value
@@ -68,7 +73,7 @@ def corner(u):
 def test_a_smooth_maximum(d):
     found = search(bowl, np.zeros(d), np.ones(d), budget=20_000)
     assert found.status == "converged"
-    # The last cloud is smaller than 1e-6 of the box; its best is nearer than the cloud is wide.
+    # The last population is narrower than 1e-6 of the box, and the maximum lies within it or near.
     assert found.point == pytest.approx(np.full(d, 0.3712), abs=3e-6)
 
 
@@ -99,8 +104,8 @@ def test_corners_and_edges_are_met_exactly(d):
     assert (search(lambda u: -corner(u), lower, upper).point == lower).all()
 
 
-def test_a_peak_on_an_edge_narrower_than_the_cells():
-    # 0.004 wide; the cells of the grid of the box are 0.02 wide, those of the edge 0.003.
+def test_a_narrow_peak_on_an_edge():
+    # 0.004 wide: next to none of the first points lies on it.
     found = search(
         lambda u: np.exp(-(((u[:, 0] - 0.4321) / 0.002) ** 2)) * u[:, 1], np.zeros(2), np.ones(2)
     )
@@ -143,7 +148,7 @@ def test_a_search_repeats_to_the_last_digit():
 
 
 def test_what_keeps_the_order_of_values_keeps_the_answer():
-    # After the grid only the order of values counts; a linear change keeps the grid's choice too.
+    # Only the order of values counts.
     one = search(infeasible, np.zeros(2), np.ones(2))
     two = search(lambda u: 8 * infeasible(u), np.zeros(2), np.ones(2))
     assert (one.point == two.point).all()
@@ -157,24 +162,87 @@ def test_the_budget_holds(budget, d):
     assert found.status in ("converged", "budget_spent")
 
 
-def test_designs_side_by_side_are_those_alone():
-    tops = np.array([[0.2, 0.3], [0.8, 0.1], [0.5, 0.99]])
-    lower, upper = np.zeros((3, 2)), np.array([[1.0, 1.0], [1.2, 0.5], [0.6, 1.0]])
+def test_other_random_numbers_find_the_same_maximum():
+    one, two = (search(hills, np.zeros(2), np.ones(2), seed=seed) for seed in (0, 1))
+    assert (one.point != two.point).any()
+    assert one.point == pytest.approx(two.point, abs=3e-6)
 
-    def many(design, points):
-        return hills(points - tops[design] + 0.637)
 
-    together = search_many(many, lower, upper, budget=BUDGET)
-    for number, found in enumerate(together):
-        alone = search_maximum(
-            lambda u, number=number: many(np.full(len(u), number), u),
-            lower[number],
-            upper[number],
-            budget=BUDGET,
-        )
-        assert found.point == pytest.approx(alone.point, abs=1e-12)
-        assert found.evaluations == alone.evaluations
-        assert found.point == pytest.approx(np.minimum(tops[number], upper[number]), abs=5e-6)
+@pytest.mark.parametrize(
+    ("top", "upper"),
+    [([0.2, 0.3], [1.0, 1.0]), ([0.8, 0.1], [1.2, 0.5]), ([0.5, 0.99], [0.6, 1.0])],
+)
+def test_hills_in_boxes_of_other_shapes(top, upper):
+    found = search(lambda u: hills(u - top + 0.637), np.zeros(2), np.array(upper))
+    assert found.point == pytest.approx(np.minimum(top, upper), abs=5e-6)
+
+
+def conveyed(friction, method="search", **more):
+    """Return the prepared study of the fastest motion, and its designs with their scales."""
+    content = {
+        "kind": "optimise",
+        "scene": "cylinder-on-plane",
+        "method": method,
+        "criterion": {"kind": "maximise", "output": "conveying_velocity"},
+        "variables": {"beta": {"lower": 0, "upper": 90}},
+        "parameters": {"frequency": 60, "amplitude": "0.5 mm", "friction": friction, **more},
+    }
+    prepared = prepare(parse_study(content))
+    design = designs_of(prepared.problem, prepared.designs)
+    return prepared.problem, design, prepared.problem.scales(design)
+
+
+def test_a_design_gets_the_same_bytes_alone_in_any_order_and_on_any_threads():
+    problem, design, scales = conveyed([0.2, 0.35, 0.5])
+    solve = METHODS["search"].solve
+    found = solve(problem, design, scales, Watch())
+    assert (found.status == STATUS["optimal"]).all()
+    for order, threads in (([2, 0, 1], 1), ([1], 3)):
+        parts = chosen_cells(design, order), chosen_cells(scales, order)
+        again = solve(problem, *parts, Watch(threads=threads))
+        assert again.x.tobytes() == found.x[:, order].tobytes()
+        assert (again.evaluations == found.evaluations[order]).all()
+
+
+def test_a_search_of_designs_that_is_stopped_keeps_those_that_are_finished():
+    problem, design, scales = conveyed([0.2, 0.35])
+    seen = []
+
+    def stop():
+        return bool(seen)
+
+    watch = Watch(stop=stop, progress=seen.append)  # told once the first design is finished
+    found = METHODS["search"].solve(problem, design, scales, watch)
+    assert found.status.tolist() == [STATUS["optimal"], STATUS["not_computed"]]
+    assert seen == [0.5]
+
+
+@pytest.mark.parametrize("scene", ["rectangle-on-plane", "cylinder-on-plane"])
+def test_a_search_that_is_stopped_amid_a_design_leaves_it_not_computed(scene):
+    asked = []
+
+    def stop():
+        asked.append(0)
+        return len(asked) > 5
+
+    criterion = {"kind": "maximise"}
+    if scene == "cylinder-on-plane":
+        criterion["output"] = "conveying_velocity"
+    content = {
+        "kind": "optimise",
+        "scene": scene,
+        "method": "search",
+        "criterion": criterion,
+        "parameters": {"frequency": 60, "amplitude": "0.5 mm", "friction": 0.3},
+    }
+    if scene == "cylinder-on-plane":
+        content["variables"] = {"beta": {"lower": 0, "upper": 90}}
+    prepared = prepare(parse_study(content))
+    design = designs_of(prepared.problem, prepared.designs)
+    scales = prepared.problem.scales(design)
+    found = METHODS["search"].solve(prepared.problem, design, scales, Watch(stop=stop))
+    assert found.status.tolist() == [STATUS["not_computed"]]
+    assert np.isnan(found.x).all()
 
 
 def test_a_search_can_be_stopped():
