@@ -86,6 +86,11 @@ def test_figure_is_as_printed_and_finite(number: int) -> None:
     assert "throw_number" in study.outputs
     dataset = figure(number)
     assert float(dataset["gravity"]) == 9.8
+    if (
+        "gamma" in dataset.dims and 90 in dataset.gamma
+    ):  # an upright floor holds nothing: its throw number is infinite
+        assert np.isinf(dataset["throw_number"].sel(gamma=90)).all()
+        dataset = dataset.sel(gamma=dataset.gamma != 90)
     assert all(np.isfinite(output).all() for output in dataset.data_vars.values())
     assert len(dataset[study.outputs[0]].dims) == 2
     assert all(91 <= size <= 181 for size in dataset.sizes.values())

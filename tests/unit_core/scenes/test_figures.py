@@ -380,7 +380,12 @@ def test_5_27_rises_with_friction_at_speeds_that_the_track_has() -> None:
 @pytest.mark.parametrize("number", [22, 23, 24, 27, 28])
 def test_the_wall_would_have_to_pull_wherever_the_part_moves(number: int) -> None:
     names = ("wall_lost", "flight_and_wall_lost", "no_motion")
-    assert figure(number)["regime"].isin([REGIMES[name].value for name in names]).all()
+    regime = figure(number)["regime"]
+    if "beta" in regime.dims:  # a drive straight up, at 90 degrees, does not touch the wall at all
+        upright = regime.sel(beta=[90]) == REGIMES["flight"].value
+        assert (upright | regime.sel(beta=[90]).isin([REGIMES[n].value for n in names])).all()
+        regime = regime.where(regime.beta != 90, drop=True)
+    assert regime.isin([REGIMES[name].value for name in names]).all()
 
 
 def test_5_29_wall_and_friction_carry_nothing() -> None:
