@@ -14,58 +14,8 @@ from fastapi import Request
 from fastapi.testclient import TestClient
 
 from app.jobs.manifest import NETCDF
-from app.main import create_app
-from app.settings import Settings
 from app.web.downloads import PIECE, etag_of, file_reply
-
-STUDY = {
-    "kind": "sweep",
-    "scene": "rectangle-on-track",
-    "outputs": ["acceleration_x", "transport_velocity", "throw_number"],
-    "parameters": {
-        "frequency": {"start": "20 Hz", "stop": "120 Hz", "num": 11},
-        "amplitude": ["0.35 mm", "0.5 mm"],
-        "alpha": {"start": 0, "stop": 90, "num": 10},
-        "beta": {"start": 0, "stop": 90, "num": 7},
-        "friction": 0.3,
-        "radius": "0.8 m",
-        "distance": "0.2 mm",
-    },
-}
-
-
-def with_axes(**sizes: int) -> dict:
-    ends = {"frequency": (20, 120), "amplitude": (1e-4, 1e-3), "alpha": (0, 90), "beta": (0, 90)}
-    axes = {
-        name: {"start": ends[name][0], "stop": ends[name][1], "num": size}
-        for name, size in sizes.items()
-    }
-    return {**STUDY, "parameters": {**STUDY["parameters"], **axes}}
-
-
-TRILLION = with_axes(frequency=1000, amplitude=1000, alpha=1000, beta=1000)
-
-
-@pytest.fixture
-def client(tmp_path: Path):
-    settings = Settings(data_directory=tmp_path, max_cells=10**6)
-    app = create_app(settings)
-    headers = {"X-Request-ID": "one"}  # so that replies to GET and HEAD have equal headers
-    with TestClient(app, raise_server_exceptions=False, headers=headers) as client:
-        yield client
-
-
-@pytest.fixture
-def address(client: TestClient) -> str:
-    return f"/sweeps/{client.post('/sweeps', json=STUDY).json()['id']}"
-
-
-def problem(response, status: int) -> dict:
-    assert response.status_code == status, response.text
-    assert response.headers["content-type"] == "application/problem+json"
-    document = response.json()
-    assert document["status"] == status
-    return document
+from posted_sweeps import STUDY, TRILLION, problem, with_axes
 
 
 def result_of(client: TestClient, address: str) -> Path:

@@ -19,21 +19,7 @@ from core.motion import simulate
 from core.scenes import SCENES
 from core.study import parse_study
 from core.sweep import sweep
-
-STUDY = {
-    "kind": "sweep",
-    "scene": "rectangle-on-track",
-    "outputs": ["acceleration_x", "transport_velocity", "throw_number"],
-    "parameters": {
-        "frequency": {"start": "20 Hz", "stop": "120 Hz", "num": 11},
-        "amplitude": ["0.35 mm", "0.5 mm"],
-        "alpha": {"start": 0, "stop": 90, "num": 10},
-        "beta": {"start": 0, "stop": 90, "num": 7},
-        "friction": 0.3,
-        "radius": "0.8 m",
-        "distance": "0.2 mm",
-    },
-}
+from posted_sweeps import STUDY
 
 
 @pytest.fixture

@@ -5,69 +5,18 @@ from __future__ import annotations
 import json
 import struct
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import numpy as np
 import pytest
-from fastapi.testclient import TestClient
 
 from app.jobs.errors import NotFoundError
-from app.main import create_app
-from app.settings import Settings
 from app.web.routes.sweeps import prefers_binary
 from app.web.zarr_views import ZarrViews
 from core.kinds import prepare_content
 from core.study import parse_study
 from core.sweep import sweep
 from core.sweep.zarr_view import ZarrView
-
-STUDY = {
-    "kind": "sweep",
-    "scene": "rectangle-on-track",
-    "outputs": ["acceleration_x", "transport_velocity", "throw_number"],
-    "parameters": {
-        "frequency": {"start": "20 Hz", "stop": "120 Hz", "num": 11},
-        "amplitude": ["0.35 mm", "0.5 mm"],
-        "alpha": {"start": 0, "stop": 90, "num": 10},
-        "beta": {"start": 0, "stop": 90, "num": 7},
-        "friction": 0.3,
-        "radius": "0.8 m",
-        "distance": "0.2 mm",
-    },
-}
-# Of 10^12 cells.
-TRILLION = {
-    **STUDY,
-    "parameters": {
-        **STUDY["parameters"],
-        "frequency": {"start": 20, "stop": 120, "num": 1000},
-        "amplitude": {"start": 1e-4, "stop": 1e-3, "num": 1000},
-        "alpha": {"start": 0, "stop": 90, "num": 1000},
-        "beta": {"start": 0, "stop": 90, "num": 1000},
-    },
-}
-
-
-@pytest.fixture
-def client(tmp_path: Path):
-    settings = Settings(data_directory=tmp_path, max_cells=10**6)
-    app = create_app(settings)
-    headers = {"X-Request-ID": "one"}  # so that replies to GET and HEAD have equal headers
-    with TestClient(app, raise_server_exceptions=False, headers=headers) as client:
-        yield client
-
-
-@pytest.fixture
-def address(client: TestClient) -> str:
-    return f"/sweeps/{client.post('/sweeps', json=STUDY).json()['id']}"
-
-
-def problem(response, status: int) -> dict:
-    assert response.status_code == status, response.text
-    assert response.headers["content-type"] == "application/problem+json"
-    document = response.json()
-    assert document["status"] == status
-    return document
+from posted_sweeps import STUDY, TRILLION, problem
 
 
 def unpack(content: bytes) -> tuple[dict, dict[str, np.ndarray]]:

@@ -1,0 +1,27 @@
+"""A client of the service, and a sweep that it was posted; some files have their own client."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from fastapi.testclient import TestClient
+
+from app.main import create_app
+from app.settings import Settings
+from posted_sweeps import STUDY
+
+
+@pytest.fixture
+def client(tmp_path: Path):
+    """Return a client of the service whose replies to GET and HEAD have equal headers."""
+    app = create_app(Settings(data_directory=tmp_path, max_cells=10**6))
+    headers = {"X-Request-ID": "one"}
+    with TestClient(app, raise_server_exceptions=False, headers=headers) as client:
+        yield client
+
+
+@pytest.fixture
+def address(client: TestClient) -> str:
+    """Return where the study stands once it is posted."""
+    return f"/sweeps/{client.post('/sweeps', json=STUDY).json()['id']}"
