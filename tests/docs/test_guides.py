@@ -14,8 +14,8 @@ import pytest
 from core.compiled import folder
 
 ROOT = Path(__file__).parents[2]
-HEADING = re.compile(r"^## The (?:file|line|test): `([^`]+)`$", re.MULTILINE)
-BLOCK = re.compile(r"^```(python|diff)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+HEADING = re.compile(r"^## The (?:file|line|test|example): `([^`]+)`$", re.MULTILINE)
+BLOCK = re.compile(r"^```(python|diff|toml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 def carry_out(page: str, tree: Path) -> list[str]:
@@ -28,7 +28,7 @@ def carry_out(page: str, tree: Path) -> list[str]:
     for path, part in zip(parts[::2], parts[1::2], strict=True):
         ((language, block),) = BLOCK.findall(part)
         file = tree / path
-        if language == "python":
+        if language != "diff":
             assert not file.exists(), path
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(block, encoding="utf-8")
@@ -83,6 +83,7 @@ def test_adding_a_scene(tree: Path) -> None:
     test = "tests/unit_core/scenes/test_ball_on_plane.py"
     assert carry_out(page, tree) == [
         "core/scenes/ball_on_plane.py", "core/scenes/__init__.py", test,
+        "configs/ball-on-plane.toml",
     ]  # fmt: skip
     assert " passed" in run(tree, "-m", "pytest", "-q", "-p", "no:cacheprovider", test)
     # 5/7 of P cos(0) cos(0), P = 1e-4 (100 pi)^2
@@ -99,6 +100,7 @@ def test_adding_a_scene(tree: Path) -> None:
         "assert abs(float(found.acceleration_x) - exact) <= 1e-14 * exact\n"
         "assert int(found.regime) == REGIMES['roll'].value\n",
     )
+    assert "41" in run(tree, "-m", "vibrafeed", "run", "configs/ball-on-plane.toml", "--dry-run")
     assert "ball-on-plane" in run(tree, "-m", "vibrafeed", "scenes")
 
 
