@@ -39,8 +39,7 @@ def regime_borders() -> list[HardCase]:
             "the rounding", motion(**hopping(1 + offset)), "conveying_velocity",
             from_study(motion(**hopping(1.0)), "conveying_velocity", 1e-12,
                        "throw number 1; continuous in it, slope of order 1, 1e-14 away"),
-            ("periodic",), blunt="a rounding over how far the throw number is above 1"
-            if offset > 0 else "",
+            ("periodic",),
         ))  # fmt: skip
     first = math.sqrt(1 + math.pi**2)
     formula = exact(forms.hop_after_hop, frequency=50.0, beta=30.0, gamma=0.0, gravity=G)
