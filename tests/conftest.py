@@ -8,7 +8,7 @@ import pytest
 
 HERE = Path(__file__).parent
 SLOW = frozenset((HERE / "slow.txt").read_text().split())
-"""Tests that take a fifth of a second or more, as `scripts/slow` measured: file and name."""
+"""Tests that take an eighth of a second or more, as `scripts/slow` measured: file and name."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

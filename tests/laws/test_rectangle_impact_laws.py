@@ -10,6 +10,8 @@ import pytest
 from core.mechanics import impact
 from impacts import CLOSE, IMPACTS, LAWS, evaluate, mirrored, swapped, where
 
+pytestmark = pytest.mark.slow  # the first test computes the impacts of all
+
 
 @functools.cache
 def rectangles() -> dict[str, np.ndarray]:

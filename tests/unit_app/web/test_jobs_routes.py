@@ -17,6 +17,8 @@ from app.settings import Settings
 from core.study import parse_study
 from core.sweep import sweep
 
+pytestmark = pytest.mark.service  # a server with workers of its own
+
 OGC = "http://www.opengis.net/def/rel/ogc/1.0/"
 EXCEPTIONS = "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/"
 PATH = "/processes/sweep/execution"
