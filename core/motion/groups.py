@@ -116,13 +116,13 @@ def planar_groups(
 ) -> Groups:
     """Return the groups of a part that moves along the track and normal to it."""
     return Groups(
-        drive_number_along,
-        drive_number_normal,
-        gravity_number_along,
-        gravity_number_normal,
-        friction_static,
-        friction_kinetic,
-        restitution,
+        drive_number_along=drive_number_along,
+        drive_number_normal=drive_number_normal,
+        gravity_number_along=gravity_number_along,
+        gravity_number_normal=gravity_number_normal,
+        friction_static=friction_static,
+        friction_kinetic=friction_kinetic,
+        restitution=restitution,
     )
 
 
@@ -139,14 +139,14 @@ def floor_groups(
 ) -> Groups:
     """Return the groups of a part that moves in space on a floor without a wall."""
     return Groups(
-        drive_number_along,
-        drive_number_normal,
-        gravity_number_along,
-        gravity_number_normal,
-        friction_static,
-        friction_kinetic,
-        restitution,
-        drive_number_across,
+        drive_number_along=drive_number_along,
+        drive_number_normal=drive_number_normal,
+        gravity_number_along=gravity_number_along,
+        gravity_number_normal=gravity_number_normal,
+        friction_static=friction_static,
+        friction_kinetic=friction_kinetic,
+        restitution=restitution,
+        drive_number_across=drive_number_across,
     )
 
 
@@ -168,16 +168,16 @@ def track_groups(
     The wall has the kinetic friction and the restitution of the floor.
     """
     return Groups(
-        drive_number_along,
-        drive_number_normal,
-        gravity_number_along,
-        gravity_number_normal,
-        friction_static,
-        friction_kinetic,
-        restitution,
-        drive_number_across,
-        gravity_number_across,
-        curvature_number,
+        drive_number_along=drive_number_along,
+        drive_number_normal=drive_number_normal,
+        gravity_number_along=gravity_number_along,
+        gravity_number_normal=gravity_number_normal,
+        friction_static=friction_static,
+        friction_kinetic=friction_kinetic,
+        restitution=restitution,
+        drive_number_across=drive_number_across,
+        gravity_number_across=gravity_number_across,
+        curvature_number=curvature_number,
         wall_friction=friction_kinetic,
         wall_restitution=restitution,
     )
