@@ -6,6 +6,13 @@ import math
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
+from core.motion.kernels.means import (
+    batch_spread,
+    gains,
+    is_transient,
+    is_trend,
+    mean_velocity,
+)
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.stepping.tables import FLOOR, STATE, TALLY, WALL, Cell
@@ -13,7 +20,6 @@ from core.motion.kernels.stepping.tables import FLOOR, STATE, TALLY, WALL, Cell
 MOST_MULTIPLE = 12
 WINDOW = 16
 SHARP = 0.03
-BATCHES = 8
 APART = 3.0
 """States of a cycle that differ by less than so many times what one step changes are one state.
 
@@ -44,24 +50,16 @@ def difference(states: Floats, tallies: Floats, later: int, earlier: int) -> flo
 
 
 @compiled
-def mean_velocity(tallies: Floats, first: int, last: int, period: float) -> float:
-    """Return the mean velocity over the periods from `first` to before `last`."""
-    travel = 0.0
-    for k in range(first, last):
-        travel += tallies[k, TALLY.travel]
-    return travel / ((last - first) * period)
-
-
-@compiled
 def limit(tallies: Floats, done: int, part: int, period: float) -> tuple[float, float]:
     """Return where the mean velocity drifts to, and how far it still is from there.
 
     From the means of three parts of so many periods: a transient dies out as a power, so that what
     is to come is the last change times ratio/(1 - ratio).
     """
-    first = mean_velocity(tallies, done - 3 * part, done - 2 * part, period)
-    second = mean_velocity(tallies, done - 2 * part, done - part, period)
-    third = mean_velocity(tallies, done - part, done, period)
+    travel = tallies[:, TALLY.travel]
+    first = mean_velocity(travel, done - 3 * part, done - 2 * part, period)
+    second = mean_velocity(travel, done - 2 * part, done - part, period)
+    third = mean_velocity(travel, done - part, done, period)
     last, before = third - second, second - first
     if last * before > 0.0 and abs(last) < abs(before):
         rest = last * last / (before - last)
@@ -196,12 +194,8 @@ def unsettled(
     result: Floats,
 ) -> int:  # fmt: skip
     """Return the status of a motion that did not repeat; put the spread of its batches."""
-    quarter = done // 4
-    first = mean_velocity(tallies, quarter, 2 * quarter, period)
-    second = mean_velocity(tallies, 2 * quarter, 3 * quarter, period)
-    third = mean_velocity(tallies, 3 * quarter, 4 * quarter, period)
-    gain, before = third - second, second - first
-    trend = gain * before > 0.0 and abs(gain) > 0.2 * abs(before)
+    travel, quarter = tallies[:, TALLY.travel], done // 4
+    gain, before = gains(travel, done, period)
     # At high speed friction is mu_k times the weight, whether the part hops or not.
     friction = cell.friction_kinetic * cell.gravity_number_normal
     pull = abs(cell.gravity_number_along)
@@ -214,15 +208,8 @@ def unsettled(
             return STATUS.runaway
     if scene == WALL:
         friction += cell.wall_friction * max(0.0, cell.gravity_number_across)
-    if trend and pull >= friction and abs(gain) > 0.5 * abs(before):
+    if is_trend(gain, before) and pull >= friction and abs(gain) > 0.5 * abs(before):
         return STATUS.runaway
-    batch = max(1, (done - quarter) // BATCHES)
-    square, centre = 0.0, mean_velocity(tallies, done - BATCHES * batch, done, period)
-    for k in range(BATCHES):
-        start = done - (k + 1) * batch
-        square += (mean_velocity(tallies, start, start + batch, period) - centre) ** 2
-    result[COLUMN.spread] = math.sqrt(square / (BATCHES - 1))
-    # A trend far above the scatter of the batches' differences is a transient not yet over.
-    if trend and abs(gain) > 2.0 * result[COLUMN.spread] / math.sqrt(BATCHES / 3.0):
-        return STATUS.limit_reached
-    return STATUS.aperiodic
+    spread = batch_spread(travel, done, period)
+    result[COLUMN.spread] = spread
+    return STATUS.limit_reached if is_transient(gain, before, spread) else STATUS.aperiodic

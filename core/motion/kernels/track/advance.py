@@ -1,0 +1,200 @@
+"""From event to event through a period of the drive."""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Flags, Floats
+from core.motion.kernels.statuses import MODE
+from core.motion.kernels.track import modes
+from core.motion.kernels.track.contacts import begin_slip, change_contacts
+from core.motion.kernels.track.drive import fill_push
+from core.motion.kernels.track.modes import Begin, Step, fill_place
+from core.motion.kernels.track.polynomials import first_fall, value
+from core.motion.kernels.track.tables import (
+    BOTH,
+    EVENT,
+    FLOOR,
+    FREE,
+    HOLD,
+    STATE,
+    TALLY,
+    TURN,
+    WALL,
+    Cell,
+    Work,
+)
+
+MOST_STEPS = 10_000
+"""Of one period."""
+MOST_AT_ONCE = 12
+"""Events at one phase, after which a short step is taken whatever the last of them says."""
+SHORT = 1e-9
+STEP_OVER = 1e-14
+"""Of phase: a step below it does not count as going on."""
+
+
+@compiled
+def advance(
+    cell: Cell, wall: bool, rolling: float, order: int, tolerance: float,
+    state: Floats, hold: Flags, tally: Floats, work: Work, phases: Floats, samples: Floats,
+) -> bool:  # fmt: skip
+    """Advance state and hold by one period of the drive and tally it; False if it takes too long.
+
+    `samples` get a row for each of the `phases` within the period, ascending: place, velocity and
+    mode.
+    """
+    tally[:] = 0.0
+    tau, at_once, given = 0.0, 0, 0
+    start = state[STATE.x]
+    free = work.free
+    for _ in range(MOST_STEPS):
+        rest = TURN - tau
+        if rest <= 0.0:
+            tally[TALLY.travel] = state[STATE.x] - start
+            return True
+        step = Step(wall, rolling, order, tolerance, rest)
+        fill_push(cell, tau, order, free, work.track)
+        free[0, 0] -= cell.gravity_number_along
+        free[1, 0] -= cell.gravity_number_across
+        free[2, 0] -= cell.gravity_number_normal
+        if hold[HOLD.event] != EVENT.nothing:
+            change_contacts(step, cell, state, hold, tau, work)
+        contacts = hold[HOLD.contacts]
+        begin = Begin(0.0, 0.0, 0.0, 0.0, False, False, 0.0)
+        if contacts == FREE:
+            hold[HOLD.slips] = 1
+        elif hold[HOLD.slips] or hold[HOLD.event] != EVENT.nothing:
+            begin = begin_slip(step, cell, state, hold, work)
+        slips = hold[HOLD.slips] == 1
+        if contacts == FREE:
+            span, event, used = modes.flight(step, cell, state, work)
+        elif not slips:
+            span, event, used = modes.stick(step, cell, state, hold, tau, work)
+        elif contacts == BOTH:
+            span, event, used = modes.slide_in_corner(step, cell, state, begin, tau, work)
+        else:
+            span, event, used = modes.slide(step, cell, state, contacts, begin, tau, work)
+        at_once = at_once + 1 if span <= STEP_OVER else 0
+        if at_once > MOST_AT_ONCE:
+            span, event, at_once = min(SHORT, rest), EVENT.nothing, 0
+        for axis in range(3):
+            fill_place(work.place[axis], state[STATE.x + axis], work.velocity[axis], used)
+        while given < phases.size and phases[given] < tau + span:
+            sample(phases[given] - tau, used, contacts, slips, work, samples[given])
+            given += 1
+        count(span, used, contacts, slips, work, tally)
+        move(step, state, contacts, slips, event, span, used, work)
+        if event == EVENT.land:
+            tally[TALLY.landing] = max(tally[TALLY.landing], -state[STATE.uz])
+            tally[TALLY.impacts] += 1.0
+        if contacts & WALL or event == EVENT.bump:
+            tally[TALLY.at_wall] += 1.0
+        if event != EVENT.nothing:
+            mark = 31.0 * tally[TALLY.signature] + 7.0 * event + contacts
+            tally[TALLY.signature] = mark % 1000003.0
+        tally[TALLY.steps] += 1.0
+        hold[HOLD.event] = event
+        tau = TURN if span >= rest else tau + span
+    return False
+
+
+@compiled
+def move(
+    step: Step, state: Floats, contacts: int, slips: bool, event: int, span: float, order: int,
+    work: Work,
+) -> None:  # fmt: skip
+    """Move a state to the end of a step."""
+    slip = 0.0
+    if step.rolling > 0.0 and contacts == FLOOR and slips:
+        slip = value(work.slip[1], order, span)
+    for axis in range(3):
+        state[STATE.x + axis] = value(work.place[axis], order, span)
+        state[STATE.ux + axis] = value(work.velocity[axis], order, span)
+    if contacts & FLOOR:
+        state[STATE.z] = 0.0
+        if step.rolling > 0.0:
+            state[STATE.spin] = slip - state[STATE.uy]
+    if contacts & WALL:
+        state[STATE.y] = 0.0
+    if event == EVENT.land:
+        state[STATE.z] = 0.0
+        state[STATE.uz] = min(0.0, state[STATE.uz])
+    elif event == EVENT.bump:
+        state[STATE.y] = 0.0
+        state[STATE.uy] = min(0.0, state[STATE.uy])
+
+
+@compiled
+def count(
+    span: float, order: int, contacts: int, slips: bool, work: Work, tally: Floats
+) -> None:
+    """Count the phase of a step to its modes, and the largest height."""
+    if not contacts & FLOOR:
+        tally[TALLY.flight] += span
+        place, speed = work.place[2], work.velocity[2]
+        if place[0] + span * max(speed[0], value(speed, order, span)) > tally[TALLY.height]:
+            fall = first_fall(speed, order, span, work.scratch)
+            top = value(place, order, fall if fall > 0.0 else span)
+            tally[TALLY.height] = max(tally[TALLY.height], top)
+    elif not slips:
+        tally[TALLY.stick] += span
+    else:
+        count_slip(span, order, work, tally)
+
+
+@compiled
+def count_slip(span: float, order: int, work: Work, tally: Floats) -> None:
+    """Count the phase of a slip to forward and backward, where it may turn round along the track.
+
+    A slip straight across does not move along the track: it counts as stick.
+    """
+    speed, at = work.event, 0.0
+    for _ in range(order + 1):
+        lead = 0
+        speed[: order + 1] = work.velocity[0, : order + 1]
+        if at > 0.0:
+            for i in range(order):
+                for k in range(order - 1, i - 1, -1):
+                    speed[k] += at * speed[k + 1]
+            speed[0] = 0.0  # a turn, by the root before
+        while lead < order and speed[lead] == 0.0:
+            lead += 1
+        way = speed[lead]
+        if way < 0.0:
+            for k in range(lead, order + 1):
+                speed[k] = -speed[k]
+        turn = first_fall(speed, order, span - at, work.scratch)
+        end = at + turn if turn > 0.0 else span
+        if way > 0.0:
+            tally[TALLY.forward] += end - at
+        elif way < 0.0:
+            tally[TALLY.backward] += end - at
+        else:
+            tally[TALLY.stick] += end - at
+        at = end
+        if at >= span:
+            return
+
+
+@compiled
+def sample(
+    since: float, order: int, contacts: int, slips: bool, work: Work, row: Floats
+) -> None:
+    """Fill place, velocity and mode at a phase within a step."""
+    for axis in range(3):
+        row[axis] = value(work.place[axis], order, since)
+        row[3 + axis] = value(work.velocity[axis], order, since)
+    if not contacts & FLOOR:
+        row[6] = MODE.flight
+    elif not slips or row[3] == 0.0:
+        row[6] = MODE.stick
+    else:
+        row[6] = MODE.forward if row[3] > 0.0 else MODE.backward
+    if contacts & WALL:
+        row[1] = 0.0
+    if contacts & FLOOR:
+        row[2] = 0.0
+    row[1] = max(0.0, row[1]) if math.isfinite(row[1]) else row[1]
+    row[2] = max(0.0, row[2])

@@ -1,0 +1,224 @@
+"""What happens to the contacts at an event: impacts, and the mode that comes after it."""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Flags, Floats
+from core.motion.kernels.stepping.contacts import friction_impulse
+from core.motion.kernels.track.drive import to_lift_off
+from core.motion.kernels.track.modes import Begin, Step
+from core.motion.kernels.track.tables import (
+    BOTH,
+    EVENT,
+    FLOOR,
+    FREE,
+    HOLD,
+    STATE,
+    WALL,
+    Cell,
+    Work,
+)
+
+SETTLED = 1e-13
+"""Rebound times remaining time, below which a run of shrinking hops ends (theory 13.5)."""
+SETTLED_TIME = 1e-3
+"""Of the phase to lift-off, or of a unit of phase at the wall: the same run's remaining time."""
+MOST_SWEEPS = 500
+STEADY = 1e-16
+NEAR_STOP = 3.0
+"""What is left of a slip, times twice its rate of closing, is at most so many tolerances."""
+
+
+@compiled
+def rebound(speed: float, load: float, restitution: float, ahead: float) -> float:
+    """Return the restitution of an impact: 0 where the hops to come shrink to nothing.
+
+    Their impulses then add up to what the contact carries in their time, less the rebound.
+    """
+    if restitution >= 1.0 or not load > 0.0:
+        return restitution
+    after = restitution * speed
+    left = 2.0 * after / (load * (1.0 - restitution))
+    return 0.0 if after * left < SETTLED and left < SETTLED_TIME * ahead else restitution
+
+
+@compiled
+def strike(
+    step: Step, cell: Cell, state: Floats, floor: float, wall: float, bounce: float, rear: float
+) -> None:
+    """Change the velocities by impacts: at the floor with speed `floor`, at the wall with `wall`.
+
+    0 where there is none. Newton's law normal to each with restitution `bounce` and `rear`,
+    Coulomb's along it: kinetic friction stops the slip if it can. Of two impacts at once each
+    is solved in its turn until both stand still.
+    """
+    ux, uy, uz, spin = STATE.ux, STATE.uy, STATE.uz, STATE.spin
+    response = 1.0 + step.rolling
+    normal, side, fx, fy, wx, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    small = STEADY * (floor + wall + abs(state[ux]))
+    for _ in range(MOST_SWEEPS):
+        change = 0.0
+        if floor > 0.0:
+            new = max(0.0, normal + bounce * floor - state[uz])
+            state[uz] += new - normal
+            change, normal = change + abs(new - normal), new
+        if wall > 0.0:
+            new = max(0.0, side + rear * wall - state[uy])
+            state[uy] += new - side
+            change, side = change + abs(new - side), new
+        if floor > 0.0:
+            limit = cell.friction_kinetic * normal
+            slip_1, slip_2 = state[ux] - fx, state[uy] + state[spin] - response * fy
+            new_1, new_2, held = impulse(slip_1, slip_2, limit, response)
+            change += abs(new_1 - fx) + abs(new_2 - fy)
+            state[ux] = 0.0 if held else state[ux] + new_1 - fx
+            state[uy] += new_2 - fy
+            if step.rolling > 0.0:
+                state[spin] = -state[uy] if held else state[spin] + step.rolling * (new_2 - fy)
+            elif held:
+                state[uy] = 0.0
+            fx, fy = new_1, new_2
+        if wall > 0.0:
+            limit = cell.wall_friction * side
+            new_1, new_2, held = impulse(state[ux] - wx, state[uz] - wz, limit, 1.0)
+            change += abs(new_1 - wx) + abs(new_2 - wz)
+            state[ux] = 0.0 if held else state[ux] + new_1 - wx
+            state[uz] = 0.0 if held else state[uz] + new_2 - wz
+            wx, wz = new_1, new_2
+        if change <= small or not (floor > 0.0 and wall > 0.0):
+            break
+    if floor > 0.0 and (bounce == 0.0 or state[uz] < 0.0):
+        state[uz] = 0.0
+    if wall > 0.0 and (rear == 0.0 or state[uy] < 0.0):
+        state[uy] = 0.0
+
+
+@compiled
+def impulse(
+    slip_1: float, slip_2: float, limit: float, response: float
+) -> tuple[float, float, bool]:
+    """Return the impulse of friction on a slip, and whether it stops it."""
+    if slip_1 == 0.0 and slip_2 == 0.0:
+        return 0.0, 0.0, limit > 0.0
+    return friction_impulse(slip_1, slip_2, limit, limit, response)
+
+
+@compiled
+def change_contacts(
+    step: Step, cell: Cell, state: Floats, hold: Flags, tau: float, work: Work
+) -> None:
+    """Change contacts as the event asks that ended the last stretch; `work.free` is at its phase.
+
+    What opened or closed is told by the event: where it says that a force is 0 it is 0, whatever
+    its rounded number.
+    """
+    event, free = hold[HOLD.event], work.free
+    y, z, uy, uz = STATE.y, STATE.z, STATE.uy, STATE.uz
+    speed = state[STATE.ux] + work.track[0]
+    bent = free[1, 0] - cell.curvature_number * speed * speed
+    if event in (EVENT.land, EVENT.bump):
+        floor = -state[uz] if state[z] == 0.0 and state[uz] < 0.0 else 0.0
+        wall = -state[uy] if step.wall and state[y] == 0.0 and state[uy] < 0.0 else 0.0
+        bounce, rear = cell.restitution, cell.wall_restitution
+        if floor > 0.0:
+            ahead = min(to_lift_off(work.lifts, tau), 1.0)
+            bounce = rebound(floor, -free[2, 0], bounce, ahead)
+        if wall > 0.0:
+            rear = rebound(wall, -bent, rear, 1.0)
+        strike(step, cell, state, floor, wall, bounce, rear)
+    elif event == EVENT.lift:
+        free[2, 0] = 0.0
+    elif event == EVENT.leave:
+        free[1, 0] += -bent  # no force across is left
+        bent = 0.0
+    speed = state[STATE.ux] + work.track[0]
+    if event != EVENT.leave:
+        bent = free[1, 0] - cell.curvature_number * speed * speed
+    on_floor = state[z] == 0.0 and state[uz] == 0.0 and event != EVENT.lift
+    on_floor = on_floor and (free[2, 0] < 0.0 or event == EVENT.seat)
+    at_wall = step.wall and state[y] == 0.0 and state[uy] == 0.0
+    at_wall = at_wall and event not in (EVENT.leave, EVENT.release)
+    at_wall = at_wall and (bent < 0.0 or event == EVENT.press)
+    hold[HOLD.contacts] = (FLOOR if on_floor else FREE) | (WALL if at_wall else FREE)
+
+
+@compiled
+def begin_slip(
+    step: Step, cell: Cell, state: Floats, hold: Flags, work: Work
+) -> Begin:
+    """Return how the contact's slip stands; decide whether it sticks where it does not move."""
+    contacts, event, free = hold[HOLD.contacts], hold[HOLD.event], work.free
+    ux, uy, uz, spin = STATE.ux, STATE.uy, STATE.uz, STATE.spin
+    speed = state[ux] + work.track[0]
+    across = free[1, 0] - cell.curvature_number * speed * speed
+    if event == EVENT.leave:
+        across = 0.0
+    static, kinetic, wall = cell.friction_static, cell.friction_kinetic, cell.wall_friction
+    response, push_1, push_2 = 1.0, free[0, 0], 0.0
+    slip_1, slip_2 = state[ux], 0.0
+    if contacts == BOTH:
+        most, rub = -static * free[2, 0] - wall * across, -kinetic * free[2, 0] - wall * across
+    elif contacts == FLOOR:
+        response, push_2 = 1.0 + step.rolling, across
+        slip_2 = state[uy] + state[spin]
+        most, rub = -static * free[2, 0], -kinetic * free[2, 0]
+    else:
+        slip_2, push_2 = state[uz], free[2, 0]
+        most = rub = -wall * across
+    size = math.hypot(slip_1, slip_2)
+    need = math.hypot(push_1, push_2 / response)
+    if event == EVENT.stop or size <= step.tolerance:
+        stop_slip(step, state, contacts, slip_2)
+        size = 0.0
+    hold[HOLD.slips] = 1
+    free_of_friction = rub == 0.0 and most == 0.0
+    if free_of_friction or (contacts == BOTH and size > 0.0):
+        return Begin(size, math.copysign(1.0, slip_1), 0.0, 0.0, False, False, 0.0)
+    if size > 0.0:
+        cosine, sine = slip_1 / size, slip_2 / size
+        rate = rub * (cosine * cosine + response * sine * sine) - push_1 * cosine - push_2 * sine
+        least, closes = step.tolerance, False
+        if rate > 0.0 and need <= rub:
+            room = math.sqrt(NEAR_STOP * step.tolerance * rate)
+            closes = size <= room
+            least = max(least, 0.9 * room)
+        return Begin(size, cosine, sine, rate, False, closes, least)
+    held_on = event in (EVENT.press, EVENT.release, EVENT.seat, EVENT.lift)
+    if held_on or (event != EVENT.slip and need <= most):
+        hold[HOLD.slips] = 0
+        return Begin(0.0, 0.0, 0.0, 0.0, False, False, 0.0)
+    if contacts == BOTH:
+        cosine, sine = math.copysign(1.0, push_1), 0.0
+        rate = max(0.0, need - rub)
+    else:
+        cosine, sine = direction(push_1, push_2, rub, response)
+        rate = push_1 * cosine + push_2 * sine
+        rate -= rub * (cosine * cosine + response * sine * sine)
+    if event == EVENT.slip and (contacts == WALL or static == kinetic):
+        rate = 0.0  # no force is left over
+    return Begin(0.0, cosine, sine, max(0.0, rate), True, False, 0.0)
+
+
+@compiled
+def stop_slip(step: Step, state: Floats, contacts: int, slip_2: float) -> None:
+    """Set the slip to exactly 0; what a cylinder rolls with is kept."""
+    state[STATE.ux] = 0.0
+    if contacts == WALL:
+        state[STATE.uz] = 0.0
+    elif step.rolling > 0.0:
+        state[STATE.uy] -= slip_2 / (1.0 + step.rolling)
+        state[STATE.spin] = -state[STATE.uy]
+    else:
+        state[STATE.uy] = 0.0
+
+
+@compiled
+def direction(push_1: float, push_2: float, slide: float, response: float) -> tuple[float, float]:
+    """Return the direction in which a contact begins to slip (theory 7.3)."""
+    if slide > 0.0 and response != 1.0:
+        friction_1, friction_2, _ = friction_impulse(push_1, push_2, 0.0, slide, response)
+        push_1, push_2 = -friction_1, -friction_2
+    size = math.hypot(push_1, push_2)
+    return (push_1 / size, push_2 / size) if size > 0.0 else (1.0, 0.0)

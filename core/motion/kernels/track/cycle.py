@@ -1,0 +1,266 @@
+"""From rest until the motion repeats: the map of one period of the drive onto the next.
+
+Most motions forget their start within a few periods, since a part that sticks forgets all. Where
+they do not, the map is sped up by Anderson's mixing of the last periods; only between periods of
+the same events, and near the end, since a jump may else land on another motion, or on one that
+repels.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Flags, Floats
+from core.motion.kernels.statuses import STATUS
+from core.motion.kernels.track import drive
+from core.motion.kernels.track.advance import advance
+from core.motion.kernels.track.tables import HOLD, STATE, TALLY, Cell, Work
+
+MOST_MULTIPLE = 32
+APART = 1e4
+"""Two states of a cycle that are nearer than so many tolerances are one that comes closer slowly."""
+NEAR = 0.02
+"""Of the drive's speed: the change over a period below which mixing starts."""
+SHRINKS = 0.97
+"""The change over a period must fall by this much between two plain ones before a jump."""
+DEPTH = 3
+LARGEST_WEIGHT = 200.0
+INDEPENDENT = 1e-6
+NO_PHASES = np.zeros(0)
+
+
+class History(NamedTuple):
+    """States at starts and ends of periods, shape (periods + 1, 7), and what the periods tallied.
+
+    They differ from each other where a jump came between. `holds` are those at the starts.
+    """
+
+    starts: Floats
+    ends: Floats
+    tallies: Floats
+    holds: Flags
+
+
+class Series(NamedTuple):
+    """What a cell is followed by: order and tolerance of a term, a share of the drive's speed."""
+
+    order: int
+    tolerance: float
+
+
+class Settled(NamedTuple):
+    """How a cell came to repeat.
+
+    Attributes
+    ----------
+    status : int
+    multiple : int
+        Periods after which it repeats; 0 if it does not.
+    done : int
+        Periods followed.
+    left : float
+        What the state may still be off, as the last periods shrank.
+    """
+
+    status: int
+    multiple: int
+    done: int
+    left: float
+
+
+@compiled
+def new_history(most: int) -> History:
+    """Return room for so many periods."""
+    return History(
+        np.zeros((most + 1, len(STATE))), np.zeros((most + 1, len(STATE))),
+        np.zeros((most + 1, len(TALLY))), np.zeros((most + 1, len(HOLD)), dtype=np.int64),
+    )  # fmt: skip
+
+
+@compiled
+def apart(
+    wall: bool, rolling: float, history: History, later: int, earlier: int
+) -> float:
+    """Return how far the end of one period is from the start of another, as far as it matters.
+
+    The floor is the same everywhere, along and, without a wall, across. The distance from a wall
+    does not matter to a part that did not touch it between and does not come nearer. A cylinder
+    keeps the speed at which it rolls across: its slip matters.
+    """
+    new, old = history.ends[later], history.starts[earlier]
+    most = max(
+        abs(new[STATE.z] - old[STATE.z]),
+        abs(new[STATE.ux] - old[STATE.ux]),
+        abs(new[STATE.uz] - old[STATE.uz]),
+    )
+    across = new[STATE.uy] - old[STATE.uy]
+    if rolling > 0.0:
+        across += new[STATE.spin] - old[STATE.spin]
+    most = max(most, abs(across))
+    if wall:
+        away = new[STATE.y] - old[STATE.y]
+        touched = False
+        for k in range(earlier, later + 1):
+            touched = touched or history.tallies[k, TALLY.at_wall] > 0.0
+        most = max(most, abs(away) if touched else max(0.0, -away))
+    return most
+
+
+@compiled
+def repeats(
+    wall: bool, rolling: float, history: History, last: int, since: int, close: float
+) -> int:
+    """Return after how many periods the motion repeats, 0 if it does not; `since` the last jump.
+
+    Where a part of a cycle nearly repeats it may be the same motion, not settled yet.
+    """
+    ends, starts, column = history.ends, history.starts, STATE.ux
+    for multiple in range(1, min(MOST_MULTIPLE, last - since + 1) + 1):
+        if abs(ends[last, column] - starts[last - multiple + 1, column]) > close:
+            continue  # as most are: told apart by one number
+        if apart(wall, rolling, history, last, last - multiple + 1) > close:
+            continue
+        for part in range(1, multiple):
+            near = multiple % part == 0
+            if near and apart(wall, rolling, history, last, last - part + 1) < APART * close:
+                return 0
+        return multiple
+    return 0
+
+
+@compiled
+def remaining(
+    wall: bool, rolling: float, history: History, last: int, multiple: int, since: int
+) -> float:
+    """Return how far the state still is from where it goes, as its changes shrink."""
+    change = apart(wall, rolling, history, last, last - multiple + 1)
+    if last - 2 * multiple + 1 < since or change == 0.0:
+        return change
+    before = apart(wall, rolling, history, last - multiple, last - 2 * multiple + 1)
+    ratio = min(change / before, 0.999) if before > 0.0 else 0.0
+    return change / (1.0 - ratio)
+
+
+@compiled
+def settle(
+    cell: Cell, wall: bool, rolling: float, series: Series, most: int, state: Floats, hold: Flags,
+    history: History, work: Work,
+) -> Settled:  # fmt: skip
+    """Follow a cell until its motion repeats, or for `most` periods; fill the history."""
+    speed = drive.size(cell)
+    close = cell.tolerance * speed
+    since, shrank = 0, 0
+    for period in range(most):
+        state[STATE.x] = 0.0
+        history.starts[period], history.holds[period] = state, hold
+        tally = history.tallies[period]
+        fine = advance(
+            cell, wall, rolling, series.order, series.tolerance * speed, state, hold, tally, work,
+            NO_PHASES, history.starts[:0],
+        )  # fmt: skip
+        history.ends[period] = state
+        if not fine or not np.all(np.isfinite(state)):
+            return Settled(STATUS.limit_reached, 0, period + 1, math.inf)
+        moves = tally[TALLY.forward] + tally[TALLY.backward] + tally[TALLY.flight]
+        if moves == 0.0 and rolling == 0.0:
+            return Settled(STATUS.at_rest, 1, period + 1, 0.0)
+        multiple = repeats(wall, rolling, history, period, since, close)
+        if multiple > 0:
+            left = remaining(wall, rolling, history, period, multiple, since)
+            return Settled(STATUS.periodic, multiple, period + 1, left)
+        if period == 0 or period <= since:
+            continue
+        change, before = step_size(wall, history, period), step_size(wall, history, period - 1)
+        alike = same_events(history, period, period - 1)
+        shrank = shrank + 1 if alike and change < SHRINKS * before else 0
+        if shrank >= 2 and change < NEAR * speed and jump(wall, history, period, since, state):
+            since, shrank = period + 1, 0
+    return Settled(STATUS.aperiodic, 0, most, math.inf)
+
+
+@compiled
+def same_events(history: History, one: int, other: int) -> bool:
+    """Return whether two periods had the same events, in the same order."""
+    tallies = history.tallies
+    return bool(tallies[one, TALLY.signature] == tallies[other, TALLY.signature])
+
+
+@compiled
+def first_coordinate(wall: bool, history: History, period: int) -> int:
+    """Return the first column of the state that takes part in mixing."""
+    touched = wall and history.tallies[period, TALLY.at_wall] > 0.0
+    return STATE.y if touched else STATE.z
+
+
+@compiled
+def step_size(wall: bool, history: History, period: int) -> float:
+    """Return the largest change of a state over a period."""
+    most = 0.0
+    for i in range(first_coordinate(wall, history, period), len(STATE)):
+        most = max(most, abs(history.ends[period, i] - history.starts[period, i]))
+    return most
+
+
+@compiled
+def jump(wall: bool, history: History, last: int, since: int, state: Floats) -> bool:
+    """Change the state to where the last periods lead by Anderson's mixing; False if nowhere.
+
+    With residuals f = end - start, the weights are those of the least squares of f_last - sum of
+    weights times differences of f; the state is the same combination of the ends. By modified
+    Gram and Schmidt, the latest differences first.
+    """
+    depth = 0
+    while depth < DEPTH and last - depth - 1 >= since and same_events(history, last - depth - 1, last):
+        depth += 1
+    first = first_coordinate(wall, history, last)
+    columns = len(STATE)
+    basis, triangle = np.zeros((DEPTH, columns)), np.zeros((DEPTH, DEPTH))
+    used = 0
+    for j in range(depth):
+        new, old = last - j, last - j - 1
+        size = 0.0
+        for i in range(first, columns):
+            basis[j, i] = history.ends[new, i] - history.starts[new, i]
+            basis[j, i] -= history.ends[old, i] - history.starts[old, i]
+            size += basis[j, i] ** 2
+        for other in range(j):
+            dot = 0.0
+            for i in range(first, columns):
+                dot += basis[other, i] * basis[j, i]
+            triangle[other, j] = dot
+            for i in range(first, columns):
+                basis[j, i] -= dot * basis[other, i]
+        rest = 0.0
+        for i in range(first, columns):
+            rest += basis[j, i] ** 2
+        if not rest > INDEPENDENT**2 * size:
+            break
+        triangle[j, j] = math.sqrt(rest)
+        for i in range(first, columns):
+            basis[j, i] /= triangle[j, j]
+        used += 1
+    if used == 0:
+        return False
+    weights = np.zeros(DEPTH)
+    for j in range(used - 1, -1, -1):
+        dot = 0.0
+        for i in range(first, columns):
+            dot += basis[j, i] * (history.ends[last, i] - history.starts[last, i])
+        for other in range(j + 1, used):
+            dot -= triangle[j, other] * weights[other]
+        weights[j] = dot / triangle[j, j]
+        if not abs(weights[j]) < LARGEST_WEIGHT:
+            return False
+    for i in range(first, columns):
+        value = history.ends[last, i]
+        for j in range(used):
+            value -= weights[j] * (history.ends[last - j, i] - history.ends[last - j - 1, i])
+        state[i] = value
+    if state[STATE.z] < 0.0 or (wall and state[STATE.y] < 0.0):
+        state[:] = history.ends[last]
+        return False
+    return True

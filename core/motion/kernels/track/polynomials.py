@@ -1,0 +1,141 @@
+"""Polynomials of a step: values, and where one first comes down through zero."""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Floats
+
+MOST_PASSES = 200
+NEVER = -1.0
+SHARP = 1e-15
+"""Of the span: a root is known no better."""
+
+
+@compiled
+def value(series: Floats, order: int, t: float) -> float:
+    """Return a polynomial at t."""
+    total = series[order]
+    for k in range(order - 1, -1, -1):
+        total = total * t + series[k]
+    return total
+
+
+@compiled
+def first_fall(series: Floats, order: int, span: float, scratch: Floats) -> float:
+    """Return the first t in [0, span] at which a polynomial comes down through 0, or `NEVER`.
+
+    A value of exactly 0 at the start is divided out: a fall at once is then one of what is left.
+
+    On the way the polynomial is followed from place to place: its negative terms alone bound it
+    from below, and where that bound comes down to zero the polynomial itself cannot have done so
+    earlier. Shifted there, the bound is asked again. Steps never pass a root, and are Newton's near
+    one that it crosses.
+    """
+    low = 0
+    while low < order and series[low] == 0.0:
+        low += 1
+    if series[low] < 0.0:
+        return 0.0
+    if series[low] + negative_part(series, low, order, span) > 0.0:
+        return NEVER
+    degree = order - low
+    for k in range(degree + 1):
+        scratch[k] = series[k + low]
+    at = 0.0
+    for _ in range(MOST_PASSES):
+        near = near_fall(scratch, degree, span - at)
+        if near >= 0.0:
+            return at + near
+        step = safe_step(scratch, degree, span - at)
+        at += step
+        if at >= span:
+            return NEVER
+        if step <= SHARP * span:
+            return at
+        for i in range(degree):
+            for k in range(degree - 1, i - 1, -1):
+                scratch[k] += step * scratch[k + 1]
+        if scratch[0] <= 0.0:
+            return at
+    return at
+
+
+@compiled
+def near_fall(series: Floats, degree: int, span: float) -> float:
+    """Return the root of a polynomial that falls all the way to it, twice its tangent's, at most.
+
+    `NEVER` where it may not fall so. By Newton's iteration within a bracket.
+    """
+    if degree < 1 or not series[1] < 0.0:
+        return NEVER
+    high = min(span, 2.0 * series[0] / -series[1])
+    rising = 0.0
+    for k in range(degree, 1, -1):
+        rising = (rising + k * max(series[k], 0.0)) * high
+    if series[1] + rising >= 0.0 or value(series, degree, high) > 0.0:
+        return NEVER
+    low, t = 0.0, min(high, series[0] / -series[1])
+    for _ in range(MOST_PASSES):
+        total, slope = series[degree], 0.0
+        for k in range(degree - 1, -1, -1):
+            slope = slope * t + total
+            total = total * t + series[k]
+        if total > 0.0:
+            low = t
+        else:
+            high = t
+        new = t - total / slope
+        if not low <= new <= high:
+            new = 0.5 * (low + high)
+        if abs(new - t) <= SHARP * high:
+            return new
+        t = new
+    return t
+
+
+@compiled
+def negative_part(series: Floats, low: int, order: int, t: float) -> float:
+    """Return the terms of negative coefficients above `low` at t, that one's power divided out."""
+    total = 0.0
+    for k in range(order, low, -1):
+        total = (total + min(series[k], 0.0)) * t
+    return total
+
+
+@compiled
+def safe_step(series: Floats, degree: int, span: float) -> float:
+    """Return a step within which a polynomial, positive at 0, stays so; the span if all along.
+
+    The bound by negative terms is concave: Newton's iteration comes to its root from the right, and
+    the chord from 0 to any place beyond crosses zero before it.
+    """
+    first = series[0]
+    if first <= 0.0:
+        return 0.0
+    # No further than where one of the terms alone takes it to zero.
+    if degree > 0 and series[1] < 0.0:
+        span = min(span, first / -series[1])
+    if degree > 1 and series[2] < 0.0:
+        span = min(span, math.sqrt(first / -series[2]))
+    if first + negative_part(series, 0, degree, span) > 0.0:
+        return span
+    while first + negative_part(series, 0, degree, 0.5 * span) <= 0.0:
+        span *= 0.5
+        if span < 1e-300:
+            return 0.0
+    right = span
+    for _ in range(3):
+        total, slope = 0.0, 0.0
+        for k in range(degree, 0, -1):
+            term = min(series[k], 0.0)
+            slope = slope * right + total
+            total = total * right + term
+        slope = slope * right + total
+        total = total * right + first
+        # `total` is the bound at `right`, not above zero; `slope` is its derivative.
+        if slope < 0.0:
+            right -= total / slope
+    total = first + negative_part(series, 0, degree, right)
+    return right * first / (first - total) if total < 0.0 else right

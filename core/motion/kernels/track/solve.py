@@ -1,0 +1,182 @@
+"""One cell from its groups to its results, and many cells."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Flags, Floats, Statuses
+from core.motion.kernels.means import batch_spread, gains, is_transient, is_trend, mean_velocity
+from core.motion.kernels.results import COLUMN
+from core.motion.kernels.statuses import STATUS
+from core.motion.kernels.track import drive
+from core.motion.kernels.track.cycle import History, Series, Settled, new_history, settle
+from core.motion.kernels.track.tables import (
+    GROUPS,
+    TALLY,
+    TURN,
+    Cell,
+    Work,
+    at_rest,
+    cell_of,
+    new_work,
+)
+
+FINE = Series(16, 1e-11)
+"""Of the results; of order 12 and 20 see docs/motion.md for what they cost and give."""
+COARSE = Series(12, 1e-9)
+"""Of the run that tells the error."""
+LEAST_ERROR = 1e-10
+"""Of the drive's speed: the error told of a motion that repeats is no smaller."""
+SURE = 5.41
+"""Standard deviations of a mean of 8 batches that hold 99.9 % (Student, 7 degrees of freedom)."""
+
+
+@compiled
+def never_settles(cell: Cell, wall: bool) -> bool:
+    """Return whether gravity along the track is more than friction can take, on the mean.
+
+    The floor's mean load is gravity's, and so is that of the wall of a straight track.
+    """
+    friction = max(cell.friction_static, cell.friction_kinetic) * cell.gravity_number_normal
+    pull = abs(cell.gravity_number_along)
+    if wall:
+        if cell.curvature_number > 0.0 and cell.wall_friction > 0.0:
+            return False
+        friction += cell.wall_friction * max(0.0, cell.gravity_number_across)
+    else:
+        pull = math.hypot(pull, cell.gravity_number_across)
+    return pull > friction
+
+
+@compiled
+def fill(history: History, first: int, last: int, result: Floats) -> None:
+    """Fill a result with the means over the periods from `first` to before `last`."""
+    result[:] = 0.0
+    total = 0.0
+    for k in range(first, last):
+        tally = history.tallies[k]
+        result[COLUMN.stick] += tally[TALLY.stick]
+        result[COLUMN.forward] += tally[TALLY.forward]
+        result[COLUMN.backward] += tally[TALLY.backward]
+        result[COLUMN.flight] += tally[TALLY.flight]
+        result[COLUMN.impacts] += tally[TALLY.impacts]
+        result[COLUMN.landing_speed] = max(result[COLUMN.landing_speed], tally[TALLY.landing])
+        result[COLUMN.hop_height] = max(result[COLUMN.hop_height], tally[TALLY.height])
+    for column in range(COLUMN.stick, COLUMN.flight + 1):
+        total += result[column]
+    result[COLUMN.stick : COLUMN.flight + 1] /= total
+    result[COLUMN.impacts] /= last - first
+    result[COLUMN.velocity] = mean_velocity(history.tallies[:, TALLY.travel], first, last, TURN)
+
+
+@compiled
+def without_repeating(
+    cell: Cell, wall: bool, history: History, done: int, result: Floats
+) -> int:
+    """Fill the result of a motion that did not repeat; return its status.
+
+    The error of its mean is that of eight batches, and how far the part strayed from a steady
+    travel, over the time: of that the batches tell nothing.
+    """
+    travel = history.tallies[:, TALLY.travel]
+    first = done // 4
+    fill(history, first, done, result)
+    gain, before = gains(travel, done, TURN)
+    friction = cell.friction_kinetic * cell.gravity_number_normal
+    if wall:
+        friction += cell.wall_friction * max(0.0, cell.gravity_number_across)
+    pull = abs(cell.gravity_number_along)
+    if is_trend(gain, before) and pull >= friction and abs(gain) > 0.5 * abs(before):
+        return STATUS.runaway
+    spread = batch_spread(travel, done, TURN)
+    ahead, behind, place = 0.0, 0.0, 0.0
+    for k in range(first, done):
+        place += travel[k] - result[COLUMN.velocity] * TURN
+        ahead, behind = max(ahead, place), min(behind, place)
+    result[COLUMN.spread] = spread
+    result[COLUMN.error] = SURE * spread / math.sqrt(8.0)
+    result[COLUMN.error] += (ahead - behind) / ((done - first) * TURN)
+    return STATUS.limit_reached if is_transient(gain, before, spread) else STATUS.aperiodic
+
+
+@compiled
+def solve(
+    cell: Cell, wall: bool, rolling: float, history: History, result: Floats
+) -> Settled:
+    """Fill the result of a cell from rest; the history holds its last periods."""
+    result[:] = math.nan
+    most = int(cell.most_periods)
+    nothing = Settled(STATUS.limit_reached, 0, 0, math.inf)
+    total = 0.0
+    for value in cell:
+        total += value
+    if not math.isfinite(total) or cell.gravity_number_normal <= 0.0 or most < 1:
+        return nothing
+    rubs = cell.friction_kinetic + cell.friction_static > 0.0
+    if wall:
+        rubs = rubs or cell.wall_friction > 0.0
+    if rubs and never_settles(cell, wall):
+        return Settled(STATUS.runaway, 0, 0, math.inf)
+    if not rubs and cell.gravity_number_along != 0.0:
+        return Settled(STATUS.runaway, 0, 0, math.inf)
+    work = new_work(drive.lift_offs(cell))
+    state, hold = at_rest()
+    found = settle(cell, wall, rolling, FINE, most, state, hold, history, work)
+    speed = drive.size(cell)
+    if found.multiple == 0:
+        if found.status == STATUS.aperiodic:
+            status = without_repeating(cell, wall, history, found.done, result)
+            return Settled(status, 0, found.done, math.inf)
+        return found
+    fill(history, found.done - found.multiple, found.done, result)
+    result[COLUMN.multiple] = float(found.multiple)
+    if found.status == STATUS.at_rest:
+        result[COLUMN.velocity] = 0.0
+        return found
+    status = found.status if rubs else STATUS.neutral
+    check = coarse_velocity(cell, wall, rolling, found, history, work)
+    apart = abs(result[COLUMN.velocity] - check)
+    if not math.isfinite(apart):
+        apart = speed
+    result[COLUMN.error] = apart + found.left + LEAST_ERROR * speed
+    return Settled(status, found.multiple, found.done, found.left)
+
+
+@compiled
+def coarse_velocity(
+    cell: Cell, wall: bool, rolling: float, found: Settled, history: History, work: Work
+) -> float:
+    """Return the mean velocity by shorter series, from where the motion repeats; NaN if it does not.
+
+    With rebounds it starts from rest again: which of several motions a part falls into may hang on
+    its last digits.
+    """
+    first = found.done - found.multiple
+    state, hold = history.starts[first].copy(), history.holds[first].copy()
+    if cell.restitution > 0.0 or (wall and cell.wall_restitution > 0.0):
+        state, hold = at_rest()
+    most = min(history.starts.shape[0] - 1, 4 * found.done + 32)
+    again = settle(cell, wall, rolling, COARSE, most, state, hold, history, work)
+    if again.multiple == 0:
+        return math.nan
+    travel = history.tallies[:, TALLY.travel]
+    return mean_velocity(travel, again.done - again.multiple, again.done, TURN)
+
+
+@compiled
+def solve_cells(
+    wall: bool, rolling: float, groups: Floats, table: Floats, status: Statuses
+) -> None:
+    """Fill table and status of cells; a row of `groups` holds the fields of `Cell`."""
+    if groups.shape[0] == 0:
+        return
+    most = max(1, int(groups[:, GROUPS - 1].max()))
+    history = new_history(most)
+    for number in range(groups.shape[0]):
+        found = solve(cell_of(groups[number]), wall, rolling, history, table[number])
+        status[number] = found.status
+        if found.status in (STATUS.runaway, STATUS.limit_reached):
+            table[number] = np.nan

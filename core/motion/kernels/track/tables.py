@@ -1,0 +1,178 @@
+"""The tables of exact motion in space: what a cell is given, its state, the series of a step."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba.np.unsafe.ndarray import to_fixed_tuple
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Flags, Floats
+
+TURN = 2.0 * math.pi
+MOST_ORDER = 24
+"""Of the series."""
+
+
+class Cell(NamedTuple):
+    """The groups of one cell; a row of the kernels' table in this order."""
+
+    drive_number_along: float
+    drive_number_across: float
+    drive_number_normal: float
+    gravity_number_along: float
+    gravity_number_across: float
+    gravity_number_normal: float
+    curvature_number: float
+    friction_static: float
+    friction_kinetic: float
+    wall_friction: float
+    restitution: float
+    wall_restitution: float
+    tolerance: float
+    most_periods: float
+
+
+GROUPS = len(Cell._fields)
+
+
+@compiled
+def cell_of(row: Floats) -> Cell:
+    """Return the cell of a row."""
+    return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one
+
+
+class State(NamedTuple):
+    """Columns of a state: place, velocity relative to the track, and spin.
+
+    The spin of a cylinder is the velocity across that it gives the lowest point.
+    """
+
+    x: int
+    y: int
+    z: int
+    ux: int
+    uy: int
+    uz: int
+    spin: int
+
+
+class Hold(NamedTuple):
+    """Columns of what holds a part: its contacts, whether they slip, the event before."""
+
+    contacts: int
+    slips: int
+    event: int
+
+
+FREE, FLOOR, WALL, BOTH = 0, 1, 2, 3
+"""Contacts that carry the part: the floor is bit 0, the wall bit 1."""
+
+
+class Event(NamedTuple):
+    """What ends a stretch of motion.
+
+    `nothing` where the series had to be made anew; `seat` where the floor, or `press` where the
+    wall, comes to carry a part that touches it without moving, and `release` where the wall ceases
+    to carry one that the floor holds; `leave` where a part that slips loses the wall.
+    """
+
+    nothing: int
+    start: int
+    lift: int
+    land: int
+    leave: int
+    bump: int
+    stop: int
+    slip: int
+    press: int
+    release: int
+    seat: int
+
+
+class Tally(NamedTuple):
+    """Columns of the tally of one period.
+
+    The distance; the phase spent in each mode, in the order of the modes' own numbers; impacts on
+    the floor, the largest speed of a landing and the largest height; the stretches at the wall, the
+    signature of the events, and the steps.
+    """
+
+    travel: int
+    stick: int
+    forward: int
+    backward: int
+    flight: int
+    impacts: int
+    landing: int
+    height: int
+    at_wall: int
+    signature: int
+    steps: int
+
+
+STATE = State(*range(len(State._fields)))
+HOLD = Hold(*range(len(Hold._fields)))
+EVENT = Event(*range(len(Event._fields)))
+TALLY = Tally(*range(len(Tally._fields)))
+
+
+class Work(NamedTuple):
+    """The series of a step, coefficients of powers of the phase since its start.
+
+    Attributes
+    ----------
+    free : ndarray, shape (3, n)
+        Acceleration of a part without contacts, along, across and normal; what a curve adds is in
+        `across` once the velocity along is known.
+    track : ndarray
+        Velocity of the track along itself.
+    velocity : ndarray, shape (3, n)
+        Of the part relative to the track, along, across and normal.
+    place : ndarray, shape (3, n)
+        Likewise.
+    slip : ndarray, shape (2, n)
+        Of the contact that slips.
+    square : ndarray
+        Of the slip's size.
+    load : ndarray
+        Of the contact that slips.
+    extra : ndarray, shape (8, n)
+        Of use to one function only.
+    event, scratch : ndarray
+        What turns negative at an event, and a copy that its search destroys.
+    lifts : ndarray
+        Phases at which the floor loses a part that rests on it.
+    """
+
+    free: Floats
+    track: Floats
+    velocity: Floats
+    place: Floats
+    slip: Floats
+    square: Floats
+    load: Floats
+    extra: Floats
+    event: Floats
+    scratch: Floats
+    lifts: Floats
+
+
+@compiled
+def new_work(lifts: Floats) -> Work:
+    """Return room for the series of a step, under a drive with these lift-offs."""
+    n = MOST_ORDER + 2
+    return Work(
+        np.zeros((3, n)), np.zeros(n), np.zeros((3, n)), np.zeros((3, n)), np.zeros((2, n)),
+        np.zeros(n), np.zeros(n), np.zeros((8, n)), np.zeros(n), np.zeros(n), lifts,
+    )  # fmt: skip
+
+
+@compiled
+def at_rest() -> tuple[Floats, Flags]:
+    """Return state and hold of a part at rest on the floor, touching the wall."""
+    hold = np.zeros(len(HOLD), dtype=np.int64)
+    hold[HOLD.event] = EVENT.start
+    return np.zeros(len(STATE)), hold
