@@ -68,9 +68,7 @@ class Laws:
             p.drive_number_normal * sine - p.gravity_number_normal,
         )
 
-    def forces(
-        self, phase: Numbers, mode: Mode, ux: Numbers, e: tuple[Numbers, Numbers]
-    ) -> Forces:
+    def forces(self, phase: Numbers, mode: Mode, ux: Numbers, e: tuple[Numbers, Numbers]) -> Forces:
         """Return forces and rates in a mode; `e` is the direction of the slip, if it slips."""
         p, (dx, dy, dz) = self.groups, self.free(phase, ux)
         if mode.floor and mode.wall:

@@ -9,7 +9,15 @@ import numpy as np
 
 from core.mechanics.arrays import Array
 from core.motion.methods.reference.laws import SPIN, UX, UY, UZ, Laws, Mode, Y, Z
-from core.motion.methods.reference.polynomials import AT, FROM_NODES, MEAN, MEAN_TWICE, crossings, first_fall
+from core.motion.methods.reference.polynomials import (
+    AT,
+    FROM_NODES,
+    MEAN,
+    MEAN_TWICE,
+    crossings,
+    first_fall,
+    values,
+)
 from core.motion.methods.reference.stretch import Stretch, solve
 
 STOPPED = 1e-13
@@ -23,6 +31,12 @@ GRAZES = 1e-13
 
 PRESSED = 1e-12
 """In g: a part that friction of the floor holds at the wall presses on it above this."""
+
+RESOLVED = 1e-16
+"""Of the last coefficients of a slip's change, in g/w: smaller ones are rounding."""
+
+MOST_CUTS = 100
+"""Of a stretch that the nodes do not resolve."""
 
 MOST_EVENTS = 20_000
 """Events and stretches of one period; more is a failure."""
@@ -138,23 +152,23 @@ class Part:
     # --- events
 
     def first_event(self, mode: Mode, stretch: Stretch, begins: bool) -> tuple[float, str]:
-        """Return where a stretch's first event is, from 0 to 1, and its name: 1 if there is none."""
+        """Return where a stretch's first event is, from 0 to 1, and its name; 1 if none comes."""
         found = [(1.0, "")]
 
-        def ask(name: str, condition: Array, above: bool | None = None) -> None:
-            found.append((first_fall(condition, above), name))
+        def ask(name: str, condition: Array) -> None:
+            found.append((first_fall(condition), name))
 
         phases = stretch.start + stretch.length * AT
         if mode.floor:
             ask("lift", stretch.normal)
         else:
-            ask("land", *self.gap(stretch, Z, UZ))
+            found.append((self.returns(stretch, Z, UZ), "land"))
         if mode.wall:
             ask("leave", stretch.side)
         elif self.on_wall:  # still touching: held by the floor
             ask("press", FROM_NODES @ (self.laws.free(phases, 0.0)[1] + PRESSED))
         elif self.laws.contacts.wall:
-            ask("bump", *self.gap(stretch, Y, UY))
+            found.append((self.returns(stretch, Y, UY), "bump"))
         if mode.floor or mode.wall:
             if not mode.slips:
                 ask("slip", FROM_NODES @ -self.laws.excess(phases, mode))
@@ -164,19 +178,19 @@ class Part:
                 ask("stop", stretch.size)
         return min(found, key=lambda one: one[0])
 
-    def gap(self, stretch: Stretch, place: int, speed: int) -> tuple[Array, bool | None]:
-        """Return a polynomial that has the sign of a distance from a contact.
+    def returns(self, stretch: Stretch, place: int, speed: int) -> float:
+        """Return where a part comes back to a contact, from 0 to 1; infinite if it does not.
 
         Of a part that starts at the contact, the distance is divided by its root at the start, a
         double one where the part has no speed there: small hops and grazes are so told from none.
         """
         if self.state[place] > TOUCHING:
-            return stretch.states[place], True
-        if self.state[speed] != 0.0:
-            return MEAN @ stretch.states[speed], True
+            return first_fall(stretch.states[place])
+        if self.state[speed] > STOPPED:
+            return first_fall(MEAN @ stretch.states[speed])
         leaves = MEAN_TWICE @ stretch.rates[speed - UX]
-        leaves[0] += GRAZES
-        return leaves, True
+        at = first_fall(leaves)
+        return 0.0 if at > 1.0 and leaves.sum() < -GRAZES else at
 
     def missed(self) -> str:
         """Return the impact that is due at once, where another event came within its rounding.
@@ -208,6 +222,7 @@ class Part:
             self.state[Z] = 0.0
             self.impact(True, self.on_wall)
         elif event == "bump":
+            self.tally.at_wall = True
             self.state[Y] = 0.0
             self.impact(self.on_floor, True)
         return ""
@@ -230,7 +245,9 @@ class Part:
                 opened = ""
                 continue
             touching = mode.floor or mode.wall
-            begins = mode.slips and touching and math.hypot(*self.laws.slip(mode, self.state)) == 0.0
+            begins = (
+                mode.slips and touching and math.hypot(*self.laws.slip(mode, self.state)) == 0.0
+            )
             self.on_floor = mode.floor
             # Without slip a block stays at the wall though it does not press on it.
             held = mode.floor and not mode.slips and self.laws.contacts.rolling == 0.0
@@ -252,21 +269,27 @@ class Part:
         raise FailedError
 
     def follow(self, mode: Mode, end: float, begins: bool) -> Stretch:
-        """Return the longest stretch that the nodes resolve."""
+        """Return a stretch that the nodes resolve, about as long as they do.
+
+        A slip turns the faster the smaller it is: the length of the next stretch goes with it.
+        """
         length = min(self.care.longest, end - self.phase)
         slips = mode.slips and (mode.floor or mode.wall)
         if slips:
             length = min(length, self.reach)
-        for _ in range(60):
+        for _ in range(MOST_CUTS):
             stretch = solve(self.laws, mode, self.state, self.phase, length, begins)
-            if stretch is not None and stretch.tail <= self.care.tail:
+            tail = math.inf if stretch is None else max(stretch.tail, RESOLVED)
+            room = 0.9 * (self.care.tail / tail) ** (1.0 / len(AT))
+            if stretch is not None and tail <= self.care.tail:
                 break
-            length *= 0.5
+            length *= max(0.3, room)
         else:
             raise FailedError
         if slips:
-            room = (self.care.tail / max(stretch.tail, 1e-30)) ** (1.0 / len(AT))
-            self.reach = stretch.length * min(3.0, 0.9 * room)
+            first, last = abs(float(values(stretch.size, 0.0))), abs(float(stretch.size.sum()))
+            grows = last / first if first > 0.0 and not begins else 1.0
+            self.reach = length * room * min(3.0, max(0.1, grows))
         return stretch
 
     def close(self, mode: Mode, end: float) -> bool:

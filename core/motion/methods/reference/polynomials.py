@@ -56,6 +56,7 @@ NODES_INTEGRAL = AT_NODES @ INTEGRAL @ FROM_NODES
 
 NODES_SLOPE = np.linalg.inv(NODES_INTEGRAL)
 
+_DEGREES = np.arange(TERMS)
 _POINTS = np.cos(np.pi * (np.arange(TERMS) + 0.5) / TERMS)
 _FROM_POINTS = np.linalg.inv(chebyshev.chebvander(_POINTS, TERMS - 1))
 HALVES = tuple(
@@ -77,24 +78,18 @@ MEAN_TWICE = _FROM_POINTS @ np.tensordot(_WEIGHTS * (1.0 - _QUADRATURE), _SCALED
 def values(coefficients: Array, at: float) -> Array:
     """Return the values of one polynomial or of a row of them at a point of 0 to 1."""
     angle = math.acos(min(1.0, max(-1.0, 2.0 * at - 1.0)))
-    return coefficients @ np.cos(angle * np.arange(TERMS))
+    return coefficients @ np.cos(angle * _DEGREES)
 
 
-def crossings(coefficients: Array, above: bool | None = None) -> Iterator[tuple[float, int]]:
+def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
     """Yield where a polynomial changes sign, in order, each with its sense (1 rising, -1 falling).
 
     A stretch is cut into halves until the coefficients prove that the polynomial keeps its sign
     there (the first is larger than all others together), or that its derivative does: then the
     signs at the ends tell of the one root. So nothing is missed but a pair of roots between which
     the polynomial is 0 but for rounding.
-
-    Parameters
-    ----------
-    coefficients : ndarray, shape (TERMS,)
-    above : bool, optional
-        Whether it was above 0 before the stretch, where that is known: a first value that is 0 or
-        below is then a crossing at 0.
     """
+    above: bool | None = None
     stack = [(0.0, 1.0, coefficients)]
     while stack:
         start, width, c = stack.pop()
@@ -127,9 +122,9 @@ def crossings(coefficients: Array, above: bool | None = None) -> Iterator[tuple[
             above = high > 0.0
 
 
-def first_fall(coefficients: Array, above: bool | None = None) -> float:
+def first_fall(coefficients: Array) -> float:
     """Return where a polynomial first falls through 0, infinite if it does not."""
-    return next((at for at, sense in crossings(coefficients, above) if sense < 0), math.inf)
+    return next((at for at, sense in crossings(coefficients) if sense < 0), math.inf)
 
 
 def _root(c: Array, slope: Array, low: float, high: float) -> float:

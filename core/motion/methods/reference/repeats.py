@@ -28,11 +28,11 @@ NOISE = 1e-10
 NEAR = 0.02
 """As `SAME`: from this distance on the cycle is looked for by Newton's iteration."""
 
-CHANGE = 1e-6
+CHANGE = 1e-8
 """As `SAME`: of the states that tell how a change grows over a cycle."""
 
-MOST_LOOKS = 12
-"""Of Newton's iteration, before a motion counts as one that does not settle."""
+LOOKS = 20
+"""Periods that looking for a cycle may take beyond as many as were followed."""
 
 ROUNDING = 4.0 * 2.0**-52
 """Of a state after one event, as a share of the drive's size."""
@@ -95,7 +95,7 @@ class Run:
         self.after: list[Array] = []
         self.flags: list[tuple[bool, bool]] = []
         self.tallies: list[Tally] = []
-        self.plain_since, self.looks, self.look_at = 0, 0, 2
+        self.plain_since, self.looks, self.look_at, self.looked = 0, 0, 2, 0
         self.growth: Growth | None = None
 
     def follow(self) -> None:
@@ -110,10 +110,10 @@ class Run:
 
     @property
     def rests(self) -> bool:
-        """Whether the last period had no motion at all."""
+        """Whether friction held the part for all of the last period."""
         tally = self.tallies[-1]
         moved = tally.forward + tally.backward + tally.flight
-        return moved == 0.0 and np.array_equal(self.before[-1], self.after[-1])
+        return moved == 0.0 and self.distance(1, self.places(1)) == 0.0
 
     # --- coming back
 
@@ -170,7 +170,7 @@ class Run:
             apart = self.distance(multiple, places)
             if apart > NOISE or not self.touches_alike(multiple):
                 continue
-            if apart < SAME or apart > 0.5 * self.distance(multiple, places, back=multiple):
+            if apart < SAME or apart > 0.9 * self.distance(multiple, places, back=multiple):
                 return multiple
             return 0  # still on its way: not to be told as a multiple of what it is
         return 0
@@ -179,7 +179,7 @@ class Run:
 
     def hasten(self) -> None:
         """Take a state that is nearer to the cycle, where the part is on its way to one."""
-        if self.looks >= MOST_LOOKS or len(self.after) < self.look_at:
+        if len(self.after) < self.look_at:
             return
         for multiple in range(1, min(MOST_MULTIPLE, (len(self.after) - self.plain_since) // 2) + 1):
             places = self.places(multiple)
@@ -195,9 +195,8 @@ class Run:
             earlier = self.distance(multiple, places, back=multiple)
             apart = self.distance(multiple, places)
             if apart < 0.95 * earlier and apart > SAME:
-                if apart < 0.01 * earlier:
-                    return  # it is there soon without
-                self.look(multiple)
+                if apart > 0.01 * earlier:  # else it is there soon without
+                    self.look(multiple)
                 return
 
     def same_events(self, multiple: int) -> bool:
@@ -216,7 +215,10 @@ class Run:
 
     def look(self, multiple: int) -> None:
         """Take a step of Newton's iteration for the cycle, if it attracts."""
-        self.looks += 1
+        takes = multiple * (len(self.places(multiple)) + 1)
+        if self.looked + takes > len(self.after) + LOOKS:
+            return
+        self.looks, self.looked = self.looks + 1, self.looked + takes
         self.look_at = len(self.after) + 2 * multiple
         growth = self.measured(multiple)
         if not growth.attracts:
@@ -246,9 +248,7 @@ class Run:
             return
         self.plain_since = len(self.after)
 
-    def followed(
-        self, state: Array, flags: tuple[bool, bool], multiple: int, care: Care
-    ) -> Part:
+    def followed(self, state: Array, flags: tuple[bool, bool], multiple: int, care: Care) -> Part:
         """Return the part after a cycle from some state."""
         part = Part(self.laws, state.copy(), care)
         part.on_floor, part.on_wall = flags
@@ -262,6 +262,8 @@ class Run:
         """Return what small changes at the start of the last cycle do until its end."""
         start, end, flags = self.before[-multiple], self.after[-1], self.flags[-multiple]
         fixed = ([Z, UZ] if flags[0] else []) + ([Y, UY] if flags[1] else [])
+        if self.laws.groups.planar:
+            fixed += [Y, UY]
         places = [place for place in self.places(multiple) if place not in fixed]
         growth = np.zeros((len(places), len(places)))
         travel = np.zeros(len(places))

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,6 +35,25 @@ STRAIGHT = 1e-14
 
 SMALL = 1e-7
 """Of the differences that give the slopes of Newton's iteration; enough for its last step."""
+
+
+FOUND = 1e-10
+"""A last step of Newton's iteration below this, in g/w, leaves nothing but rounding."""
+
+MOST_STEPS = 15
+"""Of Newton's iteration."""
+
+LAST = FROM_NODES[NODES - 2 : NODES]
+UNIT = np.eye(NODES)
+
+
+class Slip(NamedTuple):
+    """Size, its rate, and direction of a slip at the nodes; how large the last terms are."""
+
+    size: Numbers
+    rate: Numbers
+    e: tuple[Numbers, Numbers]
+    tail: float
 
 
 @dataclass
@@ -78,19 +98,16 @@ def solve(
     `begins` says that a slip starts from rest.
     """
     phases = start + length * AT
-    size, rate, tail = np.zeros(NODES), np.zeros(NODES), 0.0
-    if mode.slips and (mode.floor or mode.wall):
+    slip: Slip | None = Slip(np.zeros(NODES), np.zeros(NODES), (0.0, 0.0), 0.0)
+    ux = np.zeros(NODES)  # of a part that sticks
+    if not (mode.floor or mode.wall):  # it speeds up whatever its speed
+        ux = state[UX] + length * (NODES_INTEGRAL @ laws.free(phases, 0.0)[0])
+    elif mode.slips:
         slip = _slip(laws, mode, state, phases, length, begins)
-        if slip is None:
-            return None
-        size, rate, e, tail = slip
-        ux = size * e[0]
-    else:
-        e = (0.0, 0.0)
-        ux = np.zeros(NODES)  # of a part that sticks; a free one speeds up whatever it does
-        if not (mode.floor or mode.wall):
-            ux = state[UX] + length * (NODES_INTEGRAL @ laws.free(phases, 0.0)[0])
-    forces = laws.forces(phases, mode, ux, e)
+        ux = slip.size * slip.e[0] if slip else ux
+    if slip is None:
+        return None
+    forces = laws.forces(phases, mode, ux, slip.e)
     at_nodes = np.empty((6, NODES))
     for row, value in enumerate((*forces.rates, forces.normal, forces.side)):
         at_nodes[row] = value
@@ -101,57 +118,96 @@ def solve(
     states[:UX] = length * (states[UX:SPIN] @ INTEGRAL.T)
     states[:UX, 0] += state[:UX]
     return Stretch(
-        start, length, states, coefficients[:4], FROM_NODES @ size, FROM_NODES @ rate,
-        coefficients[4], coefficients[5], tail,
+        start,
+        length,
+        states,
+        coefficients[:4],
+        FROM_NODES @ slip.size,
+        FROM_NODES @ slip.rate,
+        coefficients[4],
+        coefficients[5],
+        slip.tail,
     )
 
 
 def _slip(
     laws: Laws, mode: Mode, state: Array, phases: Array, length: float, begins: bool
-) -> tuple[Array, Array, tuple[Numbers, Numbers], float] | None:
-    """Return size, rate and direction of a slip at the nodes, and how large the last terms are."""
+) -> Slip | None:
+    """Return the slip at the nodes."""
     first, second = laws.slip(mode, state)
-    start = phases[0] - length * AT[0]
+    size = math.hypot(first, second)
     if begins:
-        size0, (first, second) = 0.0, laws.onset_direction(start, mode)
-    else:
-        size0 = math.hypot(first, second)
-    angle0 = math.atan2(second, first)
-    pull, turn = laws.sliding(phases, mode, np.full(NODES, size0), angle0)
-    straight = float(np.abs(turn).max()) < STRAIGHT
-    rate, angular = np.asarray(pull) + np.zeros(NODES), np.zeros(NODES)
-    if not straight and begins:
+        first, second = laws.onset_direction(phases[0] - length * AT[0], mode)
+    angle = math.atan2(second, first)
+    pull, turn = laws.sliding(phases, mode, np.full(NODES, size), angle)
+    pull = pull + np.zeros(NODES)
+    if np.abs(turn).max() < STRAIGHT:
+        return _straight(laws, mode, phases, length, (size, angle), pull)
+    if begins:  # it follows the push
         ahead = [laws.onset_direction(phase, mode) for phase in phases.tolist()]
-        off = [math.remainder(math.atan2(b, a) - angle0, 2.0 * math.pi) for a, b in ahead]
-        angular = NODES_SLOPE @ np.array(off) / length
-        rate = laws.sliding(phases, mode, np.zeros(NODES), angle0 + np.array(off))[0]
-    elif not straight:
-        most = 0.5 / length
-        angular = np.clip(turn / size0, -most, most)
+        off = np.array([
+            math.remainder(math.atan2(b, a) - angle, 2.0 * math.pi) for a, b in ahead
+        ])  # fmt: skip
+        angular = NODES_SLOPE @ off / length
+        pull = laws.sliding(phases, mode, np.zeros(NODES), angle + off)[0]
+    else:
+        angular = np.clip(turn / size, -0.5 / length, 0.5 / length)
+    return _turning(laws, mode, phases, length, (size, angle), pull, angular)
+
+
+def _straight(
+    laws: Laws, mode: Mode, phases: Array, length: float, start: tuple[float, float], rate: Array
+) -> Slip | None:
+    """Return a slip that keeps its direction."""
+    size0, angle = start
+    reach = length * NODES_INTEGRAL
+    size = size0 + reach @ rate
+    for _ in range(MOST_STEPS):
+        if laws.groups.curvature_number == 0.0:  # the forces do not depend on the speed
+            break
+        pull, _ = laws.sliding(phases, mode, np.stack([size, size + SMALL]), angle)
+        slope = (pull[1] - pull[0]) / SMALL
+        step = np.linalg.solve(np.eye(NODES) - slope[:, None] * reach, rate - pull[0])
+        rate = rate - step
+        size = size0 + reach @ rate
+        if length * np.abs(step).max() < FOUND:
+            break
+    else:
+        return None
+    e = math.cos(angle), math.sin(angle)
+    e = (math.copysign(1.0, e[0]), 0.0) if abs(e[1]) < STRAIGHT else e
+    return Slip(size, rate, e, length * float(np.abs(LAST @ rate).max()))
+
+
+def _turning(
+    laws: Laws,
+    mode: Mode,
+    phases: Array,
+    length: float,
+    start: tuple[float, float],
+    rate: Array,
+    angular: Array,
+) -> Slip | None:
+    """Return a slip that turns; `rate` and `angular` are guesses of its rates of change."""
+    size0, angle0 = start
     reach = length * NODES_INTEGRAL
     jacobian = np.zeros((2 * NODES, 2 * NODES))
-    unit = np.eye(NODES)
-    for _ in range(15):
+    for _ in range(MOST_STEPS):
         size, angle = size0 + reach @ rate, angle0 + reach @ angular
         pull, turn = laws.sliding(
             phases,
             mode,
-            np.stack([size, size + SMALL, size]),
-            np.stack([angle, angle, angle + SMALL]),
+            np.array([size, size + SMALL, size]),
+            np.array([angle, angle, angle + SMALL]),
         )
-        slopes = (pull[1:] - pull[0]) / SMALL
-        jacobian[:NODES, :NODES] = unit - slopes[0][:, None] * reach
-        if straight:
-            jacobian[NODES:, NODES:] = unit
-            off_turn = np.zeros(NODES)
-        else:
-            turns = (turn[1:] - turn[0]) / SMALL
-            jacobian[:NODES, NODES:] = -slopes[1][:, None] * reach
-            jacobian[NODES:, :NODES] = (angular - turns[0])[:, None] * reach
-            jacobian[NODES:, NODES:] = np.diag(size) - turns[1][:, None] * reach
-            off_turn = size * angular - turn[0]
+        pulls, turns = (pull[1:] - pull[0]) / SMALL, (turn[1:] - turn[0]) / SMALL
+        jacobian[:NODES, :NODES] = UNIT - pulls[0][:, None] * reach
+        jacobian[:NODES, NODES:] = -pulls[1][:, None] * reach
+        jacobian[NODES:, :NODES] = (angular - turns[0])[:, None] * reach
+        jacobian[NODES:, NODES:] = size[:, None] * UNIT - turns[1][:, None] * reach
+        off = np.concatenate([rate - pull[0], size * angular - turn[0]])
         try:
-            step = np.linalg.solve(jacobian, np.concatenate([rate - pull[0], off_turn]))
+            step = np.linalg.solve(jacobian, off)
         except np.linalg.LinAlgError:
             return None
         rate, angular = rate - step[:NODES], angular - step[NODES:]
@@ -159,16 +215,11 @@ def _slip(
         change = length * (np.abs(step[:NODES]).max() + largest * np.abs(step[NODES:]).max())
         if not change < 1e3:
             return None
-        if change < 1e-10:
+        if change < FOUND:
             break
     else:
         return None
-    size, angle = size0 + reach @ rate, angle0 + reach @ angular
-    last = FROM_NODES[NODES - 2 : NODES]
-    tail = length * float(
-        np.abs(last @ rate).max() + largest * np.abs(last @ angular).max()
-    )
-    e = (math.copysign(1.0, first), 0.0) if straight and abs(second) < STRAIGHT else (
-        np.cos(angle), np.sin(angle)
-    )  # fmt: skip
-    return size, rate, e, tail
+    angle = angle0 + reach @ angular
+    last = np.abs(LAST @ rate).max() + largest * np.abs(LAST @ angular).max()
+    e = np.cos(angle), np.sin(angle)
+    return Slip(size0 + reach @ rate, rate, e, length * float(last))
