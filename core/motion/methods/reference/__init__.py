@@ -93,7 +93,7 @@ def reference_motion(
     most_periods : int
         Periods after which the motion counts as aperiodic.
     """
-    run = Run(Laws(groups, contacts, absolute_speed))
+    run, undecided = Run(Laws(groups, contacts, absolute_speed)), False
     for _ in range(most_periods):
         try:
             run.follow()
@@ -105,7 +105,9 @@ def reference_motion(
                     travel = run.after[-1][X] - run.before[-multiple][X]
                     velocity = float(travel) / (PERIOD * multiple)
                     tallies = run.tallies[-multiple:]
-                    return _result(velocity, error, 0.0, tallies, multiple, "periodic")
+                    status = "neutral" if run.slides_free else "periodic"
+                    return _result(velocity, error, 0.0, tallies, multiple, status)
+                undecided = True
             run.hasten()
         except FailedError:
             return _result(math.nan, math.nan, math.nan, [], 0, "no_solution")
@@ -115,26 +117,31 @@ def reference_motion(
         for before, after in zip(run.before[half:], run.after[half:], strict=True)
     ])  # fmt: skip
     velocity, spread = float(np.mean(travels)), float(np.std(travels))
-    error = _scatter(travels, abs(velocity) + run.scale)
+    most = abs(velocity) + run.scale  # as fast as the drive, either way
+    undecided = undecided or run.drifts(len(run.tallies) - half)
+    error = most if undecided else _scatter(travels, most)
     return _result(velocity, error, spread, run.tallies[half:], 0, "aperiodic")
 
 
 def _scatter(means: Array, most: float) -> float:
-    """Return the error of the mean of the means of single periods, `most` if there is but one.
+    """Return the error of the mean of the means of single periods, at least `most` if they drift.
 
-    What 99.9 % of Student's distribution allow for the mean of up to 8 stretches; three times the
-    change from the first half to the second one, for a transient that goes on; and how far the part
-    strays from a steady travel, over the time.
+    What 99.9 % of Student's distribution allow for the mean of up to 8 stretches, how far the
+    second half is from the first one, and how far the part strays from a steady travel, over the
+    time. Where the halves differ by more than the scatter from one stretch to the next explains, a
+    transient goes on, to where nobody knows.
     """
     from scipy.special import stdtrit
 
     if means.size < 2:
         return most
     stretches = np.array([np.mean(some) for some in np.array_split(means, min(8, means.size))])
-    chance = stdtrit(stretches.size - 1, 0.9995) * np.std(stretches, ddof=1)
+    likely = float(stdtrit(stretches.size - 1, 0.9995)) / math.sqrt(stretches.size)
     first, second = (float(np.mean(some)) for some in np.array_split(means, 2))
     strays = float(np.abs(np.cumsum(means - np.mean(means))).max()) / means.size
-    return float(chance / math.sqrt(stretches.size) + 3.0 * abs(second - first) + strays)
+    error = likely * float(np.std(stretches, ddof=1)) + abs(second - first) + strays
+    jumps = math.sqrt(0.5 * float(np.mean(np.diff(stretches) ** 2)))
+    return max(error, most) if abs(second - first) > 2.0 * likely * jumps else error
 
 
 def _result(

@@ -34,6 +34,9 @@ CHANGE = 1e-8
 LOOKS = 20
 """Periods that looking for a cycle may take beyond as many as were followed."""
 
+ATTRACTS = 1.0 - 1e-5
+"""Largest share of a change that a cycle leaves; nearer to 1 nobody could tell it from 1."""
+
 ROUNDING = 4.0 * 2.0**-52
 """Of a state after one event, as a share of the drive's size."""
 
@@ -63,16 +66,17 @@ class Growth:
     def attracts(self) -> bool:
         """Whether changes die out."""
         return bool(np.all(np.isfinite(self.map))) and (
-            not self.places or float(np.abs(np.linalg.eigvals(self.map)).max()) < 1.0 - 1e-9
+            not self.places or float(np.abs(np.linalg.eigvals(self.map)).max()) < ATTRACTS
         )
 
     def lasting(self, change: Array) -> Array:
         """Return where the cycle moves if each round changes the state by so much."""
-        return np.linalg.solve(np.eye(len(self.places)) - self.map, change)
+        return np.asarray(np.linalg.solve(np.eye(len(self.places)) - self.map, change), np.float64)
 
     def weights(self) -> Array:
         """Return by how much the travel of the cycle changes with a change in each round."""
-        return np.linalg.solve((np.eye(len(self.places)) - self.map).T, self.travel)
+        left = np.eye(len(self.places)) - self.map.T
+        return np.asarray(np.linalg.solve(left, self.travel), np.float64)
 
 
 class Run:
@@ -96,7 +100,6 @@ class Run:
         self.flags: list[tuple[bool, bool]] = []
         self.tallies: list[Tally] = []
         self.plain_since, self.looks, self.look_at, self.looked = 0, 0, 2, 0
-        self.growth: Growth | None = None
 
     def follow(self) -> None:
         """Follow one more period."""
@@ -114,6 +117,13 @@ class Run:
         tally = self.tallies[-1]
         moved = tally.forward + tally.backward + tally.flight
         return moved == 0.0 and self.distance(1, self.places(1)) == 0.0
+
+    @property
+    def slides_free(self) -> bool:
+        """Whether there is no friction: the speed along is that of the start."""
+        p = self.laws.groups
+        at_wall = self.laws.contacts.wall and p.wall_friction > 0.0
+        return p.friction_static == 0.0 == p.friction_kinetic and not at_wall
 
     # --- coming back
 
@@ -138,6 +148,10 @@ class Run:
         """Return by how much the part came nearer to the wall in the last cycle."""
         change = float(self.before[-multiple][Y] - self.after[-1][Y])
         return change if change > SAME * self.scale else 0.0
+
+    def drifts(self, periods: int) -> bool:
+        """Return whether the part has been on its way to the wall for so many periods."""
+        return self.laws.contacts.wall and self.at_large(periods) and self.nearing(1) > 0.0
 
     def compared(self, state: Array) -> Array:
         """Return the state with the slip of a cylinder in place of its speed across."""
@@ -179,22 +193,20 @@ class Run:
 
     def hasten(self) -> None:
         """Take a state that is nearer to the cycle, where the part is on its way to one."""
-        if len(self.after) < self.look_at:
+        if len(self.after) < self.look_at or self.slides_free:
             return
         for multiple in range(1, min(MOST_MULTIPLE, (len(self.after) - self.plain_since) // 2) + 1):
-            places = self.places(multiple)
-            apart = self.distance(multiple, places)
-            if apart > NEAR or not self.touches_alike(multiple) or not self.same_events(multiple):
+            if not self.touches_alike(multiple) or not self.same_events(multiple):
                 continue
-            if self.at_large(multiple) and self.nearing(multiple):
-                without = [place for place in places if place != Y]
-                if self.distance(multiple, without) < SAME:
+            places = self.places(multiple)
+            if Y in places and self.at_large(multiple):  # on its way to the wall
+                places.remove(Y)
+                if self.distance(multiple, places) < SAME:
                     self.drift(multiple)
                     return
-                places = without
-            earlier = self.distance(multiple, places, back=multiple)
             apart = self.distance(multiple, places)
-            if apart < 0.95 * earlier and apart > SAME:
+            earlier = self.distance(multiple, places, back=multiple)
+            if SAME < apart < min(NEAR, 0.95 * earlier):
                 if apart > 0.01 * earlier:  # else it is there soon without
                     self.look(multiple)
                 return
@@ -221,32 +233,26 @@ class Run:
         self.looks, self.looked = self.looks + 1, self.looked + takes
         self.look_at = len(self.after) + 2 * multiple
         growth = self.measured(multiple)
-        if not growth.attracts:
-            self.look_at += 2**self.looks
-            return
-        off = self.compared(self.after[-1]) - self.compared(self.before[-multiple])
-        part, start = self.part, self.part.state.copy()
+        start = self.part.state
+        if growth.attracts:
+            off = self.compared(self.after[-1]) - self.compared(self.before[-multiple])
+            state = start.copy()
+            state[growth.places] += growth.lasting(growth.map @ off[growth.places])
+            if self.comes_back(state, multiple, growth.places, 0.5 * np.abs(off)):
+                self.part.state, self.plain_since = state, len(self.after)
+                return
+        self.look_at += min(16, 2**self.looks)
+
+    def comes_back(self, state: Array, multiple: int, places: list[int], within: Array) -> bool:
+        """Return whether a state is possible, and a cycle from it ends so near to it."""
+        if state[Z] < 0.0 or (self.laws.contacts.wall and state[Y] < 0.0):
+            return False
         try:
-            step = growth.lasting(growth.map @ off[growth.places])
-        except np.linalg.LinAlgError:
-            return
-        part.state[growth.places] += step
-        if (Z in growth.places and part.state[Z] < 0.0) or (
-            Y in growth.places and self.laws.contacts.wall and part.state[Y] < 0.0
-        ):
-            part.state = start
-            return
-        try:
-            there = self.followed(part.state, self.flags[-multiple], multiple, USUAL)
+            part = self.followed(state, self.flags[-multiple], multiple, USUAL)
         except FailedError:
-            part.state = start
-            return
-        after = self.compared(there.state) - self.compared(part.state)
-        if np.abs(after[growth.places]).max() > 0.3 * np.abs(off[growth.places]).max():
-            part.state = start
-            self.look_at += 2**self.looks
-            return
-        self.plain_since = len(self.after)
+            return False
+        off = np.abs(self.compared(part.state) - self.compared(state))
+        return float(off[places].max(initial=0.0)) <= float(within[places].max(initial=0.0))
 
     def followed(self, state: Array, flags: tuple[bool, bool], multiple: int, care: Care) -> Part:
         """Return the part after a cycle from some state."""
@@ -291,14 +297,15 @@ class Run:
         a change after a round.
         """
         growth = self.measured(multiple)
-        if not growth.attracts:
+        if not (growth.attracts or self.slides_free):
             return math.inf
         start, flags = self.before[-multiple], self.flags[-multiple]
         finer = self.followed(start, flags, multiple, FINER)
         off = self.off(multiple)
         assert off is not None
         shift = (self.compared(finer.state) - self.compared(self.after[-1]))[growth.places]
-        weights = growth.weights()
+        # Without friction nothing dies out: what went wrong in every period so far stays.
+        weights = growth.travel * len(self.after) if self.slides_free else growth.weights()
         events = sum(len(tally.events) for tally in self.tallies[-multiple:]) + 2 * multiple
         rounding = ROUNDING * self.scale * events
         travel = (
