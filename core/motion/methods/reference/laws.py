@@ -19,6 +19,9 @@ import numpy as np
 from core.mechanics.arrays import Array
 from core.motion.groups import Contacts, Groups, Numbers
 
+SOON = 1e-6
+"""Of phase: after it a push that passes through zero has a direction."""
+
 X, Y, Z, UX, UY, UZ, SPIN = range(7)
 
 
@@ -130,6 +133,8 @@ class Laws:
     def onset_direction(self, phase: float, mode: Mode) -> tuple[float, float]:
         """Return the direction in which slip begins: the secular equation of theory 7.3."""
         first, second, slide, _ = self.impending(phase, mode)
+        if first == 0.0 == second:  # without friction slip begins before there is a push
+            first, second, slide, _ = self.impending(phase + SOON, mode)
         return self.secular(first, second, slide)
 
     def secular(self, first: float, second: float, slide: float) -> tuple[float, float]:

@@ -27,7 +27,7 @@ TOUCHING = 1e-14
 """A part nearer to a contact than this, in g/w^2, touches it if it is pressed on."""
 
 GRAZES = 1e-13
-"""In g: a part that leaves a contact with less than minus this acceleration falls back at once."""
+"""A condition that starts at 0 and ends below minus this, in g or g/w, fell at once."""
 
 PRESSED = 1e-12
 """In g: a part that friction of the floor holds at the wall presses on it above this."""
@@ -66,6 +66,15 @@ class Care:
 
 USUAL = Care(tail=1e-12, longest=1.0, closing=1e-7, hop=1e-15)
 FINER = Care(tail=1e-13, longest=0.45, closing=3e-8, hop=1e-16)
+
+
+def fall_from_start(condition: Array) -> float:
+    """Return where a condition first falls through 0, from 0 to 1; infinite if it does not.
+
+    One that is 0 at the start but for rounding, and below it at the end, has fallen at the start.
+    """
+    at = first_fall(condition)
+    return 0.0 if at > 1.0 and condition.sum() < -GRAZES else at
 
 
 class Tally:
@@ -156,7 +165,7 @@ class Part:
         found = [(1.0, "")]
 
         def ask(name: str, condition: Array) -> None:
-            found.append((first_fall(condition), name))
+            found.append((fall_from_start(condition), name))
 
         phases = stretch.start + stretch.length * AT
         if mode.floor:
@@ -173,7 +182,7 @@ class Part:
             if not mode.slips:
                 ask("slip", FROM_NODES @ -self.laws.excess(phases, mode))
             elif begins:  # it is 0 at the start: what is left without that root
-                ask("stop", MEAN @ stretch.growth)
+                found.append((first_fall(MEAN @ stretch.growth), "stop"))
             else:
                 ask("stop", stretch.size)
         return min(found, key=lambda one: one[0])
@@ -188,9 +197,7 @@ class Part:
             return first_fall(stretch.states[place])
         if self.state[speed] > STOPPED:
             return first_fall(MEAN @ stretch.states[speed])
-        leaves = MEAN_TWICE @ stretch.rates[speed - UX]
-        at = first_fall(leaves)
-        return 0.0 if at > 1.0 and leaves.sum() < -GRAZES else at
+        return fall_from_start(MEAN_TWICE @ stretch.rates[speed - UX])
 
     def missed(self) -> str:
         """Return the impact that is due at once, where another event came within its rounding.
@@ -309,9 +316,10 @@ class Part:
         if math.hypot(push, across / self.laws.response) > 0.999 * slide:
             return False
         pull = self.laws.sliding(self.phase, mode, size, math.atan2(second, first))[0]
-        lasts = -size / float(pull)
-        if not 0.0 < lasts < min(1e-3, end - self.phase):
+        longest = min(1e-3, end - self.phase)
+        if -float(pull) * longest <= size:
             return False
+        lasts = -size / float(pull)
         before = self.state.copy()
         self.stop(mode)
         self.state[:UX] += 0.5 * lasts * (before[UX:SPIN] + self.state[UX:SPIN])
