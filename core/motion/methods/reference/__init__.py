@@ -93,21 +93,18 @@ def reference_motion(
     most_periods : int
         Periods after which the motion counts as aperiodic.
     """
-    run, undecided = Run(Laws(groups, contacts, absolute_speed)), False
+    run = Run(Laws(groups, contacts, absolute_speed))
     for _ in range(most_periods):
         try:
             run.follow()
             if run.rests:
                 return _result(0.0, 0.0, 0.0, run.tallies[-1:], 1, "at_rest")
             if multiple := run.cycle():
-                error = run.error(multiple)
+                velocity, error = run.mean(multiple)
                 if math.isfinite(error):
-                    travel = run.after[-1][X] - run.before[-multiple][X]
-                    velocity = float(travel) / (PERIOD * multiple)
-                    tallies = run.tallies[-multiple:]
                     status = "neutral" if run.slides_free else "periodic"
+                    tallies = run.tallies[-multiple:]
                     return _result(velocity, error, 0.0, tallies, multiple, status)
-                undecided = True
             run.hasten()
         except FailedError:
             return _result(math.nan, math.nan, math.nan, [], 0, "no_solution")
@@ -118,8 +115,8 @@ def reference_motion(
     ])  # fmt: skip
     velocity, spread = float(np.mean(travels)), float(np.std(travels))
     most = abs(velocity) + run.scale  # as fast as the drive, either way
-    undecided = undecided or run.drifts(len(run.tallies) - half)
-    error = most if undecided else _scatter(travels, most)
+    unsettled = run.lingers or run.drifts(len(run.tallies) - half)
+    error = most if unsettled else _scatter(travels, most)
     return _result(velocity, error, spread, run.tallies[half:], 0, "aperiodic")
 
 

@@ -25,6 +25,12 @@ SAME = 1e-13
 NOISE = 1e-10
 """As `SAME`, where the distance of states does not shrink any more."""
 
+DISTINCT = 1e-7
+"""As `SAME`: states nearer than this after a divisor of a cycle do not tell which it is yet."""
+
+SLOWEST = 0.999
+"""Of a distance that shrinks: what is left of it after a cycle."""
+
 NEAR = 0.02
 """As `SAME`: from this distance on the cycle is looked for by Newton's iteration."""
 
@@ -63,11 +69,16 @@ class Growth:
     travel: Array
 
     @property
+    def radius(self) -> float:
+        """What one round leaves of a change in the long run, as a share of it."""
+        if not np.all(np.isfinite(self.map)):
+            return math.inf
+        return float(np.abs(np.linalg.eigvals(self.map)).max(initial=0.0))
+
+    @property
     def attracts(self) -> bool:
         """Whether changes die out."""
-        return bool(np.all(np.isfinite(self.map))) and (
-            not self.places or float(np.abs(np.linalg.eigvals(self.map)).max()) < ATTRACTS
-        )
+        return self.radius < ATTRACTS
 
     def lasting(self, change: Array) -> Array:
         """Return where the cycle moves if each round changes the state by so much."""
@@ -87,6 +98,10 @@ class Run:
     before, after : list of ndarray, shape (7,)
         The states at the start and at the end of each period.
     tallies : list of Tally
+    refused : int
+        How often a state came back to the digit that no round would bring back after a change.
+    lingers : bool
+        Whether one did by a change that neither grows nor dies out so that it could be seen.
     """
 
     def __init__(self, laws: Laws) -> None:
@@ -100,6 +115,7 @@ class Run:
         self.flags: list[tuple[bool, bool]] = []
         self.tallies: list[Tally] = []
         self.plain_since, self.looks, self.look_at, self.looked = 0, 0, 2, 0
+        self.refused, self.lingers = 0, False
 
     def follow(self) -> None:
         """Follow one more period."""
@@ -173,6 +189,10 @@ class Run:
         off = self.off(multiple, back)
         return math.inf if off is None else float(np.abs(off[places]).max()) / self.scale
 
+    def apart(self, multiple: int) -> float:
+        """Return how far the state is from coming back after so many periods."""
+        return self.distance(multiple, self.places(multiple))
+
     def touches_alike(self, multiple: int) -> bool:
         """Return whether the same contacts touch at both ends of the last cycle."""
         return (self.part.on_floor, self.part.on_wall) == self.flags[-multiple]
@@ -184,9 +204,12 @@ class Run:
             apart = self.distance(multiple, places)
             if apart > NOISE or not self.touches_alike(multiple):
                 continue
-            if apart < SAME or apart > 0.9 * self.distance(multiple, places, back=multiple):
-                return multiple
-            return 0  # still on its way: not to be told as a multiple of what it is
+            if apart > SAME and apart < SLOWEST * self.distance(multiple, places, back=multiple):
+                return 0  # still on its way: not to be told as a multiple of what it is
+            divisors = (one for one in range(1, multiple) if multiple % one == 0)
+            if min(map(self.apart, divisors), default=math.inf) < DISTINCT:
+                return 0
+            return multiple
         return 0
 
     # --- looking ahead
@@ -206,7 +229,7 @@ class Run:
                     return
             apart = self.distance(multiple, places)
             earlier = self.distance(multiple, places, back=multiple)
-            if SAME < apart < min(NEAR, 0.95 * earlier):
+            if SAME < apart < min(NEAR, SLOWEST * earlier):
                 if apart > 0.01 * earlier:  # else it is there soon without
                     self.look(multiple)
                 return
@@ -227,10 +250,9 @@ class Run:
 
     def look(self, multiple: int) -> None:
         """Take a step of Newton's iteration for the cycle, if it attracts."""
-        takes = multiple * (len(self.places(multiple)) + 1)
-        if self.looked + takes > len(self.after) + LOOKS:
+        if not self.affords(multiple):
             return
-        self.looks, self.looked = self.looks + 1, self.looked + takes
+        self.looks += 1
         self.look_at = len(self.after) + 2 * multiple
         growth = self.measured(multiple)
         start = self.part.state
@@ -242,6 +264,14 @@ class Run:
                 self.part.state, self.plain_since = state, len(self.after)
                 return
         self.look_at += min(16, 2**self.looks)
+
+    def affords(self, multiple: int) -> bool:
+        """Return whether looking at a cycle is worth its while; note it if it is."""
+        takes = multiple * (len(self.places(multiple)) + 1)
+        if self.looked + takes > len(self.after) + LOOKS:
+            return False
+        self.looked += takes
+        return True
 
     def comes_back(self, state: Array, multiple: int, places: list[int], within: Array) -> bool:
         """Return whether a state is possible, and a cycle from it ends so near to it."""
@@ -286,32 +316,38 @@ class Run:
             travel[column] = (part.state[X] - end[X]) / size
         return Growth(places, growth, travel)
 
-    # --- errors
+    # --- the mean velocity
 
-    def error(self, multiple: int) -> float:
-        """Return an estimate of the error of the mean velocity of the last cycle.
+    def mean(self, multiple: int) -> tuple[float, float]:
+        """Return the mean velocity of the last cycle and its error, infinite if none attracts.
 
-        Infinite if the cycle does not attract. What is left of the transient, what the cycle
-        changes if it is followed more finely, and rounding at every event all shift the state by
-        a little in each round: the cycle moves by (1 - M)^-1 of it, where M tells what is left of
-        a change after a round.
+        What is left of the transient, what the cycle changes if it is followed more finely, and
+        rounding at every event all shift the state by a little in each round: the cycle moves by
+        (1 - M)^-1 of it, where M tells what is left of a change after a round. The first two are
+        known: the velocity counts them, and the error still does.
         """
+        if self.refused and not self.affords(multiple):
+            return math.nan, math.inf
         growth = self.measured(multiple)
         if not (growth.attracts or self.slides_free):
-            return math.inf
+            self.refused += 1
+            self.lingers = self.lingers or growth.radius < 2.0
+            return math.nan, math.inf
         start, flags = self.before[-multiple], self.flags[-multiple]
-        finer = self.followed(start, flags, multiple, FINER)
-        off = self.off(multiple)
-        assert off is not None
-        shift = (self.compared(finer.state) - self.compared(self.after[-1]))[growth.places]
+        end = self.compared(self.after[-1])
+        finer = self.compared(self.followed(start, flags, multiple, FINER).state)
+        left = (end - self.compared(start))[growth.places]
+        shift = (finer - end)[growth.places]
         # Without friction nothing dies out: what went wrong in every period so far stays.
         weights = growth.travel * len(self.after) if self.slides_free else growth.weights()
+        moved = 0.0 if self.slides_free else float(weights @ (left + shift))
         events = sum(len(tally.events) for tally in self.tallies[-multiple:]) + 2 * multiple
         rounding = ROUNDING * self.scale * events
-        travel = (
-            abs(float(weights @ off[growth.places]))
-            + abs(float(finer.state[X] - self.after[-1][X]))
+        off = (
+            abs(float(weights @ left))
+            + abs(float(finer[X] - end[X]))
             + float(np.abs(weights) @ np.abs(shift))
             + rounding * (PERIOD * multiple + float(np.abs(weights).sum()))
         )
-        return SAFE * travel / (PERIOD * multiple)
+        travel = float(finer[X] - start[X]) + moved
+        return travel / (PERIOD * multiple), SAFE * off / (PERIOD * multiple)
