@@ -37,7 +37,7 @@ def reference_path(
     velocity: Sequence[float] = (0.0, 0.0, 0.0),
     spin: float = 0.0,
 ) -> Path:
-    """Return where one part is at given phases, to about ten digits.
+    """Return where one part is at given phases, to about twelve digits.
 
     Parameters
     ----------
@@ -201,8 +201,8 @@ REFERENCE = Method(
     name="reference",
     follow=_follow,
     source="theory 13.1",
-    accuracy="about ten digits, where the motion repeats",
-    seconds_a_cell=0.5,
+    accuracy="about twelve digits, where the motion repeats",
+    seconds_a_cell=0.4,
     defaults={"most_periods": 100.0},
     checked_by=("events", "time-stepping"),
     refuses=tuple(
