@@ -157,15 +157,15 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
         floor = max(apart, floor)
         notes.append(
             f"Reference: events at a tolerance of 1e-12, for all but events, and the method "
-            f"'reference' (order 8 between events, no code in common) for events. The two differ "
-            f"by at most {apart:.1e}: what is smaller cannot be told."
+            f"'reference' (collocation between events, no code in common) for events. The two "
+            f"differ by at most {apart:.1e}: what is smaller cannot be told."
         )
         curves += _events(scene, picked, truth, hops, floor, _shared(watch, 0.02))
         truth = ours.velocity[sound]
     else:
         notes.append(
-            "Reference: the method 'reference' (order 8 between events); its own estimate of its "
-            f"error is at most {own:.1e}."
+            "Reference: the method 'reference' (collocation between events); its own estimate of "
+            f"its error is at most {own:.1e}."
         )
     curves += _stepping(scene, picked, truth, hops, floor, _shared(watch, 0.25))
     curves.append(

@@ -1,8 +1,9 @@
-"""The reference: integration of order 8 between events, for single parts and other methods' errors.
+"""The reference: collocation between events, for single parts and other methods' errors.
 
-Between events each mode of contact is a smooth differential equation, solved to about 11 digits;
-events are found on its dense output (theory 13.1, 13.3 to 13.5). Single parts, at the speed of
-plain Python: some hundredths of a second for a period. It shares nothing with the kernels.
+Between events each mode of contact is a smooth differential equation, solved by collocation to
+about 13 digits; the solution is a polynomial, and events are certain roots of it (theory 13.1, 13.3
+to 13.5). Single parts, at the speed of plain Python: some milliseconds for a period. It shares
+nothing with the kernels.
 """
 
 from __future__ import annotations
@@ -19,12 +20,11 @@ from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, each
 from core.motion.method import Follow, Method
 from core.motion.methods.reference.laws import UX, UZ, Laws, X, Z
 from core.motion.methods.reference.part import FailedError, Part, Tally
+from core.motion.methods.reference.repeats import PERIOD, Run
 from core.motion.path import Path
 from core.motion.result import STATUS, Motion, motion_of, with_whole_shares
 from core.scenes import Constraint
 from core.watch import Watch
-
-MOST_MULTIPLE = 6
 
 
 def reference_path(
@@ -37,7 +37,7 @@ def reference_path(
     velocity: Sequence[float] = (0.0, 0.0, 0.0),
     spin: float = 0.0,
 ) -> Path:
-    """Return where one part is at given phases, to about ten digits.
+    """Return where one part is at given phases, to about twelve digits.
 
     Parameters
     ----------
@@ -73,12 +73,13 @@ def reference_motion(
     absolute_speed: bool = True,
     most_periods: int = 100,
 ) -> Motion:
-    """Return the motion of one part once it repeats, to about ten digits; arrays of no dimension.
+    """Return the motion of one part once it repeats, with its error; arrays of no dimension.
 
-    A transient that dies out as a power is extrapolated to its end; `error` is what the last
-    extrapolations differed by. Motion that does not repeat to 1e-11 is `aperiodic`, its means are
-    over the second half of the periods run, and its spread is that of the single periods; whether
-    it runs away is for the reader to see.
+    `error` covers what is left of the transient, what the cycle changes if it is followed more
+    finely, and rounding at every event, each with what the cycle makes of it. A motion that was
+    not shown to repeat, and to attract, is `aperiodic`: its means are over the second half of the
+    periods run, its spread is that of the single periods, and its error comes from their scatter;
+    whether it runs away is for the reader to see.
 
     Parameters
     ----------
@@ -92,46 +93,52 @@ def reference_motion(
     most_periods : int
         Periods after which the motion counts as aperiodic.
     """
-    part = Part(Laws(groups, contacts, absolute_speed), np.zeros(7))
-    states, tallies = [part.state.copy()], []
-    for period in range(most_periods):
-        part.tally = Tally()
+    run = Run(Laws(groups, contacts, absolute_speed))
+    for _ in range(most_periods):
         try:
-            part.advance(2.0 * math.pi * (period + 1))
+            run.follow()
+            if run.rests:
+                return _result(0.0, 0.0, 0.0, run.tallies[-1:], 1, "at_rest")
+            if multiple := run.cycle():
+                velocity, error = run.mean(multiple)
+                if math.isfinite(error):
+                    status = "neutral" if run.slides_free else "periodic"
+                    tallies = run.tallies[-multiple:]
+                    return _result(velocity, error, 0.0, tallies, multiple, status)
+            run.hasten()
         except FailedError:
             return _result(math.nan, math.nan, math.nan, [], 0, "no_solution")
-        tallies.append(part.tally)
-        states.append(part.state.copy())
-        moved = part.tally.forward + part.tally.backward + part.tally.flight
-        if moved == 0.0 and np.array_equal(states[-1], states[-2]):
-            return _result(0.0, 0.0, 0.0, tallies[-1:], 1, "at_rest")
-        for multiple in range(1, min(MOST_MULTIPLE, (period + 1) // 4) + 1):
-            found = _limit(states, multiple)
-            if found is not None:
-                return _result(*found, 0.0, tallies[-multiple:], multiple, "periodic")
-    half = len(tallies) // 2
-    travels = np.diff([state[X] for state in states])[half:] / (2.0 * math.pi)
-    spread = float(np.std(travels))
-    return _result(float(np.mean(travels)), spread, spread, tallies[half:], 0, "aperiodic")
+    half = len(run.tallies) // 2
+    travels = np.array([
+        float(after[X] - before[X]) / PERIOD
+        for before, after in zip(run.before[half:], run.after[half:], strict=True)
+    ])  # fmt: skip
+    velocity, spread = float(np.mean(travels)), float(np.std(travels))
+    most = abs(velocity) + run.scale  # as fast as the drive, either way
+    unsettled = run.lingers or run.drifts(len(run.tallies) - half)
+    error = most if unsettled else _scatter(travels, most)
+    return _result(velocity, error, spread, run.tallies[half:], 0, "aperiodic")
 
 
-def _limit(states: list[Array], multiple: int) -> tuple[float, float] | None:
-    """Return mean velocity and its error if the last periods converge with this multiple."""
-    ends = np.array([states[-1 - k * multiple] for k in range(5)])
-    velocity = (ends[:-1, X] - ends[1:, X]) / (2.0 * math.pi * multiple)
-    apart = np.abs(ends[:-1, Z:] - ends[1:, Z:]).max(axis=1)
-    if max(apart[0], apart[1], abs(velocity[0] - velocity[1])) < 1e-11:
-        return float(velocity[0]), float(abs(velocity[0] - velocity[1]))
-    if not (apart[0] < 0.999 * apart[1] < apart[2] and apart[0] < 1e-3):
-        return None
-    limits = []
-    for new, middle, old in (velocity[:3], velocity[1:]):
-        change = (new - middle) - (middle - old)
-        if change == 0.0:
-            return None
-        limits.append(new - (new - middle) ** 2 / change)
-    error = float(abs(limits[0] - limits[1]))
-    return (float(limits[0]), error) if error < 1e-11 else None
+def _scatter(means: Array, most: float) -> float:
+    """Return the error of the mean of the means of single periods, at least `most` if they drift.
+
+    What 99.9 % of Student's distribution allow for the mean of up to 8 stretches, how far the
+    second half is from the first one, and how far the part strays from a steady travel, over the
+    time. Where the halves differ by more than the scatter from one stretch to the next explains, a
+    transient goes on, to where nobody knows.
+    """
+    from scipy.special import stdtrit
+
+    if means.size < 2:
+        return most
+    stretches = np.array([np.mean(some) for some in np.array_split(means, min(8, means.size))])
+    likely = float(stdtrit(stretches.size - 1, 0.9995)) / math.sqrt(stretches.size)
+    first, second = (float(np.mean(some)) for some in np.array_split(means, 2))
+    strays = float(np.abs(np.cumsum(means - np.mean(means))).max()) / means.size
+    error = likely * float(np.std(stretches, ddof=1)) + abs(second - first) + strays
+    jumps = math.sqrt(0.5 * float(np.mean(np.diff(stretches) ** 2)))
+    return max(error, most) if abs(second - first) > 2.0 * likely * jumps else error
 
 
 def _result(
@@ -161,7 +168,7 @@ def _follow(contacts: Contacts) -> Follow:
     """Return the equation: every cell of the groups broadcast, one after another."""
 
     def motion(*, groups: Groups, most_periods: Array, watch: Watch | None = None) -> Motion:
-        """Return the motion from rest by integration of order 8 between events, theory 13.1.
+        """Return the motion from rest by collocation between events, theory 13.9.
 
         For single points: a cell takes up to some seconds.
         """
@@ -194,7 +201,7 @@ REFERENCE = Method(
     name="reference",
     follow=_follow,
     source="theory 13.1",
-    accuracy="about ten digits, where the motion repeats",
+    accuracy="about twelve digits, where the motion repeats",
     seconds_a_cell=0.5,
     defaults={"most_periods": 100.0},
     checked_by=("events", "time-stepping"),

@@ -5,19 +5,22 @@ For rectangle and cylinder on floor and wall, relative to the track: the free pa
     dx = c_x sin(phase) - g_x,    dy = c_y sin(phase) - g_y - k (u_x + c_x cos(phase))^2,
     dz = c_z sin(phase) - g_z,
 
-and every contact adds its normal force and friction, by whether it sticks or slips.
+and every contact adds its normal force and friction, by whether it sticks or slips. Phases and
+what belongs to them may be arrays.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from core.mechanics.arrays import Array
-from core.motion.groups import Contacts, Groups
+from core.motion.groups import Contacts, Groups, Numbers
+
+SOON = 1e-6
+"""Of phase: after it a push that passes through zero has a direction."""
 
 X, Y, Z, UX, UY, UZ, SPIN = range(7)
 
@@ -33,9 +36,9 @@ class Mode(NamedTuple):
 class Forces(NamedTuple):
     """Normal forces per weight, and the rates of the three velocities and the spin."""
 
-    normal: float
-    side: float
-    rates: tuple[float, float, float, float]
+    normal: Numbers
+    side: Numbers
+    rates: tuple[Numbers, Numbers, Numbers, Numbers]
 
 
 class Laws:
@@ -56,10 +59,10 @@ class Laws:
         self.groups, self.contacts, self.absolute_speed = groups, contacts, absolute_speed
         self.response = 1.0 + contacts.rolling
 
-    def free(self, phase: float, ux: float) -> tuple[float, float, float]:
+    def free(self, phase: Numbers, ux: Numbers) -> tuple[Numbers, Numbers, Numbers]:
         """Return the acceleration of a free part relative to the track (theory 13.1)."""
-        p, sine = self.groups, math.sin(phase)
-        speed = ux + p.drive_number_along * math.cos(phase) if self.absolute_speed else ux
+        p, sine = self.groups, np.sin(phase)
+        speed = ux + p.drive_number_along * np.cos(phase) if self.absolute_speed else ux
         return (
             p.drive_number_along * sine - p.gravity_number_along,
             p.drive_number_across * sine
@@ -68,7 +71,7 @@ class Laws:
             p.drive_number_normal * sine - p.gravity_number_normal,
         )
 
-    def forces(self, phase: float, mode: Mode, ux: float, e: tuple[float, float]) -> Forces:
+    def forces(self, phase: Numbers, mode: Mode, ux: Numbers, e: tuple[Numbers, Numbers]) -> Forces:
         """Return forces and rates in a mode; `e` is the direction of the slip, if it slips."""
         p, (dx, dy, dz) = self.groups, self.free(phase, ux)
         if mode.floor and mode.wall:
@@ -103,7 +106,16 @@ class Laws:
             return float(state[UX]), float(state[UY] + state[SPIN])
         return float(state[UX]), float(state[UZ] - state[SPIN])
 
-    def impending(self, phase: float, mode: Mode) -> tuple[float, float, float, float]:
+    def sliding(
+        self, phase: Numbers, mode: Mode, size: Numbers, angle: Numbers
+    ) -> tuple[Numbers, Numbers]:
+        """Return the rate of a slip's size, and that of its angle times the size."""
+        e = np.cos(angle), np.sin(angle)
+        ax, ay, az, spin = self.forces(phase, mode, size * e[0], e).rates
+        second = spin if mode.floor and mode.wall else ay + spin if mode.floor else az - spin
+        return e[0] * ax + e[1] * second, e[0] * second - e[1] * ax
+
+    def impending(self, phase: Numbers, mode: Mode) -> tuple[Numbers, Numbers, Numbers, Numbers]:
         """Return push (two components), what sliding takes of it, and what sticking could."""
         p, (dx, dy, dz) = self.groups, self.free(phase, 0.0)
         if mode.floor and mode.wall:
@@ -113,14 +125,16 @@ class Laws:
             return dx, dy, -p.friction_kinetic * dz, -p.friction_static * dz
         return dx, dz, -p.wall_friction * dy, -p.wall_friction * dy
 
-    def excess(self, phase: float, mode: Mode) -> float:
-        """Return by how much the push is more than friction holds."""
+    def excess(self, phase: Numbers, mode: Mode) -> Numbers:
+        """Return by how much the push squared is more than friction holds, squared."""
         first, second, _, hold = self.impending(phase, mode)
-        return math.hypot(first, second / self.response) - hold
+        return first * first + (second / self.response) ** 2 - hold * hold
 
     def onset_direction(self, phase: float, mode: Mode) -> tuple[float, float]:
         """Return the direction in which slip begins: the secular equation of theory 7.3."""
         first, second, slide, _ = self.impending(phase, mode)
+        if first == 0.0 == second:  # without friction slip begins before there is a push
+            first, second, slide, _ = self.impending(phase + SOON, mode)
         return self.secular(first, second, slide)
 
     def secular(self, first: float, second: float, slide: float) -> tuple[float, float]:
@@ -139,54 +153,6 @@ class Laws:
                 high = z
         e = first / (high + slide), second / (high + response * slide)
         return e[0] / math.hypot(*e), e[1] / math.hypot(*e)
-
-    def pack(self, mode: Mode, state: Array) -> Array:
-        """Return the unknowns of a mode: of a slip its size and direction, smooth through zero."""
-        if not mode.slips or not (mode.floor or mode.wall):
-            return state.copy()
-        first, second = self.slip(mode, state)
-        other = state[UY] if mode.floor else state[UZ]
-        return np.array([
-            *state[:UX], math.hypot(first, second), math.atan2(second, first), other,
-        ])  # fmt: skip
-
-    def unpack(self, mode: Mode, unknowns: Array) -> Array:
-        """Return the state of a mode's unknowns."""
-        if not mode.slips or not (mode.floor or mode.wall):
-            return unknowns
-        x, y, z, size, angle, other = unknowns
-        first, second = size * math.cos(angle), size * math.sin(angle)
-        if mode.floor and mode.wall:
-            return np.array([x, y, z, first, 0.0, 0.0, second])
-        spin = second - other if mode.floor else other - second
-        if self.contacts.rolling == 0.0:
-            other, spin = second, 0.0
-        if mode.floor:
-            return np.array([x, y, z, first, other, 0.0, spin])
-        return np.array([x, y, z, first, 0.0, other, spin])
-
-    def derivative(self, mode: Mode) -> Callable[[float, Array], Array]:
-        """Return the right-hand side of a mode."""
-
-        def stuck_or_free(phase: float, s: Array) -> Array:
-            rates = self.forces(phase, mode, float(s[UX]), (0.0, 0.0)).rates
-            return np.array([s[UX], s[UY], s[UZ], *rates])
-
-        def sliding(phase: float, unknowns: Array) -> Array:
-            state = self.unpack(mode, unknowns)
-            size, angle = unknowns[3], unknowns[4]
-            e = math.cos(angle), math.sin(angle)
-            ax, ay, az, spin = self.forces(phase, mode, float(state[UX]), e).rates
-            second = spin if mode.floor and mode.wall else ay + spin if mode.floor else az - spin
-            turn = e[0] * second - e[1] * ax
-            # A slip that stays on one line passes through zero there; it does not turn.
-            turning = turn / size if abs(turn) > 1e-15 and size != 0.0 else 0.0
-            return np.array([
-                state[UX], state[UY], state[UZ], e[0] * ax + e[1] * second, turning,
-                ay if mode.floor else az,
-            ])  # fmt: skip
-
-        return sliding if mode.slips and (mode.floor or mode.wall) else stuck_or_free
 
     def stopping(self, first: float, second: float, limit: float) -> tuple[float, float]:
         """Return the impulse of friction that stops a slip, or as much as the disc allows."""

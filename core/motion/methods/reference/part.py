@@ -1,39 +1,90 @@
-"""One part on its way from event to event, integrated at high order between them."""
+"""One part on its way from event to event, with its smooth motion solved between them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from core.mechanics.arrays import Array
 from core.motion.methods.reference.laws import SPIN, UX, UY, UZ, Laws, Mode, Y, Z
+from core.motion.methods.reference.polynomials import (
+    AT,
+    FROM_NODES,
+    MEAN,
+    MEAN_TWICE,
+    crossings,
+    first_fall,
+    values,
+)
+from core.motion.methods.reference.stretch import Stretch, solve
 
-TOLERANCE = 1e-12
-STOPPED = 1e-10
+STOPPED = 1e-13
 """Slips and speeds off a contact below this, in g/w, are taken as zero."""
 
-TOUCHING = 1e-15
-"""A part nearer to a contact than this, in g/w^2, that has stopped and is pressed on, touches it:
-the height of a hop at 1e-8 g/w, below which a run of hops is at its end."""
+TOUCHING = 1e-14
+"""A part nearer to a contact than this, in g/w^2, touches it if it is pressed on."""
 
-LONGEST_STEP = 0.05
-"""Of the integrator: an event is missed only if its condition changes sign twice within one."""
+GRAZES = 1e-13
+"""A condition that starts at 0 and ends below minus this, in g or g/w, fell at once."""
 
-MOST_EVENTS = 5000
-"""Events of one period; more is a failure."""
+PRESSED = 1e-12
+"""In g: a part that friction of the floor holds at the wall presses on it above this."""
 
-NODES, WEIGHTS = (0.5 * (np.polynomial.legendre.leggauss(5)[k] + (1.0, 0.0)[k]) for k in range(2))
+RESOLVED = 1e-16
+"""Of the last coefficients of a slip's change, in g/w: smaller ones are rounding."""
+
+MOST_CUTS = 100
+"""Of a stretch that the nodes do not resolve."""
+
+MOST_EVENTS = 20_000
+"""Events and stretches of one period; more is a failure."""
+
+
+@dataclass(frozen=True)
+class Care:
+    """How finely a part is followed.
+
+    Attributes
+    ----------
+    tail : float
+        What the last coefficients of a slip's change may be, in g/w.
+    longest : float
+        Stretch of phase.
+    closing : float
+        A slip that turns, smaller than this in g/w, is followed to its stop along a straight line.
+    hop : float
+        Rebound times the duration of all hops left, below which a run of hops ends.
+    """
+
+    tail: float
+    longest: float
+    closing: float
+    hop: float
+
+
+USUAL = Care(tail=1e-12, longest=1.0, closing=1e-7, hop=1e-15)
+FINER = Care(tail=1e-13, longest=0.45, closing=3e-8, hop=1e-16)
+
+
+def fall_from_start(condition: Array) -> float:
+    """Return where a condition first falls through 0, from 0 to 1; infinite if it does not.
+
+    One that is 0 at the start but for rounding, and below it at the end, has fallen at the start.
+    """
+    at = first_fall(condition)
+    return 0.0 if at > 1.0 and condition.sum() < -GRAZES else at
 
 
 class Tally:
-    """What a run counts: phases spent in each way, impacts, extremes."""
+    """What a run counts: phases spent in each way, impacts, extremes, contact with the wall."""
 
     def __init__(self) -> None:
         self.stick = self.forward = self.backward = self.flight = 0.0
         self.impacts, self.landing_speed, self.hop_height = 0, 0.0, 0.0
+        self.at_wall, self.nearest = False, math.inf
+        self.events: list[str] = []
 
 
 class FailedError(Exception):
@@ -43,8 +94,9 @@ class FailedError(Exception):
 class Part:
     """One part on its way: its state, the contacts that touch, the phase."""
 
-    def __init__(self, laws: Laws, state: Array) -> None:
+    def __init__(self, laws: Laws, state: Array, care: Care = USUAL) -> None:
         self.laws, self.state, self.phase, self.tally = laws, state, 0.0, Tally()
+        self.care, self.reach = care, care.longest
         # Touching: no distance and no speed off the contact.
         self.on_floor = bool(state[Z] == 0.0 and state[UZ] == 0.0)
         self.on_wall = bool(laws.contacts.wall and state[Y] == 0.0 and state[UY] == 0.0)
@@ -66,7 +118,7 @@ class Part:
                 self.stop(mode)
                 # An event found at its threshold is one: the slip starts.
                 begins = opened == "slip" or self.laws.excess(self.phase, mode) > 0.0
-                return Mode(floor, wall, begins)
+                return Mode(floor, wall, bool(begins))
             size = math.hypot(*slip)
             e = (slip[0] / size, slip[1] / size)
             found = self.laws.forces(self.phase, mode, float(self.state[UX]), e)
@@ -106,100 +158,46 @@ class Part:
             s[UZ] = 0.0 if rolling == 0.0 else s[UZ]
             s[SPIN] = s[UZ] if rolling else 0.0
 
-    def events(self, mode: Mode) -> list[Any]:
-        """Return the conditions that end a mode, each with its name and the sense of its change."""
-        found: list[Any] = []
+    # --- events
 
-        def add(name: str, sense: int, value: Callable[[float, Array], float]) -> None:
-            def event(phase: float, unknowns: Array) -> float:
-                return value(phase, unknowns)
+    def first_event(self, mode: Mode, stretch: Stretch, begins: bool) -> tuple[float, str]:
+        """Return where a stretch's first event is, from 0 to 1, and its name; 1 if none comes."""
+        found = [(1.0, "")]
 
-            event.terminal, event.direction, event.contact = True, sense, name  # type: ignore[attr-defined]
-            found.append(event)
+        def ask(name: str, condition: Array) -> None:
+            found.append((fall_from_start(condition), name))
 
-        def carried(contact: str) -> Callable[[float, Array], float]:
-            def value(phase: float, unknowns: Array) -> float:
-                state = self.laws.unpack(mode, unknowns)
-                angle = unknowns[4]
-                e = (math.cos(angle), math.sin(angle)) if mode.slips else (0.0, 0.0)
-                return float(getattr(self.laws.forces(phase, mode, float(state[UX]), e), contact))
-
-            return value
-
-        def approach(place: int, speed: int) -> Callable[[float, Array], float]:
-            def value(phase: float, unknowns: Array) -> float:
-                state = self.laws.unpack(mode, unknowns)
-                gap = float(state[place])
-                return gap if state[speed] < -STOPPED else max(gap, 1e-300)
-
-            return value
-
+        phases = stretch.start + stretch.length * AT
         if mode.floor:
-            add("lift", -1, carried("normal"))
+            ask("lift", stretch.normal)
         else:
-            add("land", -1, approach(Z, UZ))
+            found.append((self.returns(stretch, Z, UZ), "land"))
         if mode.wall:
-            add("leave", -1, carried("side"))
+            ask("leave", stretch.side)
         elif self.on_wall:  # still touching: held by the floor
-            add("press", 1, lambda phase, _: -self.laws.free(phase, 0.0)[1] - TOLERANCE)
+            ask("press", FROM_NODES @ (self.laws.free(phases, 0.0)[1] + PRESSED))
         elif self.laws.contacts.wall:
-            add("bump", -1, approach(Y, UY))
+            found.append((self.returns(stretch, Y, UY), "bump"))
         if mode.floor or mode.wall:
-            if mode.slips:
-                add("stop", -1, lambda _, unknowns: float(unknowns[3]) - STOPPED)
+            if not mode.slips:
+                ask("slip", FROM_NODES @ -self.laws.excess(phases, mode))
+            elif begins:  # it is 0 at the start: what is left without that root
+                found.append((first_fall(MEAN @ stretch.growth), "stop"))
             else:
-                add("slip", 1, lambda phase, _: self.laws.excess(phase, mode))
-        return found
+                ask("stop", stretch.size)
+        return min(found, key=lambda one: one[0])
 
-    # --- going on
+    def returns(self, stretch: Stretch, place: int, speed: int) -> float:
+        """Return where a part comes back to a contact, from 0 to 1; infinite if it does not.
 
-    def advance(self, end: float, asked: Array | None = None, rows: Array | None = None) -> None:
-        """Go on to a phase, event by event; fill the rows of the asked phases passed."""
-        from scipy.integrate import solve_ivp
-
-        opened, still = "", 0
-        if asked is not None and rows is not None:
-            rows[asked <= self.phase] = self.state
-        for _ in range(MOST_EVENTS):
-            if self.phase >= end:
-                return
-            if missed := self.missed():
-                opened = self.happen(missed, Mode(False, False, True))
-                continue
-            mode = self.choose(opened)
-            touching = mode.floor or mode.wall
-            if mode.slips and touching and math.hypot(*self.laws.slip(mode, self.state)) <= STOPPED:
-                self.begin(mode, end, asked, rows)
-                opened = ""
-                continue
-            self.on_floor = mode.floor
-            # Without slip a block stays at the wall though it does not press on it.
-            held = mode.floor and not mode.slips and self.laws.contacts.rolling == 0.0
-            self.on_wall = mode.wall or (self.on_wall and held)
-            events = self.events(mode)
-            start = self.phase
-            solution = solve_ivp(
-                self.laws.derivative(mode), (start, end), self.laws.pack(mode, self.state),
-                method="DOP853",
-                rtol=TOLERANCE, atol=1e-14, max_step=LONGEST_STEP, events=events,
-                dense_output=True,
-            )  # fmt: skip
-            if not solution.success:
-                raise FailedError
-            reached = float(solution.t[-1])
-            self.phase, self.state = reached, self.laws.unpack(mode, solution.y[:, -1]).copy()
-            self.note(mode, solution, start)
-            if asked is not None and rows is not None:
-                for k in np.nonzero((asked > start) & (asked <= reached))[0]:
-                    rows[k] = self.laws.unpack(mode, solution.sol(asked[k]))
-            opened = ""
-            for event, phases in zip(events, solution.t_events, strict=True):
-                if phases.size:
-                    opened = self.happen(event.contact, mode)
-            still = still + 1 if reached == start else 0
-            if still > 20:  # round in a circle at one phase
-                raise FailedError
-        raise FailedError
+        Of a part that starts at the contact, the distance is divided by its root at the start, a
+        double one where the part has no speed there: small hops and grazes are so told from none.
+        """
+        if self.state[place] > TOUCHING:
+            return first_fall(stretch.states[place])
+        if self.state[speed] > STOPPED:
+            return first_fall(MEAN @ stretch.states[speed])
+        return fall_from_start(MEAN_TWICE @ stretch.rates[speed - UX])
 
     def missed(self) -> str:
         """Return the impact that is due at once, where another event came within its rounding.
@@ -215,6 +213,8 @@ class Part:
 
     def happen(self, event: str, mode: Mode) -> str:
         """Change the state as an event says; return which contact it opened, or "slip"."""
+        if event:
+            self.tally.events.append(event)
         if event == "lift":
             return "floor"
         if event == "leave":
@@ -229,55 +229,113 @@ class Part:
             self.state[Z] = 0.0
             self.impact(True, self.on_wall)
         elif event == "bump":
+            self.tally.at_wall = True
             self.state[Y] = 0.0
             self.impact(self.on_floor, True)
         return ""
 
-    def begin(self, mode: Mode, end: float, asked: Array | None, rows: Array | None) -> None:
-        """Begin a slip from rest over a short phase, where its direction is that of the push.
+    # --- going on
 
-        The direction of a slip of size zero is singular; it follows the push with a lag of the
-        order of the slip. The phase is short enough for that to be beyond ten digits.
-        """
-        first, second, slide, _ = self.laws.impending(self.phase, mode)
-        gain = max(0.0, math.hypot(first, second) - self.laws.response * slide)
-        whole = min(1e-3, 1e-7 / gain if gain > 0.0 else 1e-3, end - self.phase)
-        origin, start = self.state.copy(), self.phase
-
-        def after(phase: float) -> Array:
-            state = origin.copy()
-            for node, weight in zip(NODES, WEIGHTS, strict=True):
-                when = start + node * phase
-                e = self.laws.onset_direction(when, mode)
-                rates = np.array(self.laws.forces(when, mode, 0.0, e).rates)
-                state[UX:] += weight * phase * rates
-                state[:UX] += weight * phase * (1.0 - node) * phase * rates[:3]
-            state[:UX] += phase * origin[UX:SPIN]
-            return state
-
-        self.phase = start + whole
-        self.state = after(whole)
-        if math.hypot(*self.laws.slip(mode, self.state)) <= STOPPED:
-            # Too slow to tell from rest: put it on its way, by less than is resolved.
-            e = self.laws.onset_direction(self.phase, mode)
-            self.state[UX] += 2.0 * STOPPED * e[0]
-            if mode.floor and mode.wall:
-                pass
-            elif mode.floor:
-                self.state[UY] += 2.0 * STOPPED * e[1]
-            else:
-                self.state[UZ] += 2.0 * STOPPED * e[1]
-        if self.on_wall and not mode.wall:
-            self.on_wall = False
+    def advance(self, end: float, asked: Array | None = None, rows: Array | None = None) -> None:
+        """Go on to a phase, event by event; fill the rows of the asked phases passed."""
+        opened, still = "", 0
         if asked is not None and rows is not None:
-            for k in np.nonzero((asked > start) & (asked <= self.phase))[0]:
-                rows[k] = after(float(asked[k]) - start)
-        self.count(mode, float(self.state[UX]), whole)
+            rows[asked <= self.phase] = self.state
+        for _ in range(MOST_EVENTS):
+            if self.phase >= end:
+                return
+            if missed := self.missed():
+                opened = self.happen(missed, Mode(False, False, True))
+                continue
+            mode = self.choose(opened)
+            if self.close(mode, end):
+                opened = ""
+                continue
+            touching = mode.floor or mode.wall
+            begins = (
+                mode.slips and touching and math.hypot(*self.laws.slip(mode, self.state)) == 0.0
+            )
+            self.on_floor = mode.floor
+            # Without slip a block stays at the wall though it does not press on it.
+            held = mode.floor and not mode.slips and self.laws.contacts.rolling == 0.0
+            self.on_wall = mode.wall or (self.on_wall and held)
+            stretch = self.follow(mode, end, begins)
+            at, event = self.first_event(mode, stretch, begins)
+            self.note(mode, stretch, at)
+            reached = stretch.start + at * stretch.length
+            if at == 1.0 and end - reached < 1e-15 * (1.0 + end):
+                reached = end
+            if asked is not None and rows is not None:
+                for k in np.nonzero((asked > stretch.start) & (asked <= reached))[0]:
+                    rows[k] = stretch.state((asked[k] - stretch.start) / stretch.length)
+            self.phase, self.state = reached, stretch.state(at)
+            opened = self.happen(event, mode)
+            still = still + 1 if reached == stretch.start else 0
+            if still > 20:  # round in a circle at one phase
+                raise FailedError
+        raise FailedError
+
+    def follow(self, mode: Mode, end: float, begins: bool) -> Stretch:
+        """Return a stretch that the nodes resolve, about as long as they do.
+
+        A slip turns the faster the smaller it is: the length of the next stretch goes with it.
+        """
+        length = min(self.care.longest, end - self.phase)
+        slips = mode.slips and (mode.floor or mode.wall)
+        if slips:
+            length = min(length, self.reach)
+        for _ in range(MOST_CUTS):
+            stretch = solve(self.laws, mode, self.state, self.phase, length, begins)
+            tail = math.inf if stretch is None else max(stretch.tail, RESOLVED)
+            room = 0.9 * (self.care.tail / tail) ** (1.0 / len(AT))
+            if stretch is not None and tail <= self.care.tail:
+                break
+            length *= max(0.3, room)
+        else:
+            raise FailedError
+        if slips:
+            first, last = abs(float(values(stretch.size, 0.0))), abs(float(stretch.size.sum()))
+            grows = last / first if first > 0.0 and not begins else 1.0
+            self.reach = length * room * min(3.0, max(0.1, grows))
+        return stretch
+
+    def close(self, mode: Mode, end: float) -> bool:
+        """Follow a slip that turns and is nearly zero along a straight line to its stop.
+
+        Only where friction takes more than the push: between what a slip takes and what friction
+        holds, a slip may turn away from zero.
+        """
+        if not mode.slips or not (mode.floor or mode.wall):
+            return False
+        first, second = self.laws.slip(mode, self.state)
+        size = math.hypot(first, second)
+        limit = self.care.closing if self.laws.contacts.rolling == 0.0 else 1e-5 * self.care.closing
+        if not 0.0 < size < limit:
+            return False
+        push, across, slide, _ = self.laws.impending(self.phase, mode)
+        if math.hypot(push, across / self.laws.response) > 0.999 * slide:
+            return False
+        pull = self.laws.sliding(self.phase, mode, size, math.atan2(second, first))[0]
+        longest = min(1e-3, end - self.phase)
+        if -float(pull) * longest <= size:
+            return False
+        lasts = -size / float(pull)
+        before = self.state.copy()
+        self.stop(mode)
+        self.state[:UX] += 0.5 * lasts * (before[UX:SPIN] + self.state[UX:SPIN])
+        self.state[Y] = max(0.0, self.state[Y]) if self.laws.contacts.wall else self.state[Y]
+        self.state[Z] = max(0.0, self.state[Z])
+        self.phase += lasts
+        self.tally.events.append("stop")
+        self.count(mode, float(before[UX]), lasts)
+        return True
 
     def impact(self, floor: bool, wall: bool) -> None:
         """Apply the impulses of a landing or of an impact on the wall, or of both (theory 13.1)."""
         p, rolling, s = self.laws.groups, self.laws.contacts.rolling, self.state
-        target_z, target_y = -p.restitution * s[UZ], -p.wall_restitution * s[UY]
+        _, dy, dz = self.laws.free(self.phase, float(s[UX]))
+        target_z = self.rebound(-float(s[UZ]), p.restitution, -float(dz))
+        target_y = self.rebound(-float(s[UY]), p.wall_restitution, -float(dy))
         normal = side = fx = fy = wx = wz = 0.0
         for _ in range(500):
             before = (normal, side, fx, fy, wx, wz)
@@ -312,32 +370,50 @@ class Part:
                 break
         else:
             raise FailedError
-        if floor and abs(s[UZ]) < STOPPED:  # a run of hops ends (theory 13.5)
-            s[UZ], self.on_floor = 0.0, True
-        elif floor:
-            self.on_floor = False
-        if wall and abs(s[UY]) < STOPPED:
-            s[UY], self.on_wall = 0.0, True
-        elif wall:
-            self.on_wall = False
+        if floor:
+            self.on_floor = abs(s[UZ]) <= STOPPED
+            s[UZ] = 0.0 if self.on_floor else s[UZ]
+        if wall:
+            self.on_wall = abs(s[UY]) <= STOPPED
+            s[UY] = 0.0 if self.on_wall else s[UY]
+
+    def rebound(self, approach: float, restitution: float, press: float) -> float:
+        """Return the speed after an impact: 0 where a run of hops ends (theory 13.5).
+
+        The impact that ends a run is one without rebound: the impulses then add up exactly.
+        """
+        speed = restitution * approach
+        if restitution < 1.0 and press > 0.0:
+            lasts = 2.0 * speed / (press * (1.0 - restitution))
+            slope = math.hypot(*self.laws.groups[:2], self.laws.groups.drive_number_across)
+            if speed * lasts < self.care.hop and 1e3 * slope * lasts < press:
+                return 0.0
+        return speed if speed > STOPPED else 0.0
 
     # --- counting
 
-    def note(self, mode: Mode, solution: Any, start: float) -> None:
-        """Count the phase of a finished piece, by the direction along the track."""
-        phases = solution.t
-        states = [self.laws.unpack(mode, column) for column in solution.y.T]
-        for k in range(len(phases) - 1):
-            middle = 0.5 * float(states[k][UX] + states[k + 1][UX])
-            self.count(mode, middle, float(phases[k + 1] - phases[k]))
+    def note(self, mode: Mode, stretch: Stretch, at: float) -> None:
+        """Count a stretch up to a point, by the direction along the track."""
+        tally, duration = self.tally, at * stretch.length
+        if self.laws.contacts.wall:
+            y = stretch.states[Y]
+            tally.nearest = min(tally.nearest, float(y[0] - np.abs(y[1:]).sum()))
+            tally.at_wall = tally.at_wall or self.on_wall
         if not mode.floor:
-            for k in range(len(phases) - 1):
-                u, v = float(states[k][UZ]), float(states[k + 1][UZ])
-                top = max(float(states[k][Z]), float(states[k + 1][Z]))
-                if u > 0.0 > v:  # the top lies within
-                    share = phases[k] + (phases[k + 1] - phases[k]) * u / (u - v)
-                    top = max(top, float(self.laws.unpack(mode, solution.sol(share))[Z]))
-                self.tally.hop_height = max(self.tally.hop_height, top)
+            tally.flight += duration
+            tops = [top for top, sense in crossings(stretch.states[UZ]) if sense < 0 and top < at]
+            for point in (*tops, at):
+                tally.hop_height = max(tally.hop_height, float(stretch.state(point)[Z]))
+        elif not mode.slips:
+            tally.stick += duration
+        else:
+            turns = [turn for turn, _ in crossings(stretch.states[UX]) if turn < at]
+            for low, high in zip([0.0, *turns], [*turns, at], strict=True):
+                self.count(
+                    mode,
+                    float(stretch.state(0.5 * (low + high))[UX]),
+                    (high - low) * stretch.length,
+                )
 
     def count(self, mode: Mode, ux: float, duration: float) -> None:
         """Add a duration to what the part does meanwhile."""

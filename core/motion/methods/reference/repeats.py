@@ -1,0 +1,353 @@
+"""The map of a part's state from one period of the drive to the next, and where it stands still.
+
+The part is followed from rest until its state comes back after some periods. How a small change of
+the state grows or shrinks over a cycle is measured: it tells whether the cycle attracts, where it
+lies exactly (Newton's iteration), and what errors do to the mean velocity.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.motion.methods.reference.laws import SPIN, UX, UY, UZ, Laws, X, Y, Z
+from core.motion.methods.reference.part import FINER, USUAL, Care, FailedError, Part, Tally
+
+PERIOD = 2.0 * math.pi
+MOST_MULTIPLE = 32
+
+SAME = 1e-13
+"""Of the drive's size: states nearer to each other than this are the same."""
+
+NOISE = 1e-10
+"""As `SAME`, where the distance of states does not shrink any more."""
+
+DISTINCT = 1e-7
+"""As `SAME`: states nearer than this after a divisor of a cycle do not tell which it is yet."""
+
+SLOWEST = 0.999
+"""Of a distance that shrinks: what is left of it after a cycle."""
+
+NEAR = 0.02
+"""As `SAME`: from this distance on the cycle is looked for by Newton's iteration."""
+
+CHANGE = 1e-8
+"""As `SAME`: of the states that tell how a change grows over a cycle."""
+
+LOOKS = 20
+"""Periods that looking for a cycle may take beyond as many as were followed."""
+
+ATTRACTS = 1.0 - 1e-5
+"""Largest share of a change that a cycle leaves; nearer to 1 nobody could tell it from 1."""
+
+ROUNDING = 4.0 * 2.0**-52
+"""Of a state after one event, as a share of the drive's size."""
+
+SAFE = 3.0
+"""Times the estimated error is stated."""
+
+
+@dataclass
+class Growth:
+    """What a small change of the state at the start of a cycle does until its end.
+
+    Attributes
+    ----------
+    places : list of int
+        Of the state, those that may change.
+    map : ndarray, shape (n, n)
+        Changes at the end over changes at the start.
+    travel : ndarray, shape (n,)
+        Change of the distance travelled over the cycle.
+    """
+
+    places: list[int]
+    map: Array
+    travel: Array
+
+    @property
+    def radius(self) -> float:
+        """What one round leaves of a change in the long run, as a share of it."""
+        if not np.all(np.isfinite(self.map)):
+            return math.inf
+        return float(np.abs(np.linalg.eigvals(self.map)).max(initial=0.0))
+
+    @property
+    def attracts(self) -> bool:
+        """Whether changes die out."""
+        return self.radius < ATTRACTS
+
+    def lasting(self, change: Array) -> Array:
+        """Return where the cycle moves if each round changes the state by so much."""
+        return np.asarray(np.linalg.solve(np.eye(len(self.places)) - self.map, change), np.float64)
+
+    def weights(self) -> Array:
+        """Return by how much the travel of the cycle changes with a change in each round."""
+        left = np.eye(len(self.places)) - self.map.T
+        return np.asarray(np.linalg.solve(left, self.travel), np.float64)
+
+
+class Run:
+    """A part followed from rest, period by period.
+
+    Attributes
+    ----------
+    before, after : list of ndarray, shape (7,)
+        The states at the start and at the end of each period.
+    tallies : list of Tally
+    refused : int
+        How often a state came back to the digit that no round would bring back after a change.
+    lingers : bool
+        Whether one did by a change that neither grows nor dies out so that it could be seen.
+    """
+
+    def __init__(self, laws: Laws) -> None:
+        self.laws, self.part = laws, Part(laws, np.zeros(7))
+        p = laws.groups
+        self.scale = math.hypot(
+            p.drive_number_along, p.drive_number_across, p.drive_number_normal
+        ) or 1.0  # fmt: skip
+        self.before: list[Array] = []
+        self.after: list[Array] = []
+        self.flags: list[tuple[bool, bool]] = []
+        self.tallies: list[Tally] = []
+        self.plain_since, self.looks, self.look_at, self.looked = 0, 0, 2, 0
+        self.refused, self.lingers = 0, False
+
+    def follow(self) -> None:
+        """Follow one more period."""
+        part = self.part
+        part.tally, part.phase = Tally(), 0.0
+        self.before.append(part.state.copy())
+        self.flags.append((part.on_floor, part.on_wall))
+        part.advance(PERIOD)
+        self.after.append(part.state.copy())
+        self.tallies.append(part.tally)
+
+    @property
+    def rests(self) -> bool:
+        """Whether friction held the part for all of the last period."""
+        tally = self.tallies[-1]
+        moved = tally.forward + tally.backward + tally.flight
+        return moved == 0.0 and self.distance(1, self.places(1)) == 0.0
+
+    @property
+    def slides_free(self) -> bool:
+        """Whether there is no friction: the speed along is that of the start."""
+        p = self.laws.groups
+        at_wall = self.laws.contacts.wall and p.wall_friction > 0.0
+        return p.friction_static == 0.0 == p.friction_kinetic and not at_wall
+
+    # --- coming back
+
+    def places(self, multiple: int) -> list[int]:
+        """Return what of the state has to come back after so many periods.
+
+        The distance from the wall, too, unless the wall was untouched over the cycle and the part
+        does not near it. Of a cylinder without a wall only the slip across plays a part.
+        """
+        found = [Z, UX, UY, UZ]
+        if not self.laws.contacts.wall:
+            return found
+        if self.laws.contacts.rolling:
+            found.append(SPIN)
+        return found if self.at_large(multiple) and self.nearing(multiple) <= 0.0 else [*found, Y]
+
+    def at_large(self, multiple: int) -> bool:
+        """Return whether the last cycle did not touch the wall."""
+        return not any(tally.at_wall for tally in self.tallies[-multiple:])
+
+    def nearing(self, multiple: int) -> float:
+        """Return by how much the part came nearer to the wall in the last cycle."""
+        change = float(self.before[-multiple][Y] - self.after[-1][Y])
+        return change if change > SAME * self.scale else 0.0
+
+    def drifts(self, periods: int) -> bool:
+        """Return whether the part has been on its way to the wall for so many periods."""
+        return self.laws.contacts.wall and self.at_large(periods) and self.nearing(1) > 0.0
+
+    def compared(self, state: Array) -> Array:
+        """Return the state with the slip of a cylinder in place of its speed across."""
+        if self.laws.contacts.rolling and not self.laws.contacts.wall:
+            state = state.copy()
+            state[UY] += state[SPIN]
+        return state
+
+    def off(self, multiple: int, back: int = 0) -> Array | None:
+        """Return by how much the state does not come back; None if no cycle is that long."""
+        last = len(self.after) - back
+        first = last - multiple
+        if first < self.plain_since:
+            return None
+        return self.compared(self.after[last - 1]) - self.compared(self.before[first])
+
+    def distance(self, multiple: int, places: list[int], back: int = 0) -> float:
+        """Return how far the state is from coming back, as a share of the drive's size."""
+        off = self.off(multiple, back)
+        return math.inf if off is None else float(np.abs(off[places]).max()) / self.scale
+
+    def apart(self, multiple: int) -> float:
+        """Return how far the state is from coming back after so many periods."""
+        return self.distance(multiple, self.places(multiple))
+
+    def touches_alike(self, multiple: int) -> bool:
+        """Return whether the same contacts touch at both ends of the last cycle."""
+        return (self.part.on_floor, self.part.on_wall) == self.flags[-multiple]
+
+    def cycle(self) -> int:
+        """Return after how many periods the motion repeats; 0 if that cannot be seen yet."""
+        for multiple in range(1, min(MOST_MULTIPLE, len(self.after) - self.plain_since) + 1):
+            places = self.places(multiple)
+            apart = self.distance(multiple, places)
+            if apart > NOISE or not self.touches_alike(multiple):
+                continue
+            if apart > SAME and apart < SLOWEST * self.distance(multiple, places, back=multiple):
+                return 0  # still on its way: not to be told as a multiple of what it is
+            divisors = (one for one in range(1, multiple) if multiple % one == 0)
+            if min(map(self.apart, divisors), default=math.inf) < DISTINCT:
+                return 0
+            return multiple
+        return 0
+
+    # --- looking ahead
+
+    def hasten(self) -> None:
+        """Take a state that is nearer to the cycle, where the part is on its way to one."""
+        if len(self.after) < self.look_at or self.slides_free:
+            return
+        for multiple in range(1, min(MOST_MULTIPLE, (len(self.after) - self.plain_since) // 2) + 1):
+            if not self.touches_alike(multiple) or not self.same_events(multiple):
+                continue
+            places = self.places(multiple)
+            if Y in places and self.at_large(multiple):  # on its way to the wall
+                places.remove(Y)
+                if self.distance(multiple, places) < SAME:
+                    self.drift(multiple)
+                    return
+            apart = self.distance(multiple, places)
+            earlier = self.distance(multiple, places, back=multiple)
+            if SAME < apart < min(NEAR, SLOWEST * earlier):
+                if apart > 0.01 * earlier:  # else it is there soon without
+                    self.look(multiple)
+                return
+
+    def same_events(self, multiple: int) -> bool:
+        """Return whether the last two cycles had the same events."""
+        events = [tally.events for tally in self.tallies]
+        return events[-multiple:] == events[-2 * multiple : -multiple]
+
+    def drift(self, multiple: int) -> None:
+        """Leave out the cycles that repeat but for the distance from the wall, until it is near."""
+        nearing = self.nearing(multiple)
+        room = min(tally.nearest for tally in self.tallies[-multiple:])
+        cycles = math.floor(room / nearing) - 1
+        if cycles > 0:
+            self.part.state[Y] -= cycles * nearing
+            self.plain_since = len(self.after)
+
+    def look(self, multiple: int) -> None:
+        """Take a step of Newton's iteration for the cycle, if it attracts."""
+        if not self.affords(multiple):
+            return
+        self.looks += 1
+        self.look_at = len(self.after) + 2 * multiple
+        growth = self.measured(multiple)
+        start = self.part.state
+        if growth.attracts:
+            off = self.compared(self.after[-1]) - self.compared(self.before[-multiple])
+            state = start.copy()
+            state[growth.places] += growth.lasting(growth.map @ off[growth.places])
+            if self.comes_back(state, multiple, growth.places, 0.5 * np.abs(off)):
+                self.part.state, self.plain_since = state, len(self.after)
+                return
+        self.look_at += min(16, 2**self.looks)
+
+    def affords(self, multiple: int) -> bool:
+        """Return whether looking at a cycle is worth its while; note it if it is."""
+        takes = multiple * (len(self.places(multiple)) + 1)
+        if self.looked + takes > len(self.after) + LOOKS:
+            return False
+        self.looked += takes
+        return True
+
+    def comes_back(self, state: Array, multiple: int, places: list[int], within: Array) -> bool:
+        """Return whether a state is possible, and a cycle from it ends so near to it."""
+        if state[Z] < 0.0 or (self.laws.contacts.wall and state[Y] < 0.0):
+            return False
+        try:
+            part = self.followed(state, self.flags[-multiple], multiple, USUAL)
+        except FailedError:
+            return False
+        off = np.abs(self.compared(part.state) - self.compared(state))
+        return float(off[places].max(initial=0.0)) <= float(within[places].max(initial=0.0))
+
+    def followed(self, state: Array, flags: tuple[bool, bool], multiple: int, care: Care) -> Part:
+        """Return the part after a cycle from some state."""
+        part = Part(self.laws, state.copy(), care)
+        part.on_floor, part.on_wall = flags
+        part.reach = self.part.reach
+        for _ in range(multiple):
+            part.phase = 0.0
+            part.advance(PERIOD)
+        return part
+
+    def measured(self, multiple: int) -> Growth:
+        """Return what small changes at the start of the last cycle do until its end."""
+        start, end, flags = self.before[-multiple], self.after[-1], self.flags[-multiple]
+        fixed = ([Z, UZ] if flags[0] else []) + ([Y, UY] if flags[1] else [])
+        if self.laws.groups.planar:
+            fixed += [Y, UY]
+        places = [place for place in self.places(multiple) if place not in fixed]
+        growth = np.zeros((len(places), len(places)))
+        travel = np.zeros(len(places))
+        for column, place in enumerate(places):
+            state, size = start.copy(), CHANGE * self.scale
+            state[place] += size
+            try:
+                part = self.followed(state, flags, multiple, USUAL)
+            except FailedError:
+                growth[:, column] = math.nan
+                continue
+            change = self.compared(part.state) - self.compared(end)
+            growth[:, column] = change[places] / size
+            travel[column] = (part.state[X] - end[X]) / size
+        return Growth(places, growth, travel)
+
+    # --- the mean velocity
+
+    def mean(self, multiple: int) -> tuple[float, float]:
+        """Return the mean velocity of the last cycle and its error, infinite if none attracts.
+
+        What is left of the transient, what the cycle changes if it is followed more finely, and
+        rounding at every event all shift the state by a little in each round: the cycle moves by
+        (1 - M)^-1 of it, where M tells what is left of a change after a round. The first two are
+        known: the velocity counts them, and the error still does.
+        """
+        if self.refused and not self.affords(multiple):
+            return math.nan, math.inf
+        growth = self.measured(multiple)
+        if not (growth.attracts or self.slides_free):
+            self.refused += 1
+            self.lingers = self.lingers or growth.radius < 2.0
+            return math.nan, math.inf
+        start, flags = self.before[-multiple], self.flags[-multiple]
+        end = self.compared(self.after[-1])
+        finer = self.compared(self.followed(start, flags, multiple, FINER).state)
+        left = (end - self.compared(start))[growth.places]
+        shift = (finer - end)[growth.places]
+        # Without friction nothing dies out: what went wrong in every period so far stays.
+        weights = growth.travel * len(self.after) if self.slides_free else growth.weights()
+        moved = 0.0 if self.slides_free else float(weights @ (left + shift))
+        events = sum(len(tally.events) for tally in self.tallies[-multiple:]) + 2 * multiple
+        rounding = ROUNDING * self.scale * events
+        off = (
+            abs(float(weights @ left))
+            + abs(float(finer[X] - end[X]))
+            + float(np.abs(weights) @ np.abs(shift))
+            + rounding * (PERIOD * multiple + float(np.abs(weights).sum()))
+        )
+        travel = float(finer[X] - start[X]) + moved
+        return travel / (PERIOD * multiple), SAFE * off / (PERIOD * multiple)

@@ -1,0 +1,225 @@
+"""A stretch of phase in one mode of contact: its smooth equation solved, all of it a polynomial.
+
+The rates of change are polynomials that fulfil the equation at Gauss's nodes (collocation). What
+the rates depend on is found by Newton's iteration: of a slip its size and its angle,
+
+    size' = pull(size, angle),    size angle' = turn(size, angle),
+
+which has one smooth solution through a start at size 0, too: there the slip follows the push.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.motion.groups import Numbers
+from core.motion.methods.reference.laws import SPIN, UX, Laws, Mode
+from core.motion.methods.reference.polynomials import (
+    AT,
+    FROM_NODES,
+    INTEGRAL,
+    NODES,
+    NODES_INTEGRAL,
+    NODES_SLOPE,
+    TERMS,
+    values,
+)
+
+STRAIGHT = 1e-14
+"""A slip that is turned by no more than this, in g, does not turn."""
+
+SMALL = 1e-7
+"""Of the differences that give the slopes of Newton's iteration; enough for its last step."""
+
+
+FOUND = 1e-10
+"""A last step of Newton's iteration below this, in g/w, leaves nothing but rounding."""
+
+MOST_STEPS = 15
+"""Of Newton's iteration."""
+
+LAST = FROM_NODES[NODES - 2 : NODES]
+UNIT = np.eye(NODES)
+
+
+class Slip(NamedTuple):
+    """Size, its rate, and direction of a slip at the nodes; how large the last terms are."""
+
+    size: Numbers
+    rate: Numbers
+    e: tuple[Numbers, Numbers]
+    tail: float
+
+
+@dataclass
+class Stretch:
+    """What a part does over a stretch of phase, with no event.
+
+    Attributes
+    ----------
+    start, length : float
+    states : ndarray, shape (7, TERMS)
+        Coefficients of the state.
+    rates : ndarray, shape (4, TERMS)
+        Of the velocities and the spin.
+    size, growth : ndarray, shape (TERMS,)
+        Of the size of the slip, and of its rate; 0 where there is none.
+    normal, side : ndarray, shape (TERMS,)
+        Of the forces of floor and wall.
+    tail : float
+        Size of the last coefficients: what more nodes would have changed, and more.
+    """
+
+    start: float
+    length: float
+    states: Array
+    rates: Array
+    size: Array
+    growth: Array
+    normal: Array
+    side: Array
+    tail: float = 0.0
+
+    def state(self, at: float) -> Array:
+        """Return the state at a point of 0 to 1."""
+        return values(self.states, at)
+
+
+def solve(
+    laws: Laws, mode: Mode, state: Array, start: float, length: float, begins: bool
+) -> Stretch | None:
+    """Return a part's stretch in a mode; None if the iteration does not come to an end.
+
+    `begins` says that a slip starts from rest.
+    """
+    phases = start + length * AT
+    slip: Slip | None = Slip(np.zeros(NODES), np.zeros(NODES), (0.0, 0.0), 0.0)
+    ux = np.zeros(NODES)  # of a part that sticks
+    if not (mode.floor or mode.wall):  # it speeds up whatever its speed
+        ux = state[UX] + length * (NODES_INTEGRAL @ laws.free(phases, 0.0)[0])
+    elif mode.slips:
+        slip = _slip(laws, mode, state, phases, length, begins)
+        ux = slip.size * slip.e[0] if slip else ux
+    if slip is None:
+        return None
+    forces = laws.forces(phases, mode, ux, slip.e)
+    at_nodes = np.empty((6, NODES))
+    for row, value in enumerate((*forces.rates, forces.normal, forces.side)):
+        at_nodes[row] = value
+    coefficients = at_nodes @ FROM_NODES.T
+    states = np.zeros((7, TERMS))
+    states[UX:] = length * (coefficients[:4] @ INTEGRAL.T)
+    states[UX:, 0] += state[UX:]
+    states[:UX] = length * (states[UX:SPIN] @ INTEGRAL.T)
+    states[:UX, 0] += state[:UX]
+    return Stretch(
+        start,
+        length,
+        states,
+        coefficients[:4],
+        FROM_NODES @ slip.size,
+        FROM_NODES @ slip.rate,
+        coefficients[4],
+        coefficients[5],
+        slip.tail,
+    )
+
+
+def _slip(
+    laws: Laws, mode: Mode, state: Array, phases: Array, length: float, begins: bool
+) -> Slip | None:
+    """Return the slip at the nodes."""
+    first, second = laws.slip(mode, state)
+    size = math.hypot(first, second)
+    if begins:
+        first, second = laws.onset_direction(phases[0] - length * AT[0], mode)
+    angle = math.atan2(second, first)
+    pull, turn = laws.sliding(phases, mode, np.full(NODES, size), angle)
+    pull = pull + np.zeros(NODES)
+    if np.abs(turn).max() < STRAIGHT:
+        return _straight(laws, mode, phases, length, (size, angle), pull)
+    if begins:  # it follows the push
+        ahead = [laws.onset_direction(phase, mode) for phase in phases.tolist()]
+        off = np.array([
+            math.remainder(math.atan2(b, a) - angle, 2.0 * math.pi) for a, b in ahead
+        ])  # fmt: skip
+        angular = NODES_SLOPE @ off / length
+        pull = laws.sliding(phases, mode, np.zeros(NODES), angle + off)[0]
+    else:
+        angular = np.clip(turn / size, -0.5 / length, 0.5 / length)
+    return _turning(laws, mode, phases, length, (size, angle), pull, angular)
+
+
+def _straight(
+    laws: Laws, mode: Mode, phases: Array, length: float, start: tuple[float, float], rate: Array
+) -> Slip | None:
+    """Return a slip that keeps its direction."""
+    size0, angle = start
+    reach = length * NODES_INTEGRAL
+    size = size0 + reach @ rate
+    for _ in range(MOST_STEPS):
+        if laws.groups.curvature_number == 0.0:  # the forces do not depend on the speed
+            break
+        pull, _ = laws.sliding(phases, mode, np.stack([size, size + SMALL]), angle)
+        slope = (pull[1] - pull[0]) / SMALL
+        step = np.linalg.solve(np.eye(NODES) - slope[:, None] * reach, rate - pull[0])
+        rate = rate - step
+        size = size0 + reach @ rate
+        if length * np.abs(step).max() < FOUND:
+            break
+    else:
+        return None
+    e = math.cos(angle), math.sin(angle)
+    e = (math.copysign(1.0, e[0]), 0.0) if abs(e[1]) < STRAIGHT else e
+    return Slip(size, rate, e, length * float(np.abs(LAST @ rate).max()))
+
+
+def _turning(
+    laws: Laws,
+    mode: Mode,
+    phases: Array,
+    length: float,
+    start: tuple[float, float],
+    rate: Array,
+    angular: Array,
+) -> Slip | None:
+    """Return a slip that turns; `rate` and `angular` are guesses of its rates of change."""
+    size0, angle0 = start
+    reach = length * NODES_INTEGRAL
+    jacobian = np.zeros((2 * NODES, 2 * NODES))
+    for _ in range(MOST_STEPS):
+        size, angle = size0 + reach @ rate, angle0 + reach @ angular
+        pull, turn = laws.sliding(
+            phases,
+            mode,
+            np.array([size, size + SMALL, size]),
+            np.array([angle, angle, angle + SMALL]),
+        )
+        pulls, turns = (pull[1:] - pull[0]) / SMALL, (turn[1:] - turn[0]) / SMALL
+        jacobian[:NODES, :NODES] = UNIT - pulls[0][:, None] * reach
+        jacobian[:NODES, NODES:] = -pulls[1][:, None] * reach
+        jacobian[NODES:, :NODES] = (angular - turns[0])[:, None] * reach
+        jacobian[NODES:, NODES:] = size[:, None] * UNIT - turns[1][:, None] * reach
+        off = np.concatenate([rate - pull[0], size * angular - turn[0]])
+        try:
+            step = np.linalg.solve(jacobian, off)
+        except np.linalg.LinAlgError:
+            return None
+        rate, angular = rate - step[:NODES], angular - step[NODES:]
+        largest = float(np.abs(size).max())
+        change = length * (np.abs(step[:NODES]).max() + largest * np.abs(step[NODES:]).max())
+        if not change < 1e3:
+            return None
+        if change < FOUND:
+            break
+    else:
+        return None
+    angle = angle0 + reach @ angular
+    last = np.abs(LAST @ rate).max() + largest * np.abs(LAST @ angular).max()
+    e = np.cos(angle), np.sin(angle)
+    return Slip(size0 + reach @ rate, rate, e, length * float(last))
