@@ -50,6 +50,7 @@ STUDIES: dict[str, list[dict[str, Any]]] = {
 
 
 def main(names: list[str]) -> None:
+    """Carry out the studies of these names."""
     for name in names:
         for study in STUDIES[name]:
             tabulate(prepare_content(study))
