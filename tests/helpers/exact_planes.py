@@ -1,5 +1,5 @@
 """Exact values of planes and track: the textbook formulas of the theory (sections 0.2, 3, 4, 7,
-11.1) in mpmath, with so many digits that cancellation does not matter.
+11.1), with so many digits that cancellation does not matter.
 
 They share nothing with the code under test.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from mpmath import mp, mpf
+from many_digits import mp, mpf, root_between
 
 DIGITS = 60
 ZERO, EPSILON = mpf(0), mpf(2) ** -52
@@ -125,7 +125,7 @@ def roll_root(p):
     def balance(z):
         return 1 - 1 / mp.sqrt(x2 / (z + q) ** 2 + y2 / (z + 3 * q) ** 2)
 
-    return mp.findroot(balance, (ZERO, p.in_plane_drive), solver="anderson", verify=False)
+    return root_between(balance, ZERO, p.in_plane_drive)
 
 
 def cylinder_acceleration_x(p):

@@ -8,12 +8,12 @@ from __future__ import annotations
 import functools
 
 import numpy as np
-from mpmath import mp, mpf
 
 from core.plan.plan import scene_parameters
 from core.quantities import QUANTITIES
 from core.scenes import ALIASES, SCENES
 from exact_planes import Point, digits
+from many_digits import mp, mpf
 
 RANDOM, EXTREME, TUNED = 2000, 300, 8  # points; the last for each threshold, three in a row
 

@@ -5,12 +5,12 @@ one ulp in each parameter does to it. An output that is 0 by cancellation has no
 against the sizes of its terms.
 """
 
-import mpmath as mp
 import numpy as np
 import pytest
 
 from core.plan.plan import make_plan
 from core.scenes import SCENES
+from many_digits import mp, mpf
 
 POINTS = 150
 EPS = np.finfo(float).eps
@@ -57,7 +57,7 @@ def extreme(random: np.random.Generator, points: int) -> dict[str, np.ndarray]:
     }
 
 
-def exact(x: dict[str, mp.mpf]) -> dict[str, mp.mpf]:
+def exact(x: dict[str, mpf]) -> dict[str, mpf]:
     """Return the outputs by the formulas of theory 9, from the parameters alone."""
     m, r, L, g = x["mass"], x["diameter"] / 2, x["length"], x["gravity"]
     P = x["amplitude"] * (2 * mp.pi * x["frequency"]) ** 2
@@ -91,7 +91,7 @@ def exact(x: dict[str, mp.mpf]) -> dict[str, mp.mpf]:
     }
     for name, force in (
         ("floor", (N, -F_eta, -F_sigma)),
-        ("force", (mp.mpf(0), m * r * results["spin_acceleration"], m * u)),
+        ("force", (mpf(0), m * r * results["spin_acceleration"], m * u)),
     ):
         square = sum(f * f for f in force)
         pitch = sum(f * c for f, c in zip(force, moment, strict=True)) / square
@@ -113,9 +113,9 @@ def worst_ulp(points: dict[str, np.ndarray]) -> dict[str, float]:
     values = {name: np.broadcast_to(known[name], count) for name in OUTPUTS}
     worst = dict.fromkeys(OUTPUTS, 0.0)
     with mp.workdps(90):
-        step = mp.mpf(10) ** -30
+        step = mpf(10) ** -30
         for i in range(count):
-            x = {name: mp.mpf(float(value[i])) for name, value in points.items()}
+            x = {name: mpf(float(value[i])) for name, value in points.items()}
             at = exact(x)
             moved = [exact({**x, name: value * (1 + step)}) for name, value in x.items()]
             for name in OUTPUTS:
@@ -128,8 +128,8 @@ def worst_ulp(points: dict[str, np.ndarray]) -> dict[str, float]:
                 if name in NO_VALUE_BUT_ROUNDING:
                     allowed = EPS * x["diameter"]
                 # an output below the least normal float has fewer digits
-                allowed = max(allowed, mp.mpf(2) ** -1060)
-                worst[name] = max(worst[name], float(abs(mp.mpf(got) - expected) / allowed))
+                allowed = max(allowed, mpf(2) ** -1060)
+                worst[name] = max(worst[name], float(abs(mpf(got) - expected) / allowed))
     return worst
 
 

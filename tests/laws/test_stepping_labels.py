@@ -11,6 +11,9 @@ import numpy as np
 import pytest
 
 from core.kinds import prepare_content, tabulate
+from core.motion.methods.stepping import without_landing_steps
+from core.motion.result import COLUMNS, SHARES, STATUS, motion_of
+from core.quantities import REGIMES
 
 STUDY = {
     "kind": "simulate",
@@ -67,3 +70,54 @@ def test_the_reference_says_the_same(by_steps, amplitude, beta):
     steps, slow, doubt = (values[at] for values in by_steps[1000])
     assert steps == multiple
     assert abs(slow - velocity) <= doubt + error
+
+
+# Where a part only lands on the floor, a landing takes a step.
+
+LOUD = {
+    "frequency": 50,
+    "friction": 0.2,
+    "amplitude": np.linspace(3e-4, 4.5e-4, 15).tolist(),
+    "beta": np.linspace(30.0, 60.0, 15).tolist(),
+}
+HOPS = {name: REGIMES[name].value for name in ("hopping", "hop_after_hop")}
+
+
+def hops(**changes):
+    """Return regimes, shares and impacts of a block on a plane under a drive that throws it."""
+    outputs = [*(f"{name}_fraction" for name in SHARES), "impacts_per_period"]
+    study = {**STUDY, "scene": "rectangle-on-plane", "outputs": outputs, "parameters": LOUD}
+    table = tabulate(prepare_content(study | changes))
+    *shares, impacts = (table.variables[name].values for name in outputs)
+    return table.variables["regime"].values, dict(zip(SHARES, shares, strict=True)), impacts
+
+
+@pytest.mark.parametrize("steps", [300, 1000])
+def test_a_part_that_only_lands_is_in_the_air_all_the_time(steps):
+    exact, truth, impacts = hops(method="events")
+    found, shares, _ = hops(steps_per_period=steps)
+    alone = found == HOPS["hop_after_hop"]
+    assert alone.sum() > 15
+    # In truth it may be on the floor for less than the step that an impact is a landing in.
+    assert np.all(((1.0 - truth["flight"]) * (2 * steps + 1) < impacts)[alone])
+    assert not np.any((exact == HOPS["hop_after_hop"]) & (found == HOPS["hopping"]))
+    # Exactly so: labels hang on it.
+    assert np.all(shares["flight"][alone] == 1.0)
+    assert all(np.all(shares[name][alone] == 0.0) for name in SHARES if name != "flight")
+    assert np.all(shares["flight"][found == HOPS["hopping"]] < 1.0)
+
+
+def test_a_step_more_on_the_floor_than_landings_is_time_on_the_floor():
+    steps, periods = 2001, 16
+    floor = np.array([0, 16, 17, 32, 33, 272, 16]) / periods  # steps a period
+    impacts = np.array([0, 16, 16, 32, 32, 272, 0]) / periods
+    lands = np.array([False, True, False, True, False, True, False])
+    motion = motion_of(np.zeros((7, COLUMNS)), np.full(7, STATUS["periodic"], np.int8), (7,))
+    share = {"stick": floor / steps / 3, "forward": 2 * floor / steps / 3}
+    motion = motion._replace(**share, flight=1.0 - floor / steps, impacts=impacts)
+    found = without_landing_steps(motion, steps)
+    for name in SHARES:
+        alone = 1.0 if name == "flight" else 0.0
+        assert np.array_equal(
+            getattr(found, name), np.where(lands, alone, getattr(motion, name))
+        ), name

@@ -10,6 +10,7 @@ import sys
 import time
 import urllib.request
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -83,23 +84,33 @@ class Service:
         self._process.wait(20)
 
 
-@pytest.fixture(scope="module")
-def serve(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Service]]:
-    """Return a function that starts a service with settings; all of them stop in the end."""
+@contextmanager
+def services(folders: pytest.TempPathFactory) -> Iterator[Callable[..., Service]]:
+    """Yield a function that starts a service with settings; all of them stop in the end."""
     started: list[Service] = []
 
     def start(**settings: Any) -> Service:
-        service = Service(tmp_path_factory.mktemp("service"), **settings)
+        service = Service(folders.mktemp("service"), **settings)
         started.append(service)
         service.start()
         return service
 
-    yield start
-    for service in started:
-        service.stop()
+    try:
+        yield start
+    finally:
+        for service in started:
+            service.stop()
 
 
 @pytest.fixture(scope="module")
-def server(serve: Callable[..., Service]) -> str:
-    """Return the address of a service."""
-    return serve(workers=2).address
+def serve(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Service]]:
+    """Return a function that starts a service of one's own with settings."""
+    with services(tmp_path_factory) as start:
+        yield start
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Return the address of a service that all clients share, as they do in life."""
+    with services(tmp_path_factory) as start:
+        yield start(workers=2).address

@@ -136,6 +136,12 @@ def generator(find_tool: Callable[[str | Path, str], str]) -> str:
 
 
 @pytest.fixture(scope="module")
+def server(serve: Callable[..., Any]) -> str:
+    """Return the address of a service of its own: replies tell what is new from what is known."""
+    return serve(workers=2).address
+
+
+@pytest.fixture(scope="module")
 def document(server: str) -> dict[str, Any]:
     with urllib.request.urlopen(f"{server}/openapi.json", timeout=20) as reply:
         return json.load(reply)

@@ -107,7 +107,7 @@ def followed(document: Mapping[str, Any], rel: str) -> requests.Response:
     return reply
 
 
-def waited(status: dict[str, Any], seconds: float = 60) -> dict[str, Any]:
+def waited(status: dict[str, Any], seconds: float = 240) -> dict[str, Any]:
     """Follow the link of a job to itself until it is over."""
     until = time.monotonic() + seconds
     while status["status"] in ("accepted", "running"):

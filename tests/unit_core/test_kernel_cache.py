@@ -14,6 +14,7 @@ import pytest
 
 from core import compiled
 
+ROOT = compiled.CORE.parent
 CALLEE = """
 from core.compiled import compiled
 
@@ -159,6 +160,18 @@ def test_the_digest_covers_all_that_kernels_import():
             path = compiled.CORE.parent / module.replace(".", "/")
             found = {path.with_suffix(".py"), path / "__init__.py"} & covered
             assert found, f"{file.name} imports {module}"
+
+
+def test_every_kernel_file_takes_part_in_what_is_compiled_before_the_tests():
+    code = (
+        "import sys; from benchmarks.compile_kernels import STUDIES, main;"
+        "main(list(STUDIES)); print(*(m for m in sys.modules if '.kernels' in m))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    files = [file for file in compiled.sources() if "kernels" in file.parts]
+    names = {".".join(file.relative_to(ROOT).with_suffix("").parts) for file in files}
+    assert {name.removesuffix(".__init__") for name in names} <= set(done.stdout.split())
 
 
 def test_every_function_of_a_kernel_file_is_compiled():

@@ -22,7 +22,7 @@ from core.motion.course import Course, CourseAsked, track_of
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, cells_of
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.path import Path
-from core.motion.result import Motion, motion_of
+from core.motion.result import SHARES, Motion, motion_of, with_whole_shares
 from core.quantities import MOTION_MODES
 from core.watch import Watch
 
@@ -119,7 +119,25 @@ def stepped_motion(
         )  # fmt: skip
 
     # A cell takes milliseconds: small pieces let a run be stopped soon and share out evenly.
-    return motion_of(*run_cells(kernel, cells, piece=32, watch=watch), shape)
+    motion = motion_of(*run_cells(kernel, cells, piece=32, watch=watch), shape)
+    return without_landing_steps(motion, fine.shape[1])
+
+
+def without_landing_steps(motion: Motion, steps: int) -> Motion:
+    """Return the motion with no time on the floor where the part is there to land only.
+
+    A landing takes one step, in which the floor pushes; in truth it takes no time. Where no step of
+    a period is on the floor but those of its impacts, the part hops after each: it is in the air
+    all the time, and has `flight` of exactly 1 and nothing else.
+
+    Both sides are counts over whole periods, kept as means: they are equal but for rounding, or
+    apart by one in all steps of a path, which are `MOST_STEPS` at most.
+    """
+    floor = motion.stick + motion.forward + motion.backward
+    room = 1.0 + 0.1 / MOST_STEPS
+    lands = (motion.impacts > 0) & (floor * steps <= motion.impacts * room)
+    others = {name: np.where(lands, 0.0, getattr(motion, name)) for name in SHARES}
+    return with_whole_shares(motion._replace(**{**others, "flight": motion.flight}))
 
 
 def stepped_path(

@@ -305,12 +305,27 @@ def test_ctrl_c_keeps_what_is_finished(tmp_path):
             'kind = "simulate"', 'kind = "simulate"\nmethod = "reference"'
         )
     )
-    code = "from app.cli import main; main()"
+    begun = tmp_path / "begun"
+    code = f"""
+import pathlib
+from app.cli import main
+from core.watch import Watch
+advance = Watch.advance
+def told(watch, share):
+    advance(watch, share)
+    pathlib.Path({str(begun)!r}).touch()
+Watch.advance = told
+main()
+"""
     process = subprocess.Popen(
         [sys.executable, "-c", code, "run", str(slow)], stdout=subprocess.PIPE,
         stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
-    time.sleep(6)
+    until = time.monotonic() + 120
+    while not begun.exists():  # the first cells are done
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < until
+        time.sleep(0.05)
     process.send_signal(signal.SIGINT)
     output, errors = process.communicate(timeout=60)
     assert process.returncode == 1, output + errors

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+import mpmath
 import numpy as np
 import pytest
-from mpmath import mp, mpf
 
 from core.errors import StudyError
 from core.optimise.sensitivities import motion_sensitivities, sensitivities
@@ -14,6 +14,7 @@ from core.plan import plan as plans
 from core.scenes import SCENES
 from core.scenes.scene import Equation, Scene
 from exact_planes import FORMULAS, Point
+from many_digits import mp, mpf
 from plane_points import parameters, random_point
 
 POINTS, PAIRS = 4, 24  # random points of a variant, and derivatives taken at each
@@ -304,6 +305,8 @@ def test_motion_with_two_sided_sliding_against_its_closed_form():
     # gamma = 0, theory 13.8 (i): the velocity in closed form, its slope by mu from 40 digits.
     beta, mu, P, w, g = 0.3, 0.2, 30.0, 300.0, 9.81
 
+    mp = mpmath.mp  # which differentiates
+
     def speed(m):
         q = m * mp.tan(beta)
         sine = mp.pi * m * g / (2 * P * mp.cos(beta) * mp.cos(mp.pi * q / 2))
@@ -318,7 +321,7 @@ def test_motion_with_two_sided_sliding_against_its_closed_form():
         "rectangle-on-plane", None, ["conveying_velocity"], point, ["friction"]
     )["conveying_velocity", "friction"]
     with mp.workdps(40):
-        exact = float(mp.diff(speed, mpf(mu)))
+        exact = float(mp.diff(speed, mpmath.mpf(mu)))
     # Rounding of the velocities, 1e-15, over the least steps that took part.
     assert one.derivative == pytest.approx(exact, rel=1e-8)
 

@@ -14,10 +14,10 @@ import warnings
 
 import numpy as np
 import pytest
-from mpmath import mp, mpf
 
 from core.plan.plan import make_plan
 from core.scenes import SCENES
+from many_digits import mp, mpf
 
 BAR = 8
 DIGITS = 50

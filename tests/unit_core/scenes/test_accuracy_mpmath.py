@@ -1,6 +1,6 @@
 """Every output of planes and track against exact values: random, extreme and threshold points.
 
-The exact functions are the textbook formulas of the theory (sections 0.2, 3, 4, 7, 11.1) in mpmath
+The exact functions are the textbook formulas of the theory (sections 0.2, 3, 4, 7, 11.1)
 with so many digits that cancellation does not matter; they share nothing with the code under test.
 
 The bar: ``|got - exact| <= 8 kappa ulp(exact)``, where the condition number
@@ -23,11 +23,11 @@ import warnings
 
 import numpy as np
 import pytest
-from mpmath import mp, mpf
 
 from core.plan.plan import make_plan
 from core.scenes import SCENES
 from exact_planes import EPSILON, FORMULAS, ZERO, Point, digits
+from many_digits import mp, mpf
 from plane_points import make_points, parameters
 
 BAR = 8

@@ -18,7 +18,7 @@ from core.mechanics.arrays import Array
 from core.motion.groups import Contacts, Groups, cells_of
 from core.motion.method import Follow, Method
 from core.motion.methods.regularised.laws import Cell, laws
-from core.motion.methods.regularised.orbit import Run, SpentError, measures_of, orbit_of
+from core.motion.methods.regularised.orbit import Orbit, Run, SpentError, measures_of, orbit_of
 from core.motion.result import STATUS, Motion, with_whole_shares
 from core.watch import Watch
 
@@ -70,6 +70,17 @@ FIELDS = (
 """The groups that matter here, and the settings."""
 
 
+def followed(
+    cell: Cell, solver: str, tolerance: float, most_periods: int
+) -> tuple[Run, Orbit, float]:
+    """Return the run, the motion once it repeats, and how close two states then are."""
+    # Closer than this the regularisation itself is not known: it moves velocities by shares of
+    # the slip speed. The other bound is the integrator's own noise over hundreds of steps.
+    closeness = max(0.1 * cell.laws.slip_speed, 100 * tolerance)
+    run = Run(cell, solver, tolerance, MOST_EVALUATIONS)
+    return run, orbit_of(run, cell.rest(), most_periods, closeness), closeness
+
+
 def _cell_motion(
     cell: Cell, coarse: tuple[Cell, Cell], solver: str, tolerance: float, most_periods: int
 ) -> dict[str, float | str]:
@@ -81,11 +92,7 @@ def _cell_motion(
     if frictionless and any(cell.gravity[:-1]):
         return {**nothing, "status": "runaway"}
 
-    # Closer than this the regularisation itself is not known: it moves velocities by shares of
-    # the slip speed. The other bound is the integrator's own noise over hundreds of steps.
-    closeness = max(0.1 * cell.laws.slip_speed, 100 * tolerance)
-    run = Run(cell, solver, tolerance, MOST_EVALUATIONS)
-    orbit = orbit_of(run, cell.rest(), most_periods, closeness)
+    run, orbit, closeness = followed(cell, solver, tolerance, most_periods)
     unfinished = {**nothing, "velocity": orbit.velocity, "status": orbit.status}
     if orbit.status != "periodic":
         return unfinished

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -42,7 +43,7 @@ class Laws:
     stiffness: float
     damping: float
 
-    @property
+    @cached_property
     def onset(self) -> float:
         """Force of the spring, over the weight, at which the damper has set in.
 

@@ -72,7 +72,6 @@ class Run:
         absolute[n - 1] = tolerance / stiffness
         absolute[n:-1] = tolerance * min(1.0, 10 * slip)
         self.options: dict[str, Any] = {
-            "method": solver,
             "rtol": tolerance,
             "atol": absolute,
             "max_step": PERIOD / STEPS,
@@ -107,10 +106,13 @@ class Run:
         """Return scipy's solution from a phase to the end of the period, or to where it ends."""
         from scipy.integrate import solve_ivp
 
+        from core.motion.methods.regularised.linear import INTEGRATORS
+
         def rate(since: float, state: Array) -> list[float]:
             return self.rate(phase + since, state)
 
-        return solve_ivp(rate, (0.0, PERIOD - phase), start, **self.options)
+        integrator = INTEGRATORS[self.solver]
+        return solve_ivp(rate, (0.0, PERIOD - phase), start, method=integrator, **self.options)
 
 
 @dataclass
