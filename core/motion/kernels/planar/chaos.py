@@ -128,8 +128,8 @@ def long_run(
             cycle_hops, cycle_periods = find_cycle(s, gn, e, up_at, rows, count, tau, w)
             if cycle_hops:
                 return TURN * cycle_periods, 0, 0.0, 0.0, 0.0, False, cycle_hops
-            if count >= MOST_SEGMENTS - LONGEST_CYCLE - 2:
-                count, look_at = 0, FIRST_LOOK
+        if count >= MOST_SEGMENTS - LONGEST_CYCLE - 2:
+            count, look_at = 0, FIRST_LOOK
         if began < math.inf:
             strayed = sums[DISTANCE] - guess * (total - began)
             ahead, behind = max(ahead, strayed), min(behind, strayed)
