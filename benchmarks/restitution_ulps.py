@@ -141,8 +141,11 @@ def main() -> int:
     names = {value: name for name, value in STATUS.items()}
     print(f"{given.cells:,} cells, {len(MOVED) * len(ULPS)} neighbours each, "
           f"{time.perf_counter() - start:.0f} s")  # fmt: skip
-    groups = [(f"restitution {low / 10:.1f} to {low / 10 + 0.1:.1f}",
-               np.floor(found.cells["restitution"] * 10) == low) for low in range(1, 10)]  # fmt: skip
+    tenths = np.floor(found.cells["restitution"] * 10)
+    groups = [
+        (f"restitution {low / 10:.1f} to {low / 10 + 0.1:.1f}", tenths == low)
+        for low in range(1, 10)
+    ]
     groups += [(names[int(value)], found.status == value) for value in np.unique(found.status)]
     groups += [("all", np.ones(given.cells, dtype=bool))]
     print(f"{'':24} {'cells':>7} {'status changes':>15} {'value changes':>15}")
@@ -152,8 +155,8 @@ def main() -> int:
                   f"{found.of_value[held].mean():15.3%}")  # fmt: skip
     print(f"changed in status or value: {found.share:.3%} (aim: {SHARE:.1%})")
     for cell in np.flatnonzero(found.of_status | found.of_value)[: given.show]:
-        print(f"  {names[int(found.status[cell])]}:",
-              ", ".join(f"{name} {float(v[cell])!r}" for name, v in found.cells.items()))  # fmt: skip
+        values = ", ".join(f"{name} {float(v[cell])!r}" for name, v in found.cells.items())
+        print(f"  {names[int(found.status[cell])]}: {values}")
     return 0 if found.share <= SHARE else 1
 
 

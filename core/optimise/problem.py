@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
+from core.motion.result import Motion
 from core.optimise.robust import nodes_over, over_nodes
 from core.plan.equations import regimes, run_equations
 from core.plan.grid import from_si
@@ -27,6 +28,12 @@ LIMIT = "limit"
 
 ROUNDING = 1e-15
 """Of an output's scale."""
+
+LONGER = 8.0
+"""Times the periods over which a motion that does not repeat is followed, to see whether it stands.
+
+What chance does to its mean falls to a third; a search takes the best of so many means that it adds
+up to four times that."""
 
 Arrays = dict[str, Any]
 
@@ -174,6 +181,44 @@ class Problem:
         lost = np.isinf(values).any(axis=0)
         value = over_nodes(np.where(lost, 0.0, values), weights)
         return np.where(lost, -np.inf, value), beyond.max(axis=0)
+
+    @property
+    def states_error(self) -> bool:
+        """Whether the output is a mean over a motion, whose error is known."""
+        return self.is_motion and self.criterion.output == "conveying_velocity"
+
+    def longer(self) -> Problem:
+        """Return the problem with motions that do not repeat followed for longer."""
+        if not self.is_motion or "most_periods" not in self.plan.defaults:
+            return self
+        most = LONGER * self.plan.defaults["most_periods"]
+        plan = replace(self.plan, defaults={**self.plan.defaults, "most_periods": most})
+        return replace(self, plan=plan)
+
+    def doubt(self, x: Array, design: Mapping[str, Array]) -> Array:
+        """Return the error of the objective where a motion does not repeat, 0 where it does.
+
+        inf where the output is another than the mean velocity, whose error alone is known. The
+        arguments are those of `known`; of an uncertain parameter the largest error counts.
+        """
+        designs = [design]
+        if self.uncertain is not None:
+            designs = [self.at(design, place) for place in self.nodes()[0]]
+        found = []
+        for one in designs:
+            known = self.known(x, one)
+            motion = known.get("motion")
+            if not isinstance(motion, Motion):
+                return np.zeros(np.broadcast_shapes(*(part.shape for part in (*x, *one.values()))))
+            chance = np.asarray(motion.multiple == 0)
+            error = self.error(known) if self.states_error else np.inf
+            found.append(np.where(chance, error, 0.0))
+        return np.asarray(np.max(np.broadcast_arrays(*found), axis=0))
+
+    def error(self, known: Arrays) -> Array:
+        """Return the stated error of the mean velocity, in the unit of studies."""
+        error = known["motion"].error * known["velocity_scale"]
+        return np.asarray(from_si(self.criterion.output, error))
 
     def nodes(self) -> tuple[Array, Array | None]:
         """Return nodes over the interval of the uncertain parameter, and weights of a mean."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from core.mechanics.arrays import Array
 from core.optimise.problem import Problem, columns
+from core.optimise.standing import standing
 from core.watch import Watch
 
 STEP = 1e-6  # of a variable's range, for central differences: 1e-10 of the slope is left
@@ -52,6 +53,12 @@ class Single:
         self.evaluations += x.shape[1]
         value, beyond = self.problem.judged(x[:, None, :], self.design, self.scales, self.watch)
         return value[0] / self.size, beyond[0]
+
+    def standing(self, unit: Array, value: Array, beyond: Array) -> int:
+        """Return the place of the best of evaluated points that stands."""
+        design = {name: values[:, 0] for name, values in self.design.items()}
+        scales = {name: values[:, 0] for name, values in self.scales.items()}
+        return standing(self.problem, unit, value * self.size, beyond, design, scales)[0]
 
     def lost(self, unit: Array) -> Array:
         """Return what is to be least, (n,) or a number; inf where an output has no value."""

@@ -62,7 +62,7 @@ REGIMES: dict[str, Flag] = {
     "hop_after_hop": Flag(29, "the part hops without touching the floor between"),
     "period_doubled": Flag(30, "the motion repeats after two periods of the drive or more"),
     "aperiodic": Flag(
-        31, "the motion does not repeat, or rounding decides how; values are means over many periods"
+        31, "the motion does not repeat, or rounding decides how; means over many periods"
     ),
     "runaway": Flag(32, "the part gains speed for ever; it has no mean velocity", valid=False),
     "unresolved": Flag(

@@ -1,8 +1,9 @@
-"""Means of a motion that does not repeat, over runs from several phases."""
+"""Means of a motion that rounding decides, over runs from several phases."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,23 +20,47 @@ from core.motion.kernels.planar.flight import hop_height, landing
 from core.motion.kernels.planar.flow import TURN, Drive, flow, phase_to, velocity_after
 from core.motion.kernels.planar.repeating import repeating
 from core.motion.kernels.planar.slide import contact
-from core.motion.kernels.planar.tables import DISTANCE, MOST_SEGMENTS, PIECE, SUMS, TIMES, Cell
+from core.motion.kernels.planar.tables import DISTANCE, MOST_SEGMENTS, PIECE, TIMES, Cell
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE, MODES, STATUS
 
 PHASES = 8  # runs of a motion that rounding decides, started at as many phases
-SEARCHES = 4  # of them look for a cycle; if none falls into one, the others do not wait for it
-PATIENCE = 1024  # hops without rest after which a part is taken to fall into no cycle
+SEARCHES = 3  # of them look for a cycle; if none falls into one, the others do not wait for it
+PATIENCE = 512  # hops without rest after which a part is taken to fall into no cycle
+MORE_PATIENCE = 1024  # where others of its starts fell into one
+RECENT = 64  # hops since the part was at rest, from which on it may be nearing a cycle
+PERIODS_A_START = 32  # of those allowed; so many starts tell in which cycle a part ends
+MOST_STARTS = 256
 SHARE_SETTLING = 0.2  # of a run, before its mean is taken
 HOPS_PER_PERIOD = 16  # of a run, on average; more end it
 SURE = 5.41  # standard deviations of a mean of 8 runs that hold 99.9 % (Student, 7 degrees)
 SETTLED_ROUGHLY = 1e-8  # as `SETTLED_EXACTLY`, in a run whose mean has a spread of 1e-3 at best
-RECENT = 64  # hops since the part was at rest, from which on it may be nearing a cycle
 JOLT = 1e-6  # of gravity: largest speed of a lift-off from rest, other than exactly 0
 GOLDEN = 0.6180339887498949  # its multiples, modulo 1, come nowhere twice
 KEPT_BITS = 2.0**32
 """Cells that agree in so many bits have the same runs: an answer that hangs on the last bit of a
-parameter tells a user nothing, and their error is 1e6 times larger than what is rounded away."""
+parameter tells a user nothing, and what is rounded away is far below the stated error."""
+
+
+class Run(NamedTuple):
+    """What a run tells.
+
+    `time` is what its sums are taken over, 0 if the hops allowed did not reach beyond the part that
+    is dropped; then impacts, largest landing speed and height; how far the part strayed from a
+    steady travel; whether it slid downhill all the time, gaining speed. `least` and `most` are the
+    extreme mean velocities from one rest on the floor to the next. If the run ended in a cycle of
+    hops, `hops` tells how many they are, and `time` how long they take.
+    """
+
+    time: float
+    impacts: int
+    fastest: float
+    highest: float
+    strayed: float
+    runs_away: bool
+    least: float
+    most: float
+    hops: int
 
 
 @compiled
@@ -56,24 +81,23 @@ def rounded(cell: Cell, drive: Drive) -> tuple[Drive, float]:
 
 
 @compiled
+def jolted(number: int, gn: float) -> float:
+    """Return the speed of a lift-off from rest, another one for every number."""
+    return JOLT * gn * ((GOLDEN * number) % 1.0)
+
+
+@compiled
 def long_run(
     run: int, phase: float, periods: int, patience: int, drive: Drive, e: float, guess: float,
     rows: Floats, sums: Floats,
-) -> tuple[float, int, float, float, float, bool, int]:  # fmt: skip
-    """Follow a part from rest on the floor, at one of `PHASES` phases from `phase` on.
+) -> Run:  # fmt: skip
+    """Follow a part from rest on the floor, each run from another phase of the drive.
 
     The run lasts so many periods, and until the part comes to rest, if it did not lately, or has
-    made so many hops, `patience`. Its first part is dropped. `sums` is as in `contact`. From rest a
-    part would take the same course again, to the last bit: it is lifted off with a jolt, each time
-    another one, so that the mean is over the ways that it may take and not over one of them.
-
-    Returns
-    -------
-    tuple
-        Time, 0 if the hops allowed did not reach beyond the first part; impacts, largest landing
-        speed and height; how far the part strayed from a steady travel at the velocity `guess`;
-        whether it slid downhill all the time, gaining speed; and, if the run ended in a cycle of
-        hops, how many they are: the first of `rows` then hold them, and the time is the periods.
+    made so many hops, `patience`. Its first part is dropped. `sums` is as in `contact`, `guess` a
+    velocity to stray from. From rest a part would take the same course again, to the last bit: it
+    is lifted off with a jolt, each time another one, so that the mean is over the ways that it may
+    take and not over one of them. If it ends in a cycle of hops, the first of `rows` hold that.
     """
     c, s, gs, gn, mu_k = drive.c, drive.s, drive.gs, drive.gn, drive.mu_k
     up_at = math.asin(gn / s)
@@ -87,14 +111,18 @@ def long_run(
     ahead, behind = 0.0, 0.0
     u_began, slips_down = 0.0, mu_k * gn < abs(gs)
     count, look_at, jolt = 0, FIRST_LOOK, run
-    tau = (phase + TURN * run / PHASES) % TURN
+    dropped, rest_at, rest_time = 0.0, math.nan, 0.0
+    least, most = math.inf, -math.inf
+    tau = (phase + TURN * (run + GOLDEN * (run // PHASES)) / PHASES) % TURN
     if s * math.sin(tau) < gn:
         span = phase_to(up_at, tau)
         u = contact(tau, span, u, drive, sums, no_log, 0)[0]
-        tau, w, total = up_at, JOLT * gn * ((GOLDEN * jolt) % 1.0), span
+        tau, w, total = up_at, jolted(jolt, gn), span
+        rest_at, rest_time = sums[DISTANCE], total
     for hop in range(hops + patience):
         if began == math.inf and (total >= settling or hop >= settling_hops):
             began, impacts, fastest, highest = total, 0, 0.0, 0.0
+            dropped = sums[DISTANCE]
             sums[:] = 0.0
             u_began = u
         enough = total - began >= periods * TURN - settling or hop >= hops
@@ -120,14 +148,18 @@ def long_run(
         if stays:
             span = phase_to(up_at, tau)
             u = contact(tau, span, u, drive, sums, no_log, 0)[0]
-            jolt += PHASES
-            tau, w, total = up_at, JOLT * gn * ((GOLDEN * jolt) % 1.0), total + span
+            jolt += MOST_STARTS
+            tau, w, total = up_at, jolted(jolt, gn), total + span
             count, look_at = 0, FIRST_LOOK
+            velocity = (dropped + sums[DISTANCE] - rest_at) / (total - rest_time)
+            if not math.isnan(velocity):  # there was a rest before
+                least, most = min(least, velocity), max(most, velocity)
+            rest_at, rest_time = dropped + sums[DISTANCE], total
         elif count >= look_at:
             look_at = count + count // 2
-            cycle_hops, cycle_periods = find_cycle(s, gn, e, up_at, rows, count, tau, w)
-            if cycle_hops:
-                return TURN * cycle_periods, 0, 0.0, 0.0, 0.0, False, cycle_hops
+            cycle, turns = find_cycle(s, gn, e, up_at, rows, count, tau, w)
+            if cycle:
+                return Run(TURN * turns, 0, 0.0, 0.0, 0.0, False, least, most, cycle)
         if count >= MOST_SEGMENTS - LONGEST_CYCLE - 2:
             count, look_at = 0, FIRST_LOOK
         if began < math.inf:
@@ -135,37 +167,36 @@ def long_run(
             ahead, behind = max(ahead, strayed), min(behind, strayed)
             slips_down = slips_down and u * gs < 0
     uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)] + sums[TIMES + MODE.stick]
-    runs_away = slips_down and uphill == 0 and abs(u) > abs(u_began)
-    return max(0.0, total - began), impacts, fastest, highest, ahead - behind, runs_away, 0
+    away = slips_down and uphill == 0 and abs(u) > abs(u_began)
+    time = max(0.0, total - began)
+    return Run(time, impacts, fastest, highest, ahead - behind, away, least, most, 0)
 
 
 @compiled
-def run_from(
-    run: int, phase: float, patience: int, cell: Cell, drive: Drive, e: float, guess: float,
-    rows: Floats, sums: Floats, result: Floats,
-) -> int:  # fmt: skip
+def means_of(
+    run: Run, phase: float, cell: Cell, drive: Drive, rows: Floats, sums: Floats, result: Floats
+) -> int:
     """Fill `result` with the means of the motion of one run; return a status.
 
     A motion that ends in a cycle has the means of that. The error of another is how far the part
     strays from a steady travel, over the time: the run ends somewhere in a motion that may nearly
     repeat.
     """
-    periods = max(1, int(cell.most_periods) // PHASES)
-    time, impacts, fastest, highest, strayed, runs_away, count = long_run(
-        run, phase, periods, patience, drive, e, guess, rows, sums
-    )
-    if count > 0:
-        cycle, no_log = round(time / TURN), np.empty((0, len(PIECE)))
-        return repeating(rows, count, cycle, phase, 0.0, drive, cell, sums, no_log, result)[0]
-    if time <= 0:
+    if run.hops > 0:
+        periods, no_log = round(run.time / TURN), np.empty((0, len(PIECE)))
+        return repeating(
+            rows, run.hops, periods, phase, 0.0, drive, cell, sums, no_log, result
+        )[0]  # fmt: skip
+    if run.time <= 0:
         return STATUS.limit_reached
-    if runs_away:
+    if run.runs_away:
         return STATUS.runaway
-    result[COLUMN.velocity], result[COLUMN.error] = sums[DISTANCE] / time, strayed / time
+    result[COLUMN.velocity] = sums[DISTANCE] / run.time
+    result[COLUMN.error] = run.strayed / run.time
     for mode in range(MODES):
-        result[COLUMN.stick + mode] = sums[TIMES + mode] / time
-    result[COLUMN.impacts] = impacts * TURN / time
-    result[COLUMN.landing_speed], result[COLUMN.hop_height] = fastest, highest
+        result[COLUMN.stick + mode] = sums[TIMES + mode] / run.time
+    result[COLUMN.impacts] = run.impacts * TURN / run.time
+    result[COLUMN.landing_speed], result[COLUMN.hop_height] = run.fastest, run.highest
     return STATUS.aperiodic
 
 
@@ -175,42 +206,53 @@ def from_phases(
 ) -> int:
     """Fill the result of a motion that rounding decides; return a status.
 
-    The means are those of runs from several phases of the drive. Where none of them ends in a cycle the motion
-    is aperiodic, and the error is that of the mean: the scatter of the runs, and what all have
-    alike, of which the runs tell nothing. Where one does, or several do, the part falls into one of
-    them; the error holds what each run gives.
+    The means are those of runs from several phases of the drive. Where none of them ends in a cycle
+    the motion is aperiodic, and the error is that of the mean: the scatter of the runs, and what
+    all have alike, of which the runs tell nothing. Where one does, the part falls into it or into
+    another one, or comes to rest and repeats the way from there; more starts tell into which, and
+    the error holds what each of them gives.
     """
     drive, e = rounded(cell, drive)
-    found = np.empty((PHASES, RESULTS))
+    most_periods = int(cell.most_periods)
+    starts = min(MOST_STARTS, max(PHASES, most_periods // PERIODS_A_START))
+    found = np.empty((starts, RESULTS))
     count, away, cycles, guess, common, known = 0, 0, 0, 0.0, 0.0, 0.0
-    for run in range(PHASES):
+    least, most = math.inf, -math.inf
+    for number in range(starts):
+        if number >= PHASES and cycles == 0:
+            break
+        patience = PATIENCE if number < SEARCHES else 0
+        patience = MORE_PATIENCE if cycles > 0 else patience
+        periods = max(1, most_periods // PHASES)
+        run = long_run(number, phase, periods, patience, drive, e, guess, rows, sums)
+        least, most = min(least, run.least), max(most, run.most)
         one = found[count]
-        patience = PATIENCE if run < SEARCHES or cycles > 0 else 0
-        status = run_from(run, phase, patience, cell, drive, e, guess, rows, sums, one)
+        status = means_of(run, phase, cell, drive, rows, sums, one)
         if status == STATUS.runaway:
             away += 1
         elif status == STATUS.limit_reached:
             return status
         else:
-            cycles += 0 if status == STATUS.aperiodic else 1
             guess += (one[COLUMN.velocity] - guess) / (count + 1)
-            if status == STATUS.aperiodic:  # the first had no velocity to stray from
-                common = max(common, one[COLUMN.error] if run > 0 else 0.0)
-            else:
+            if status != STATUS.aperiodic:
+                cycles += 1
                 known = max(known, one[COLUMN.error])
+            elif count > 0:  # the first had no velocity to stray from
+                common = max(common, one[COLUMN.error])
             count += 1
     if count == 0:
         return STATUS.runaway
+    velocities = found[:count, COLUMN.velocity]
+    spread = velocities.std() * math.sqrt(count / max(1, count - 1))
     for column in range(RESULTS):
         result[column] = found[:count, column].mean()
     result[COLUMN.landing_speed] = found[:count, COLUMN.landing_speed].max()
     result[COLUMN.hop_height] = found[:count, COLUMN.hop_height].max()
-    result[COLUMN.multiple] = 0.0
-    off = np.abs(found[:count, COLUMN.velocity] - result[COLUMN.velocity])
-    spread = math.sqrt((off * off).sum() / max(1, count - 1))
-    result[COLUMN.spread] = spread
+    result[COLUMN.multiple], result[COLUMN.spread] = 0.0, spread
     if cycles == 0:
         result[COLUMN.error] = SURE * spread / math.sqrt(count) + common
         return STATUS.aperiodic
-    result[COLUMN.error] = off.max() + known
+    mean = result[COLUMN.velocity]
+    least, most = min(least, velocities.min()), max(most, velocities.max())
+    result[COLUMN.error] = max(mean - least, most - mean) + known
     return STATUS.sensitive
