@@ -29,6 +29,9 @@ LIMIT = "limit"
 ROUNDING = 1e-15
 """Of an output's scale."""
 
+UNKNOWN = 1e300
+"""Stands in for an error that nobody knows: larger than any value, but no infinity."""
+
 LONGER = 8.0
 """Times the periods over which a motion that does not repeat is followed, to see whether it stands.
 
@@ -198,7 +201,7 @@ class Problem:
     def doubt(self, x: Array, design: Mapping[str, Array]) -> Array:
         """Return the error of the objective where a motion does not repeat, 0 where it does.
 
-        inf where the output is another than the mean velocity, whose error alone is known. The
+        1e300 where the output is another than the mean velocity, whose error alone is known. The
         arguments are those of `known`; of an uncertain parameter the largest error counts.
         """
         designs = [design]
@@ -211,7 +214,7 @@ class Problem:
             if not isinstance(motion, Motion):
                 return np.zeros(np.broadcast_shapes(*(part.shape for part in (*x, *one.values()))))
             chance = np.asarray(motion.multiple == 0)
-            error = self.error(known) if self.states_error else np.inf
+            error = self.error(known) if self.states_error else UNKNOWN
             found.append(np.where(chance, error, 0.0))
         return np.asarray(np.max(np.broadcast_arrays(*found), axis=0))
 

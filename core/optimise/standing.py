@@ -1,8 +1,8 @@
 """Which of the best points of a search stand: means of motions that rounding decides are chance.
 
 Of ten thousand such means the largest is one that chance favoured. The best points are followed
-again, over a longer time, and the best of those means is kept; a point whose motion repeats, and
-whose mean is therefore known, competes with them.
+again, over a longer time, and that is kept which can be relied on most: the largest mean less its
+error. A point whose motion repeats, and whose mean is therefore known, competes with them.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ def standing(
 ) -> tuple[int, float]:
     """Return the place of the best point, and its objective, -inf without a value.
 
-    That of the largest objective if its motion repeats; else that of the best once the motions
-    that chance favours are followed for longer. Points that keep the constraints come first.
+    That of the largest objective if its motion repeats; else that of the largest objective less
+    error, once the motions that chance favours are followed for longer. Points that keep the constraints come first.
 
     Parameters
     ----------
@@ -61,6 +61,7 @@ def standing(
     order = order[np.isfinite(value[order])]
     sure = value[order] - problem.doubt(place(order), design)
     chosen = np.union1d(order[:FOLLOWED], order[np.argsort(-sure, kind="stable")[:FOLLOWED]])
-    again, violation = problem.longer().judged(place(chosen), design, scales)
-    kept = np.lexsort((-again, violation))[0]
+    longer = problem.longer()
+    again, violation = longer.judged(place(chosen), design, scales)
+    kept = np.lexsort((longer.doubt(place(chosen), design) - again, violation))[0]
     return int(chosen[kept]), float(again[kept])

@@ -17,7 +17,7 @@ from core.motion.kernels.planar.cycle import (
     write_segment,
 )
 from core.motion.kernels.planar.flight import hop_height, landing
-from core.motion.kernels.planar.flow import TURN, Drive, flow, phase_to, velocity_after
+from core.motion.kernels.planar.flow import EPSILON, TURN, Drive, flow, phase_to
 from core.motion.kernels.planar.repeating import repeating
 from core.motion.kernels.planar.slide import contact
 from core.motion.kernels.planar.tables import DISTANCE, MOST_SEGMENTS, PIECE, TIMES, Cell
@@ -39,7 +39,9 @@ JOLT = 1e-6  # of gravity: largest speed of a lift-off from rest, other than exa
 GOLDEN = 0.6180339887498949  # its multiples, modulo 1, come nowhere twice
 KEPT_BITS = 2.0**32
 """Cells that agree in so many bits have the same runs: an answer that hangs on the last bit of a
-parameter tells a user nothing, and what is rounded away is far below the stated error."""
+parameter tells a user nothing."""
+COARSER = 1.0 / (KEPT_BITS * EPSILON)
+"""Times the error of a cycle, that of roundings of `EPSILON`: what the bits left out do."""
 
 
 class Run(NamedTuple):
@@ -128,15 +130,16 @@ def long_run(
         enough = total - began >= periods * TURN - settling or hop >= hops
         if enough and not RECENT <= count < patience:
             break
-        span = landing(w, s, gn, tau)
+        sine, cosine = math.sin(tau), math.cos(tau)
+        span = landing(w, s, gn, tau, sine, cosine, up_at)
         if span < 0:
             break
-        speed = max(0.0, -velocity_after(w, s, gn, tau, span))
+        speed = max(0.0, -flow(w, s, gn, sine, cosine, span)[0])
         write_segment(rows, count, tau, span, w, speed, (1 + e) * speed)
         count += 1
         if began < math.inf:
             highest = hop_height(w, s, gn, tau, span, highest)
-        u, distance = flow(u, c, gs, math.sin(tau), math.cos(tau), span)
+        u, distance = flow(u, c, gs, sine, cosine, span)
         sums[DISTANCE] += distance
         sums[TIMES + MODE.flight] += span
         impacts, fastest = impacts + 1, max(fastest, speed)
@@ -236,7 +239,7 @@ def from_phases(
             guess += (one[COLUMN.velocity] - guess) / (count + 1)
             if status != STATUS.aperiodic:
                 cycles += 1
-                known = max(known, one[COLUMN.error])
+                known = max(known, COARSER * one[COLUMN.error])
             elif count > 0:  # the first had no velocity to stray from
                 common = max(common, one[COLUMN.error])
             count += 1

@@ -7,7 +7,7 @@ import math
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.planar.flight import landing
-from core.motion.kernels.planar.flow import EPSILON, TURN, phase_to, velocity_after
+from core.motion.kernels.planar.flow import EPSILON, TURN, flow, phase_to
 from core.motion.kernels.planar.growth import CERTAIN, grown, growth
 from core.motion.kernels.planar.tables import MOST_SEGMENTS, SEGMENT
 
@@ -35,18 +35,19 @@ def write_segment(
 
 @compiled
 def one_hop(
-    tau: float, w: float, s: float, gn: float, e: float
+    tau: float, w: float, s: float, gn: float, e: float, up_at: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Return span, landing speed, phase and rebound after a hop, and the derivatives of the two.
 
     The last four are d(phase)/d(tau), d(phase)/d(w), d(rebound)/d(tau), d(rebound)/d(w).
     """
-    span = landing(w, s, gn, tau)
-    speed = max(0.0, -velocity_after(w, s, gn, tau, span))
+    sine, cosine = math.sin(tau), math.cos(tau)
+    span = landing(w, s, gn, tau, sine, cosine, up_at)
+    speed = max(0.0, -flow(w, s, gn, sine, cosine, span)[0])
     after = tau + span
     if speed == 0.0:
         return span, speed, after, 0.0, 0.0, 0.0, 0.0, 0.0
-    n0, n1 = gn - s * math.sin(tau), gn - s * math.sin(after)
+    n0, n1 = gn - s * sine, gn - s * math.sin(after)
     phase_tau, phase_w = (span * n0 - w) / speed, span / speed
     # The landing velocity changes by dw + n0 dtau - n1 dphase; the rebound is -e times that.
     return (
@@ -88,7 +89,7 @@ def run_cycle(
     """
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     for hop in range(hops):
-        span, speed, after, rebound, tt, tw, wt, ww = one_hop(tau, w, s, gn, e)
+        span, speed, after, rebound, tt, tw, wt, ww = one_hop(tau, w, s, gn, e, up_at)
         if span <= 0 or rests(after, rebound, s, gn, e, up_at, SETTLED_EXACTLY):
             return math.nan, 0.0, a, b, c, d
         write_segment(rows, hop, tau % TURN, span, w, speed, (1 + e) * speed)
@@ -198,7 +199,7 @@ def normal_cycle(
     tau, w, total, count, look_at = up_at, 0.0, 0.0, 0, FIRST_LOOK
     doubt = CERTAIN
     while count < MOST_SEGMENTS - LONGEST_CYCLE - 2:
-        span, speed, after, rebound, tt, tw, wt, ww = one_hop(tau, w, s, gn, e)
+        span, speed, after, rebound, tt, tw, wt, ww = one_hop(tau, w, s, gn, e, up_at)
         if span < 0:
             return count, -1
         write_segment(rows, count, tau, span, w, speed, (1 + e) * speed)
