@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.optimise.problem import Problem
+from core.optimise.problem import UNKNOWN, Problem
 
 NICHES = 128  # along each variable: of the points in one cell of such a grid the best competes
 LOOKED_AT = 256  # niches, the best first
@@ -31,7 +31,8 @@ def standing(
     """Return the place of the best point, and its objective, -inf without a value.
 
     That of the largest objective if its motion repeats; else that of the largest objective less
-    error, once the motions that chance favours are followed for longer. Points that keep the constraints come first.
+    error, once the motions that chance favours are followed for longer. Points that keep the
+    constraints come first.
 
     Parameters
     ----------
@@ -63,5 +64,8 @@ def standing(
     chosen = np.union1d(order[:FOLLOWED], order[np.argsort(-sure, kind="stable")[:FOLLOWED]])
     longer = problem.longer()
     again, violation = longer.judged(place(chosen), design, scales)
-    kept = np.lexsort((longer.doubt(place(chosen), design) - again, violation))[0]
+    doubt = longer.doubt(place(chosen), design)
+    # Where nobody knows the error the longer run has the word.
+    sure = again - np.where(doubt < UNKNOWN, doubt, 0.0)
+    kept = np.lexsort((-sure, violation))[0]
     return int(chosen[kept]), float(again[kept])
