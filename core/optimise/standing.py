@@ -17,7 +17,8 @@ from core.optimise.problem import UNKNOWN, Problem
 
 NICHES = 128  # along each variable: of the points in one cell of such a grid the best competes
 LOOKED_AT = 256  # niches, the best first
-FOLLOWED = 32  # of those, followed again: so many of largest mean, and of largest mean less error
+FOLLOWED = 32  # of those, followed again: so many of largest mean less each share of its error
+SHARES = (0.0, 1 / 3, 1.0)  # a longer run leaves about a third
 
 
 def standing(
@@ -60,8 +61,9 @@ def standing(
     _, first = np.unique(cells, axis=1, return_index=True)
     order = order[np.sort(first)][:LOOKED_AT]
     order = order[np.isfinite(value[order])]
-    sure = value[order] - problem.doubt(place(order), design)
-    chosen = np.union1d(order[:FOLLOWED], order[np.argsort(-sure, kind="stable")[:FOLLOWED]])
+    unsure = problem.doubt(place(order), design)
+    ranks = [np.argsort(share * unsure - value[order], kind="stable") for share in SHARES]
+    chosen = order[np.unique(np.concatenate([rank[:FOLLOWED] for rank in ranks]))]
     longer = problem.longer()
     again, violation = longer.judged(place(chosen), design, scales)
     doubt = longer.doubt(place(chosen), design)
