@@ -46,7 +46,8 @@ def checked(
     lost: NDArray[np.bool_] = np.asarray(np.isnan(found.x).any(axis=0))
     # Without an optimum the outputs are those of the lower bounds, and left out below.
     x = np.where(lost, problem.lower[:, None], found.x)
-    known = problem.longer().known(x, design)
+    longest = problem.longer()
+    known = longest.known(x, design)
     size = problem.scale(scales)
 
     def whole(values: Array) -> Array:
@@ -54,7 +55,7 @@ def checked(
 
     value = whole(problem.objective(known))
     if problem.uncertain is not None:
-        value = whole(problem.longer().judged(x, design, scales)[0])
+        value = whole(longest.judged(x, design, scales)[0])
     if found.value is not None:
         # At the edge of stick the outputs are those of a part at rest.
         held = found.status == STATUS["not_attained"]
@@ -91,7 +92,8 @@ def checked(
     left_open = np.full(cells, max(tolerance, MISSED))
     if problem.states_error:
         # Chance is taken as large as the shorter runs show it, of which this one was the best.
-        unsure = whole(np.fmax(problem.doubt(x, design), problem.longer().doubt(x, design)))
+        doubts = (one.judged_and_doubt(x, design, scales)[2] for one in (problem, longest))
+        unsure = whole(np.maximum(*doubts))
         arrays["objective_error"] = np.fmax(whole(problem.error(known)), unsure)
         left_open = np.fmax(left_open, unsure / size)
     missed = (status == STATUS["optimal"]) & (gap > left_open)

@@ -99,9 +99,9 @@ def standing_grid(
     for cell in range(cells):
         here = slice(cell, cell + 1)
         one, sizes = chosen_cells(design, here), chosen_cells(scales, here)
-        value, beyond = problem.judged(x, one, sizes)
-        if beyond.min() <= 0:
-            best[cell] = standing(problem, unit, value, beyond, one, sizes)[1]
+        judged = problem.judged_and_doubt(x, one, sizes)
+        if judged[1].min() <= 0:
+            best[cell] = standing(problem, unit, judged, one, sizes)[1]
     return best
 
 

@@ -13,19 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.optimise.problem import UNKNOWN, Problem
+from core.optimise.problem import LONGEST, UNKNOWN, Problem
 
 NICHES = 128  # along each variable: of the points in one cell of such a grid the best competes
-LOOKED_AT = 256  # niches, the best first
-FOLLOWED = 32  # of those, followed again: so many of largest mean less each share of its error
+FOLLOWED = 32  # followed again: so many of largest mean less each share of its error
 SHARES = (0.0, 1 / 3, 1.0)  # a longer run leaves about a third
+ROUNDS = ((8.0, 8), (LONGEST, 1))
+"""How many times as long they are followed, and how many are kept then."""
 
 
 def standing(
     problem: Problem,
     unit: Array,
-    value: Array,
-    beyond: Array,
+    judged: tuple[Array, Array, Array],
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> tuple[int, float]:
@@ -40,34 +40,37 @@ def standing(
     problem : Problem
     unit : ndarray, shape (variables, n)
         Points that were evaluated, as shares of the bounds.
-    value, beyond : ndarray, shape (n,)
-        Their objective and violation.
+    judged : tuple of ndarray, each of shape (n,)
+        Their objective, violation, and how far chance may have moved the objective.
     design, scales : mapping of str to ndarray
         Of one design, arrays of shape (1,).
     """
-    order = np.lexsort((-value, beyond))
-    best = int(order[0])
-    span = (problem.upper - problem.lower)[:, None]
-
-    def place(points: NDArray[np.intp]) -> Array:
-        shares = unit[:, points]
-        lower, upper = problem.lower[:, None], problem.upper[:, None]
-        return np.where(shares == 1, upper, lower + shares * span)
-
-    if not np.isfinite(value[best]) or not problem.doubt(place(order[:1]), design)[0] > 0:
+    value, beyond, doubt = judged
+    best = int(np.lexsort((-value, beyond))[0])
+    if not np.isfinite(value[best]) or doubt[best] == 0:
         return best, float(value[best])
-    order = order[beyond[order] <= beyond[best]]
-    cells = np.minimum((unit[:, order] * NICHES).astype(np.int64), NICHES - 1)
-    _, first = np.unique(cells, axis=1, return_index=True)
-    order = order[np.sort(first)][:LOOKED_AT]
-    order = order[np.isfinite(value[order])]
-    unsure = problem.doubt(place(order), design)
-    ranks = [np.argsort(share * unsure - value[order], kind="stable") for share in SHARES]
-    chosen = order[np.unique(np.concatenate([rank[:FOLLOWED] for rank in ranks]))]
-    longer = problem.longer()
-    again, violation = longer.judged(place(chosen), design, scales)
-    doubt = longer.doubt(place(chosen), design)
-    # Where nobody knows the error the longer run has the word.
-    sure = again - np.where(doubt < UNKNOWN, doubt, 0.0)
-    kept = np.lexsort((-sure, violation))[0]
-    return int(chosen[kept]), float(again[kept])
+    open_ = np.flatnonzero((beyond <= beyond[best]) & np.isfinite(value))
+    cells = np.minimum((unit[:, open_] * NICHES).astype(np.int64), NICHES - 1)
+    unsure = _known(doubt[open_])
+    ranked = [_best_of_cells(cells, value[open_] - share * unsure) for share in SHARES]
+    chosen = open_[np.unique(np.concatenate(ranked))]
+    lower, upper = problem.lower[:, None], problem.upper[:, None]
+    for times, most in ROUNDS:
+        shares = unit[:, chosen]
+        x = np.where(shares == 1, upper, lower + shares * (upper - lower))
+        again, violation, unsure = problem.longer(times).judged_and_doubt(x, design, scales)
+        kept = np.lexsort((_known(unsure) - again, violation))[:most]
+        chosen = chosen[kept]
+    return int(chosen[0]), float(again[kept[0]])
+
+
+def _known(doubt: Array) -> Array:
+    """Return the doubt, 0 where nobody knows it: the longer run has the word there."""
+    return np.where(doubt < UNKNOWN, doubt, 0.0)
+
+
+def _best_of_cells(cells: NDArray[np.int64], value: Array) -> NDArray[np.intp]:
+    """Return the places of the best points, no two in one cell of the grid of niches."""
+    order = np.argsort(-value, kind="stable")
+    _, first = np.unique(cells[:, order], axis=1, return_index=True)
+    return order[np.sort(first)][:FOLLOWED]
