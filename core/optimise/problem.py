@@ -32,9 +32,9 @@ ROUNDING = 1e-15
 UNKNOWN = 1e300
 """Stands in for an error that nobody knows: larger than any value, but no infinity."""
 
-LONGEST = 100.0
+LONGEST = 1000.0
 """Times the periods over which a motion that does not repeat is followed, to see whether it stands:
-some fall into another motion, far slower, after ten thousands of periods only."""
+some fall into another motion, far slower, after a hundred thousand periods only."""
 
 Arrays = dict[str, Any]
 

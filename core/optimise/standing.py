@@ -18,7 +18,7 @@ from core.optimise.problem import LONGEST, UNKNOWN, Problem
 NICHES = 128  # along each variable: of the points in one cell of such a grid the best competes
 FOLLOWED = 32  # followed again: so many of largest mean less each share of its error
 SHARES = (0.0, 1 / 3, 1.0)  # a longer run leaves about a third
-ROUNDS = ((8.0, 8), (LONGEST, 1))
+ROUNDS = ((8.0, 4), (LONGEST, 1))
 """How many times as long they are followed, and how many are kept then."""
 
 

@@ -35,7 +35,7 @@ SHARE_SETTLING = 0.2  # of a run, before its mean is taken
 HOPS_PER_PERIOD = 16  # of a run, on average; more end it
 SURE = 5.41  # standard deviations of a mean of 8 runs that hold 99.9 % (Student, 7 degrees)
 SETTLED_ROUGHLY = 1e-8  # as `SETTLED_EXACTLY`, in a run whose mean has a spread of 1e-3 at best
-JOLT = 1e-6  # of gravity: largest speed of a lift-off from rest, other than exactly 0
+JOLT = 1e-8  # of gravity: largest speed of a lift-off from rest; it grows as roundings do, or more
 GOLDEN = 0.6180339887498949  # its multiples, modulo 1, come nowhere twice
 KEPT_BITS = 2.0**32
 """Cells that agree in so many bits have the same runs: an answer that hangs on the last bit of a
@@ -50,8 +50,8 @@ class Run(NamedTuple):
     `time` is what its sums are taken over, 0 if the hops allowed did not reach beyond the part that
     is dropped; then impacts, largest landing speed and height; how far the part strayed from a
     steady travel; whether it slid downhill all the time, gaining speed. `least` and `most` are the
-    extreme mean velocities from one rest on the floor to the next. If the run ended in a cycle of
-    hops, `hops` tells how many they are, and `time` how long they take.
+    extreme mean velocities from one rest on the floor to the next, `first` is the first of them. If
+    the run ended in a cycle of hops, `hops` tells how many they are, and `time` how long they take.
     """
 
     time: float
@@ -62,6 +62,7 @@ class Run(NamedTuple):
     runs_away: bool
     least: float
     most: float
+    first: float
     hops: int
 
 
@@ -114,7 +115,7 @@ def long_run(
     u_began, slips_down = 0.0, mu_k * gn < abs(gs)
     count, look_at, jolt = 0, FIRST_LOOK, run
     dropped, rest_at, rest_time = 0.0, math.nan, 0.0
-    least, most = math.inf, -math.inf
+    least, most, way = math.inf, -math.inf, math.nan
     tau = (phase + TURN * (run + GOLDEN * (run // PHASES)) / PHASES) % TURN
     if s * math.sin(tau) < gn:
         span = phase_to(up_at, tau)
@@ -157,12 +158,13 @@ def long_run(
             velocity = (dropped + sums[DISTANCE] - rest_at) / (total - rest_time)
             if not math.isnan(velocity):  # there was a rest before
                 least, most = min(least, velocity), max(most, velocity)
+                way = velocity if math.isnan(way) else way
             rest_at, rest_time = dropped + sums[DISTANCE], total
         elif count >= look_at:
             look_at = count + count // 2
             cycle, turns = find_cycle(s, gn, e, up_at, rows, count, tau, w)
             if cycle:
-                return Run(TURN * turns, 0, 0.0, 0.0, 0.0, False, least, most, cycle)
+                return Run(TURN * turns, 0, 0.0, 0.0, 0.0, False, least, most, way, cycle)
         if count >= MOST_SEGMENTS - LONGEST_CYCLE - 2:
             count, look_at = 0, FIRST_LOOK
         if began < math.inf:
@@ -172,7 +174,7 @@ def long_run(
     uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)] + sums[TIMES + MODE.stick]
     away = slips_down and uphill == 0 and abs(u) > abs(u_began)
     time = max(0.0, total - began)
-    return Run(time, impacts, fastest, highest, ahead - behind, away, least, most, 0)
+    return Run(time, impacts, fastest, highest, ahead - behind, away, least, most, way, 0)
 
 
 @compiled
@@ -211,16 +213,17 @@ def from_phases(
 
     The means are those of runs from several phases of the drive. Where none of them ends in a cycle
     the motion is aperiodic, and the error is that of the mean: the scatter of the runs, and what
-    all have alike, of which the runs tell nothing. Where one does, the part falls into it or into
-    another one, or comes to rest and repeats the way from there; more starts tell into which, and
-    the error holds what each of them gives.
+    all have alike, of which the runs tell nothing; it reaches to what the part would repeat for
+    ever if nothing disturbed it, the first way of the first run. Where one does, the part falls
+    into it or into another one, or comes to rest and repeats the way from there; more starts tell
+    into which, and the error holds what each of them gives.
     """
     drive, e = rounded(cell, drive)
     most_periods = int(cell.most_periods)
     starts = min(MOST_STARTS, max(PHASES, most_periods // PERIODS_A_START))
     found = np.empty((starts, RESULTS))
     count, away, cycles, guess, common, known = 0, 0, 0, 0.0, 0.0, 0.0
-    least, most = math.inf, -math.inf
+    least, most, way = math.inf, -math.inf, math.nan
     for number in range(starts):
         if number >= PHASES and cycles == 0:
             break
@@ -229,6 +232,7 @@ def from_phases(
         periods = max(1, most_periods // PHASES)
         run = long_run(number, phase, periods, patience, drive, e, guess, rows, sums)
         least, most = min(least, run.least), max(most, run.most)
+        way = run.first if number == 0 else way
         one = found[count]
         status = means_of(run, phase, cell, drive, rows, sums, one)
         if status == STATUS.runaway:
@@ -253,7 +257,9 @@ def from_phases(
     result[COLUMN.hop_height] = found[:count, COLUMN.hop_height].max()
     result[COLUMN.multiple], result[COLUMN.spread] = 0.0, spread
     if cycles == 0:
-        result[COLUMN.error] = SURE * spread / math.sqrt(count) + common
+        error = SURE * spread / math.sqrt(count) + common
+        undisturbed = 0.0 if math.isnan(way) else abs(way - result[COLUMN.velocity])
+        result[COLUMN.error] = max(error, undisturbed)
         return STATUS.aperiodic
     mean = result[COLUMN.velocity]
     least, most = min(least, velocities.min()), max(most, velocities.max())

@@ -8,11 +8,12 @@ from core.compiled import compiled
 from core.motion.kernels.planar.flow import TURN
 
 ROUNDED = 2.0**-52  # of a phase or a speed, relative
-MOST_GROWTH = 1e8
-"""Of a rounding, up to where a motion repeats: half of the digits are lost then.
+MOST_GROWTH = 1e11
+"""Of a rounding, up to where a motion repeats: of 16 digits 5 are left then.
 
-Below it a neighbour a few ulp away goes the same way, unless it passes within some 1e-7 of an edge
-between two ways; beyond it the next hops lose the rest, and rounding decides where they lead.
+Below it a neighbour a few ulp away goes the same way, unless it passes within some 1e-4 of an edge
+between two ways, and one cell in a hundred is that near to the bound; beyond it a few hops more
+lose the rest, and rounding decides where they lead.
 """
 
 Doubt = tuple[float, float, float]
