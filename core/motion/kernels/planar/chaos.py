@@ -100,7 +100,8 @@ def long_run(
     made so many hops, `patience`. Its first part is dropped. `sums` is as in `contact`, `guess` a
     velocity to stray from. From rest a part would take the same course again, to the last bit: it
     is lifted off with a jolt, each time another one, so that the mean is over the ways that it may
-    take and not over one of them. If it ends in a cycle of hops, the first of `rows` hold that.
+    take and not over one of them. If it ends in a cycle of hops, which is looked for where there is
+    any patience, the first of `rows` hold that.
     """
     c, s, gs, gn, mu_k = drive.c, drive.s, drive.gs, drive.gn, drive.mu_k
     up_at = math.asin(gn / s)
@@ -160,7 +161,7 @@ def long_run(
                 least, most = min(least, velocity), max(most, velocity)
                 way = velocity if math.isnan(way) else way
             rest_at, rest_time = dropped + sums[DISTANCE], total
-        elif count >= look_at:
+        elif count >= look_at and patience > 0:
             look_at = count + count // 2
             cycle, turns = find_cycle(s, gn, e, up_at, rows, count, tau, w)
             if cycle:
@@ -229,7 +230,7 @@ def from_phases(
             break
         patience = PATIENCE if number < SEARCHES else 0
         patience = MORE_PATIENCE if cycles > 0 else patience
-        periods = max(1, most_periods // PHASES)
+        periods = max(1, most_periods // (PHASES if number < PHASES else starts))
         run = long_run(number, phase, periods, patience, drive, e, guess, rows, sums)
         least, most = min(least, run.least), max(most, run.most)
         way = run.first if number == 0 else way
