@@ -62,7 +62,7 @@ class Motion(NamedTuple):
 
 STATUS: Mapping[str, int] = {name: flag.value for name, flag in MOTION_STATUSES.items()}
 
-ANSWERED = ("periodic", "at_rest", "aperiodic", "neutral")
+ANSWERED = ("periodic", "at_rest", "aperiodic", "sensitive", "neutral")
 """Statuses of cells that have a mean velocity."""
 
 SHARES = ("stick", "forward", "backward", "flight")

@@ -114,7 +114,7 @@ CONDITIONS = (
     ),
     Condition("runaway", _has_status("runaway"), ANY_RESULT),
     Condition("unbounded", scales.efficiency_is_unbounded, frozenset(("efficiency",))),
-    Condition("aperiodic", _has_status("aperiodic"), ANY_RESULT),
+    Condition("aperiodic", _has_status("aperiodic", "sensitive"), ANY_RESULT),
     Condition("period_doubled", _is_period_doubled, ANY_RESULT),
     Condition("hop_after_hop", _hops_on, ANY_RESULT),
     Condition("hopping", _hops, ANY_RESULT),

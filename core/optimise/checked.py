@@ -14,7 +14,7 @@ from core.optimise.codes import STATUS
 from core.optimise.conditions import residual
 from core.optimise.found import Found
 from core.optimise.front import knee
-from core.optimise.grid import dense_grid
+from core.optimise.grid import dense_grid, standing_grid
 from core.optimise.methods import METHODS
 from core.optimise.optimisation import Optimisation
 from core.optimise.problem import LIMIT, ROUNDING, Problem, chosen_cells
@@ -46,7 +46,8 @@ def checked(
     lost: NDArray[np.bool_] = np.asarray(np.isnan(found.x).any(axis=0))
     # Without an optimum the outputs are those of the lower bounds, and left out below.
     x = np.where(lost, problem.lower[:, None], found.x)
-    known = problem.known(x, design)
+    longest = problem.longer()
+    known = longest.known(x, design)
     size = problem.scale(scales)
 
     def whole(values: Array) -> Array:
@@ -54,7 +55,7 @@ def checked(
 
     value = whole(problem.objective(known))
     if problem.uncertain is not None:
-        value = whole(problem.judged(x, design, scales)[0])
+        value = whole(longest.judged(x, design, scales)[0])
     if found.value is not None:
         # At the edge of stick the outputs are those of a part at rest.
         held = found.status == STATUS["not_attained"]
@@ -88,7 +89,14 @@ def checked(
     arrays["optimality_residual"] = np.where(no_slope, np.nan, left)
     gap = _gap(prepared.method, here, value, lost, near, scales) / size
     arrays["optimum_gap"] = gap
-    missed = (status == STATUS["optimal"]) & (gap > max(tolerance, MISSED))
+    left_open = np.full(cells, max(tolerance, MISSED))
+    if problem.states_error:
+        # Chance is taken as large as the shorter runs show it, of which this one was the best.
+        doubts = (one.judged_and_doubt(x, design, scales)[2] for one in (problem, longest))
+        unsure = whole(np.maximum(*doubts))
+        arrays["objective_error"] = np.fmax(whole(problem.error(known)), unsure)
+        left_open = np.fmax(left_open, unsure / size)
+    missed = (status == STATUS["optimal"]) & (gap > left_open)
     status = np.where(missed, np.int8(STATUS["suboptimal"]), status)
     arrays["evaluations"] = np.broadcast_to(np.asarray(found.evaluations, np.float64), cells)
     if isinstance(problem.criterion, Pareto):
@@ -162,7 +170,10 @@ def _gap(
         reference = np.asarray(answer.value)
     rest = np.flatnonzero(np.isnan(reference) & ~lost)
     if rest.size:
-        points = GAP_POINTS_MOTION if problem.is_motion else GAP_POINTS
-        best = dense_grid(problem, chosen_cells(design, rest), chosen_cells(scales, rest), points)
+        others, sizes = chosen_cells(design, rest), chosen_cells(scales, rest)
+        if problem.is_motion:
+            best = standing_grid(problem, others, sizes, GAP_POINTS_MOTION)
+        else:
+            best = dense_grid(problem, others, sizes, GAP_POINTS)
         reference[rest] = np.where(np.isfinite(best), best, np.nan)
     return np.where(lost, np.nan, reference - value)

@@ -10,7 +10,8 @@ import numpy as np
 from core.mechanics.arrays import Array
 from core.optimise.codes import STATUS
 from core.optimise.found import Found, status_of
-from core.optimise.problem import Problem, cells_of
+from core.optimise.problem import Problem, cells_of, chosen_cells
+from core.optimise.standing import standing
 from core.watch import Watch
 
 FIRST_POINTS = 40_000  # of the first grid of a design
@@ -83,6 +84,25 @@ def _top(
         rows = np.arange(len(here))
         place[piece], beyond[piece], value[piece] = here, b[rows, here], v[rows, here]
     return place, beyond, value
+
+
+def standing_grid(
+    problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], points: int
+) -> Array:
+    """Return the same for motions: the objective that stands once chance has been asked again."""
+    count, cells = len(problem.names), cells_of(design)
+    width = dense_width(count, cells, points)
+    unit = np.stack(np.meshgrid(*[np.linspace(0, 1, width)] * count, indexing="ij"))
+    unit = unit.reshape(count, -1)
+    x = problem.lower[:, None] + (problem.upper - problem.lower)[:, None] * unit
+    best = np.full(cells, -np.inf)
+    for cell in range(cells):
+        here = slice(cell, cell + 1)
+        one, sizes = chosen_cells(design, here), chosen_cells(scales, here)
+        judged = problem.judged_and_doubt(x, one, sizes)
+        if judged[1].min() <= 0:
+            best[cell] = standing(problem, unit, judged, one, sizes)[1]
+    return best
 
 
 def dense_grid(

@@ -109,6 +109,8 @@ def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, 
         "criterion": problem.criterion.kind,
         "output": output,
     }
+    if "objective_error" in prepared.units:
+        attributes["objective_error"] |= {"units": QUANTITIES[output].unit}
     attributes["optimum_status"] = flag_attributes(
         "optimum_status", OPTIMUM_STATUSES, tuple(OPTIMUM_STATUSES)
     )

@@ -7,7 +7,9 @@ from functools import cached_property
 
 from core.motion.method import Method
 from core.motion.prepare import other_method
+from core.motion.systems import methods_of
 from core.optimise.problem import Problem
+from core.optimise.scipy_methods import SEARCH_BUDGET
 from core.optimise.slopes import sensitive
 from core.plan.grid import Grid
 from core.plan.prepared import Box, Prepared
@@ -18,8 +20,8 @@ from core.study.models import (
 )
 
 QUICK = ("exact", "newton")  # without a search
-QUICK_SECONDS, OTHER_SECONDS, MOTION_SECONDS = 2e-5, 0.05, 0.7
-"""Roughly what a design takes."""
+QUICK_SECONDS, OTHER_SECONDS, MOTION_SECONDS = 2e-5, 0.05, 0.6
+"""Roughly what a design takes; one of motions besides what following them does."""
 RIVAL_SECONDS = 0.02  # roughly, of a design by the method that verifies
 
 FLAGS = ("optimum_status", "regime", "knee")
@@ -51,6 +53,8 @@ class Optimisation(Prepared):
         criterion = problem.criterion
         units = {f"best_{name}": QUANTITIES[name].unit for name in problem.names}
         units["objective"] = QUANTITIES[criterion.output].unit
+        if problem.states_error:
+            units["objective_error"] = units["objective"]
         told = (criterion.output, problem.against, *(kept.output for kept in problem.kept))
         asked = [name for name in self.study.outputs if name != "regime"]
         units |= {name: QUANTITIES[name].unit for name in (*filter(None, told), *asked)}
@@ -75,7 +79,10 @@ class Optimisation(Prepared):
     def seconds_a_cell(self) -> float:
         """As in `Prepared`."""
         if self.problem.is_motion:
-            return MOTION_SECONDS
+            method = methods_of(self.plan.scene.name)[self.plan.variant]
+            bounces = "restitution" in {*self.problem.names, *self.designs.axes}
+            bounces = bounces or bool(self.designs.fixed.get("restitution"))
+            return MOTION_SECONDS + SEARCH_BUDGET * method.seconds(bounces)
         return QUICK_SECONDS if self.method in QUICK else OTHER_SECONDS
 
     @property

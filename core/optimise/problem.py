@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
+from core.motion.result import Motion
 from core.optimise.robust import nodes_over, over_nodes
 from core.plan.equations import regimes, run_equations
 from core.plan.grid import from_si
@@ -27,6 +28,13 @@ LIMIT = "limit"
 
 ROUNDING = 1e-15
 """Of an output's scale."""
+
+UNKNOWN = 1e300
+"""Stands in for an error that nobody knows: larger than any value, but no infinity."""
+
+LONGEST = 1000.0
+"""Times the periods over which a motion that does not repeat is followed, to see whether it stands:
+some fall into another motion, far slower, after a hundred thousand periods only."""
 
 Arrays = dict[str, Any]
 
@@ -166,14 +174,55 @@ class Problem:
         Where an output has no value the objective is -inf and the violation inf: a NaN would end
         scipy's differential evolution.
         """
+        return self.judged_and_doubt(x, design, scales, watch)[:2]
+
+    def judged_and_doubt(
+        self,
+        x: Array,
+        design: Mapping[str, Array],
+        scales: Mapping[str, Array],
+        watch: Watch | None = None,
+    ) -> tuple[Array, Array, Array]:
+        """Return the same, and how far chance may have moved the objective.
+
+        That is the error of the objective where a motion does not repeat, 0 where it does, and
+        `UNKNOWN` where the output is another than the mean velocity, whose error alone is known. Of
+        an uncertain parameter the largest error counts.
+        """
         if self.uncertain is None:
             return self._judged(x, design, scales, watch)
         places, weights = self.nodes()
         found = [self._judged(x, self.at(design, place), scales, watch) for place in places]
-        values, beyond = (np.stack(parts) for parts in zip(*found, strict=True))
+        values, beyond, doubt = (np.stack(parts) for parts in zip(*found, strict=True))
         lost = np.isinf(values).any(axis=0)
         value = over_nodes(np.where(lost, 0.0, values), weights)
-        return np.where(lost, -np.inf, value), beyond.max(axis=0)
+        return np.where(lost, -np.inf, value), beyond.max(axis=0), doubt.max(axis=0)
+
+    @property
+    def states_error(self) -> bool:
+        """Whether the output is a mean over a motion, whose error is known."""
+        return self.is_motion and self.criterion.output == "conveying_velocity"
+
+    def longer(self, times: float = LONGEST) -> Problem:
+        """Return the problem with motions that do not repeat followed so many times as long."""
+        if not self.is_motion or "most_periods" not in self.plan.defaults:
+            return self
+        most = times * self.plan.defaults["most_periods"]
+        plan = replace(self.plan, defaults={**self.plan.defaults, "most_periods": most})
+        return replace(self, plan=plan)
+
+    def doubt(self, known: Arrays) -> Array:
+        """Return how far chance may have moved the objective, as `judged_and_doubt` tells it."""
+        motion = known.get("motion")
+        if not isinstance(motion, Motion):
+            return np.zeros(())
+        error = self.error(known) if self.states_error else UNKNOWN
+        return np.where(motion.multiple == 0, error, 0.0)
+
+    def error(self, known: Arrays) -> Array:
+        """Return the stated error of the mean velocity, in the unit of studies."""
+        error = known["motion"].error * known["velocity_scale"]
+        return np.asarray(from_si(self.criterion.output, error))
 
     def nodes(self) -> tuple[Array, Array | None]:
         """Return nodes over the interval of the uncertain parameter, and weights of a mean."""
@@ -200,7 +249,7 @@ class Problem:
         design: Mapping[str, Array],
         scales: Mapping[str, Array],
         watch: Watch | None,
-    ) -> tuple[Array, Array]:
+    ) -> tuple[Array, Array, Array]:
         known = self.known(x, design, watch)
         shape = np.broadcast_shapes(*(part.shape for part in (*x, *design.values())))
         value = np.broadcast_to(self.objective(known), shape)
@@ -208,7 +257,8 @@ class Problem:
         for kept, margin in zip(self.kept, self.margins(known, design), strict=True):
             beyond = beyond + np.maximum(-margin, 0.0) / scales[kept.output]
         lost = np.isnan(value) | np.isnan(beyond)
-        return np.where(lost, -np.inf, value), np.where(lost, np.inf, beyond)
+        doubt = np.broadcast_to(self.doubt(known), shape)
+        return np.where(lost, -np.inf, value), np.where(lost, np.inf, beyond), doubt
 
     def scales(self, design: Mapping[str, Array], watch: Watch | None = None) -> dict[str, Array]:
         """Return the largest size of each output that takes part, for each design.

@@ -185,9 +185,11 @@ def differential_evolution(single: Single) -> tuple[Array, str]:
 
 def search(single: Single, budget: int = SEARCH_BUDGET) -> tuple[Array, str]:
     """Return the end of the global search for outputs that jump."""
+    seen: list[tuple[Array, ...]] = []
 
     def ranked(points: Array) -> Array:
-        value, beyond = single.judged(points.T)
+        value, beyond, doubt = single.judged_and_doubt(points.T)
+        seen.append((points.T, value, beyond, doubt))
         # Anything that keeps the constraints beats anything that does not.
         worse = np.where(np.isfinite(beyond), -NO_VALUE - beyond, np.nan)
         return np.where(beyond > 0, worse, value)
@@ -196,6 +198,9 @@ def search(single: Single, budget: int = SEARCH_BUDGET) -> tuple[Array, str]:
     found = search_maximum(ranked, *ends, budget=budget, watch=single.watch)
     if found.status == "stopped":
         raise StoppedError
+    if single.problem.is_motion and np.isfinite(found.value):
+        unit, *judged = (np.concatenate(parts, axis=-1) for parts in zip(*seen, strict=True))
+        return unit[:, single.standing(unit, *judged)], found.message
     return np.nan_to_num(found.point), found.message  # without any value, the lower bounds
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from core.mechanics.arrays import Array
 from core.optimise.problem import Problem, columns
+from core.optimise.standing import standing
 from core.watch import Watch
 
 STEP = 1e-6  # of a variable's range, for central differences: 1e-10 of the slope is left
@@ -48,10 +49,23 @@ class Single:
 
     def judged(self, unit: Array) -> tuple[Array, Array]:
         """Return objective over its scale and violation of points, each (n,)."""
+        return self.judged_and_doubt(unit)[:2]
+
+    def judged_and_doubt(self, unit: Array) -> tuple[Array, Array, Array]:
+        """Return the same, and over the objective's scale how far chance may have moved it."""
         x = self.place(unit)
         self.evaluations += x.shape[1]
-        value, beyond = self.problem.judged(x[:, None, :], self.design, self.scales, self.watch)
-        return value[0] / self.size, beyond[0]
+        value, beyond, doubt = self.problem.judged_and_doubt(
+            x[:, None, :], self.design, self.scales, self.watch
+        )
+        return value[0] / self.size, beyond[0], doubt[0] / self.size
+
+    def standing(self, unit: Array, value: Array, beyond: Array, doubt: Array) -> int:
+        """Return the place of the best of evaluated points that stands."""
+        design = {name: values[:, 0] for name, values in self.design.items()}
+        scales = {name: values[:, 0] for name, values in self.scales.items()}
+        value, doubt = value * self.size, doubt * self.size
+        return standing(self.problem, unit, (value, beyond, doubt), design, scales)[0]
 
     def lost(self, unit: Array) -> Array:
         """Return what is to be least, (n,) or a number; inf where an output has no value."""

@@ -61,7 +61,9 @@ REGIMES: dict[str, Flag] = {
     "hopping": Flag(28, "the part hops once a period or more often, and touches the floor between"),
     "hop_after_hop": Flag(29, "the part hops without touching the floor between"),
     "period_doubled": Flag(30, "the motion repeats after two periods of the drive or more"),
-    "aperiodic": Flag(31, "the motion does not repeat; values are means over many periods"),
+    "aperiodic": Flag(
+        31, "the motion does not repeat, or rounding decides how; means over many periods"
+    ),
     "runaway": Flag(32, "the part gains speed for ever; it has no mean velocity", valid=False),
     "unresolved": Flag(
         33, "no answer: the study was stopped, or a limit came first", valid=False
@@ -81,6 +83,9 @@ MOTION_STATUSES: dict[str, Flag] = {
     "no_solution": Flag(7, "the contact laws had no solution, or several", valid=False),
     "settled": Flag(8, "the part has come to rest on a side"),
     "moving": Flag(9, "the part still moves at the end of the duration"),
+    "sensitive": Flag(
+        10, "the motion repeats in the end, but rounding decides in which way; mean over starts"
+    ),
 }
 
 OPTIMUM_STATUSES: dict[str, Flag] = {

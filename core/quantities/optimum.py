@@ -10,6 +10,11 @@ OPTIMUM: dict[str, Quantity] = {
         "0 at the largest output, 1 at the least absolute value of the other one.",
     ),
     "objective": number("", "Objective", "What was looked for, at the optimum."),
+    "objective_error": number(
+        "", "Error of the objective",
+        "How far off the objective may be: what the method states of the mean velocity, and what "
+        "chance leaves of a motion that rounding decides.",
+    ),
     "optimum_status": number("", "Status of the optimum", "How the search ended."),
     "optimality_residual": number(
         "", "Optimality residual",

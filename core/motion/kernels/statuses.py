@@ -19,6 +19,7 @@ class Status(NamedTuple):
     no_solution: int
     settled: int
     moving: int
+    sensitive: int
 
 
 class Mode(NamedTuple):

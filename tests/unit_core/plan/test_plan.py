@@ -322,6 +322,7 @@ class TestScenes:
             used |= set(simulate(load_study(configs / study)).variables)
         front = optimise(load_study(configs / "optimise-pareto.toml"))
         used |= {*front.variables}
+        used |= set(optimise(load_study(configs / "optimise-velocity.toml")).variables)
         assert set(QUANTITIES) - used == set()
 
     def test_regime_values_are_distinct_and_without_gaps(self):

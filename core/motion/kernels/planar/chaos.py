@@ -1,71 +1,147 @@
-"""Means of a motion that does not repeat, over runs from several phases."""
+"""Means of a motion that rounding decides, over runs from several phases."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
-from core.motion.kernels.planar.cycle import FIRST_LOOK, rests
+from core.motion.kernels.planar.cycle import (
+    FIRST_LOOK,
+    LONGEST_CYCLE,
+    find_cycle,
+    rests,
+    write_segment,
+)
 from core.motion.kernels.planar.flight import hop_height, landing
-from core.motion.kernels.planar.flow import TURN, Drive, flow, phase_to, velocity_after
+from core.motion.kernels.planar.flow import EPSILON, TURN, Drive, flow, phase_to
+from core.motion.kernels.planar.repeating import repeating
 from core.motion.kernels.planar.slide import contact
-from core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS, TIMES
-from core.motion.kernels.results import COLUMN
+from core.motion.kernels.planar.tables import DISTANCE, MOST_SEGMENTS, PIECE, TIMES, Cell
+from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE, MODES, STATUS
 
-PHASES = 8  # runs of an aperiodic motion, started at as many phases
-SHARE_SETTLING = 0.2  # of an aperiodic run, before its mean is taken
-HOPS_PER_PERIOD = 16  # of an aperiodic run, on average; more end it
+PHASES = 8  # runs of a motion that rounding decides, started at as many phases
+SEARCHES = 3  # of them look for a cycle; if none falls into one, the others do not wait for it
+PATIENCE = 512  # hops without rest after which a part is taken to fall into no cycle
+MORE_PATIENCE = 1024  # where others of its starts fell into one
+RECENT = 64  # hops since the part was at rest, from which on it may be nearing a cycle
+PERIODS_A_START = 32  # of those allowed; so many starts tell in which cycle a part ends
+MOST_STARTS = 256
+SHARE_SETTLING = 0.2  # of a run, before its mean is taken
+HOPS_PER_PERIOD = 16  # of a run, on average; more end it
 SURE = 5.41  # standard deviations of a mean of 8 runs that hold 99.9 % (Student, 7 degrees)
 SETTLED_ROUGHLY = 1e-8  # as `SETTLED_EXACTLY`, in a run whose mean has a spread of 1e-3 at best
+JOLT = 1e-8  # of gravity: largest speed of a lift-off from rest; it grows as roundings do, or more
+GOLDEN = 0.6180339887498949  # its multiples, modulo 1, come nowhere twice
+KEPT_BITS = 2.0**32
+"""Cells that agree in so many bits have the same runs: an answer that hangs on the last bit of a
+parameter tells a user nothing."""
+COARSER = 1.0 / (KEPT_BITS * EPSILON)
+"""Times the error of a cycle, that of roundings of `EPSILON`: what the bits left out do."""
+
+
+class Run(NamedTuple):
+    """What a run tells.
+
+    `time` is what its sums are taken over, 0 if the hops allowed did not reach beyond the part that
+    is dropped; then impacts, largest landing speed and height; how far the part strayed from a
+    steady travel; whether it slid downhill all the time, gaining speed. `least` and `most` are the
+    extreme mean velocities from one rest on the floor to the next, `first` is the first of them. If
+    the run ended in a cycle of hops, `hops` tells how many they are, and `time` how long they take.
+    """
+
+    time: float
+    impacts: int
+    fastest: float
+    highest: float
+    strayed: float
+    runs_away: bool
+    least: float
+    most: float
+    first: float
+    hops: int
+
+
+@compiled
+def kept(value: float) -> float:
+    """Return a value with the first bits only."""
+    mantissa, exponent = math.frexp(value)
+    return math.ldexp(np.rint(mantissa * KEPT_BITS) / KEPT_BITS, exponent)
+
+
+@compiled
+def rounded(cell: Cell, drive: Drive) -> tuple[Drive, float]:
+    """Return drive and restitution with their first bits only, where a part still lifts off."""
+    few = Drive(
+        kept(drive.c), kept(drive.s), kept(drive.gs), kept(drive.gn),
+        kept(drive.mu_s), kept(drive.mu_k),
+    )  # fmt: skip
+    return (few if few.s > few.gn else drive), kept(cell.restitution)
+
+
+@compiled
+def jolted(number: int, gn: float) -> float:
+    """Return the speed of a lift-off from rest, another one for every number."""
+    return JOLT * gn * ((GOLDEN * number) % 1.0)
 
 
 @compiled
 def long_run(
-    tau: float, periods: int, hops: int, drive: Drive, e: float, guess: float, sums: Floats
-) -> tuple[float, int, float, float, float, bool]:
-    """Run from rest on the floor at tau; fill `sums`.
+    run: int, phase: float, periods: int, patience: int, drive: Drive, e: float, guess: float,
+    rows: Floats, sums: Floats,
+) -> Run:  # fmt: skip
+    """Follow a part from rest on the floor, each run from another phase of the drive.
 
-    The first part of the run is dropped. `sums` is as in `contact`.
-
-    Returns
-    -------
-    tuple
-        Time, 0 if the hops allowed did not reach beyond the first part; impacts, largest landing
-        speed and height; how far the part strayed from a steady travel at the velocity `guess`;
-        and whether it slid downhill all the time, gaining speed.
+    The run lasts so many periods, and until the part comes to rest, if it did not lately, or has
+    made so many hops, `patience`. Its first part is dropped. `sums` is as in `contact`, `guess` a
+    velocity to stray from. From rest a part would take the same course again, to the last bit: it
+    is lifted off with a jolt, each time another one, so that the mean is over the ways that it may
+    take and not over one of them. If it ends in a cycle of hops, which is looked for where there is
+    any patience, the first of `rows` hold that.
     """
     c, s, gs, gn, mu_k = drive.c, drive.s, drive.gs, drive.gn, drive.mu_k
     up_at = math.asin(gn / s)
     no_log = np.empty((0, len(PIECE)))
     settling = periods * SHARE_SETTLING * TURN
+    hops = HOPS_PER_PERIOD * periods + FIRST_LOOK
     total, began, impacts, fastest, highest = 0.0, math.inf, 0, 0.0, 0.0
     settling_hops = int(hops * SHARE_SETTLING)
     sums[:] = 0.0
     u, w = 0.0, 0.0
     ahead, behind = 0.0, 0.0
     u_began, slips_down = 0.0, mu_k * gn < abs(gs)
+    count, look_at, jolt = 0, FIRST_LOOK, run
+    dropped, rest_at, rest_time = 0.0, math.nan, 0.0
+    least, most, way = math.inf, -math.inf, math.nan
+    tau = (phase + TURN * (run + GOLDEN * (run // PHASES)) / PHASES) % TURN
     if s * math.sin(tau) < gn:
         span = phase_to(up_at, tau)
         u = contact(tau, span, u, drive, sums, no_log, 0)[0]
-        tau, total = up_at, span
-    for hop in range(hops):
+        tau, w, total = up_at, jolted(jolt, gn), span
+        rest_at, rest_time = sums[DISTANCE], total
+    for hop in range(hops + patience):
         if began == math.inf and (total >= settling or hop >= settling_hops):
             began, impacts, fastest, highest = total, 0, 0.0, 0.0
+            dropped = sums[DISTANCE]
             sums[:] = 0.0
             u_began = u
-        if total - began >= periods * TURN - settling:
+        enough = total - began >= periods * TURN - settling or hop >= hops
+        if enough and not RECENT <= count < patience:
             break
-        span = landing(w, s, gn, tau)
+        sine, cosine = math.sin(tau), math.cos(tau)
+        span = landing(w, s, gn, tau, sine, cosine, up_at)
         if span < 0:
             break
-        speed = max(0.0, -velocity_after(w, s, gn, tau, span))
+        speed = max(0.0, -flow(w, s, gn, sine, cosine, span)[0])
+        write_segment(rows, count, tau, span, w, speed, (1 + e) * speed)
+        count += 1
         if began < math.inf:
             highest = hop_height(w, s, gn, tau, span, highest)
-        u, distance = flow(u, c, gs, math.sin(tau), math.cos(tau), span)
+        u, distance = flow(u, c, gs, sine, cosine, span)
         sums[DISTANCE] += distance
         sums[TIMES + MODE.flight] += span
         impacts, fastest = impacts + 1, max(fastest, speed)
@@ -77,54 +153,116 @@ def long_run(
         if stays:
             span = phase_to(up_at, tau)
             u = contact(tau, span, u, drive, sums, no_log, 0)[0]
-            tau, w, total = up_at, 0.0, total + span
+            jolt += MOST_STARTS
+            tau, w, total = up_at, jolted(jolt, gn), total + span
+            count, look_at = 0, FIRST_LOOK
+            velocity = (dropped + sums[DISTANCE] - rest_at) / (total - rest_time)
+            if not math.isnan(velocity):  # there was a rest before
+                least, most = min(least, velocity), max(most, velocity)
+                way = velocity if math.isnan(way) else way
+            rest_at, rest_time = dropped + sums[DISTANCE], total
+        elif count >= look_at and patience > 0:
+            look_at = count + count // 2
+            cycle, turns = find_cycle(s, gn, e, up_at, rows, count, tau, w)
+            if cycle:
+                return Run(TURN * turns, 0, 0.0, 0.0, 0.0, False, least, most, way, cycle)
+        if count >= MOST_SEGMENTS - LONGEST_CYCLE - 2:
+            count, look_at = 0, FIRST_LOOK
         if began < math.inf:
             strayed = sums[DISTANCE] - guess * (total - began)
             ahead, behind = max(ahead, strayed), min(behind, strayed)
             slips_down = slips_down and u * gs < 0
     uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)] + sums[TIMES + MODE.stick]
-    runs_away = slips_down and uphill == 0 and abs(u) > abs(u_began)
-    return max(0.0, total - began), impacts, fastest, highest, ahead - behind, runs_away
+    away = slips_down and uphill == 0 and abs(u) > abs(u_began)
+    time = max(0.0, total - began)
+    return Run(time, impacts, fastest, highest, ahead - behind, away, least, most, way, 0)
 
 
 @compiled
-def from_phases(phase: float, drive: Drive, e: float, most_periods: int, result: Floats) -> int:
-    """Fill the result of an aperiodic motion: means over runs from several phases; return a status.
+def means_of(
+    run: Run, phase: float, cell: Cell, drive: Drive, rows: Floats, sums: Floats, result: Floats
+) -> int:
+    """Fill `result` with the means of the motion of one run; return a status.
 
-    The error of the mean is of two kinds: the scatter of the runs, and what all have alike, since
-    each ends somewhere in a motion that may nearly repeat. Of the second the runs tell nothing; it
-    is at most how far a part strays from a steady travel, over the time.
+    A motion that ends in a cycle has the means of that. The error of another is how far the part
+    strays from a steady travel, over the time: the run ends somewhere in a motion that may nearly
+    repeat.
     """
-    sums = np.empty(SUMS)
-    periods = max(1, most_periods // PHASES)
-    mean, square, time, impacts, fastest, highest = 0.0, 0.0, 0.0, 0, 0.0, 0.0
-    shares = np.zeros(MODES)
-    common, away = 0.0, 0
-    for run in range(PHASES):
-        start = (phase + TURN * run / PHASES) % TURN
-        span, hits, speed, height, strayed, runs_away = long_run(
-            start, periods, HOPS_PER_PERIOD * periods + FIRST_LOOK, drive, e, mean, sums
-        )
-        if span <= 0:
-            return STATUS.limit_reached
-        away += 1 if runs_away else 0
-        if run > 0:  # the first has no velocity to stray from
-            common = max(common, strayed / span)
-        velocity = sums[DISTANCE] / span
-        deviation = velocity - mean
-        mean += deviation / (run + 1)
-        square += deviation * (velocity - mean)
-        time, impacts = time + span, impacts + hits
-        fastest, highest = max(fastest, speed), max(highest, height)
-        for mode in range(MODES):
-            shares[mode] += sums[TIMES + mode]
-    if away == PHASES:
+    if run.hops > 0:
+        periods, no_log = round(run.time / TURN), np.empty((0, len(PIECE)))
+        return repeating(
+            rows, run.hops, periods, phase, 0.0, drive, cell, sums, no_log, result
+        )[0]  # fmt: skip
+    if run.time <= 0:
+        return STATUS.limit_reached
+    if run.runs_away:
         return STATUS.runaway
-    spread = math.sqrt(square / (PHASES - 1))
-    result[COLUMN.velocity], result[COLUMN.spread] = mean, spread
-    result[COLUMN.error] = SURE * spread / math.sqrt(PHASES) + common
+    result[COLUMN.velocity] = sums[DISTANCE] / run.time
+    result[COLUMN.error] = run.strayed / run.time
     for mode in range(MODES):
-        result[COLUMN.stick + mode] = shares[mode] / time
-    result[COLUMN.impacts], result[COLUMN.landing_speed] = impacts * TURN / time, fastest
-    result[COLUMN.hop_height], result[COLUMN.multiple] = highest, 0.0
+        result[COLUMN.stick + mode] = sums[TIMES + mode] / run.time
+    result[COLUMN.impacts] = run.impacts * TURN / run.time
+    result[COLUMN.landing_speed], result[COLUMN.hop_height] = run.fastest, run.highest
     return STATUS.aperiodic
+
+
+@compiled
+def from_phases(
+    cell: Cell, phase: float, drive: Drive, rows: Floats, sums: Floats, result: Floats
+) -> int:
+    """Fill the result of a motion that rounding decides; return a status.
+
+    The means are those of runs from several phases of the drive. Where none of them ends in a cycle
+    the motion is aperiodic, and the error is that of the mean: the scatter of the runs, and what
+    all have alike, of which the runs tell nothing; it reaches to what the part would repeat for
+    ever if nothing disturbed it, the first way of the first run. Where one does, the part falls
+    into it or into another one, or comes to rest and repeats the way from there; more starts tell
+    into which, and the error holds what each of them gives.
+    """
+    drive, e = rounded(cell, drive)
+    most_periods = int(cell.most_periods)
+    starts = min(MOST_STARTS, max(PHASES, most_periods // PERIODS_A_START))
+    found = np.empty((starts, RESULTS))
+    count, away, cycles, guess, common, known = 0, 0, 0, 0.0, 0.0, 0.0
+    least, most, way = math.inf, -math.inf, math.nan
+    for number in range(starts):
+        if number >= PHASES and cycles == 0:
+            break
+        patience = PATIENCE if number < SEARCHES else 0
+        patience = MORE_PATIENCE if cycles > 0 else patience
+        periods = max(1, most_periods // (PHASES if number < PHASES else starts))
+        run = long_run(number, phase, periods, patience, drive, e, guess, rows, sums)
+        least, most = min(least, run.least), max(most, run.most)
+        way = run.first if number == 0 else way
+        one = found[count]
+        status = means_of(run, phase, cell, drive, rows, sums, one)
+        if status == STATUS.runaway:
+            away += 1
+        elif status == STATUS.limit_reached:
+            return status
+        else:
+            guess += (one[COLUMN.velocity] - guess) / (count + 1)
+            if status != STATUS.aperiodic:
+                cycles += 1
+                known = max(known, COARSER * one[COLUMN.error])
+            elif count > 0:  # the first had no velocity to stray from
+                common = max(common, one[COLUMN.error])
+            count += 1
+    if count == 0:
+        return STATUS.runaway
+    velocities = found[:count, COLUMN.velocity]
+    spread = velocities.std() * math.sqrt(count / max(1, count - 1))
+    for column in range(RESULTS):
+        result[column] = found[:count, column].mean()
+    result[COLUMN.landing_speed] = found[:count, COLUMN.landing_speed].max()
+    result[COLUMN.hop_height] = found[:count, COLUMN.hop_height].max()
+    result[COLUMN.multiple], result[COLUMN.spread] = 0.0, spread
+    if cycles == 0:
+        error = SURE * spread / math.sqrt(count) + common
+        undisturbed = 0.0 if math.isnan(way) else abs(way - result[COLUMN.velocity])
+        result[COLUMN.error] = max(error, undisturbed)
+        return STATUS.aperiodic
+    mean = result[COLUMN.velocity]
+    least, most = min(least, velocities.min()), max(most, velocities.max())
+    result[COLUMN.error] = max(mean - least, most - mean) + known
+    return STATUS.sensitive

@@ -7,7 +7,8 @@ import math
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.planar.flight import landing
-from core.motion.kernels.planar.flow import EPSILON, TURN, phase_to, velocity_after
+from core.motion.kernels.planar.flow import EPSILON, TURN, flow, phase_to
+from core.motion.kernels.planar.growth import CERTAIN, grown, growth
 from core.motion.kernels.planar.tables import MOST_SEGMENTS, SEGMENT
 
 SEARCH_HOPS = 512  # before a motion without contact phase is taken to be aperiodic
@@ -17,7 +18,6 @@ MOST_TRIES = 3  # at cycles of different lengths, in one search
 MOST_NEWTON = 40  # near a period doubling it closes in by two thirds a step at first
 LONGEST_CYCLE = 32  # impacts of a cycle without contact phase
 SAME_STATE = 1e-7  # distance of two states of a cycle that are one
-MOST_GROWTH = 1e6  # of a rounding error along a cycle that is taken to repeat
 NEAR = 1e-2  # recurrence that a search for a cycle starts from
 FEWEST_PERIODS = 8  # of a run that a limit ended, for its mean to be given as that of the motion
 SETTLED_EXACTLY = 1e-13  # rebound times remaining time, below which a run of shrinking hops ends
@@ -35,18 +35,19 @@ def write_segment(
 
 @compiled
 def one_hop(
-    tau: float, w: float, s: float, gn: float, e: float
+    tau: float, w: float, s: float, gn: float, e: float, up_at: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Return span, landing speed, phase and rebound after a hop, and the derivatives of the two.
 
     The last four are d(phase)/d(tau), d(phase)/d(w), d(rebound)/d(tau), d(rebound)/d(w).
     """
-    span = landing(w, s, gn, tau)
-    speed = max(0.0, -velocity_after(w, s, gn, tau, span))
+    sine, cosine = math.sin(tau), math.cos(tau)
+    span = landing(w, s, gn, tau, sine, cosine, up_at)
+    speed = max(0.0, -flow(w, s, gn, sine, cosine, span)[0])
     after = tau + span
     if speed == 0.0:
         return span, speed, after, 0.0, 0.0, 0.0, 0.0, 0.0
-    n0, n1 = gn - s * math.sin(tau), gn - s * math.sin(after)
+    n0, n1 = gn - s * sine, gn - s * math.sin(after)
     phase_tau, phase_w = (span * n0 - w) / speed, span / speed
     # The landing velocity changes by dw + n0 dtau - n1 dphase; the rebound is -e times that.
     return (
@@ -88,7 +89,7 @@ def run_cycle(
     """
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     for hop in range(hops):
-        span, speed, after, rebound, tt, tw, wt, ww = one_hop(tau, w, s, gn, e)
+        span, speed, after, rebound, tt, tw, wt, ww = one_hop(tau, w, s, gn, e, up_at)
         if span <= 0 or rests(after, rebound, s, gn, e, up_at, SETTLED_EXACTLY):
             return math.nan, 0.0, a, b, c, d
         write_segment(rows, hop, tau % TURN, span, w, speed, (1 + e) * speed)
@@ -183,40 +184,38 @@ def find_cycle(
 
 
 @compiled
-def normal_cycle(s: float, gn: float, e: float, most_periods: int, rows: Floats) -> tuple[int, int]:
+def normal_cycle(
+    s: float, gn: float, e: float, most_periods: int, most_growth: float, rows: Floats
+) -> tuple[int, int]:
     """Return the segments and periods of the cycle that the part falls into from rest on the floor.
 
-    Fills `rows`. Periods 0 means that the motion does not repeat, or that rounding decides where it
-    does; -1 that a limit came first.
+    Fills `rows`. Periods 0 means that the motion does not repeat, or that roundings grow on the way
+    by more than `most_growth`, so that they decide where it does; -1 that a limit came first.
     """
     if s <= gn:
         write_segment(rows, 0, 0.0, TURN, -1.0, 0.0, 0.0)
         return 1, 1
     up_at = math.asin(gn / s)
     tau, w, total, count, look_at = up_at, 0.0, 0.0, 0, FIRST_LOOK
-    a, b, c, d = 1.0, 0.0, 0.0, 1.0  # derivatives of phase and rebound by those at the start
-    least, growth = 2.0, 1.0
+    doubt = CERTAIN
     while count < MOST_SEGMENTS - LONGEST_CYCLE - 2:
-        span, speed, after, rebound, tt, tw, wt, ww = one_hop(tau, w, s, gn, e)
+        span, speed, after, rebound, tt, tw, wt, ww = one_hop(tau, w, s, gn, e, up_at)
         if span < 0:
             return count, -1
         write_segment(rows, count, tau, span, w, speed, (1 + e) * speed)
-        a, b, c, d = tt * a + tw * c, tt * b + tw * d, wt * a + ww * c, wt * b + ww * d
-        size = abs(a) + abs(b) + abs(c) + abs(d)
-        if not 1e-100 < size < 1e100:
-            a, b, c, d, size, least = 1.0, 0.0, 0.0, 1.0, 2.0, 2.0
-        least = min(least, size)
-        growth = max(growth, size / least)
         count += 1
         total += span
+        if most_growth < math.inf:
+            doubt = grown(doubt, span, speed, after, s, gn, e, (tt, tw, wt, ww))
+            if not growth(doubt, speed, after, s, gn) <= most_growth:
+                return count, 0
         tau, w = after % TURN, rebound
         if rests(tau, w, s, gn, e, up_at, SETTLED_EXACTLY):
             # On the floor until lift-off, where the motion began: the cycle is closed.
             span = phase_to(up_at, tau)
             rows[count - 1, SEGMENT.impulse] = speed
             write_segment(rows, count, tau, span, -1.0, 0.0, 0.0)
-            periods = round((total + span) / TURN)
-            return count + 1, (periods if periods == 1 or growth < MOST_GROWTH else 0)
+            return count + 1, round((total + span) / TURN)
         if count >= look_at and total > TURN:
             look_at = count + count // 2
             hops, periods = find_cycle(s, gn, e, up_at, rows, count, tau, w)

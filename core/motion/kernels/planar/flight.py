@@ -57,14 +57,15 @@ def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float
 
 
 @compiled
-def landing(w: float, s: float, gn: float, tau: float) -> float:
+def landing(
+    w: float, s: float, gn: float, tau: float, sine: float, cosine: float, up_at: float
+) -> float:
     """Return the phase from take-off at tau to landing, for s > gn and w >= 0; -1 if none is found.
 
+    `sine` and `cosine` are those of tau, `up_at` is asin(gn/s): runs of hops ask for them often.
     The height bends down where s sin(tau) < gn, and up elsewhere. Where it bends down and ends
     above the floor it was above all the way; where it bends up its least value is found first.
     """
-    sine, cosine = math.sin(tau), math.cos(tau)
-    up_at = math.asin(gn / s)
     down_at = math.pi - up_at
     bends_up = up_at <= tau % TURN < down_at
     if not bends_up and w > 0:

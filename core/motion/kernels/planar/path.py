@@ -11,13 +11,16 @@ from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.planar.cycle import normal_cycle
 from core.motion.kernels.planar.flow import TURN, Drive, distance_after, velocity_after
+from core.motion.kernels.planar.repeating import velocity_at_start
 from core.motion.kernels.planar.slide import follow_cycle, write_piece
-from core.motion.kernels.planar.solve import solve, upright, velocity_at_start
+from core.motion.kernels.planar.solve import solve, upright
 from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS, cell_of
 from core.motion.kernels.results import RESULTS
 from core.motion.kernels.statuses import MODE, STATUS
 
 SHOWN_PERIODS = 4  # of an aperiodic motion, in its path
+UNKNOWN = (STATUS.aperiodic, STATUS.sensitive, STATUS.limit_reached)
+"""Statuses of parts that are shown over the last stretch that was followed."""
 
 
 class Sample(NamedTuple):
@@ -53,8 +56,9 @@ def follow(group: Floats) -> tuple[Floats, float, float, bool]:
         status, count = STATUS.periodic, 1
     elif count > 0:
         _, _, used = follow_cycle(rows, count, u, drive, sums, log)
-    elif status in (STATUS.aperiodic, STATUS.limit_reached) and drive.s > drive.gn:
-        count, _ = normal_cycle(drive.s, drive.gn, cell.restitution, int(cell.most_periods), rows)
+    elif status in UNKNOWN and drive.s > drive.gn:
+        e, most_periods = cell.restitution, int(cell.most_periods)
+        count, _ = normal_cycle(drive.s, drive.gn, e, most_periods, math.inf, rows)
         shown, span = 0, 0.0
         while shown < count and span < SHOWN_PERIODS * TURN:
             shown += 1

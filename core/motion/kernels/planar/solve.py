@@ -9,31 +9,17 @@ import numpy as np
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats, Statuses
 from core.motion.kernels.planar.chaos import from_phases
-from core.motion.kernels.planar.cycle import normal_cycle, phase_doubt
-from core.motion.kernels.planar.flight import hop_height
-from core.motion.kernels.planar.flow import TURN, Drive, arc_sine, phase_to
-from core.motion.kernels.planar.settle import settle
-from core.motion.kernels.planar.slide import contact, follow_cycle, stick_range, two_sided
-from core.motion.kernels.planar.tables import (
-    DISTANCE,
-    MOST_SEGMENTS,
-    PIECE,
-    SEGMENT,
-    SUMS,
-    TIMES,
-    Cell,
-    cell_of,
-)
+from core.motion.kernels.planar.cycle import normal_cycle
+from core.motion.kernels.planar.flow import Drive
+from core.motion.kernels.planar.growth import MOST_GROWTH
+from core.motion.kernels.planar.repeating import ROUNDING, repeating, velocity_at_start
+from core.motion.kernels.planar.slide import stick_range, two_sided
+from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS, Cell, cell_of
 from core.motion.kernels.results import COLUMN
-from core.motion.kernels.statuses import MODE, MODES, STATUS
+from core.motion.kernels.statuses import STATUS
 
 UNDECIDED = -1  # no status: the cell needs its cycle
 LEAST_GRAVITY = 1e-12  # onto the floor, of all: less is the rounding of an upright track
-ROUNDING = 4e-14  # of a mean velocity, per unit of the drive and of friction's impulses
-MOST_RUBBING = 8.0
-"""Friction adds up over no more than so many times the share of the period in which a part slides,
-times its largest: what is huge acts for as short a time."""
-THRESHOLD = 4e-16  # rounding of the sine at which friction is overcome
 
 
 @compiled
@@ -63,33 +49,6 @@ def turn_round(result: Floats, way: float) -> None:
         result[COLUMN.velocity] = -result[COLUMN.velocity]
         forward, backward = result[COLUMN.forward], result[COLUMN.backward]
         result[COLUMN.forward], result[COLUMN.backward] = backward, forward
-
-
-@compiled
-def velocity_at_start(drive: Drive, phase: float, rows: Floats, count: int) -> float:
-    """Return the velocity at the start of a cycle of a part at rest on the floor at `phase`.
-
-    Where it never lifts off the cycle may start anywhere: it is moved to where slip begins.
-    """
-    c, s, gs, gn, mu_s = drive.c, drive.s, drive.gs, drive.gn, drive.mu_s
-    if mu_s == 0 and gs == 0:  # nothing acts along the track but the drive
-        return c * (math.cos(phase) - math.cos(rows[0, SEGMENT.phase]))
-    if s > gn:
-        sums = np.zeros(SUMS)
-        # A part that lifts off starts on the floor, at least at the drive's own zero.
-        span = phase_to(math.asin(gn / s), phase)
-        u = contact(phase, span, 0.0, drive, sums, np.empty((0, len(PIECE))), 0)[0]
-        if rows[count - 1, SEGMENT.take_off] >= 0:
-            # A cycle without contact: friction brings any velocity to the same motion.
-            return 0.0
-        return u
-    least, largest, _ = stick_range(c, s, gs, gn, mu_s)
-    rises, falls = largest < 1, least > -1
-    if rises and (math.cos(phase) > 0 or not falls):
-        rows[0, SEGMENT.phase] = arc_sine(largest)
-    elif falls:
-        rows[0, SEGMENT.phase] = math.pi - arc_sine(least)
-    return 0.0
 
 
 @compiled
@@ -127,60 +86,6 @@ def solve_at_once(drive: Drive, e: float, way: float, closed: bool, result: Floa
 
 
 @compiled
-def keep_speed(
-    drive: Drive, phase: float, rows: Floats, count: int, periods: int, sums: Floats
-) -> None:
-    """Fill `sums` over a cycle without friction.
-
-    As the part does not run away on the level, it keeps the speed that the track had at the start:
-    the fastest forward, or backward half a turn later.
-    """
-    flying = 0.0
-    for row in range(count):
-        flying += rows[row, SEGMENT.span] if rows[row, SEGMENT.take_off] >= 0 else 0.0
-    sums[:] = 0.0
-    sums[DISTANCE] = drive.c * math.cos(phase) * periods * TURN
-    sums[TIMES + (MODE.forward if math.cos(phase) > 0 else MODE.backward)] = periods * TURN - flying
-    sums[TIMES + MODE.flight] = flying
-
-
-@compiled
-def write_impacts(rows: Floats, count: int, drive: Drive, periods: int, result: Floats) -> None:
-    """Fill what the flights of a cycle give: impacts per period, their speed, the height."""
-    impacts, fastest, highest = 0, 0.0, 0.0
-    for row in range(count):
-        if rows[row, SEGMENT.take_off] >= 0:
-            impacts += 1
-            fastest = max(fastest, rows[row, SEGMENT.landing])
-            highest = hop_height(
-                rows[row, SEGMENT.take_off],
-                drive.s,
-                drive.gn,
-                rows[row, SEGMENT.phase],
-                rows[row, SEGMENT.span],
-                highest,
-            )
-    result[COLUMN.impacts] = impacts / periods
-    result[COLUMN.landing_speed], result[COLUMN.hop_height] = fastest, highest
-
-
-@compiled
-def slip_doubt(drive: Drive) -> float:
-    """Return how much velocity hangs on the rounding of the phases where a slip starts.
-
-    Friction falls there from the static to the kinetic one, so that a slip starts with a jerk. Its
-    phase, asin of the threshold, is known the less, the nearer the threshold is to 1.
-    """
-    least, largest, _ = stick_range(drive.c, drive.s, drive.gs, drive.gn, drive.mu_s)
-    jump = (drive.mu_s - drive.mu_k) * (drive.s + drive.gn)
-    doubt = 0.0
-    for threshold in (least, largest):
-        if abs(threshold) < 1.0:
-            doubt += jump * THRESHOLD / math.sqrt((1.0 - threshold) * (1.0 + threshold))
-    return doubt
-
-
-@compiled
 def solve(
     cell: Cell, rows: Floats, sums: Floats, log: Floats, result: Floats
 ) -> tuple[int, int, float]:
@@ -190,51 +95,22 @@ def solve(
     last pass. All in the axes of the drive as mirrored by `upright`.
     """
     drive, phase, way = upright(cell)
-    c, s, gs, gn, mu_s, mu_k = drive
     e, most_periods = cell.restitution, int(cell.most_periods)
     result[:] = math.nan
     status = solve_at_once(drive, e, way, log.shape[0] == 0, result)
     if status != UNDECIDED:
         return status, 0, 0.0
-    count, periods = normal_cycle(s, gn, e, most_periods, rows)
+    count, periods = normal_cycle(drive.s, drive.gn, e, most_periods, MOST_GROWTH, rows)
     if periods < 1:
         status = STATUS.limit_reached
         if periods == 0:
-            status = from_phases(phase, drive, e, most_periods, result)
-        if status == STATUS.aperiodic:
-            turn_round(result, way)
-        else:
-            result[:] = math.nan
-        return status, 0, 0.0
-    u = velocity_at_start(drive, phase, rows, count)
-    error, cycles, status = 0.0, 1, STATUS.neutral
-    if mu_s == 0:
-        keep_speed(drive, phase, rows, count, periods, sums)
+            status = from_phases(cell, phase, drive, rows, sums, result)
+        count, u = 0, 0.0
     else:
-        u, error, cycles, status = settle(
-            rows, count, u, drive, cell.tolerance, most_periods, sums, log
-        )
-        if cycles == 0:
-            return status, 0, 0.0
-    if mu_s != mu_k:
-        total = np.zeros(SUMS)
-        velocity = u
-        for _ in range(cycles):
-            velocity, _, _ = follow_cycle(rows, count, velocity, drive, sums, log)
-            total += sums
-        sums[:] = total
-    time = periods * cycles * TURN
-    result[COLUMN.velocity], result[COLUMN.spread] = sums[DISTANCE] / time, 0.0
-    slides = (sums[TIMES + MODE.forward] + sums[TIMES + MODE.backward]) / time
-    doubt = ROUNDING + (phase_doubt(rows, count, s, gn, e) if s > gn else 0.0)
-    rubbing = mu_k * (s + gn) * min(1.0, MOST_RUBBING * slides)
-    result[COLUMN.error] = error + doubt * (abs(c) + abs(gs) + rubbing)
-    if mu_s > mu_k and sums[TIMES + MODE.stick] > 0.0:
-        result[COLUMN.error] += slip_doubt(drive) * slides
-    for mode in range(MODES):
-        result[COLUMN.stick + mode] = sums[TIMES + mode] / time
-    write_impacts(rows, count, drive, periods, result)
-    result[COLUMN.multiple] = float(periods * cycles)
+        u = velocity_at_start(drive, phase, rows, count)
+        status, u = repeating(rows, count, periods, phase, u, drive, cell, sums, log, result)
+    if math.isnan(result[COLUMN.velocity]):
+        return status, 0, 0.0
     turn_round(result, way)
     return status, count, u
 

@@ -1,0 +1,57 @@
+"""How far roundings have grown along a chain of hops."""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import compiled
+from core.motion.kernels.planar.flow import TURN
+
+ROUNDED = 2.0**-52  # of a phase or a speed, relative
+MOST_GROWTH = 1e11
+"""Of a rounding, up to where a motion repeats: of 16 digits 5 are left then.
+
+Below it a neighbour a few ulp away goes the same way, unless it passes within some 1e-4 of an edge
+between two ways, and one cell in a hundred is that near to the bound; beyond it a few hops more
+lose the rest, and rounding decides where they lead.
+"""
+
+Doubt = tuple[float, float, float]
+"""Mean square of what roundings did to phase and rebound, and their mean product, in roundings."""
+
+CERTAIN = (0.0, 0.0, 0.0)
+
+
+@compiled
+def grown(
+    known: Doubt, span: float, speed: float, after: float, s: float, gn: float, e: float,
+    slopes: tuple[float, float, float, float],
+) -> Doubt:  # fmt: skip
+    """Return the doubt after a hop from that before it.
+
+    What was there is carried on by the derivatives of the hop, d(phase)/d(tau), d(phase)/d(w),
+    d(rebound)/d(tau) and d(rebound)/d(w). What is added is a rounding of the parameters: it moves
+    the height at the landing by (s + gn) span^2, thus the phase by that over the speed. A landing
+    that only grazes the floor makes it huge; it is at most the flight itself.
+    """
+    square, product, rebounds = known
+    tt, tw, wt, ww = slopes
+    n1 = gn - s * math.sin(after)
+    late = TURN + min((s + gn) * span * span / max(speed, 1e-300), span / ROUNDED)
+    fast = e * ((s + gn) * (1 + span) + abs(n1) * late)
+    return (
+        tt * tt * square + 2 * tt * tw * product + tw * tw * rebounds + late * late,
+        tt * wt * square + (tt * ww + tw * wt) * product + tw * ww * rebounds,
+        wt * wt * square + 2 * wt * ww * product + ww * ww * rebounds + fast * fast,
+    )
+
+
+@compiled
+def growth(known: Doubt, speed: float, after: float, s: float, gn: float) -> float:
+    """Return how many roundings the state after a hop is in doubt by, as far as they move a part.
+
+    A landing that comes late matters by what the floor gives there, its force and the impulse: next
+    to nothing where a part has hardly lifted off.
+    """
+    given = min(1.0, (abs(gn - s * math.sin(after)) + speed) / (s + gn))
+    return math.sqrt(known[0]) * given + math.sqrt(known[2])

@@ -1,0 +1,147 @@
+"""The means of a motion that repeats."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.planar.cycle import phase_doubt
+from core.motion.kernels.planar.flight import hop_height
+from core.motion.kernels.planar.flow import TURN, Drive, arc_sine, phase_to
+from core.motion.kernels.planar.settle import settle
+from core.motion.kernels.planar.slide import contact, follow_cycle, stick_range
+from core.motion.kernels.planar.tables import DISTANCE, PIECE, SEGMENT, SUMS, TIMES, Cell
+from core.motion.kernels.results import COLUMN
+from core.motion.kernels.statuses import MODE, MODES, STATUS
+
+ROUNDING = 4e-14  # of a mean velocity, per unit of the drive and of friction's impulses
+MOST_RUBBING = 8.0
+"""Friction adds up over no more than so many times the share of the period in which a part slides,
+times its largest: what is huge acts for as short a time."""
+THRESHOLD = 4e-16  # rounding of the sine at which friction is overcome
+
+
+@compiled
+def velocity_at_start(drive: Drive, phase: float, rows: Floats, count: int) -> float:
+    """Return the velocity at the start of a cycle of a part at rest on the floor at `phase`.
+
+    Where it never lifts off the cycle may start anywhere: it is moved to where slip begins.
+    """
+    c, s, gs, gn, mu_s = drive.c, drive.s, drive.gs, drive.gn, drive.mu_s
+    if mu_s == 0 and gs == 0:  # nothing acts along the track but the drive
+        return c * (math.cos(phase) - math.cos(rows[0, SEGMENT.phase]))
+    if s > gn:
+        sums = np.zeros(SUMS)
+        # A part that lifts off starts on the floor, at least at the drive's own zero.
+        span = phase_to(math.asin(gn / s), phase)
+        u = contact(phase, span, 0.0, drive, sums, np.empty((0, len(PIECE))), 0)[0]
+        if rows[count - 1, SEGMENT.take_off] >= 0:
+            # A cycle without contact: friction brings any velocity to the same motion.
+            return 0.0
+        return u
+    least, largest, _ = stick_range(c, s, gs, gn, mu_s)
+    rises, falls = largest < 1, least > -1
+    if rises and (math.cos(phase) > 0 or not falls):
+        rows[0, SEGMENT.phase] = arc_sine(largest)
+    elif falls:
+        rows[0, SEGMENT.phase] = math.pi - arc_sine(least)
+    return 0.0
+
+
+@compiled
+def keep_speed(
+    drive: Drive, phase: float, rows: Floats, count: int, periods: int, sums: Floats
+) -> None:
+    """Fill `sums` over a cycle without friction.
+
+    As the part does not run away on the level, it keeps the speed that the track had at the start:
+    the fastest forward, or backward half a turn later.
+    """
+    flying = 0.0
+    for row in range(count):
+        flying += rows[row, SEGMENT.span] if rows[row, SEGMENT.take_off] >= 0 else 0.0
+    sums[:] = 0.0
+    sums[DISTANCE] = drive.c * math.cos(phase) * periods * TURN
+    sums[TIMES + (MODE.forward if math.cos(phase) > 0 else MODE.backward)] = periods * TURN - flying
+    sums[TIMES + MODE.flight] = flying
+
+
+@compiled
+def write_impacts(rows: Floats, count: int, drive: Drive, periods: int, result: Floats) -> None:
+    """Fill what the flights of a cycle give: impacts per period, their speed, the height."""
+    impacts, fastest, highest = 0, 0.0, 0.0
+    for row in range(count):
+        if rows[row, SEGMENT.take_off] >= 0:
+            impacts += 1
+            fastest = max(fastest, rows[row, SEGMENT.landing])
+            highest = hop_height(
+                rows[row, SEGMENT.take_off],
+                drive.s,
+                drive.gn,
+                rows[row, SEGMENT.phase],
+                rows[row, SEGMENT.span],
+                highest,
+            )
+    result[COLUMN.impacts] = impacts / periods
+    result[COLUMN.landing_speed], result[COLUMN.hop_height] = fastest, highest
+
+
+@compiled
+def slip_doubt(drive: Drive) -> float:
+    """Return how much velocity hangs on the rounding of the phases where a slip starts.
+
+    Friction falls there from the static to the kinetic one, so that a slip starts with a jerk. Its
+    phase, asin of the threshold, is known the less, the nearer the threshold is to 1.
+    """
+    least, largest, _ = stick_range(drive.c, drive.s, drive.gs, drive.gn, drive.mu_s)
+    jump = (drive.mu_s - drive.mu_k) * (drive.s + drive.gn)
+    doubt = 0.0
+    for threshold in (least, largest):
+        if abs(threshold) < 1.0:
+            doubt += jump * THRESHOLD / math.sqrt((1.0 - threshold) * (1.0 + threshold))
+    return doubt
+
+
+@compiled
+def repeating(
+    rows: Floats, count: int, periods: int, phase: float, u: float, drive: Drive, cell: Cell,
+    sums: Floats, log: Floats, result: Floats,
+) -> tuple[int, float]:  # fmt: skip
+    """Fill `result` with the means over a cycle of the motion normal to the floor.
+
+    Returns the status and the velocity at the start of the cycle; u is that at which it is first
+    entered. Where no motion along the track is found that repeats, `result` is left as it was.
+    """
+    c, s, gs, gn, mu_s, mu_k = drive
+    error, cycles, status = 0.0, 1, STATUS.neutral
+    if mu_s == 0:
+        keep_speed(drive, phase, rows, count, periods, sums)
+    else:
+        u, error, cycles, status = settle(
+            rows, count, u, drive, cell.tolerance, int(cell.most_periods), sums, log
+        )
+        if cycles == 0:
+            return status, 0.0
+    if mu_s != mu_k:
+        total = np.zeros(SUMS)
+        velocity = u
+        for _ in range(cycles):
+            velocity, _, _ = follow_cycle(rows, count, velocity, drive, sums, log)
+            total += sums
+        sums[:] = total
+    time = periods * cycles * TURN
+    result[COLUMN.velocity], result[COLUMN.spread] = sums[DISTANCE] / time, 0.0
+    slides = (sums[TIMES + MODE.forward] + sums[TIMES + MODE.backward]) / time
+    doubt = ROUNDING + (phase_doubt(rows, count, s, gn, cell.restitution) if s > gn else 0.0)
+    rubbing = mu_k * (s + gn) * min(1.0, MOST_RUBBING * slides)
+    result[COLUMN.error] = error + doubt * (abs(c) + abs(gs) + rubbing)
+    if mu_s > mu_k and sums[TIMES + MODE.stick] > 0.0:
+        result[COLUMN.error] += slip_doubt(drive) * slides
+    for mode in range(MODES):
+        result[COLUMN.stick + mode] = sums[TIMES + mode] / time
+    write_impacts(rows, count, drive, periods, result)
+    result[COLUMN.multiple] = float(periods * cycles)
+    return status, u
