@@ -104,28 +104,6 @@ def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
 # --- as equations of a system
 
 
-def planar_groups(
-    *,
-    drive_number_along: Array,
-    drive_number_normal: Array,
-    gravity_number_along: Array,
-    gravity_number_normal: Array,
-    friction_static: Array,
-    friction_kinetic: Array,
-    restitution: Array,
-) -> Groups:
-    """Return the groups of a part that moves along the track and normal to it."""
-    return Groups(
-        drive_number_along=drive_number_along,
-        drive_number_normal=drive_number_normal,
-        gravity_number_along=gravity_number_along,
-        gravity_number_normal=gravity_number_normal,
-        friction_static=friction_static,
-        friction_kinetic=friction_kinetic,
-        restitution=restitution,
-    )
-
-
 def floor_groups(
     *,
     drive_number_along: Array,

@@ -43,7 +43,7 @@ class Method:
     seconds_a_bounce : float or None
         The same of a cell with restitution, where that takes longer.
     planar : bool
-        Whether it follows motion in one vertical plane only; it is then the default there.
+        Whether it is the method for motion in one vertical plane, the default there.
     defaults : mapping of str to float
         Its settings where a study leaves them out.
     course : callable or None

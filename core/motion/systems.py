@@ -145,7 +145,6 @@ TRACK_SCALES = (
     Equation("curvature_number", scales.curvature_number, "theory 13.10"),
 )
 
-PLANAR = (*PLANAR_SCALES, Equation("groups", groups.planar_groups, "theory 13.2"))
 ON_FLOOR = (*SPATIAL_SCALES, Equation("groups", groups.floor_groups, "theory 13.1"))
 ON_TRACK = (*TRACK_SCALES, Equation("groups", groups.track_groups, "theory 13.1"))
 
@@ -176,7 +175,7 @@ def _conveying(
 
     def equations(method: Method) -> tuple[Equation, ...]:
         motion = Equation("motion", method.follow(contacts), method.source)
-        return (*(PLANAR if method.planar else in_space), motion, *RESULTS)
+        return (*in_space, motion, *RESULTS)
 
     return Scene(
         name=name,

@@ -1,6 +1,7 @@
-"""From event to event, in the plane of the track and its normal (theory 13.2 to 13.8).
+"""From event to event (theory 13.2 to 13.8); in space by `spatial_events` (13.11).
 
-In each mode of contact, in the plane, the equation of motion is that of one driven mass,
+In the plane of the track and its normal, in each mode of contact, the equation of motion is that of
+one driven mass,
 
     u' = C sin(tau) - k,    v(tau) = v0 + C (cos tau0 - cos tau) - k (tau - tau0),
 
@@ -17,11 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 from core.mechanics.arrays import Array
 from core.motion.cells import run_cells
 from core.motion.course import Course, CourseAsked, track_of
-from core.motion.groups import Contacts, Groups, cells_of
+from core.motion.groups import Contacts, Groups, cells_of, table
 from core.motion.method import Follow, FollowCourse, Method
+from core.motion.methods.spatial_events import spatial_course, spatial_motion
 from core.motion.result import Motion, motion_of
 from core.quantities import MOTION_MODES
-from core.scenes import Constraint
 from core.watch import Watch
 
 
@@ -106,27 +107,81 @@ def _modes(values: Array, way: float) -> NDArray[np.int8]:
     return modes
 
 
+def in_plane(groups: Groups, contacts: Contacts) -> NDArray[np.bool_]:
+    """Return which parts move in the vertical plane of the track: nothing pushes them across.
+
+    Such a part touches the wall of a straight track, if at all, without a load.
+    """
+    pushed = np.not_equal(groups.drive_number_across, 0.0) | np.not_equal(
+        groups.gravity_number_across, 0.0
+    )
+    if contacts.wall:
+        pushed = pushed | np.not_equal(groups.curvature_number, 0.0)
+    return np.asarray(~pushed)
+
+
+def motion_by_events(
+    groups: Groups,
+    contacts: Contacts,
+    *,
+    tolerance: ArrayLike,
+    most_periods: ArrayLike,
+    watch: Watch | None = None,
+) -> Motion:
+    """Return the motion from rest: in closed form in the plane, else by Taylor series.
+
+    A cylinder that slides along its axis moves as a block does.
+    """
+    settings = {"tolerance": tolerance, "most_periods": most_periods}
+    plane = in_plane(groups, contacts)
+    if plane.all():
+        return planar_motion(groups, **settings, watch=watch)
+    if not plane.any():
+        return spatial_motion(groups, contacts, **settings, watch=watch)
+    rows, shape = table((*groups, tolerance, most_periods, plane))
+    flat = plane if plane.shape == shape else np.broadcast_to(plane, shape)
+    where = flat.ravel()
+    found = []
+    for mask in (where, ~where):
+        columns = rows[mask].T
+        some = Groups._make(columns[: len(groups)])
+        given = {"tolerance": columns[-3], "most_periods": columns[-2]}
+        found.append(
+            planar_motion(some, **given, watch=watch)
+            if mask is where
+            else spatial_motion(some, contacts, **given, watch=watch)
+        )
+    fields = []
+    for planar, spatial in zip(*found, strict=True):
+        field = np.empty(where.size, dtype=planar.dtype)
+        field[where], field[~where] = planar, spatial
+        fields.append(field.reshape(shape))
+    return Motion._make(fields)
+
+
 def _follow(contacts: Contacts) -> Follow:
-    """Return the equation; a cylinder that slides along its axis moves as a block does."""
-    del contacts
+    """Return the equation."""
 
     def motion(
         *, groups: Groups, tolerance: Array, most_periods: Array, watch: Watch | None = None
     ) -> Motion:
-        """Return the motion from rest from event to event, theory 13.2 to 13.8."""
-        return planar_motion(groups, tolerance=tolerance, most_periods=most_periods, watch=watch)
+        """Return the motion from rest from event to event, theory 13.2 to 13.8, 13.11."""
+        return motion_by_events(
+            groups, contacts, tolerance=tolerance, most_periods=most_periods, watch=watch
+        )
 
     return motion
 
 
 def _course(contacts: Contacts) -> FollowCourse:
-    """Return what gives the course over a cycle of a part that moves in one vertical plane."""
-    del contacts
+    """Return what gives the course over a cycle of a part."""
 
     def course(asked: CourseAsked) -> Course:
         speed, length = asked.scale("velocity_scale"), asked.scale("length_scale")
         times, phases = asked.times()
         settings = {name: asked.setting(name) for name in ("tolerance", "most_periods")}
+        if not in_plane(asked.groups, contacts):
+            return spatial_course(asked, contacts, **settings)
         path = planar_path(asked.groups, **settings, phases=phases)
         values = {
             "position_along": path.along * length,
@@ -135,6 +190,8 @@ def _course(contacts: Contacts) -> FollowCourse:
             "relative_velocity_normal": path.velocity_normal * speed,
             **track_of(asked.groups, length * np.sin(phases)),
         }
+        if contacts.wall:
+            values["distance_from_wall"] = np.zeros_like(path.along)
         return Course(times, values, {"motion_mode": path.mode})
 
     return course
@@ -143,7 +200,7 @@ def _course(contacts: Contacts) -> FollowCourse:
 EVENTS = Method(
     name="events",
     follow=_follow,
-    source="theory 13.2-13.8",
+    source="theory 13.2-13.8, 13.11",
     accuracy="rounding, where the motion repeats",
     seconds_a_cell=5e-6,
     seconds_a_bounce=1e-3,
@@ -151,14 +208,5 @@ EVENTS = Method(
     defaults={"tolerance": 1e-12, "most_periods": 1000.0},
     course=_course,
     checked_by=("reference", "time-stepping"),
-    refuses=(
-        Constraint(
-            ("alpha",),
-            lambda least, largest: least == largest == 0.0,
-            "the method events follows motion in one vertical plane, with alpha = 0",
-            "Leave alpha out, or set method = 'time-stepping'",
-            variant="events",
-        ),
-    ),
-    follows=lambda contacts: not contacts.wall,
+    follows=lambda contacts: not (contacts.wall and contacts.rolling),
 )

@@ -9,7 +9,8 @@ polynomial ends a step where something happens.
 cell, and many; `path`: the course of one part.
 """
 
+from core.motion.kernels.track.path import follow
 from core.motion.kernels.track.solve import solve_cells
 from core.motion.kernels.track.tables import Cell
 
-__all__ = ["Cell", "solve_cells"]
+__all__ = ["Cell", "follow", "solve_cells"]

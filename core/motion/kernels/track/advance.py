@@ -127,9 +127,7 @@ def move(
 
 
 @compiled
-def count(
-    span: float, order: int, contacts: int, slips: bool, work: Work, tally: Floats
-) -> None:
+def count(span: float, order: int, contacts: int, slips: bool, work: Work, tally: Floats) -> None:
     """Count the phase of a step to its modes, and the largest height."""
     if not contacts & FLOOR:
         tally[TALLY.flight] += span
@@ -179,9 +177,7 @@ def count_slip(span: float, order: int, work: Work, tally: Floats) -> None:
 
 
 @compiled
-def sample(
-    since: float, order: int, contacts: int, slips: bool, work: Work, row: Floats
-) -> None:
+def sample(since: float, order: int, contacts: int, slips: bool, work: Work, row: Floats) -> None:
     """Fill place, velocity and mode at a phase within a step."""
     for axis in range(3):
         row[axis] = value(work.place[axis], order, since)

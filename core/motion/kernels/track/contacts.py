@@ -145,9 +145,7 @@ def change_contacts(
 
 
 @compiled
-def begin_slip(
-    step: Step, cell: Cell, state: Floats, hold: Flags, work: Work
-) -> Begin:
+def begin_slip(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work) -> Begin:
     """Return how the contact's slip stands; decide whether it sticks where it does not move."""
     contacts, event, free = hold[HOLD.contacts], hold[HOLD.event], work.free
     ux, uy, uz, spin = STATE.ux, STATE.uy, STATE.uz, STATE.spin

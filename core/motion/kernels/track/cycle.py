@@ -22,7 +22,7 @@ from core.motion.kernels.track.tables import HOLD, STATE, TALLY, Cell, Work
 
 MOST_MULTIPLE = 32
 APART = 1e4
-"""Two states of a cycle that are nearer than so many tolerances are one that comes closer slowly."""
+"""Tolerances: two states of a cycle that are nearer are one, which comes closer slowly."""
 NEAR = 0.02
 """Of the drive's speed: the change over a period below which mixing starts."""
 SHRINKS = 0.97
@@ -82,9 +82,7 @@ def new_history(most: int) -> History:
 
 
 @compiled
-def apart(
-    wall: bool, rolling: float, history: History, later: int, earlier: int
-) -> float:
+def apart(wall: bool, rolling: float, history: History, later: int, earlier: int) -> float:
     """Return how far the end of one period is from the start of another, as far as it matters.
 
     The floor is the same everywhere, along and, without a wall, across. The distance from a wall
@@ -214,47 +212,12 @@ def jump(wall: bool, history: History, last: int, since: int, state: Floats) -> 
     Gram and Schmidt, the latest differences first.
     """
     depth = 0
-    while depth < DEPTH and last - depth - 1 >= since and same_events(history, last - depth - 1, last):
+    while depth < min(DEPTH, last - since) and same_events(history, last - depth - 1, last):
         depth += 1
-    first = first_coordinate(wall, history, last)
-    columns = len(STATE)
-    basis, triangle = np.zeros((DEPTH, columns)), np.zeros((DEPTH, DEPTH))
-    used = 0
-    for j in range(depth):
-        new, old = last - j, last - j - 1
-        size = 0.0
-        for i in range(first, columns):
-            basis[j, i] = history.ends[new, i] - history.starts[new, i]
-            basis[j, i] -= history.ends[old, i] - history.starts[old, i]
-            size += basis[j, i] ** 2
-        for other in range(j):
-            dot = 0.0
-            for i in range(first, columns):
-                dot += basis[other, i] * basis[j, i]
-            triangle[other, j] = dot
-            for i in range(first, columns):
-                basis[j, i] -= dot * basis[other, i]
-        rest = 0.0
-        for i in range(first, columns):
-            rest += basis[j, i] ** 2
-        if not rest > INDEPENDENT**2 * size:
-            break
-        triangle[j, j] = math.sqrt(rest)
-        for i in range(first, columns):
-            basis[j, i] /= triangle[j, j]
-        used += 1
+    first, columns = first_coordinate(wall, history, last), len(STATE)
+    weights, used = mixing_weights(history, last, depth, first)
     if used == 0:
         return False
-    weights = np.zeros(DEPTH)
-    for j in range(used - 1, -1, -1):
-        dot = 0.0
-        for i in range(first, columns):
-            dot += basis[j, i] * (history.ends[last, i] - history.starts[last, i])
-        for other in range(j + 1, used):
-            dot -= triangle[j, other] * weights[other]
-        weights[j] = dot / triangle[j, j]
-        if not abs(weights[j]) < LARGEST_WEIGHT:
-            return False
     for i in range(first, columns):
         value = history.ends[last, i]
         for j in range(used):
@@ -264,3 +227,34 @@ def jump(wall: bool, history: History, last: int, since: int, state: Floats) -> 
         state[:] = history.ends[last]
         return False
     return True
+
+
+@compiled
+def mixing_weights(history: History, last: int, depth: int, first: int) -> tuple[Floats, int]:
+    """Return the weights of the last differences, and how many; none where they are too large."""
+    columns = len(STATE)
+    basis, triangle, weights = np.zeros((DEPTH, columns)), np.zeros((DEPTH, DEPTH)), np.zeros(DEPTH)
+    residual = history.ends[last] - history.starts[last]
+    used = 0
+    for j in range(depth):
+        row = history.ends[last - j] - history.starts[last - j]
+        row -= history.ends[last - j - 1] - history.starts[last - j - 1]
+        row[:first] = 0.0
+        size = np.sum(row * row)
+        for other in range(j):
+            triangle[other, j] = np.sum(basis[other] * row)
+            row -= triangle[other, j] * basis[other]
+        rest = np.sum(row * row)
+        if not rest > INDEPENDENT**2 * size:
+            break
+        triangle[j, j] = math.sqrt(rest)
+        basis[j] = row / triangle[j, j]
+        used += 1
+    for j in range(used - 1, -1, -1):
+        dot = np.sum(basis[j] * residual)
+        for other in range(j + 1, used):
+            dot -= triangle[j, other] * weights[other]
+        weights[j] = dot / triangle[j, j]
+        if not abs(weights[j]) < LARGEST_WEIGHT:
+            return weights, 0
+    return weights, used

@@ -69,7 +69,7 @@ def term_span(a: Floats, b: Floats, order: int, tolerance: float) -> float:
 def sooner(
     event: Floats, order: int, span: float, name: int, known: int, scratch: Floats
 ) -> tuple[float, int]:
-    """Return the span to the first fall of a series and its name, or the span and the name known."""
+    """Return the span to the first fall of a series and its name, or what is known."""
     fall = first_fall(event, order, span, scratch)
     return (fall, name) if fall >= 0.0 else (span, known)
 
@@ -84,7 +84,7 @@ def fill_place(place: Floats, start: float, velocity: Floats, order: int) -> Non
 
 @compiled
 def flight(step: Step, cell: Cell, state: Floats, work: Work) -> tuple[float, int, int]:
-    """The part touches nothing that carries it."""
+    """Fill the series of a part that nothing carries."""
     order = step.order
     for axis in range(3):
         work.velocity[axis, 0] = state[STATE.ux + axis]
@@ -108,7 +108,7 @@ def flight(step: Step, cell: Cell, state: Floats, work: Work) -> tuple[float, in
 def stick(
     step: Step, cell: Cell, state: Floats, hold: Flags, tau: float, work: Work
 ) -> tuple[float, int, int]:
-    """Friction holds the part, at the floor, at the wall or at both; a cylinder rolls across."""
+    """Fill those of a part that friction holds at floor, wall or both; a cylinder rolls across."""
     order, contacts, before = step.order, hold[HOLD.contacts], hold[HOLD.event]
     response, event = 1.0 + step.rolling, work.event
     for k in range(order):
@@ -163,7 +163,7 @@ def stick(
 def slide_in_corner(
     step: Step, cell: Cell, state: Floats, begin: Begin, tau: float, work: Work
 ) -> tuple[float, int, int]:
-    """The part slips along floor and wall at once: in one direction only."""
+    """Fill those of a slip along floor and wall at once: in one direction only."""
     order, way, free, event = step.order, begin.cosine, work.free, work.event
     along = work.velocity[0]
     work.velocity[1:, : order + 1] = 0.0
@@ -193,7 +193,7 @@ def slide_in_corner(
 def slide(
     step: Step, cell: Cell, state: Floats, contacts: int, begin: Begin, tau: float, work: Work
 ) -> tuple[float, int, int]:
-    """The part slips on floor or wall, in two directions."""
+    """Fill those of a slip on floor or wall, in two directions."""
     order, on_floor, event = step.order, contacts == FLOOR, work.event
     contact = contact_of(cell, step.rolling, on_floor)
     second = contact.second

@@ -1,13 +1,13 @@
 """The series of a contact that slips in two directions (theory 13.11).
 
-The contact is the floor's, whose slip is (u_x, u_y + spin), or the wall's, with (u_x, u_z). With the
-direction e of the slip, its load L and q = mu_k,
+The contact is the floor's, whose slip is (u_x, u_y + spin), or the wall's, with (u_x, u_z). With
+the direction e of the slip, its load L and q = mu_k,
 
     slip' = D - q L (e_1, r e_2),        e = slip/|slip|,
 
-where D is the acceleration without friction and r the response of the contact to friction across:
-1 for a block, 1 + m r^2/I for a cylinder. A curve adds -kappa V^2 to the acceleration across, and as
-much to the load of the wall, with V = u_x + the track's own velocity.
+where D is the acceleration without friction and r the response of the contact to friction across,
+1 for a block and 1 + m r^2/I for a cylinder. A curve adds -kappa V^2 to the acceleration across,
+and as much to the load of the wall, with V = u_x + the track's own velocity.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from typing import NamedTuple
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.track.tables import Work
-
 
 NOTHING = 1e-15
 """Of two forces that cancel: what is left is rounding."""

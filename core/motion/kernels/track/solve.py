@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from core.compiled import compiled
-from core.motion.kernels.arrays import Flags, Floats, Statuses
+from core.motion.kernels.arrays import Floats, Statuses
 from core.motion.kernels.means import batch_spread, gains, is_transient, is_trend, mean_velocity
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS
@@ -73,9 +73,7 @@ def fill(history: History, first: int, last: int, result: Floats) -> None:
 
 
 @compiled
-def without_repeating(
-    cell: Cell, wall: bool, history: History, done: int, result: Floats
-) -> int:
+def without_repeating(cell: Cell, wall: bool, history: History, done: int, result: Floats) -> int:
     """Fill the result of a motion that did not repeat; return its status.
 
     The error of its mean is that of eight batches, and how far the part strayed from a steady
@@ -103,9 +101,7 @@ def without_repeating(
 
 
 @compiled
-def solve(
-    cell: Cell, wall: bool, rolling: float, history: History, result: Floats
-) -> Settled:
+def solve(cell: Cell, wall: bool, rolling: float, history: History, result: Floats) -> Settled:
     """Fill the result of a cell from rest; the history holds its last periods."""
     result[:] = math.nan
     most = int(cell.most_periods)
@@ -149,7 +145,7 @@ def solve(
 def coarse_velocity(
     cell: Cell, wall: bool, rolling: float, found: Settled, history: History, work: Work
 ) -> float:
-    """Return the mean velocity by shorter series, from where the motion repeats; NaN if it does not.
+    """Return the mean velocity by shorter series, from where the motion repeats, or NaN.
 
     With rebounds it starts from rest again: which of several motions a part falls into may hang on
     its last digits.

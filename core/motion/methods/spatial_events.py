@@ -1,0 +1,106 @@
+"""From event to event in space, on floor and wall, by Taylor series (theory 13.11).
+
+Between events each mode of contact has a smooth equation of motion; its solution is a power series
+of high order, made term by term, and the first root of a polynomial ends it where something
+happens.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from core.mechanics.arrays import Array
+from core.motion.cells import run_cells
+from core.motion.course import Course, CourseAsked, track_of
+from core.motion.groups import Contacts, Groups, cells_of
+from core.motion.path import Path
+from core.motion.result import Motion, motion_of
+from core.watch import Watch
+
+MOST_TURNS = 100_000
+"""Periods of the drive that a course may be shown over."""
+
+
+def spatial_motion(
+    groups: Groups,
+    contacts: Contacts,
+    *,
+    tolerance: ArrayLike,
+    most_periods: ArrayLike,
+    watch: Watch | None = None,
+) -> Motion:
+    """Return the motion that a part falls into from rest on the floor, touching the wall.
+
+    `error` is the difference to a run of lower order, what the transient has left, and 1e-10 of the
+    drive's speed.
+
+    Parameters
+    ----------
+    groups : Groups
+        What concerns the wall does nothing without one.
+    contacts : Contacts
+        A part that rolls has no wall here.
+    tolerance : array_like
+        Of the state's return after a cycle, as a share of the drive's speed.
+    most_periods : array_like
+        Periods after which a motion counts as aperiodic.
+    watch : Watch, optional
+        May stop it between cells.
+    """
+    from core.motion.kernels.track import Cell, solve_cells
+
+    settings = {"tolerance": tolerance, "most_periods": most_periods}
+    cells, shape = cells_of(Cell._fields, groups, **settings)
+
+    def kernel(
+        piece: NDArray[np.float64], rows: NDArray[np.float64], status: NDArray[np.int8]
+    ) -> None:
+        solve_cells(contacts.wall, float(contacts.rolling), piece, rows, status)
+
+    return motion_of(*run_cells(kernel, cells, piece=32, watch=watch), shape)
+
+
+def spatial_path(
+    groups: Groups, contacts: Contacts, *, tolerance: float, most_periods: float, phases: Array
+) -> tuple[Path, NDArray[np.int8]]:
+    """Return where one part is at ascending phases from the start of its cycle, and its modes.
+
+    A motion that does not repeat is shown after as many periods as it is followed for.
+
+    Raises
+    ------
+    ValueError
+        If phases are negative, do not ascend, or are beyond `MOST_TURNS` periods.
+    """
+    from core.motion.kernels.track import Cell, follow
+
+    if phases.size and (phases[0] < 0.0 or np.any(np.diff(phases) < 0.0)):
+        raise ValueError("phases must be at least 0, and ascend")
+    if phases.size and phases[-1] > MOST_TURNS * 2 * np.pi:
+        raise ValueError(f"phases reach beyond {MOST_TURNS:,} periods")
+    settings = {"tolerance": tolerance, "most_periods": most_periods}
+    (cell,), _ = cells_of(Cell._fields, groups, **settings)
+    samples = follow(contacts.wall, float(contacts.rolling), cell, phases)
+    return Path(phases, samples[:, :3], samples[:, 3:6]), samples[:, 6].astype(np.int8)
+
+
+def spatial_course(
+    asked: CourseAsked, contacts: Contacts, *, tolerance: float, most_periods: float
+) -> Course:
+    """Return the course of one part over a cycle, or as asked."""
+    speed, length = asked.scale("velocity_scale"), asked.scale("length_scale")
+    times, phases = asked.times()
+    settings = {"tolerance": tolerance, "most_periods": most_periods}
+    path, modes = spatial_path(asked.groups, contacts, **settings, phases=phases)
+    position, velocity = path.position, path.velocity
+    values = {
+        "position_along": (position[:, 0] - position[0, 0]) * length,
+        "height_above_floor": position[:, 2] * length,
+        "relative_velocity_along": velocity[:, 0] * speed,
+        "relative_velocity_normal": velocity[:, 2] * speed,
+        **track_of(asked.groups, length * np.sin(phases)),
+    }
+    if contacts.wall:
+        values["distance_from_wall"] = position[:, 1] * length
+    return Course(times, values, {"motion_mode": modes})
