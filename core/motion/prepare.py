@@ -7,8 +7,9 @@ from dataclasses import replace
 from typing import Any
 
 from core.errors import Problem, StudyError
+from core.motion.groups import Contacts
 from core.motion.method import Method
-from core.motion.systems import SYSTEMS, methods_of
+from core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from core.plan.grid import Grid
 from core.plan.plan import Plan, choose_scene
 from core.plan.prepared import Chosen, Prepared, broken_constraints, further_problems, plan_study
@@ -130,7 +131,7 @@ def find_system(name: str, method: str | None, planar: bool = True) -> tuple[Sce
 
 def _choose(name: str, method: str | None, planar: bool) -> Chosen:
     scene, chosen, problems = choose_scene(name, method, SYSTEMS)
-    if chosen != method and planar:
+    if chosen != method and planar and not CONTACTS.get(name, Contacts()).wall:
         methods = methods_of(name)
         chosen = next((one for one in scene.variants if methods[one].planar), chosen)
     return scene, chosen, problems

@@ -130,7 +130,6 @@ class TestDatasets:
         prepared = prepare_content(study(outputs=["flight_fraction"]))
         run_equations = {equation.gives for equation in prepared.plan.equations}
         assert "velocity_scale" not in run_equations
-        assert "drive_number_across" not in run_equations
         assert prepared.dims["flight_fraction"] == ()
 
     def test_a_repeated_or_idle_axis_costs_nothing_more(self, monkeypatch):
@@ -292,10 +291,12 @@ class TestProblems:
     def test_missing_friction(self):
         assert "it is missing" in problems(parameters={"friction": None})["parameters.friction"]
 
-    def test_events_stay_in_one_plane(self):
-        found = problems(method="events", parameters={"alpha": "5 deg"})
-        assert "alpha = 0" in found["parameters.alpha"]
-        run(method="events", parameters={"alpha": 0})
+    def test_events_leave_the_plane(self):
+        across = {"alpha": ["0 deg", "5 deg"]}
+        found = run(method="events", parameters=across).conveying_velocity.values
+        other = run(method="reference", parameters=across).conveying_velocity.values
+        assert np.abs(found - other).max() <= 1e-9 * HOP_SPEED
+        assert found[0] == float(run(method="events").conveying_velocity)
 
     def test_settings_belong_to_methods(self):
         assert "does not use it" in problems(steps_per_period=100)["steps_per_period"]

@@ -29,7 +29,7 @@ from core.motion.kernels.track.tables import (
 MOST_STEPS = 10_000
 """Of one period."""
 MOST_AT_ONCE = 12
-"""Events at one phase, after which a short step is taken whatever the last of them says."""
+"""Events at one phase; after them a slip is taken to stop, or a short step is taken."""
 SHORT = 1e-9
 STEP_OVER = 1e-14
 """Of phase: a step below it does not count as going on."""
@@ -78,7 +78,8 @@ def advance(
             span, event, used = modes.slide(step, cell, state, contacts, begin, tau, work)
         at_once = at_once + 1 if span <= STEP_OVER else 0
         if at_once > MOST_AT_ONCE:
-            span, event, at_once = min(SHORT, rest), EVENT.nothing, 0
+            span, event = go_on(contacts, slips, span, rest)
+            at_once = 0
         for axis in range(3):
             fill_place(work.place[axis], state[STATE.x + axis], work.velocity[axis], used)
         while given < phases.size and phases[given] < tau + span:
@@ -98,6 +99,17 @@ def advance(
         hold[HOLD.event] = event
         tau = TURN if span >= rest else tau + span
     return False
+
+
+@compiled
+def go_on(contacts: int, slips: bool, span: float, rest: float) -> tuple[float, int]:
+    """Return span and event of a step after too many events at one phase.
+
+    A slip is then so small that its series reach nowhere: it stops.
+    """
+    if slips and contacts != FREE:
+        return span, EVENT.stop
+    return min(SHORT, rest), EVENT.nothing
 
 
 @compiled

@@ -27,6 +27,8 @@ SETTLED_TIME = 1e-3
 """Of the phase to lift-off, or of a unit of phase at the wall: the same run's remaining time."""
 MOST_SWEEPS = 500
 STEADY = 1e-16
+GONE = 2.0
+"""Tolerances: a slip no larger than so many is none; it is looked for at one."""
 NEAR_STOP = 3.0
 """What is left of a slip, times twice its rate of closing, is at most so many tolerances."""
 
@@ -167,7 +169,7 @@ def begin_slip(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work) -
         most = rub = -wall * across
     size = math.hypot(slip_1, slip_2)
     need = math.hypot(push_1, push_2 / response)
-    if event == EVENT.stop or size <= step.tolerance:
+    if event == EVENT.stop or size <= GONE * step.tolerance:
         stop_slip(step, state, contacts, slip_2)
         size = 0.0
     hold[HOLD.slips] = 1
