@@ -29,7 +29,8 @@ STUDIES: dict[str, list[dict[str, Any]]] = {
     "conveying": [
         {"kind": "simulate", **where, "method": method, **shown}
         for where, method in (
-            (PLANE, "events"), (PLANE, "time-stepping"), (TRACK, "time-stepping"),
+            (PLANE, "events"), (TRACK, "events"), (PLANE, "time-stepping"),
+            (TRACK, "time-stepping"),
         )
         for shown in ({}, {"trajectory": 10})
     ],

@@ -250,8 +250,8 @@ class SimulateStudy(GridStudy):
     method: str | None = Field(
         None,
         description="events (from event to event, exact), time-stepping, reference (of high order, "
-        "slow) or regularised (stiff, for comparison); events where left out and the motion is "
-        "planar, else time-stepping.",
+        "slow) or regularised (stiff, for comparison); where left out events on a plane with "
+        "alpha = 0, else time-stepping.",
         max_length=100,
     )
     outputs: _Outputs = Field(

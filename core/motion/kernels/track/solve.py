@@ -25,7 +25,7 @@ from core.motion.kernels.track.tables import (
 )
 
 FINE = Series(16, 1e-11)
-"""Of the results; of order 12 and 20 see docs/motion.md for what they cost and give."""
+"""Of the results."""
 COARSE = Series(12, 1e-9)
 """Of the run that tells the error."""
 LEAST_ERROR = 1e-10
