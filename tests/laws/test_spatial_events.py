@@ -1,4 +1,4 @@
-"""Exact motion in space: against the reference, and by laws (theory 13.11)."""
+"""Exact motion in space: against the reference, and by laws (theory 13.13)."""
 
 from __future__ import annotations
 

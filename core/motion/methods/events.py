@@ -1,4 +1,4 @@
-"""From event to event (theory 13.2 to 13.8); in space by `spatial_events` (13.11).
+"""From event to event (theory 13.2 to 13.8); in space by `spatial_events` (13.13).
 
 In the plane of the track and its normal, in each mode of contact, the equation of motion is that of
 one driven mass,
@@ -165,7 +165,7 @@ def _follow(contacts: Contacts) -> Follow:
     def motion(
         *, groups: Groups, tolerance: Array, most_periods: Array, watch: Watch | None = None
     ) -> Motion:
-        """Return the motion from rest from event to event, theory 13.2 to 13.8, 13.11."""
+        """Return the motion from rest from event to event, theory 13.2 to 13.8, 13.13."""
         return motion_by_events(
             groups, contacts, tolerance=tolerance, most_periods=most_periods, watch=watch
         )
@@ -200,7 +200,7 @@ def _course(contacts: Contacts) -> FollowCourse:
 EVENTS = Method(
     name="events",
     follow=_follow,
-    source="theory 13.2-13.8, 13.11",
+    source="theory 13.2-13.8, 13.13",
     accuracy="rounding, where the motion repeats",
     seconds_a_cell=5e-6,
     seconds_a_bounce=1e-3,

@@ -1,4 +1,4 @@
-"""From event to event in space, on floor and wall, by Taylor series (theory 13.11).
+"""From event to event in space, on floor and wall, by Taylor series (theory 13.13).
 
 Between events each mode of contact has a smooth equation of motion; its solution is a power series
 of high order, made term by term, and the first root of a polynomial ends it where something

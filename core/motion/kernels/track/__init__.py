@@ -1,4 +1,4 @@
-"""Exact motion in space, on floor and wall, from event to event (theory 13.11), compiled.
+"""Exact motion in space, on floor and wall, from event to event (theory 13.13), compiled.
 
 All numbers are dimensionless: phase, lengths in g/w^2, velocities in g/w. In each mode of contact
 the motion is a Taylor series, made term by term from the law of the mode; the first root of a

@@ -1,4 +1,4 @@
-"""The series of a step in each mode of contact, and the event that ends it (theory 13.11).
+"""The series of a step in each mode of contact, and the event that ends it (theory 13.13).
 
 Each function fills `work.velocity`, and the places that an event depends on; it returns the span of
 the step, the event at its end, and the order up to which the series are filled.

@@ -1,4 +1,4 @@
-"""The series of a contact that slips in two directions (theory 13.11).
+"""The series of a contact that slips in two directions (theory 13.13).
 
 The contact is the floor's, whose slip is (u_x, u_y + spin), or the wall's, with (u_x, u_z). With
 the direction e of the slip, its load L and q = mu_k,
