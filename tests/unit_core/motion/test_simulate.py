@@ -340,8 +340,7 @@ class TestProblems:
             parameters={"friction": [0.1, 0.2], "alpha": 3, "frequency": 0, "mass": 3},
         )  # fmt: skip
         assert set(found) == {
-            "slip_speed", "trajectory", "parameters.alpha", "parameters.frequency",
-            "parameters.mass",
+            "slip_speed", "trajectory", "parameters.frequency", "parameters.mass",
         }  # fmt: skip
 
     def test_reference_keeps_to_friction_that_it_can_integrate(self):
