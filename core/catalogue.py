@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.motion.prepare import find_system
 from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS
 from core.plan.plan import find_scene, scene_parameters
@@ -42,7 +41,7 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
     scene, chosen = find_scene(name, variant)
     line = next(line for line in describe_all() if line["name"] == name)
     if method is not None:
-        scene, chosen = find_system(name, method)
+        scene, chosen = find_scene(name, method, SYSTEMS)
         line |= {"title": scene.title}
     return {
         **line,

@@ -139,12 +139,11 @@ def track_groups(
     curvature_number: Array,
     friction_static: Array,
     friction_kinetic: Array,
+    wall_friction: Array,
     restitution: Array,
+    wall_restitution: Array,
 ) -> Groups:
-    """Return the groups of a part on floor and wall.
-
-    The wall has the kinetic friction and the restitution of the floor.
-    """
+    """Return the groups of a part on floor and wall."""
     return Groups(
         drive_number_along=drive_number_along,
         drive_number_normal=drive_number_normal,
@@ -156,6 +155,6 @@ def track_groups(
         drive_number_across=drive_number_across,
         gravity_number_across=gravity_number_across,
         curvature_number=curvature_number,
-        wall_friction=friction_kinetic,
-        wall_restitution=restitution,
+        wall_friction=wall_friction,
+        wall_restitution=wall_restitution,
     )

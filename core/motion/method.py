@@ -40,10 +40,9 @@ class Method:
         What is known of its error, in words.
     seconds_a_cell : float
         Roughly what a cell takes on one core: enough to tell short from long.
-    seconds_a_bounce : float or None
-        The same of a cell with restitution, where that takes longer.
-    planar : bool
-        Whether it is the method for motion in one vertical plane, the default there.
+    seconds_a_bounce, seconds_in_space : float or None
+        The same of a cell with restitution, and of one that leaves the vertical plane of the track,
+        where that takes longer.
     defaults : mapping of str to float
         Its settings where a study leaves them out.
     course : callable or None
@@ -63,15 +62,18 @@ class Method:
     accuracy: str
     seconds_a_cell: float
     seconds_a_bounce: float | None = None
-    planar: bool = False
+    seconds_in_space: float | None = None
     defaults: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     course: Callable[[Contacts], FollowCourse] | None = None
     checked_by: tuple[str, ...] = ()
     refuses: tuple[Constraint, ...] = ()
     follows: Callable[[Contacts], bool] = everything
 
-    def seconds(self, bounces: bool) -> float:
-        """Return roughly what a cell takes, with restitution or without."""
+    def seconds(self, bounces: bool, in_space: bool) -> float:
+        """Return roughly what a cell takes, with restitution or without, in a plane or in space."""
+        seconds = self.seconds_a_cell
         if bounces and self.seconds_a_bounce is not None:
-            return self.seconds_a_bounce
-        return self.seconds_a_cell
+            seconds = max(seconds, self.seconds_a_bounce)
+        if in_space and self.seconds_in_space is not None:
+            seconds = max(seconds, self.seconds_in_space)
+        return seconds

@@ -7,20 +7,22 @@ from dataclasses import replace
 from typing import Any
 
 from core.errors import Problem, StudyError
-from core.motion.groups import Contacts
 from core.motion.method import Method
-from core.motion.systems import CONTACTS, SYSTEMS, methods_of
+from core.motion.systems import SYSTEMS, methods_of
 from core.plan.grid import Grid
 from core.plan.plan import Plan, choose_scene
 from core.plan.prepared import Chosen, Prepared, broken_constraints, further_problems, plan_study
 from core.quantities import QUANTITIES
 from core.scenes import Scene
 from core.study.models import SimulateStudy
-from core.study.values import Fixed, Values
+from core.study.values import Fixed
 
 DEFAULT_OUTPUTS = ("conveying_velocity",)
 SCALES = ("velocity_scale", "length_scale")
 ERROR = "conveying_velocity_error"
+BOUNCES = frozenset(("restitution", "wall_restitution"))
+ACROSS = frozenset(("alpha", "delta", "radius", "curvature_number"))
+"""Parameters that push a part across the track."""
 
 
 class Simulation(Prepared):
@@ -36,8 +38,7 @@ class Simulation(Prepared):
     @property
     def seconds_a_cell(self) -> float:
         """As in `Prepared`."""
-        bounces = self.grid.axes.keys() & {"restitution"} or self.grid.fixed.get("restitution")
-        return self.method.seconds(bool(bounces))
+        return seconds_a_cell(self.method, self.grid)
 
     @property
     def verified_by(self) -> str:
@@ -49,7 +50,7 @@ class Simulation(Prepared):
     def seconds_a_verified_cell(self) -> float:
         """As in `Prepared`."""
         other = other_method(self.plan, self.grid)
-        return other.seconds_a_cell if other else 0.0
+        return seconds_a_cell(other, self.grid) if other else 0.0
 
 
 def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method | None:
@@ -66,13 +67,10 @@ def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method |
     return None
 
 
-def stays_planar(values: Mapping[str, Values], free: Collection[str] = ()) -> bool:
-    """Return whether a study's motions stay in the vertical plane of the track: alpha is 0.
-
-    `free` are parameters that take any value.
-    """
-    across = values.get("alpha")
-    return "alpha" not in free and (across is None or across.canonical() == 0)
+def seconds_a_cell(method: Method, grid: Grid, free: Collection[str] = ()) -> float:
+    """Return roughly what a cell of a grid takes; `free` are parameters that take any value."""
+    given = {*grid.axes, *free, *(name for name, value in grid.fixed.items() if value)}
+    return method.seconds(bool(given & BOUNCES), bool(given & ACROSS))
 
 
 def prepare(study: SimulateStudy) -> Simulation:
@@ -83,7 +81,7 @@ def prepare(study: SimulateStudy) -> Simulation:
     StudyError
         With every problem of scene, method, outputs, settings and parameters.
     """
-    chosen = _choose(study.scene, study.method, stays_planar(study.values()))
+    chosen = choose_scene(study.scene, study.method, SYSTEMS)
     scene, method, _ = chosen
     settings = study.settings()
     # `motion_status` tells how each value was found: it is never left out.
@@ -112,38 +110,9 @@ def further(content: Mapping[str, Any], known: StudyError) -> list[Problem]:
     return further_problems(content, known, _chosen, DEFAULT_OUTPUTS)
 
 
-def find_system(name: str, method: str | None, planar: bool = True) -> tuple[Scene, str]:
-    """Return a system and the method in force.
-
-    Where none is named that is the one for motion in a vertical plane, if the motion stays in it
-    and the system has such a method, else the system's own choice.
-
-    Raises
-    ------
-    StudyError
-        If there is no such system or method.
-    """
-    scene, method, problems = _choose(name, method, planar)
-    if problems:
-        raise StudyError(problems)
-    return scene, method
-
-
-def _choose(name: str, method: str | None, planar: bool) -> Chosen:
-    scene, chosen, problems = choose_scene(name, method, SYSTEMS)
-    if chosen != method and planar and not CONTACTS.get(name, Contacts()).wall:
-        methods = methods_of(name)
-        chosen = next((one for one in scene.variants if methods[one].planar), chosen)
-    return scene, chosen, problems
-
-
 def _chosen(content: Mapping[str, Any]) -> Chosen:
-    method, parameters = content.get("method"), content["parameters"]
-    return _choose(
-        content["scene"],
-        method if isinstance(method, str) else None,
-        parameters.get("alpha", 0) == 0,
-    )
+    method = content.get("method")
+    return choose_scene(content["scene"], method if isinstance(method, str) else None, SYSTEMS)
 
 
 def _wrong_course(study: SimulateStudy, scene: Scene, method: str) -> list[Problem]:

@@ -54,6 +54,16 @@ def leaning_gravity_number_normal(*, gamma: Array, delta: Array) -> Array:
     return cosine(gamma) * cosine(delta)
 
 
+def wall_friction(*, friction_kinetic: Array) -> Array:
+    """Return the floor's kinetic friction, for a wall of the same material [1]."""
+    return friction_kinetic
+
+
+def wall_restitution(*, restitution: Array) -> Array:
+    """Return the floor's restitution, for a wall of the same material [1]."""
+    return restitution
+
+
 def throw_number(*, drive_number_normal: Array, gravity_number_normal: Array) -> Array:
     """Return the throw number, drive over gravity normal to the floor [1]."""
     return throw(drive_number_normal, gravity_number_normal)

@@ -143,6 +143,8 @@ TRACK_SCALES = (
     Equation("gravity_number_across", scales.gravity_number_across, "theory 13.1"),
     Equation("gravity_number_normal", scales.leaning_gravity_number_normal, "theory 13.1"),
     Equation("curvature_number", scales.curvature_number, "theory 13.10"),
+    Equation("wall_friction", scales.wall_friction, "theory 13.1"),
+    Equation("wall_restitution", scales.wall_restitution, "theory 13.1"),
 )
 
 ON_FLOOR = (*SPATIAL_SCALES, Equation("groups", groups.floor_groups, "theory 13.1"))
@@ -183,7 +185,7 @@ def _conveying(
         source="theory 13",
         validity=VALIDITY + more,
         variants={method.name: equations(method) for method in methods},
-        default_variant="time-stepping",
+        default_variant="events",
         conditions={method.name: CONDITIONS for method in methods},
         defaults={**DEFAULTS, **defaults},
         constraints=(
@@ -222,8 +224,9 @@ SYSTEMS: dict[str, Scene] = {
         CONTACTS["rectangle-on-track"],
         in_space=ON_TRACK,
         defaults={"delta": 0.0, "curvature_number": 0.0},
-        more=" The wall has the friction and the restitution of the floor. The track is straight "
-        "unless the study gives its radius.",
+        more=" The wall has the kinetic friction and the restitution of the floor unless the study "
+        "gives its own; its static friction is its kinetic one. The track is straight unless the "
+        "study gives its radius.",
     ),
     "rectangle-isolated": tumbling_scene(
         "rectangle-isolated", "Tumbling rectangular part on a plane", rectangle

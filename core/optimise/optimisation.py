@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from core.motion.method import Method
-from core.motion.prepare import other_method
+from core.motion.prepare import other_method, seconds_a_cell
 from core.motion.systems import methods_of
 from core.optimise.problem import Problem
 from core.optimise.scipy_methods import SEARCH_BUDGET
@@ -80,9 +80,8 @@ class Optimisation(Prepared):
         """As in `Prepared`."""
         if self.problem.is_motion:
             method = methods_of(self.plan.scene.name)[self.plan.variant]
-            bounces = "restitution" in {*self.problem.names, *self.designs.axes}
-            bounces = bounces or bool(self.designs.fixed.get("restitution"))
-            return MOTION_SECONDS + SEARCH_BUDGET * method.seconds(bounces)
+            seconds = seconds_a_cell(method, self.designs, self.problem.names)
+            return MOTION_SECONDS + SEARCH_BUDGET * seconds
         return QUICK_SECONDS if self.method in QUICK else OTHER_SECONDS
 
     @property
@@ -102,7 +101,8 @@ class Optimisation(Prepared):
         """As in `Prepared`."""
         if not self.problem.is_motion:
             return super().seconds_a_verified_cell + RIVAL_SECONDS
-        return self.other_motion.seconds_a_cell if self.other_motion else 0.0
+        other, free = self.other_motion, self.problem.names
+        return seconds_a_cell(other, self.designs, free) if other else 0.0
 
     @property
     def cut_axes(self) -> tuple[str, ...]:

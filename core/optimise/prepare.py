@@ -9,7 +9,6 @@ import numpy as np
 
 from core.errors import Problem as Wrong
 from core.errors import StudyError, suggestion
-from core.motion.prepare import find_system, stays_planar
 from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS, default_method, refusal
 from core.optimise.optimisation import Optimisation
@@ -17,7 +16,7 @@ from core.optimise.problem import CONTACTS, LIMIT, Kept, Problem, Variable
 from core.optimise.slopes import MOST_SENSITIVE
 from core.optimise.wrong import criterion_outputs, ends_of, misplaced, placed, wrong_intervals
 from core.plan.grid import Grid, to_si
-from core.plan.plan import choose_scene, scene_parameters
+from core.plan.plan import choose_scene, find_scene, scene_parameters
 from core.plan.prepared import Chosen, further_problems, plan_study
 from core.scenes import Scene
 from core.scenes.graph import behind
@@ -46,9 +45,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     values = study.values()
     problems: list[Wrong] = []
     asked = tuple(dict.fromkeys((*criterion_outputs(study), *study.outputs)))
-    scene, variant, wrong_variant = choose_problem_scene(
-        study.scene, study.variant, asked, stays_planar(values, study.bounds())
-    )
+    scene, variant, wrong_variant = choose_problem_scene(study.scene, study.variant, asked)
     kept = tuple(_kept(study, scene, variant))
     outputs = tuple(dict.fromkeys((*asked, *(one.output for one in kept))))
     outputs = tuple(name for name in outputs if name != "regime")
@@ -111,9 +108,7 @@ def _variable(name: str, between: Between) -> Variable:
     return Variable(name, *(float(to_si(name, np.asarray(end))) for end in ends))
 
 
-def choose_problem_scene(
-    name: str, variant: str | None, outputs: Iterable[str], planar: bool = True
-) -> Chosen:
+def choose_problem_scene(name: str, variant: str | None, outputs: Iterable[str]) -> Chosen:
     """Return the closed-form scene with its variant; or, if an output asks for it, the system.
 
     The third is what is wrong with the variant, which then gives way to the default.
@@ -126,7 +121,7 @@ def choose_problem_scene(
     scene, chosen, problems = choose_scene(name, variant)
     closed = {output for one in scene.variants for output in scene.outputs(one)}
     if name in SYSTEMS:
-        system, method = find_system(name, None, planar)
+        system, method = find_scene(name, None, SYSTEMS)
         if any(o not in closed and o in system.outputs(method) for o in outputs):
             fix = "Remove it, or ask for outputs of the closed forms alone"
             told = [Wrong("variant", "motion in time has no variants", fix)] if variant else []

@@ -59,6 +59,10 @@ TRACK: dict[str, Quantity] = {
     "friction_kinetic": friction(
         "mu_k", "Kinetic friction coefficient", "Coulomb friction coefficient in sliding."
     ),
+    "wall_friction": friction(
+        "mu_w", "Wall friction coefficient",
+        "Coulomb friction coefficient at the wall of the track; the floor's unless given.",
+    ),
     # --- parameters: the part
     "width": length("a", "Part width", "Width of the rectangular part, across.", "10 mm"),
     "height": length("b", "Part height", "Height of the rectangular part.", "1.5 mm"),
@@ -72,6 +76,11 @@ TRACK: dict[str, Quantity] = {
         "1", "eps", "Restitution",
         "Coefficient of restitution: 0 for no rebound, 1 for full rebound.", 0.0, 1.0,
         parameter=True, examples=("0.5",),
+    ),
+    "wall_restitution": Quantity(
+        "1", "eps_w", "Wall restitution",
+        "Coefficient of restitution at the wall of the track; the floor's unless given.", 0.0, 1.0,
+        parameter=True, examples=("0.3",),
     ),
     # --- parameters: the motion
     "speed": Quantity(

@@ -255,7 +255,8 @@ class Scene:
 
     def outputs(self, variant: str) -> tuple[str, ...]:
         """Return the names of the outputs of a variant, `regime` last."""
-        names = (n for n in self.producers(variant) if not QUANTITIES[n].bundle)
+        given = self.producers(variant)
+        names = (n for n in given if not (QUANTITIES[n].bundle or QUANTITIES[n].parameter))
         return (*names, "regime")
 
     def variant_of(self, variant: str, output: str) -> str:

@@ -233,7 +233,7 @@ def running(environment: Environment, *arguments: str, **more: str) -> Iterator[
         yield
     finally:
         process.kill()
-        process.wait()
+        process.wait(30)
 
 
 def free_port() -> int:
@@ -244,7 +244,9 @@ def free_port() -> int:
 def ask(address: str, body: object = None) -> dict[str, object]:
     headers = {"Content-Type": "application/json", "Prefer": "respond-async"}
     data = None if body is None else json.dumps(body).encode()
-    with urllib.request.urlopen(urllib.request.Request(address, data, headers)) as reply:
+    with urllib.request.urlopen(
+        urllib.request.Request(address, data, headers), timeout=60
+    ) as reply:
         return json.load(reply)
 
 

@@ -96,11 +96,21 @@ class Server:
         path = f"/processes/{study['kind']}/execution"
         return json.loads(self.ask(path, study, headers=[("Prefer", "respond-async")]))["jobID"]
 
-    def finished(self, number, seconds=400.0):
+    def waited(self, number, enough, seconds=400.0):
+        """Return a job once it is as it should be, or over."""
         until = time.monotonic() + seconds
-        while (job := self.job(number))["status"] in ("accepted", "running"):
+        while (job := self.job(number))["status"] in ("accepted", "running") and not enough(job):
             assert time.monotonic() < until, job
-            time.sleep(0.3)
+            time.sleep(0.1)
+        return job
+
+    def finished(self, number, seconds=400.0):
+        return self.waited(number, lambda job: False, seconds)
+
+    def begun(self, number):
+        """Return a job that has done some of its cells; it must not be over."""
+        job = self.waited(number, lambda job: job["cellsDone"] > 0)
+        assert job["status"] == "running", job
         return job
 
     def workers(self):
@@ -143,6 +153,7 @@ def expected(study, path):
     return path.read_bytes()
 
 
+@pytest.mark.timeout(100 * KILLS)
 def test_jobs_survive_kills_of_server_and_workers(tmp_path):
     """No job is lost or wrong, no file is torn, nothing is left behind."""
     chance = random.Random(7)
@@ -157,7 +168,7 @@ def test_jobs_survive_kills_of_server_and_workers(tmp_path):
                 os.kill(chance.choice(workers), signal.SIGKILL)
             else:
                 server.process.kill()
-                server.process.wait()
+                server.process.wait(30)
                 server.start()
         before = [server.job(number) for number in numbers]
         assert any(job["status"] in ("accepted", "running") for job in before)
@@ -165,7 +176,7 @@ def test_jobs_survive_kills_of_server_and_workers(tmp_path):
         assert [job["status"] for job in jobs] == ["successful"] * JOBS, jobs
         contents = [server.ask(f"/jobs/{number}/results/dataset") for number in numbers]
         server.process.kill()
-        server.process.wait()
+        server.process.wait(30)
         server.start()
         server.ask("/healthz")
         assert len(json.loads(server.ask("/jobs"))["jobs"]) == JOBS
@@ -183,23 +194,21 @@ def test_a_block_that_is_done_is_not_computed_again(tmp_path):
     study = simulation(0)
     with serving(tmp_path, **QUICK) as server:
         number = server.post(study)
-        while server.job(number)["cellsDone"] == 0:
-            time.sleep(0.1)
-        folder = tmp_path / "data" / "studies" / server.job(number)["study"]
+        folder = tmp_path / "data" / "studies" / server.begun(number)["study"]
         server.process.kill()
-        server.process.wait()
+        server.process.wait(30)
         time.sleep(2)  # for its workers to see that they are alone
         done = {path: path.stat().st_mtime_ns for path in folder.rglob("*.block")}
         assert done
         server.start()
-        while True:
-            job = server.job(number)
+
+        def is_untouched(_):
             for path, stamp in done.items():
                 if path.exists():
                     assert path.stat().st_mtime_ns == stamp
-            if job["status"] == "successful":
-                break
-            time.sleep(0.1)
+            return False
+
+        assert server.waited(number, is_untouched)["status"] == "successful"
 
 
 def test_a_stopped_server_hands_its_work_on_at_once(tmp_path):
@@ -207,8 +216,8 @@ def test_a_stopped_server_hands_its_work_on_at_once(tmp_path):
     patient = {**QUICK, "VIBRAFEED_LEASE_SECONDS": "600"}
     with serving(tmp_path, **patient) as server:
         number = server.post(simulation(0))
-        while server.job(number)["status"] == "accepted":
-            time.sleep(0.1)
+        job = server.waited(number, lambda job: job["status"] == "running")
+        assert job["status"] == "running", job
         started = time.monotonic()
         server.process.terminate()
         assert server.process.wait(30) in (0, -signal.SIGTERM)
@@ -220,8 +229,7 @@ def test_a_stopped_server_hands_its_work_on_at_once(tmp_path):
 def test_a_dismissed_job_stops(tmp_path):
     with serving(tmp_path, **QUICK) as server:
         numbers = [server.post(simulation(number)) for number in range(2)]
-        while server.job(numbers[0])["cellsDone"] == 0:
-            time.sleep(0.1)
+        server.begun(numbers[0])
         assert (
             json.loads(server.ask(f"/jobs/{numbers[0]}", method="DELETE"))["status"] == "dismissed"
         )
@@ -255,8 +263,7 @@ def test_work_on_a_scheduler_elsewhere(tmp_path):
             study = simulation(3)
             number = server.post(study)
             # Of its two workers one dies on the way.
-            while server.job(number)["cellsDone"] == 0:
-                time.sleep(0.1)
+            server.begun(number)
             cluster[-1].kill()
             assert server.finished(number)["status"] == "successful"
             assert server.workers() == []
@@ -265,7 +272,7 @@ def test_work_on_a_scheduler_elsewhere(tmp_path):
     finally:
         for process in cluster:
             process.kill()
-            process.wait()
+            process.wait(30)
 
 
 def test_a_scheduler_that_is_not_there_is_told_and_waited_for(tmp_path):

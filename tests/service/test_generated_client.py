@@ -94,8 +94,10 @@ results = call("get_results", job.job_id)
 content = call("get_dataset", job.job_id).payload.read()
 assert len(content) == results.dataset.length
 open(file, "wb").write(content)
-measured = call("execute_accuracy", body=best, prefer="wait=60").additional_properties
-page = [link["href"] for link in measured["files"] if link["type"] == "text/markdown"][0]
+job = call("execute_accuracy", body=best, prefer="respond-async")
+call("follow_job", job.job_id)
+measured = call("get_results", job.job_id)
+page = [link.href for link in measured.files if link.type_ == "text/markdown"][0]
 *_, number, _, _, name = page.split("/")
 assert call("get_file", number, name).startswith("# Accuracy")
 assert call("dismiss_job", job.job_id).status.value == "dismissed"

@@ -9,6 +9,8 @@ from core.motion.kernels.arrays import Floats
 
 BATCHES = 8
 """Of the last three quarters of the periods; their means tell the spread."""
+SURE = 5.41
+"""Standard deviations of the mean of eight numbers that hold 99.9 % (Student, 7 degrees)."""
 
 
 @compiled
@@ -45,6 +47,15 @@ def batch_spread(travel: Floats, done: int, period: float) -> float:
         start = done - (k + 1) * batch
         square += (mean_velocity(travel, start, start + batch, period) - centre) ** 2
     return math.sqrt(square / (BATCHES - 1))
+
+
+@compiled
+def runs_away(gain: float, before: float, pull: float, friction: float) -> bool:
+    """Return whether the mean velocity grows on and on, as gravity is no less than friction.
+
+    At high speed friction is kinetic, on the mean load, whether the part hops or not.
+    """
+    return is_trend(gain, before) and pull >= friction and abs(gain) > 0.5 * abs(before)
 
 
 @compiled

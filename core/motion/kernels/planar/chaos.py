@@ -9,6 +9,7 @@ import numpy as np
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
+from core.motion.kernels.means import SURE
 from core.motion.kernels.planar.cycle import (
     FIRST_LOOK,
     LONGEST_CYCLE,
@@ -33,7 +34,6 @@ PERIODS_A_START = 32  # of those allowed; so many starts tell in which cycle a p
 MOST_STARTS = 256
 SHARE_SETTLING = 0.2  # of a run, before its mean is taken
 HOPS_PER_PERIOD = 16  # of a run, on average; more end it
-SURE = 5.41  # standard deviations of a mean of 8 runs that hold 99.9 % (Student, 7 degrees)
 SETTLED_ROUGHLY = 1e-8  # as `SETTLED_EXACTLY`, in a run whose mean has a spread of 1e-3 at best
 JOLT = 1e-8  # of gravity: largest speed of a lift-off from rest; it grows as roundings do, or more
 GOLDEN = 0.6180339887498949  # its multiples, modulo 1, come nowhere twice

@@ -10,8 +10,8 @@ from core.motion.kernels.means import (
     batch_spread,
     gains,
     is_transient,
-    is_trend,
     mean_velocity,
+    runs_away,
 )
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS
@@ -196,7 +196,6 @@ def unsettled(
     """Return the status of a motion that did not repeat; put the spread of its batches."""
     travel, quarter = tallies[:, TALLY.travel], done // 4
     gain, before = gains(travel, done, period)
-    # At high speed friction is mu_k times the weight, whether the part hops or not.
     friction = cell.friction_kinetic * cell.gravity_number_normal
     pull = abs(cell.gravity_number_along)
     if scene == FLOOR:
@@ -208,7 +207,7 @@ def unsettled(
             return STATUS.runaway
     if scene == WALL:
         friction += cell.wall_friction * max(0.0, cell.gravity_number_across)
-    if is_trend(gain, before) and pull >= friction and abs(gain) > 0.5 * abs(before):
+    if runs_away(gain, before, pull, friction):
         return STATUS.runaway
     spread = batch_spread(travel, done, period)
     result[COLUMN.spread] = spread

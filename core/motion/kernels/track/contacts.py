@@ -6,6 +6,7 @@ import math
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Flags, Floats
+from core.motion.kernels.planar.cycle import SETTLED_EXACTLY, SETTLED_TIME
 from core.motion.kernels.stepping.contacts import friction_impulse
 from core.motion.kernels.track.drive import to_lift_off
 from core.motion.kernels.track.modes import Begin, Step
@@ -21,10 +22,6 @@ from core.motion.kernels.track.tables import (
     Work,
 )
 
-SETTLED = 1e-13
-"""Rebound times remaining time, below which a run of shrinking hops ends (theory 13.5)."""
-SETTLED_TIME = 1e-3
-"""Of the phase to lift-off, or of a unit of phase at the wall: the same run's remaining time."""
 MOST_SWEEPS = 500
 STEADY = 1e-16
 GONE = 2.0
@@ -43,7 +40,7 @@ def rebound(speed: float, load: float, restitution: float, ahead: float) -> floa
         return restitution
     after = restitution * speed
     left = 2.0 * after / (load * (1.0 - restitution))
-    return 0.0 if after * left < SETTLED and left < SETTLED_TIME * ahead else restitution
+    return 0.0 if after * left < SETTLED_EXACTLY and left < SETTLED_TIME * ahead else restitution
 
 
 @compiled

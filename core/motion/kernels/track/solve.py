@@ -8,7 +8,15 @@ import numpy as np
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats, Statuses
-from core.motion.kernels.means import batch_spread, gains, is_transient, is_trend, mean_velocity
+from core.motion.kernels.means import (
+    BATCHES,
+    SURE,
+    batch_spread,
+    gains,
+    is_transient,
+    mean_velocity,
+    runs_away,
+)
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.track import drive
@@ -30,8 +38,6 @@ COARSE = Series(12, 1e-9)
 """Of the run that tells the error."""
 LEAST_ERROR = 1e-10
 """Of the drive's speed: the error told of a motion that repeats is no smaller."""
-SURE = 5.41
-"""Standard deviations of a mean of 8 batches that hold 99.9 % (Student, 7 degrees of freedom)."""
 
 
 @compiled
@@ -87,7 +93,7 @@ def without_repeating(cell: Cell, wall: bool, history: History, done: int, resul
     if wall:
         friction += cell.wall_friction * max(0.0, cell.gravity_number_across)
     pull = abs(cell.gravity_number_along)
-    if is_trend(gain, before) and pull >= friction and abs(gain) > 0.5 * abs(before):
+    if runs_away(gain, before, pull, friction):
         return STATUS.runaway
     spread = batch_spread(travel, done, TURN)
     ahead, behind, place = 0.0, 0.0, 0.0
@@ -95,7 +101,7 @@ def without_repeating(cell: Cell, wall: bool, history: History, done: int, resul
         place += travel[k] - result[COLUMN.velocity] * TURN
         ahead, behind = max(ahead, place), min(behind, place)
     result[COLUMN.spread] = spread
-    result[COLUMN.error] = SURE * spread / math.sqrt(8.0)
+    result[COLUMN.error] = SURE * spread / math.sqrt(BATCHES)
     result[COLUMN.error] += (ahead - behind) / ((done - first) * TURN)
     return STATUS.limit_reached if is_transient(gain, before, spread) else STATUS.aperiodic
 
