@@ -140,20 +140,20 @@ def test_shares_add_up_and_a_course_closes():
 def test_the_first_fall_is_the_first_of_all_roots():
     """Random polynomials with roots on both sides, and a graze that is none."""
     pick = np.random.default_rng(2)
-    scratch = np.zeros(20)
+    table = np.zeros((2, 20))  # a polynomial, and room for the search
+    series = table[0]
     for _ in range(200):
         roots = pick.uniform(-1.0, 1.0, 6)
-        series = np.zeros(20)
         series[:7] = np.polynomial.polynomial.polyfromroots(roots)
         series *= np.sign(series[0])
         inside = np.sort(roots[roots > 0.0])
-        found = first_fall(series, 6, 1.0, scratch)
+        found = first_fall(table, 0, 6, 1.0, 1)
         if inside.size:
             assert found == pytest.approx(inside[0], abs=1e-9)  # near pairs are ill conditioned
         else:
             assert found == NEVER
-    graze = np.zeros(20)
-    graze[:3] = (0.25 + 1e-12, -1.0, 1.0)
-    assert first_fall(graze, 2, 1.0, scratch) == NEVER
-    graze[0] = 0.25 - 1e-12
-    assert first_fall(graze, 2, 1.0, scratch) == pytest.approx(0.5 - 1e-6, abs=1e-8)
+    series[:] = 0.0
+    series[:3] = (0.25 + 1e-12, -1.0, 1.0)
+    assert first_fall(table, 0, 2, 1.0, 1) == NEVER
+    series[0] = 0.25 - 1e-12
+    assert first_fall(table, 0, 2, 1.0, 1) == pytest.approx(0.5 - 1e-6, abs=1e-8)

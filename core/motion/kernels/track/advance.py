@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
+from core.compiled import borrowing
 from core.motion.kernels.arrays import Flags, Floats
 from core.motion.kernels.statuses import MODE
 from core.motion.kernels.track import modes
 from core.motion.kernels.track.contacts import begin_slip, change_contacts
-from core.motion.kernels.track.drive import fill_push
-from core.motion.kernels.track.modes import Begin, Step, fill_place
+from core.motion.kernels.track.drive import fill_push, to_lift_off
+from core.motion.kernels.track.modes import Begin, Step, fill_multiple, fill_place
 from core.motion.kernels.track.polynomials import first_fall, value
 from core.motion.kernels.track.tables import (
     BOTH,
@@ -18,6 +18,7 @@ from core.motion.kernels.track.tables import (
     FLOOR,
     FREE,
     HOLD,
+    ROW,
     STATE,
     TALLY,
     TURN,
@@ -35,7 +36,7 @@ STEP_OVER = 1e-14
 """Of phase: a step below it does not count as going on."""
 
 
-@compiled
+@borrowing
 def advance(
     cell: Cell, wall: bool, rolling: float, order: int, tolerance: float,
     state: Floats, hold: Flags, tally: Floats, work: Work, phases: Floats, samples: Floats,
@@ -48,19 +49,18 @@ def advance(
     tally[:] = 0.0
     tau, at_once, given = 0.0, 0, 0
     start = state[STATE.x]
-    free = work.free
     for _ in range(MOST_STEPS):
         rest = TURN - tau
         if rest <= 0.0:
             tally[TALLY.travel] = state[STATE.x] - start
             return True
-        step = Step(wall, rolling, order, tolerance, rest)
-        fill_push(cell, tau, order, free, work.track)
-        free[0, 0] -= cell.gravity_number_along
-        free[1, 0] -= cell.gravity_number_across
-        free[2, 0] -= cell.gravity_number_normal
+        step = Step(wall, rolling, order, tolerance, rest, to_lift_off(work, tau))
+        fill_push(cell, tau, order, work)
+        work[ROW.free, 0] -= cell.gravity_number_along
+        work[ROW.free + 1, 0] -= cell.gravity_number_across
+        work[ROW.free + 2, 0] -= cell.gravity_number_normal
         if hold[HOLD.event] != EVENT.nothing:
-            change_contacts(step, cell, state, hold, tau, work)
+            change_contacts(step, cell, state, hold, work)
         contacts = hold[HOLD.contacts]
         begin = Begin(0.0, 0.0, 0.0, 0.0, False, False, 0.0)
         if contacts == FREE:
@@ -71,17 +71,17 @@ def advance(
         if contacts == FREE:
             span, event, used = modes.flight(step, cell, state, work)
         elif not slips:
-            span, event, used = modes.stick(step, cell, state, hold, tau, work)
+            span, event, used = modes.stick(step, cell, state, hold, work)
         elif contacts == BOTH:
-            span, event, used = modes.slide_in_corner(step, cell, state, begin, tau, work)
+            span, event, used = modes.slide_in_corner(step, cell, state, begin, work)
         else:
-            span, event, used = modes.slide(step, cell, state, contacts, begin, tau, work)
+            span, event, used = modes.slide(step, cell, state, contacts, begin, work)
         at_once = at_once + 1 if span <= STEP_OVER else 0
         if at_once > MOST_AT_ONCE:
             span, event = go_on(contacts, slips, span, rest)
             at_once = 0
         for axis in range(3):
-            fill_place(work.place[axis], state[STATE.x + axis], work.velocity[axis], used)
+            fill_place(work, axis, state[STATE.x + axis], used)
         while given < phases.size and phases[given] < tau + span:
             sample(phases[given] - tau, used, contacts, slips, work, samples[given])
             given += 1
@@ -101,7 +101,7 @@ def advance(
     return False
 
 
-@compiled
+@borrowing
 def go_on(contacts: int, slips: bool, span: float, rest: float) -> tuple[float, int]:
     """Return span and event of a step after too many events at one phase.
 
@@ -112,7 +112,7 @@ def go_on(contacts: int, slips: bool, span: float, rest: float) -> tuple[float, 
     return min(SHORT, rest), EVENT.nothing
 
 
-@compiled
+@borrowing
 def move(
     step: Step, state: Floats, contacts: int, slips: bool, event: int, span: float, order: int,
     work: Work,
@@ -120,10 +120,10 @@ def move(
     """Move a state to the end of a step."""
     slip = 0.0
     if step.rolling > 0.0 and contacts == FLOOR and slips:
-        slip = value(work.slip[1], order, span)
+        slip = value(work, ROW.slip + 1, order, span)
     for axis in range(3):
-        state[STATE.x + axis] = value(work.place[axis], order, span)
-        state[STATE.ux + axis] = value(work.velocity[axis], order, span)
+        state[STATE.x + axis] = value(work, ROW.place + axis, order, span)
+        state[STATE.ux + axis] = value(work, ROW.velocity + axis, order, span)
     if contacts & FLOOR:
         state[STATE.z] = 0.0
         if step.rolling > 0.0:
@@ -138,15 +138,16 @@ def move(
         state[STATE.uy] = min(0.0, state[STATE.uy])
 
 
-@compiled
+@borrowing
 def count(span: float, order: int, contacts: int, slips: bool, work: Work, tally: Floats) -> None:
     """Count the phase of a step to its modes, and the largest height."""
     if not contacts & FLOOR:
         tally[TALLY.flight] += span
-        place, speed = work.place[2], work.velocity[2]
-        if place[0] + span * max(speed[0], value(speed, order, span)) > tally[TALLY.height]:
-            fall = first_fall(speed, order, span, work.scratch)
-            top = value(place, order, fall if fall > 0.0 else span)
+        place, speed = ROW.place + 2, ROW.velocity + 2
+        fastest = max(work[speed, 0], value(work, speed, order, span))
+        if work[place, 0] + span * fastest > tally[TALLY.height]:
+            fall = first_fall(work, speed, order, span, ROW.scratch)
+            top = value(work, place, order, fall if fall > 0.0 else span)
             tally[TALLY.height] = max(tally[TALLY.height], top)
     elif not slips:
         tally[TALLY.stick] += span
@@ -154,28 +155,28 @@ def count(span: float, order: int, contacts: int, slips: bool, work: Work, tally
         count_slip(span, order, work, tally)
 
 
-@compiled
+@borrowing
 def count_slip(span: float, order: int, work: Work, tally: Floats) -> None:
     """Count the phase of a slip to forward and backward, where it may turn round along the track.
 
     A slip straight across does not move along the track: it counts as stick.
     """
-    speed, at = work.event, 0.0
+    speed, at = ROW.event, 0.0
     for _ in range(order + 1):
         lead = 0
-        speed[: order + 1] = work.velocity[0, : order + 1]
+        fill_multiple(work, speed, 1.0, ROW.velocity, order)
         if at > 0.0:
             for i in range(order):
                 for k in range(order - 1, i - 1, -1):
-                    speed[k] += at * speed[k + 1]
-            speed[0] = 0.0  # a turn, by the root before
-        while lead < order and speed[lead] == 0.0:
+                    work[speed, k] += at * work[speed, k + 1]
+            work[speed, 0] = 0.0  # a turn, by the root before
+        while lead < order and work[speed, lead] == 0.0:
             lead += 1
-        way = speed[lead]
+        way = work[speed, lead]
         if way < 0.0:
             for k in range(lead, order + 1):
-                speed[k] = -speed[k]
-        turn = first_fall(speed, order, span - at, work.scratch)
+                work[speed, k] = -work[speed, k]
+        turn = first_fall(work, speed, order, span - at, ROW.scratch)
         end = at + turn if turn > 0.0 else span
         if way > 0.0:
             tally[TALLY.forward] += end - at
@@ -188,12 +189,12 @@ def count_slip(span: float, order: int, work: Work, tally: Floats) -> None:
             return
 
 
-@compiled
+@borrowing
 def sample(since: float, order: int, contacts: int, slips: bool, work: Work, row: Floats) -> None:
     """Fill place, velocity and mode at a phase within a step."""
     for axis in range(3):
-        row[axis] = value(work.place[axis], order, since)
-        row[3 + axis] = value(work.velocity[axis], order, since)
+        row[axis] = value(work, ROW.place + axis, order, since)
+        row[3 + axis] = value(work, ROW.velocity + axis, order, since)
     if not contacts & FLOOR:
         row[6] = MODE.flight
     elif not slips or row[3] == 0.0:

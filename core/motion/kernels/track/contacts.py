@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
+from core.compiled import borrowing
 from core.motion.kernels.arrays import Flags, Floats
 from core.motion.kernels.planar.cycle import SETTLED_EXACTLY, SETTLED_TIME
 from core.motion.kernels.stepping.contacts import friction_impulse
-from core.motion.kernels.track.drive import to_lift_off
 from core.motion.kernels.track.modes import Begin, Step
 from core.motion.kernels.track.tables import (
     BOTH,
@@ -16,6 +15,7 @@ from core.motion.kernels.track.tables import (
     FLOOR,
     FREE,
     HOLD,
+    ROW,
     STATE,
     WALL,
     Cell,
@@ -30,7 +30,7 @@ NEAR_STOP = 3.0
 """What is left of a slip, times twice its rate of closing, is at most so many tolerances."""
 
 
-@compiled
+@borrowing
 def rebound(speed: float, load: float, restitution: float, ahead: float) -> float:
     """Return the restitution of an impact: 0 where the hops to come shrink to nothing.
 
@@ -43,7 +43,7 @@ def rebound(speed: float, load: float, restitution: float, ahead: float) -> floa
     return 0.0 if after * left < SETTLED_EXACTLY and left < SETTLED_TIME * ahead else restitution
 
 
-@compiled
+@borrowing
 def strike(
     step: Step, cell: Cell, state: Floats, floor: float, wall: float, bounce: float, rear: float
 ) -> None:
@@ -94,7 +94,7 @@ def strike(
         state[uy] = 0.0
 
 
-@compiled
+@borrowing
 def impulse(
     slip_1: float, slip_2: float, limit: float, response: float
 ) -> tuple[float, float, bool]:
@@ -104,65 +104,64 @@ def impulse(
     return friction_impulse(slip_1, slip_2, limit, limit, response)
 
 
-@compiled
-def change_contacts(
-    step: Step, cell: Cell, state: Floats, hold: Flags, tau: float, work: Work
-) -> None:
-    """Change contacts as the event asks that ended the last stretch; `work.free` is at its phase.
+@borrowing
+def pushed_across(cell: Cell, state: Floats, work: Work) -> float:
+    """Return the acceleration across of a part without contacts, with what the curve adds."""
+    speed = state[STATE.ux] + work[ROW.track, 0]
+    return work[ROW.free + 1, 0] - cell.curvature_number * speed * speed
+
+
+@borrowing
+def change_contacts(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work) -> None:
+    """Change contacts as the event asks that ended the last stretch; `ROW.free` is at its phase.
 
     What opened or closed is told by the event: where it says that a force is 0 it is 0, whatever
     its rounded number.
     """
-    event, free = hold[HOLD.event], work.free
+    event, across, normal = hold[HOLD.event], ROW.free + 1, ROW.free + 2
     y, z, uy, uz = STATE.y, STATE.z, STATE.uy, STATE.uz
-    speed = state[STATE.ux] + work.track[0]
-    bent = free[1, 0] - cell.curvature_number * speed * speed
+    bent = pushed_across(cell, state, work)
     if event in (EVENT.land, EVENT.bump):
         floor = -state[uz] if state[z] == 0.0 and state[uz] < 0.0 else 0.0
         wall = -state[uy] if step.wall and state[y] == 0.0 and state[uy] < 0.0 else 0.0
         bounce, rear = cell.restitution, cell.wall_restitution
         if floor > 0.0:
-            ahead = min(to_lift_off(work.lifts, tau), 1.0)
-            bounce = rebound(floor, -free[2, 0], bounce, ahead)
+            ahead = min(step.lift, 1.0)
+            bounce = rebound(floor, -work[normal, 0], bounce, ahead)
         if wall > 0.0:
             rear = rebound(wall, -bent, rear, 1.0)
         strike(step, cell, state, floor, wall, bounce, rear)
     elif event == EVENT.lift:
-        free[2, 0] = 0.0
+        work[normal, 0] = 0.0
     elif event == EVENT.leave:
-        free[1, 0] += -bent  # no force across is left
-        bent = 0.0
-    speed = state[STATE.ux] + work.track[0]
-    if event != EVENT.leave:
-        bent = free[1, 0] - cell.curvature_number * speed * speed
+        work[across, 0] -= bent  # no force across is left
+    bent = 0.0 if event == EVENT.leave else pushed_across(cell, state, work)
     on_floor = state[z] == 0.0 and state[uz] == 0.0 and event != EVENT.lift
-    on_floor = on_floor and (free[2, 0] < 0.0 or event == EVENT.seat)
+    on_floor = on_floor and (work[normal, 0] < 0.0 or event == EVENT.seat)
     at_wall = step.wall and state[y] == 0.0 and state[uy] == 0.0
     at_wall = at_wall and event not in (EVENT.leave, EVENT.release)
     at_wall = at_wall and (bent < 0.0 or event == EVENT.press)
     hold[HOLD.contacts] = (FLOOR if on_floor else FREE) | (WALL if at_wall else FREE)
 
 
-@compiled
+@borrowing
 def begin_slip(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work) -> Begin:
     """Return how the contact's slip stands; decide whether it sticks where it does not move."""
-    contacts, event, free = hold[HOLD.contacts], hold[HOLD.event], work.free
+    contacts, event = hold[HOLD.contacts], hold[HOLD.event]
     ux, uy, uz, spin = STATE.ux, STATE.uy, STATE.uz, STATE.spin
-    speed = state[ux] + work.track[0]
-    across = free[1, 0] - cell.curvature_number * speed * speed
-    if event == EVENT.leave:
-        across = 0.0
+    across = 0.0 if event == EVENT.leave else pushed_across(cell, state, work)
+    normal = work[ROW.free + 2, 0]
     static, kinetic, wall = cell.friction_static, cell.friction_kinetic, cell.wall_friction
-    response, push_1, push_2 = 1.0, free[0, 0], 0.0
+    response, push_1, push_2 = 1.0, work[ROW.free, 0], 0.0
     slip_1, slip_2 = state[ux], 0.0
     if contacts == BOTH:
-        most, rub = -static * free[2, 0] - wall * across, -kinetic * free[2, 0] - wall * across
+        most, rub = -static * normal - wall * across, -kinetic * normal - wall * across
     elif contacts == FLOOR:
         response, push_2 = 1.0 + step.rolling, across
         slip_2 = state[uy] + state[spin]
-        most, rub = -static * free[2, 0], -kinetic * free[2, 0]
+        most, rub = -static * normal, -kinetic * normal
     else:
-        slip_2, push_2 = state[uz], free[2, 0]
+        slip_2, push_2 = state[uz], normal
         most = rub = -wall * across
     size = math.hypot(slip_1, slip_2)
     need = math.hypot(push_1, push_2 / response)
@@ -198,7 +197,7 @@ def begin_slip(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work) -
     return Begin(0.0, cosine, sine, max(0.0, rate), True, False, 0.0)
 
 
-@compiled
+@borrowing
 def stop_slip(step: Step, state: Floats, contacts: int, slip_2: float) -> None:
     """Set the slip to exactly 0; what a cylinder rolls with is kept."""
     state[STATE.ux] = 0.0
@@ -211,7 +210,7 @@ def stop_slip(step: Step, state: Floats, contacts: int, slip_2: float) -> None:
         state[STATE.uy] = 0.0
 
 
-@compiled
+@borrowing
 def direction(push_1: float, push_2: float, slide: float, response: float) -> tuple[float, float]:
     """Return the direction in which a contact begins to slip (theory 7.3)."""
     if slide > 0.0 and response != 1.0:

@@ -74,10 +74,10 @@ class Settled(NamedTuple):
 
 @compiled
 def new_history(most: int) -> History:
-    """Return room for so many periods."""
+    """Return room for so many periods, which is not touched before it is used."""
     return History(
-        np.zeros((most + 1, len(STATE))), np.zeros((most + 1, len(STATE))),
-        np.zeros((most + 1, len(TALLY))), np.zeros((most + 1, len(HOLD)), dtype=np.int64),
+        np.empty((most + 1, len(STATE))), np.empty((most + 1, len(STATE))),
+        np.empty((most + 1, len(TALLY))), np.empty((most + 1, len(HOLD)), dtype=np.int64),
     )  # fmt: skip
 
 
@@ -144,6 +144,22 @@ def remaining(
 
 
 @compiled
+def follow_period(
+    cell: Cell, wall: bool, rolling: float, series: Series, period: int, state: Floats, hold: Flags,
+    history: History, work: Work,
+) -> bool:  # fmt: skip
+    """Follow a cell for one period more, and write its history; False if it takes too long."""
+    state[STATE.x] = 0.0
+    history.starts[period], history.holds[period] = state, hold
+    fine = advance(
+        cell, wall, rolling, series.order, series.tolerance * drive.size(cell), state, hold,
+        history.tallies[period], work, NO_PHASES, history.starts[:0],
+    )  # fmt: skip
+    history.ends[period] = state
+    return fine and bool(np.all(np.isfinite(state)))
+
+
+@compiled
 def settle(
     cell: Cell, wall: bool, rolling: float, series: Series, most: int, state: Floats, hold: Flags,
     history: History, work: Work,
@@ -153,15 +169,8 @@ def settle(
     close = cell.tolerance * speed
     since, shrank = 0, 0
     for period in range(most):
-        state[STATE.x] = 0.0
-        history.starts[period], history.holds[period] = state, hold
         tally = history.tallies[period]
-        fine = advance(
-            cell, wall, rolling, series.order, series.tolerance * speed, state, hold, tally, work,
-            NO_PHASES, history.starts[:0],
-        )  # fmt: skip
-        history.ends[period] = state
-        if not fine or not np.all(np.isfinite(state)):
+        if not follow_period(cell, wall, rolling, series, period, state, hold, history, work):
             return Settled(STATUS.limit_reached, 0, period + 1, math.inf)
         moves = tally[TALLY.forward] + tally[TALLY.backward] + tally[TALLY.flight]
         if moves == 0.0 and rolling == 0.0:

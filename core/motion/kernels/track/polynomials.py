@@ -1,10 +1,13 @@
-"""Polynomials of a step: values, and where one first comes down through zero."""
+"""Polynomials of a step: values, and where one first comes down through zero.
+
+Each is a row of a table, and is named by it: a view of its own would cost more than its values.
+"""
 
 from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
+from core.compiled import borrowing
 from core.motion.kernels.arrays import Floats
 
 MOST_PASSES = 200
@@ -13,17 +16,17 @@ SHARP = 1e-15
 """Of the span: a root is known no better."""
 
 
-@compiled
-def value(series: Floats, order: int, t: float) -> float:
+@borrowing
+def value(table: Floats, row: int, order: int, t: float) -> float:
     """Return a polynomial at t."""
-    total = series[order]
+    total = table[row, order]
     for k in range(order - 1, -1, -1):
-        total = total * t + series[k]
+        total = total * t + table[row, k]
     return total
 
 
-@compiled
-def first_fall(series: Floats, order: int, span: float, scratch: Floats) -> float:
+@borrowing
+def first_fall(table: Floats, row: int, order: int, span: float, scratch: int) -> float:
     """Return the first t in [0, span] at which a polynomial comes down through 0, or `NEVER`.
 
     A value of exactly 0 at the start is divided out: a fall at once is then one of what is left.
@@ -34,21 +37,21 @@ def first_fall(series: Floats, order: int, span: float, scratch: Floats) -> floa
     one that it crosses.
     """
     low = 0
-    while low < order and series[low] == 0.0:
+    while low < order and table[row, low] == 0.0:
         low += 1
-    if series[low] < 0.0:
+    if table[row, low] < 0.0:
         return 0.0
-    if series[low] + negative_part(series, low, order, span) > 0.0:
+    if table[row, low] + negative_part(table, row, low, order, span) > 0.0:
         return NEVER
     degree = order - low
     for k in range(degree + 1):
-        scratch[k] = series[k + low]
+        table[scratch, k] = table[row, k + low]
     at = 0.0
     for _ in range(MOST_PASSES):
-        near = near_fall(scratch, degree, span - at)
+        near = near_fall(table, scratch, degree, span - at)
         if near >= 0.0:
             return at + near
-        step = safe_step(scratch, degree, span - at)
+        step = safe_step(table, scratch, degree, span - at)
         at += step
         if at >= span:
             return NEVER
@@ -56,32 +59,32 @@ def first_fall(series: Floats, order: int, span: float, scratch: Floats) -> floa
             return at
         for i in range(degree):
             for k in range(degree - 1, i - 1, -1):
-                scratch[k] += step * scratch[k + 1]
-        if scratch[0] <= 0.0:
+                table[scratch, k] += step * table[scratch, k + 1]
+        if table[scratch, 0] <= 0.0:
             return at
     return at
 
 
-@compiled
-def near_fall(series: Floats, degree: int, span: float) -> float:
+@borrowing
+def near_fall(table: Floats, row: int, degree: int, span: float) -> float:
     """Return the root of a polynomial that falls all the way to it, twice its tangent's, at most.
 
     `NEVER` where it may not fall so. By Newton's iteration within a bracket.
     """
-    if degree < 1 or not series[1] < 0.0:
+    if degree < 1 or not table[row, 1] < 0.0:
         return NEVER
-    high = min(span, 2.0 * series[0] / -series[1])
+    high = min(span, 2.0 * table[row, 0] / -table[row, 1])
     rising = 0.0
     for k in range(degree, 1, -1):
-        rising = (rising + k * max(series[k], 0.0)) * high
-    if series[1] + rising >= 0.0 or value(series, degree, high) > 0.0:
+        rising = (rising + k * max(table[row, k], 0.0)) * high
+    if table[row, 1] + rising >= 0.0 or value(table, row, degree, high) > 0.0:
         return NEVER
-    low, t = 0.0, min(high, series[0] / -series[1])
+    low, t = 0.0, min(high, table[row, 0] / -table[row, 1])
     for _ in range(MOST_PASSES):
-        total, slope = series[degree], 0.0
+        total, slope = table[row, degree], 0.0
         for k in range(degree - 1, -1, -1):
             slope = slope * t + total
-            total = total * t + series[k]
+            total = total * t + table[row, k]
         if total > 0.0:
             low = t
         else:
@@ -95,33 +98,33 @@ def near_fall(series: Floats, degree: int, span: float) -> float:
     return t
 
 
-@compiled
-def negative_part(series: Floats, low: int, order: int, t: float) -> float:
+@borrowing
+def negative_part(table: Floats, row: int, low: int, order: int, t: float) -> float:
     """Return the terms of negative coefficients above `low` at t, that one's power divided out."""
     total = 0.0
     for k in range(order, low, -1):
-        total = (total + min(series[k], 0.0)) * t
+        total = (total + min(table[row, k], 0.0)) * t
     return total
 
 
-@compiled
-def safe_step(series: Floats, degree: int, span: float) -> float:
+@borrowing
+def safe_step(table: Floats, row: int, degree: int, span: float) -> float:
     """Return a step within which a polynomial, positive at 0, stays so; the span if all along.
 
     The bound by negative terms is concave: Newton's iteration comes to its root from the right, and
     the chord from 0 to any place beyond crosses zero before it.
     """
-    first = series[0]
+    first = table[row, 0]
     if first <= 0.0:
         return 0.0
     # No further than where one of the terms alone takes it to zero.
-    if degree > 0 and series[1] < 0.0:
-        span = min(span, first / -series[1])
-    if degree > 1 and series[2] < 0.0:
-        span = min(span, math.sqrt(first / -series[2]))
-    if first + negative_part(series, 0, degree, span) > 0.0:
+    if degree > 0 and table[row, 1] < 0.0:
+        span = min(span, first / -table[row, 1])
+    if degree > 1 and table[row, 2] < 0.0:
+        span = min(span, math.sqrt(first / -table[row, 2]))
+    if first + negative_part(table, row, 0, degree, span) > 0.0:
         return span
-    while first + negative_part(series, 0, degree, 0.5 * span) <= 0.0:
+    while first + negative_part(table, row, 0, degree, 0.5 * span) <= 0.0:
         span *= 0.5
         if span < 1e-300:
             return 0.0
@@ -129,7 +132,7 @@ def safe_step(series: Floats, degree: int, span: float) -> float:
     for _ in range(3):
         total, slope = 0.0, 0.0
         for k in range(degree, 0, -1):
-            term = min(series[k], 0.0)
+            term = min(table[row, k], 0.0)
             slope = slope * right + total
             total = total * right + term
         slope = slope * right + total
@@ -137,5 +140,5 @@ def safe_step(series: Floats, degree: int, span: float) -> float:
         # `total` is the bound at `right`, not above zero; `slope` is its derivative.
         if slope < 0.0:
             right -= total / slope
-    total = first + negative_part(series, 0, degree, right)
+    total = first + negative_part(table, row, 0, degree, right)
     return right * first / (first - total) if total < 0.0 else right

@@ -15,9 +15,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
-from core.motion.kernels.track.tables import Work
+from core.compiled import borrowing
+from core.motion.kernels.track.tables import ROW, Work
 
 NOTHING = 1e-15
 """Of two forces that cancel: what is left is rounding."""
@@ -47,83 +46,98 @@ class Contact(NamedTuple):
     curvature: float
 
 
-@compiled
-def product(a: Floats, b: Floats, k: int) -> float:
-    """Return the coefficient k of a product of two series."""
+@borrowing
+def product(work: Work, a: int, b: int, k: int) -> float:
+    """Return the coefficient k of a product of the series of two rows."""
     total = 0.0
     for i in range(k + 1):
-        total += a[i] * b[k - i]
+        total += work[a, i] * work[b, k - i]
     return total
 
 
-@compiled
-def products(a: Floats, b: Floats, c: Floats, k: int) -> tuple[float, float]:
-    """Return the coefficients k of a b and of a c."""
-    first, second = 0.0, 0.0
-    for i in range(k + 1):
-        first += a[i] * b[k - i]
-        second += a[i] * c[k - i]
-    return first, second
-
-
-@compiled
-def squares(a: Floats, b: Floats, k: int) -> tuple[float, float]:
-    """Return the coefficients k of the squares of two series."""
-    first, second, half = 0.0, 0.0, (k + 1) // 2
+@borrowing
+def square_of(work: Work, a: int, k: int) -> float:
+    """Return the coefficient k of the square of a series."""
+    total, half = 0.0, (k + 1) // 2
     for i in range(half):
-        first += a[i] * a[k - i]
-        second += b[i] * b[k - i]
-    if k % 2:
-        return 2.0 * first, 2.0 * second
-    return 2.0 * first + a[half] * a[half], 2.0 * second + b[half] * b[half]
+        total += work[a, i] * work[a, k - i]
+    return 2.0 * total if k % 2 else 2.0 * total + work[a, half] * work[a, half]
 
 
-@compiled
+@borrowing
 def bend(work: Work, along: float, curvature: float, k: int) -> None:
     """Add what the curve does, to order k, with the coefficient k of the velocity along."""
-    if curvature != 0.0:
-        speed = work.extra[0]
-        speed[k] = along + work.track[k]
-        turn = curvature * product(speed, speed, k)
-        rest = work.free[1, k] - turn
-        # Where an event tells that no force across is left, rounding must not leave one.
-        work.free[1, k] = 0.0 if abs(rest) <= NOTHING * abs(turn) else rest
+    work[ROW.extra, k] = along + work[ROW.track, k]
+    turn = curvature * square_of(work, ROW.extra, k)
+    rest = work[ROW.free + 1, k] - turn
+    # Where an event tells that no force across is left, rounding must not leave one.
+    work[ROW.free + 1, k] = 0.0 if abs(rest) <= NOTHING * abs(turn) else rest
 
 
-@compiled
+@borrowing
 def slide_series(contact: Contact, order: int, work: Work) -> None:
-    """Fill slip, its square and the load, from the slip at the start, which must not be 0."""
-    first, second = work.slip[0], work.slip[1]
-    push, across = work.free[0], work.free[contact.second]
-    square, load, size, rub = work.square, work.load, work.extra[1], work.extra[2]
-    rubs = contact.friction > 0.0
+    """Fill slip, its square and the load, from the slip at the start, which must not be 0.
+
+    The slip's size r from r^2 = slip^2, and R = q L/r from R r = q L, coefficient by coefficient.
+    All sums run over pairs i + j = k, several at a time: each waits for its own last term only.
+    """
+    first, second, pressed = ROW.slip, ROW.slip + 1, ROW.free + contact.pressed
+    push, across = ROW.free, ROW.free + contact.second
+    square, load, size, rub = ROW.square, ROW.load, ROW.extra + 1, ROW.extra + 2
+    curved, rubs = contact.curvature != 0.0, contact.friction > 0.0
+    start_1, start_2 = work[first, 0], work[second, 0]
+    start = math.sqrt(start_1 * start_1 + start_2 * start_2)
+    per_start, rub_start = 1.0 / start, 0.0
     for k in range(order + 1):
-        square_1, square_2 = squares(first, second, k)
-        square[k] = square_1 + square_2
+        if k == 0:
+            work[square, 0], work[size, 0] = start * start, start
+        else:
+            squares, both, rubbed = 0.0, 0.0, 0.0
+            for i in range(1, (k + 1) // 2):
+                j = k - i
+                squares += work[first, i] * work[first, j] + work[second, i] * work[second, j]
+                both += work[size, i] * work[size, j]
+                rubbed += work[rub, i] * work[size, j] + work[rub, j] * work[size, i]
+            squares += start_1 * work[first, k] + start_2 * work[second, k]
+            squares, both = 2.0 * squares, 2.0 * both
+            if k % 2 == 0:
+                i = k // 2
+                squares += work[first, i] * work[first, i] + work[second, i] * work[second, i]
+                both += work[size, i] * work[size, i]
+                rubbed += work[rub, i] * work[size, i]
+            work[square, k] = squares
+            work[size, k] = 0.5 * (squares - both) * per_start
+            work[rub, k] = rubbed + rub_start * work[size, k]
         if k == order:
             break
-        bend(work, first[k], contact.curvature, k)
-        load[k] = -work.free[contact.pressed, k]
+        if curved:
+            bend(work, work[first, k], contact.curvature, k)
+        work[load, k] = -work[pressed, k]
         friction_1, friction_2 = 0.0, 0.0
         if rubs:
-            # The power -1/2 of the square, and friction per mass over slip.
+            less = work[rub, k] if k > 0 else 0.0
+            work[rub, k] = (contact.friction * work[load, k] - less) * per_start
             if k == 0:
-                size[0] = 1.0 / math.sqrt(square[0])
+                rub_start = work[rub, 0]
             else:
-                total, rising = 0.0, 0.0
-                for j in range(k):
-                    term = square[k - j] * size[j]
-                    total += term
-                    rising += j * term
-                size[k] = -0.5 * (k * total + rising) / (k * square[0])
-            rub[k] = contact.friction * product(load, size, k)
-            friction_1, friction_2 = products(rub, first, second, k)
+                friction_1 = rub_start * work[first, k]
+                friction_2 = rub_start * work[second, k]
+            for i in range(1, (k + 1) // 2):
+                j = k - i
+                friction_1 += work[rub, i] * work[first, j] + work[rub, j] * work[first, i]
+                friction_2 += work[rub, i] * work[second, j] + work[rub, j] * work[second, i]
+            if k > 0 and k % 2 == 0:
+                i = k // 2
+                friction_1 += work[rub, i] * work[first, i]
+                friction_2 += work[rub, i] * work[second, i]
+            friction_1 += work[rub, k] * start_1
+            friction_2 += work[rub, k] * start_2
             friction_2 *= contact.response
-        first[k + 1] = (push[k] - friction_1) / (k + 1)
-        second[k + 1] = (across[k] - friction_2) / (k + 1)
+        work[first, k + 1] = (work[push, k] - friction_1) / (k + 1)
+        work[second, k + 1] = (work[across, k] - friction_2) / (k + 1)
 
 
-@compiled
+@borrowing
 def onset_series(
     contact: Contact, order: int, cosine: float, sine: float, start: float, work: Work
 ) -> None:
@@ -137,84 +151,92 @@ def onset_series(
     `start` is r' at the start: 0 where static friction is no larger than kinetic. The series of
     theta is a formal one then: good within its smallest term.
     """
-    first, second = work.slip[0], work.slip[1]
-    push, across, load = work.free[0], work.free[contact.second], work.load
-    r, turn, c, s = work.extra[1], work.extra[2], work.extra[3], work.extra[4]
-    cross, squared = work.extra[5], work.extra[6]  # of cosine and sine, and of the sine
+    first, second = ROW.slip, ROW.slip + 1
+    push, across, load = ROW.free, ROW.free + contact.second, ROW.load
+    r, turn, c, s = (
+        ROW.extra + 1,
+        ROW.extra + 2,
+        ROW.extra + 3,
+        ROW.extra + 4,
+    )
+    cross, squared = ROW.extra + 5, ROW.extra + 6  # of cosine and sine, and of the sine
     q, uneven = contact.friction, contact.response - 1.0
-    r[0], c[0], s[0] = 0.0, cosine, sine
+    work[r, 0], work[c, 0], work[s, 0] = 0.0, cosine, sine
     pull = 0.0
     for k in range(order + 1):
-        first[k], second[k] = 0.0, 0.0
+        work[first, k], work[second, k] = 0.0, 0.0
         for i in range(1, k + 1):
-            first[k] += r[i] * c[k - i]
-            second[k] += r[i] * s[k - i]
+            work[first, k] += work[r, i] * work[c, k - i]
+            work[second, k] += work[r, i] * work[s, k - i]
         if k == order:
             break
-        bend(work, first[k], contact.curvature, k)
-        load[k] = -work.free[contact.pressed, k]
+        if contact.curvature != 0.0:
+            bend(work, work[first, k], contact.curvature, k)
+        work[load, k] = -work[ROW.free + contact.pressed, k]
         if k == 0:
-            pull = push[0] * cosine + across[0] * sine
-            pull += uneven * q * load[0] * (cosine - sine) * (cosine + sine)
+            pull = work[push, 0] * cosine + work[across, 0] * sine
+            pull += uneven * q * work[load, 0] * (cosine - sine) * (cosine + sine)
         else:
-            c[k], s[k] = 0.0, 0.0
+            work[c, k], work[s, k] = 0.0, 0.0
             for j in range(k - 1):
-                c[k] -= turn[j] * s[k - 1 - j] / k
-                s[k] += turn[j] * c[k - 1 - j] / k
-            rest = product(across, c, k) - product(push, s, k)
+                work[c, k] -= work[turn, j] * work[s, k - 1 - j] / k
+                work[s, k] += work[turn, j] * work[c, k - 1 - j] / k
+            rest = product(work, across, c, k) - product(work, push, s, k)
             if uneven != 0.0:
-                cross[k] = product(c, s, k)
-                rest -= uneven * q * product(load, cross, k)
+                work[cross, k] = product(work, c, s, k)
+                rest -= uneven * q * product(work, load, cross, k)
             for i in range(2, k + 1):
-                rest -= r[i] * turn[k - i]
+                rest -= work[r, i] * work[turn, k - i]
             angle = rest / (pull + k * start)
-            turn[k - 1] = k * angle
-            c[k] -= angle * sine
-            s[k] += angle * cosine
-        growth = product(push, c, k) + product(across, s, k) - q * load[k]
+            work[turn, k - 1] = k * angle
+            work[c, k] -= angle * sine
+            work[s, k] += angle * cosine
+        growth = product(work, push, c, k) + product(work, across, s, k) - q * work[load, k]
         if uneven != 0.0:
-            cross[k], squared[k] = product(c, s, k), product(s, s, k)
-            growth -= uneven * q * product(load, squared, k)
-        r[k + 1] = start if k == 0 else growth / (k + 1)
-    work.square[: order + 1] = r[: order + 1]
+            work[cross, k], work[squared, k] = product(work, c, s, k), product(work, s, s, k)
+            growth -= uneven * q * product(work, load, squared, k)
+        work[r, k + 1] = start if k == 0 else growth / (k + 1)
+    for k in range(order + 1):
+        work[ROW.square, k] = work[r, k]
 
 
-@compiled
+@borrowing
 def last_of_slip(
     contact: Contact, cosine: float, sine: float, size: float, rate: float, work: Work
 ) -> None:
     """Fill the slip of size `size` as a straight line to its end."""
-    work.slip[0, 0], work.slip[1, 0] = size * cosine, size * sine
-    work.slip[0, 1], work.slip[1, 1] = -rate * cosine, -rate * sine
-    bend(work, work.slip[0, 0], contact.curvature, 0)
-    work.load[0] = -work.free[contact.pressed, 0]
+    work[ROW.slip, 0], work[ROW.slip + 1, 0] = size * cosine, size * sine
+    work[ROW.slip, 1], work[ROW.slip + 1, 1] = -rate * cosine, -rate * sine
+    if contact.curvature != 0.0:
+        bend(work, work[ROW.slip, 0], contact.curvature, 0)
+    work[ROW.load, 0] = -work[ROW.free + contact.pressed, 0]
 
 
-@compiled
+@borrowing
 def fill_velocities(contact: Contact, order: int, velocity_2: float, work: Work) -> None:
     """Fill the velocities of the part along the axes of the slip, from slip and acceleration.
 
     Friction acts on the slip of a cylinder `response` times as much as on its velocity.
     """
     response = contact.response
-    along, other = work.velocity[0], work.velocity[contact.second]
-    other[0] = velocity_2
+    along, other = ROW.velocity, ROW.velocity + contact.second
+    work[other, 0] = velocity_2
     for k in range(order + 1):
-        along[k] = work.slip[0, k]
+        work[along, k] = work[ROW.slip, k]
         if k > 0:
-            pushed = work.free[contact.second, k - 1] / k
-            other[k] = work.slip[1, k]
+            pushed = work[ROW.free + contact.second, k - 1] / k
+            work[other, k] = work[ROW.slip + 1, k]
             if response != 1.0:
-                other[k] = (work.slip[1, k] + (response - 1.0) * pushed) / response
+                work[other, k] = (work[ROW.slip + 1, k] + (response - 1.0) * pushed) / response
 
 
-@compiled
+@borrowing
 def asymptotic_span(order: int, work: Work) -> float:
     """Return how far a formal series is good: its terms must fall to the last."""
     span = math.inf
     for k in range(order // 2, order):
-        now = abs(work.slip[0, k]) + abs(work.slip[1, k])
-        after = abs(work.slip[0, k + 1]) + abs(work.slip[1, k + 1])
+        now = abs(work[ROW.slip, k]) + abs(work[ROW.slip + 1, k])
+        after = abs(work[ROW.slip, k + 1]) + abs(work[ROW.slip + 1, k + 1])
         if now > 0.0 and after > 0.0:
             span = min(span, 0.7 * now / after)
     return span

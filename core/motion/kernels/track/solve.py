@@ -20,7 +20,15 @@ from core.motion.kernels.means import (
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.track import drive
-from core.motion.kernels.track.cycle import History, Series, Settled, new_history, settle
+from core.motion.kernels.track.cycle import (
+    History,
+    Series,
+    Settled,
+    follow_period,
+    new_history,
+    remaining,
+    settle,
+)
 from core.motion.kernels.track.tables import (
     GROUPS,
     TALLY,
@@ -124,7 +132,8 @@ def solve(cell: Cell, wall: bool, rolling: float, history: History, result: Floa
         return Settled(STATUS.runaway, 0, 0, math.inf)
     if not rubs and cell.gravity_number_along != 0.0:
         return Settled(STATUS.runaway, 0, 0, math.inf)
-    work = new_work(drive.lift_offs(cell))
+    work = new_work()
+    drive.fill_lift_offs(cell, work)
     state, hold = at_rest()
     found = settle(cell, wall, rolling, FINE, most, state, hold, history, work)
     speed = drive.size(cell)
@@ -139,8 +148,12 @@ def solve(cell: Cell, wall: bool, rolling: float, history: History, result: Floa
         result[COLUMN.velocity] = 0.0
         return found
     status = found.status if rubs else STATUS.neutral
-    check = coarse_velocity(cell, wall, rolling, found, history, work)
-    apart = abs(result[COLUMN.velocity] - check)
+    bounces = cell.restitution > 0.0 or (wall and cell.wall_restitution > 0.0)
+    velocity = result[COLUMN.velocity]
+    if bounces:
+        apart = settled_anew(cell, wall, rolling, found, velocity, history, work)
+    else:
+        apart = followed_on(cell, wall, rolling, found, velocity, history, work)
     if not math.isfinite(apart):
         apart = speed
     result[COLUMN.error] = apart + found.left + LEAST_ERROR * speed
@@ -148,24 +161,43 @@ def solve(cell: Cell, wall: bool, rolling: float, history: History, result: Floa
 
 
 @compiled
-def coarse_velocity(
-    cell: Cell, wall: bool, rolling: float, found: Settled, history: History, work: Work
-) -> float:
-    """Return the mean velocity by shorter series, from where the motion repeats, or NaN.
+def followed_on(
+    cell: Cell, wall: bool, rolling: float, found: Settled, velocity: float, history: History,
+    work: Work,
+) -> float:  # fmt: skip
+    """Return how far shorter series come from a mean velocity, or NaN.
 
-    With rebounds it starts from rest again: which of several motions a part falls into may hang on
-    its last digits.
+    They follow the cycle twice from its start. By how much less the state changes over the second
+    time tells how far it still goes.
     """
-    first = found.done - found.multiple
+    multiple = found.multiple
+    first = found.done - multiple
     state, hold = history.starts[first].copy(), history.holds[first].copy()
-    if cell.restitution > 0.0 or (wall and cell.wall_restitution > 0.0):
-        state, hold = at_rest()
+    last = min(2 * multiple, history.starts.shape[0])
+    for period in range(last):
+        if not follow_period(cell, wall, rolling, COARSE, period, state, hold, history, work):
+            return math.nan
+    travel = history.tallies[:, TALLY.travel]
+    off = abs(mean_velocity(travel, last - multiple, last, TURN) - velocity)
+    return off + remaining(wall, rolling, history, last - 1, multiple, 0)
+
+
+@compiled
+def settled_anew(
+    cell: Cell, wall: bool, rolling: float, found: Settled, velocity: float, history: History,
+    work: Work,
+) -> float:  # fmt: skip
+    """Return how far shorter series come from a mean velocity, or NaN: they start from rest again.
+
+    Which of several motions a part with rebounds falls into may hang on its last digits.
+    """
+    state, hold = at_rest()
     most = min(history.starts.shape[0] - 1, 4 * found.done + 32)
     again = settle(cell, wall, rolling, COARSE, most, state, hold, history, work)
     if again.multiple == 0:
         return math.nan
     travel = history.tallies[:, TALLY.travel]
-    return mean_velocity(travel, again.done - again.multiple, again.done, TURN)
+    return abs(mean_velocity(travel, again.done - again.multiple, again.done, TURN) - velocity)
 
 
 @compiled

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numba.np.unsafe.ndarray import to_fixed_tuple
@@ -119,55 +119,59 @@ EVENT = Event(*range(len(Event._fields)))
 TALLY = Tally(*range(len(Tally._fields)))
 
 
-class Work(NamedTuple):
-    """The series of a step, coefficients of powers of the phase since its start.
+class Row(NamedTuple):
+    """First rows of the table of a step: series in powers of the phase since its start.
+
+    One table, since a call hands on each array at a price.
 
     Attributes
     ----------
-    free : ndarray, shape (3, n)
+    free : int
         Acceleration of a part without contacts, along, across and normal; what a curve adds is in
-        `across` once the velocity along is known.
-    track : ndarray
+        the second once the velocity along is known.
+    track : int
         Velocity of the track along itself.
-    velocity : ndarray, shape (3, n)
+    velocity, place : int
         Of the part relative to the track, along, across and normal.
-    place : ndarray, shape (3, n)
-        Likewise.
-    slip : ndarray, shape (2, n)
-        Of the contact that slips.
-    square : ndarray
+    slip : int
+        Of the contact that slips, two rows.
+    square : int
         Of the slip's size.
-    load : ndarray
+    load : int
         Of the contact that slips.
-    extra : ndarray, shape (8, n)
-        Of use to one function only.
-    event, scratch : ndarray
+    extra : int
+        Seven of use to one function only.
+    event, scratch : int
         What turns negative at an event, and a copy that its search destroys.
-    lifts : ndarray
-        Phases at which the floor loses a part that rests on it.
+    lifts : int
+        No series: how many times a period the floor loses a part that rests on it, and the phases.
+    rows : int
+        How many there are.
     """
 
-    free: Floats
-    track: Floats
-    velocity: Floats
-    place: Floats
-    slip: Floats
-    square: Floats
-    load: Floats
-    extra: Floats
-    event: Floats
-    scratch: Floats
-    lifts: Floats
+    free: int
+    track: int
+    velocity: int
+    place: int
+    slip: int
+    square: int
+    load: int
+    extra: int
+    event: int
+    scratch: int
+    lifts: int
+    rows: int
+
+
+ROW = Row(0, 3, 4, 7, 10, 12, 13, 14, 21, 22, 23, 24)
+Work: TypeAlias = Floats
+"""The table of a step."""
 
 
 @compiled
-def new_work(lifts: Floats) -> Work:
-    """Return room for the series of a step, under a drive with these lift-offs."""
-    n = MOST_ORDER + 2
-    return Work(
-        np.zeros((3, n)), np.zeros(n), np.zeros((3, n)), np.zeros((3, n)), np.zeros((2, n)),
-        np.zeros(n), np.zeros(n), np.zeros((8, n)), np.zeros(n), np.zeros(n), lifts,
-    )  # fmt: skip
+def new_work() -> Work:
+    """Return room for the series of a step."""
+    return np.zeros((ROW.rows, MOST_ORDER + 2))
 
 
 @compiled

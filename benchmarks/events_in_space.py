@@ -1,0 +1,228 @@
+"""Prints error, time and status of exact motion in space; `python -m benchmarks.events_in_space`.
+
+Random cells of ten kinds, each judged by a run of the same events with series of order 24 and terms of 1e-14, whose
+own error the reference bounds (`tests/laws/test_spatial_events.py`); some of them by time stepping, too, for the ratio.
+"""  # noqa: E501
+
+from __future__ import annotations
+
+import argparse
+import time
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from core.motion.groups import SOLID_CYLINDER, Contacts, Groups, cells_of
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.means import mean_velocity
+from core.motion.kernels.track import Cell, solve_cells
+from core.motion.kernels.track.cycle import Series, new_history, settle
+from core.motion.kernels.track.tables import TALLY, TURN, at_rest, cell_of, new_work
+from core.motion.methods.stepping import stepped_motion
+from core.motion.result import STATUS, Motion, motion_of
+
+WITNESS = Series(24, 1e-14)
+SETTINGS = {"tolerance": 1e-12, "most_periods": 1000.0}
+REPEATS = [STATUS[name] for name in ("at_rest", "periodic", "neutral")]
+
+
+class Kind(NamedTuple):
+    """What the cells of a kind have in common."""
+
+    throw: tuple[float, float]
+    wall: bool = False
+    rolling: float = 0.0
+    curved: bool = False
+    static: tuple[float, float] = (1.0, 1.0)
+    restitution: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def contacts(self) -> Contacts:
+        """What a part can touch."""
+        return Contacts(self.wall, self.rolling)
+
+
+RESTS, HOPS, ANY = (0.2, 0.97), (1.05, 3.0), (0.2, 3.0)
+KINDS = {
+    "plane, no hops": Kind(RESTS),
+    "plane, hops": Kind(HOPS),
+    "plane, static above kinetic": Kind(ANY, static=(1.05, 1.4)),
+    "cylinder": Kind(ANY, rolling=SOLID_CYLINDER),
+    "wall, no hops": Kind(RESTS, wall=True),
+    "wall, hops": Kind(HOPS, wall=True),
+    "wall, curved, no hops": Kind(RESTS, wall=True, curved=True),
+    "wall, curved, hops": Kind(HOPS, wall=True, curved=True),
+    "wall, curved, static above kinetic": Kind(ANY, wall=True, curved=True, static=(1.05, 1.4)),
+    "wall, curved, rebounds": Kind(HOPS, wall=True, curved=True, restitution=(0.05, 0.4)),
+}
+
+
+def random_groups(kind: Kind, count: int, seed: int) -> Groups:
+    """Return cells of one kind, as a feeder's track has them."""
+    pick = np.random.default_rng(seed).uniform
+    beta, alpha = np.radians(pick(10, 50, count)), np.radians(pick(5, 35, count))
+    if kind.wall:
+        alpha *= np.where(pick(0, 1, count) < 0.7, 1.0, -1.0)
+    gamma = np.radians(pick(0, 4, count))
+    delta = np.radians(pick(2, 20, count)) if kind.wall else np.zeros(count)
+    normal = np.cos(gamma) * np.cos(delta)
+    size = pick(*kind.throw, count) * normal / np.sin(beta)
+    kinetic, bounce = pick(0.15, 0.8, count), pick(*kind.restitution, count)
+    return Groups(
+        drive_number_along=size * np.cos(beta) * np.cos(alpha),
+        drive_number_across=size * np.cos(beta) * np.sin(alpha),
+        drive_number_normal=size * np.sin(beta),
+        gravity_number_along=np.sin(gamma),
+        gravity_number_across=np.cos(gamma) * np.sin(delta),
+        gravity_number_normal=normal,
+        curvature_number=10 ** pick(-3, -1, count) if kind.curved else 0.0,
+        friction_static=kinetic * pick(*kind.static, count),
+        friction_kinetic=kinetic,
+        wall_friction=kinetic,
+        restitution=bounce,
+        wall_restitution=bounce,
+    )
+
+
+def speed_of(groups: Groups) -> Floats:
+    """Return the drive's speed A w of cells, in g/w."""
+    numbers = groups.drive_number_along, groups.drive_number_across, groups.drive_number_normal
+    return np.sqrt(sum(np.square(number) for number in numbers))
+
+
+@numba.njit(nogil=True, error_model="numpy")
+def witnessed(wall: bool, rolling: float, series: Series, rows: Floats, found: Floats) -> None:
+    """Fill mean velocity and multiple of cells by other series; NaN where nothing repeats."""
+    history = new_history(int(rows[0, -1]))
+    for number in range(rows.shape[0]):
+        cell = cell_of(rows[number])
+        state, hold = at_rest()
+        work = new_work()
+        drive.fill_lift_offs(cell, work)
+        end = settle(
+            cell, wall, rolling, series, int(cell.most_periods), state, hold, history, work
+        )
+        found[number, 0], found[number, 1] = np.nan, end.multiple
+        if end.multiple > 0:
+            travel = history.tallies[:, TALLY.travel]
+            found[number, 0] = mean_velocity(travel, end.done - end.multiple, end.done, TURN)
+
+
+def timed(kind: Kind, rows: Floats, repeats: int) -> tuple[Motion, Floats]:
+    """Return the motion of cells, one after the other on one core, and the least seconds of each."""
+    seconds = np.full(len(rows), np.inf)
+    table, status = np.empty((len(rows), 11)), np.zeros(len(rows), dtype=np.int8)
+    for number in range(len(rows)):
+        piece = slice(number, number + 1)
+        for _ in range(repeats):
+            started = time.perf_counter()
+            solve_cells(kind.wall, kind.rolling, rows[piece], table[piece], status[piece])
+            seconds[number] = min(seconds[number], time.perf_counter() - started)
+    return motion_of(table, status, (len(rows),)), seconds
+
+
+def main() -> None:
+    """Print a row for each kind and one for all."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--cells", type=int, default=1000, help="of each kind")
+    parser.add_argument("--seed", type=int, default=14)
+    parser.add_argument("--repeats", type=int, default=2, help="of each timing")
+    parser.add_argument("--stepped", type=int, default=10, help="cells of each kind, by steps")
+    parser.add_argument("--worst", type=int, default=0, help="cells to show of each kind")
+    arguments = parser.parse_args()
+    every: dict[str, list[Floats]] = {}
+    print(
+        "| cells | repeat | error/A w: median | 99 % | worst | stated: median | exceeded | "
+        "multiple differs | found by one | us: median | mean | 99 % | us a period that does not |"
+    )
+    print("| --- " * 13 + "|")
+
+    def show(name: str, of: dict[str, Floats]) -> None:
+        both = of["repeats"] & np.isfinite(of["truth"])
+        error, stated = of["error"][both], of["stated"][both]
+        took = 1e6 * of["seconds"]
+        other = ~of["repeats"] & (of["status"] == STATUS["aperiodic"])
+        print(
+            f"| {name} | {both.sum()} of {both.size} | {np.median(error):.1e} | "
+            f"{np.quantile(error, 0.99):.1e} | {error.max():.1e} | {np.median(stated):.1e} | "
+            f"{np.count_nonzero(error > stated)} | "
+            f"{np.count_nonzero((of['multiple'] != of['cycle'])[both])} | "
+            f"{np.count_nonzero(of['repeats'] != np.isfinite(of['truth']))} | "
+            f"{np.median(took[both]):.0f} | {took[both].mean():.0f} | "
+            f"{np.quantile(took[both], 0.99):.0f} | "
+            + (
+                f"{np.median(took[other]) / SETTINGS['most_periods']:.1f} ({other.sum()}) |"
+                if other.any()
+                else "- |"
+            ),
+            flush=True,
+        )
+
+    for place, (name, kind) in enumerate(KINDS.items()):
+        groups = random_groups(kind, arguments.cells, arguments.seed + place)
+        rows, _ = cells_of(Cell._fields, groups, **SETTINGS)
+        solve_cells(
+            kind.wall, kind.rolling, rows[:1], np.empty((1, 11)), np.zeros(1, dtype=np.int8)
+        )
+        motion, seconds = timed(kind, rows, arguments.repeats)
+        truth = np.empty((len(rows), 2))
+        witnessed(kind.wall, kind.rolling, WITNESS, rows, truth)
+        speed = speed_of(groups)
+        of = {
+            "status": motion.status,
+            "repeats": np.isin(motion.status, REPEATS),
+            "truth": truth[:, 0],
+            "cycle": truth[:, 1],
+            "multiple": motion.multiple,
+            "error": np.abs(motion.velocity - truth[:, 0]) / speed,
+            "stated": motion.error / speed,
+            "seconds": seconds,
+        }
+        show(name, of)
+        for key, value in of.items():
+            every.setdefault(key, []).append(value)
+        for number in np.argsort(-np.nan_to_num(of["error"]))[: arguments.worst]:
+            print(number, {key: value[number] for key, value in of.items()}, rows[number].tolist())
+        if arguments.worst:
+            for number in np.flatnonzero(of["repeats"] != np.isfinite(of["truth"])):
+                print("one", number, {key: value[number] for key, value in of.items()})
+            for number in np.flatnonzero((of["multiple"] != of["cycle"]) & of["repeats"]):
+                print("multiple", number, {key: value[number] for key, value in of.items()})
+        if arguments.stepped:
+            some = Groups._make(
+                np.broadcast_to(g, speed.shape)[: arguments.stepped] for g in groups
+            )
+            step_seconds, step_error = [], []
+            for number in range(arguments.stepped):
+                one = Groups._make(column[number] for column in some)
+                for _ in range(2):  # the first may compile
+                    started = time.perf_counter()
+                    found = stepped_motion(
+                        one, kind.contacts, steps_per_period=1000, most_periods=200
+                    )
+                    took = time.perf_counter() - started
+                step_seconds.append(took)
+                step_error.append(abs(float(found.velocity) - truth[number, 0]) / speed[number])
+            every.setdefault("step seconds", []).append(np.array(step_seconds))
+            every.setdefault("step error", []).append(np.array(step_error))
+            every.setdefault("same seconds", []).append(seconds[: arguments.stepped])
+            every.setdefault("same error", []).append(of["error"][: arguments.stepped])
+    joined = {key: np.concatenate(values) for key, values in every.items()}
+    show("all", joined)
+    print()
+    names = {value: name for name, value in STATUS.items()}
+    values, counts = np.unique(joined["status"], return_counts=True)
+    print(", ".join(f"{names[v]}: {c}" for v, c in zip(values, counts, strict=True)))
+    if arguments.stepped:
+        fine = np.isfinite(joined["step error"] + joined["same error"])
+        slower = joined["step seconds"][fine] / joined["same seconds"][fine]
+        less = np.median(joined["step error"][fine]) / np.median(joined["same error"][fine])
+        print(
+            f"time stepping, {np.count_nonzero(fine)} cells: {1e6 * np.median(joined['step seconds'][fine]):.0f} us, "
+            f"{np.median(slower):.0f} times slower, median error {np.median(joined['step error'][fine]):.1e} A w, {less:.1e} times as much"
+        )
+
+
+if __name__ == "__main__":
+    main()
