@@ -16,7 +16,7 @@ import numpy as np
 from core.motion.groups import SOLID_CYLINDER, Contacts, Groups, cells_of
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.means import mean_velocity
-from core.motion.kernels.track import Cell, solve_cells
+from core.motion.kernels.track import Cell, drive, solve_cells
 from core.motion.kernels.track.cycle import Series, new_history, settle
 from core.motion.kernels.track.tables import TALLY, TURN, at_rest, cell_of, new_work
 from core.motion.methods.stepping import stepped_motion
@@ -110,7 +110,7 @@ def witnessed(wall: bool, rolling: float, series: Series, rows: Floats, found: F
 
 
 def timed(kind: Kind, rows: Floats, repeats: int) -> tuple[Motion, Floats]:
-    """Return the motion of cells, one after the other on one core, and the least seconds of each."""
+    """Return the motion of cells, one by one on one core, and the least seconds of each."""
     seconds = np.full(len(rows), np.inf)
     table, status = np.empty((len(rows), 11)), np.zeros(len(rows), dtype=np.int8)
     for number in range(len(rows)):
@@ -143,6 +143,7 @@ def main() -> None:
         error, stated = of["error"][both], of["stated"][both]
         took = 1e6 * of["seconds"]
         other = ~of["repeats"] & (of["status"] == STATUS["aperiodic"])
+        periods = np.median(took[other]) / SETTINGS["most_periods"] if other.any() else np.nan
         print(
             f"| {name} | {both.sum()} of {both.size} | {np.median(error):.1e} | "
             f"{np.quantile(error, 0.99):.1e} | {error.max():.1e} | {np.median(stated):.1e} | "
@@ -151,11 +152,7 @@ def main() -> None:
             f"{np.count_nonzero(of['repeats'] != np.isfinite(of['truth']))} | "
             f"{np.median(took[both]):.0f} | {took[both].mean():.0f} | "
             f"{np.quantile(took[both], 0.99):.0f} | "
-            + (
-                f"{np.median(took[other]) / SETTINGS['most_periods']:.1f} ({other.sum()}) |"
-                if other.any()
-                else "- |"
-            ),
+            f"{periods:.1f} ({other.sum()}) |",
             flush=True,
         )
 
@@ -216,11 +213,12 @@ def main() -> None:
     print(", ".join(f"{names[v]}: {c}" for v, c in zip(values, counts, strict=True)))
     if arguments.stepped:
         fine = np.isfinite(joined["step error"] + joined["same error"])
-        slower = joined["step seconds"][fine] / joined["same seconds"][fine]
-        less = np.median(joined["step error"][fine]) / np.median(joined["same error"][fine])
+        steps, same = joined["step seconds"][fine], joined["same seconds"][fine]
+        off = np.median(joined["step error"][fine])
         print(
-            f"time stepping, {np.count_nonzero(fine)} cells: {1e6 * np.median(joined['step seconds'][fine]):.0f} us, "
-            f"{np.median(slower):.0f} times slower, median error {np.median(joined['step error'][fine]):.1e} A w, {less:.1e} times as much"
+            f"time stepping, {np.count_nonzero(fine)} cells: {1e6 * np.median(steps):.0f} us, "
+            f"{np.median(steps / same):.0f} times as much; median error {off:.1e} A w, "
+            f"{off / np.median(joined['same error'][fine]):.1e} times as much"
         )
 
 

@@ -90,7 +90,7 @@ def prepare(study: SimulateStudy) -> Simulation:
         asked += tuple(n for n in SCALES if n not in asked and n in scene.outputs(method))
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
     problems = [
-        Problem(name, f"the method {method} does not use it", "Remove it")
+        Problem(name, f"the method {method} does not use it", _who_uses(scene, name))
         for name in settings
         if name not in needed
     ]
@@ -113,6 +113,12 @@ def further(content: Mapping[str, Any], known: StudyError) -> list[Problem]:
 def _chosen(content: Mapping[str, Any]) -> Chosen:
     method = content.get("method")
     return choose_scene(content["scene"], method if isinstance(method, str) else None, SYSTEMS)
+
+
+def _who_uses(scene: Scene, setting: str) -> str:
+    """Return what to do with a setting that the method in force does not use."""
+    users = [name for name in scene.variants if setting in scene.variant_defaults.get(name, {})]
+    return f"Remove it, or set method to {' or '.join(users)}" if users else "Remove it"
 
 
 def _wrong_course(study: SimulateStudy, scene: Scene, method: str) -> list[Problem]:

@@ -181,7 +181,8 @@ def test_every_function_of_a_kernel_file_is_compiled():
             for node in ast.walk(ast.parse(file.read_text())):
                 if isinstance(node, ast.FunctionDef):
                     found += 1
-                    assert [ast.unparse(made) for made in node.decorator_list] == ["compiled"]
+                    (made,) = map(ast.unparse, node.decorator_list)
+                    assert made in ("compiled", "borrowing")
     assert found > 100
 
 

@@ -15,6 +15,7 @@ from core.errors import StudyError
 from core.kinds import prepare_content, tabulate
 from core.motion import SYSTEMS, simulate
 from core.motion.rates import effective_distance, parts_per_minute, velocity_for
+from core.motion.systems import CONTACTS
 from core.quantities import MOTION_STATUSES
 from core.study import load_study, parse_study
 from core.sweep import sweep
@@ -51,10 +52,12 @@ class TestMethods:
         assert found.attrs["method"] == "events"
         assert float(found.conveying_velocity) == pytest.approx(HOP_SPEED, rel=1e-13)
 
-    def test_time_stepping_is_the_default_in_space(self):
-        for alpha in ("10 deg", [0, 10]):
-            found = run(parameters={"alpha": alpha}, steps_per_period=100, most_periods=40)
-            assert found.attrs["method"] == "time-stepping"
+    @pytest.mark.parametrize("scene", [*CONTACTS])
+    def test_events_is_the_default_in_space(self, scene):
+        found = run(scene=scene, parameters={"alpha": [0, 10]})
+        assert found.attrs["method"] == "events"
+        # The first cell is one of the plane, and gets the plane's answer.
+        assert float(found.conveying_velocity[0]) == pytest.approx(HOP_SPEED, rel=1e-13)
 
     def test_every_method_has_a_price(self):
         """It decides what becomes a job, and how progress is shared out."""
@@ -90,13 +93,14 @@ class TestMethods:
         assert away <= float(found.conveying_velocity_error)
 
     def test_a_block_and_a_cylinder_differ_across_the_track_only(self):
-        changes = {"parameters": {"alpha": "30 deg"}, "steps_per_period": 200, "most_periods": 40}
+        changes = {"parameters": {"alpha": "30 deg"}, "most_periods": 40}
         block, cylinder = run(**changes), run(scene="cylinder-on-plane", **changes)
         assert float(block.conveying_velocity) != float(cylinder.conveying_velocity)
 
     def test_the_track_without_wall_load_is_a_plane(self):
-        found = run(scene="rectangle-on-track", steps_per_period=200)
-        plane = run(method="time-stepping", steps_per_period=200)
+        method = {"method": "time-stepping", "steps_per_period": 200}
+        found = run(scene="rectangle-on-track", **method)
+        plane = run(**method)
         away = abs(float(found.conveying_velocity) - float(plane.conveying_velocity))
         assert away <= 1e-2 * HOP_SPEED  # both are of first order with 200 steps
 
@@ -178,8 +182,7 @@ class TestDatasets:
         assert float((exact.motion_mode == steps.motion_mode).mean()) > 0.98
 
     def test_the_course_at_the_wall(self):
-        found = run(scene="rectangle-on-track", trajectory=100, most_periods=20,
-                    steps_per_period=100,
+        found = run(scene="rectangle-on-track", trajectory=100,
                     parameters={"alpha": "10 deg", "delta": "5 deg"})  # fmt: skip
         assert float(found.distance_from_wall.min()) >= 0
         assert np.isfinite(found.distance_from_wall).all()
@@ -299,7 +302,10 @@ class TestProblems:
         assert found[0] == float(run(method="events").conveying_velocity)
 
     def test_settings_belong_to_methods(self):
-        assert "does not use it" in problems(steps_per_period=100)["steps_per_period"]
+        told = problems(steps_per_period=100)["steps_per_period"]
+        assert told == (
+            "the method events does not use it. Remove it, or set method to time-stepping"
+        )
         assert "does not use it" in problems(slip_speed=1e-4)["slip_speed"]
         assert "does not use it" in problems(method="time-stepping", tolerance=1e-9)["tolerance"]
 
@@ -361,9 +367,11 @@ class TestNoAnswer:
         assert int(found.motion_status) == MOTION_STATUSES["runaway"].value
 
     def test_a_part_that_never_lands_has_no_mean(self):
-        found = run(parameters={"amplitude": "1 m", "alpha": "10 deg"}, steps_per_period=50)
-        assert int(found.motion_status) == MOTION_STATUSES["limit_reached"].value
-        assert np.isnan(found.conveying_velocity)
+        given = {"amplitude": "1 m", "alpha": "10 deg"}
+        for more in ({}, {"method": "time-stepping", "steps_per_period": 50}):
+            found = run(parameters=given, **more)
+            assert int(found.motion_status) == MOTION_STATUSES["limit_reached"].value
+            assert np.isnan(found.conveying_velocity)
 
     @pytest.mark.parametrize("amplitude", [0, 5e-324, 1e-300, 1e300])
     def test_amplitudes_at_the_ends_of_floating_numbers(self, amplitude):
