@@ -50,6 +50,20 @@ def batch_spread(travel: Floats, done: int, period: float) -> float:
 
 
 @compiled
+def is_monotone(travel: Floats, done: int, period: float) -> bool:
+    """Return whether the batches' means go one way only, as by chance they do once in 20,000."""
+    batch = max(1, (done - done // 4) // BATCHES)
+    rises, falls, before = 0, 0, 0.0
+    for k in range(BATCHES):
+        start = done - (BATCHES - k) * batch
+        mean = mean_velocity(travel, start, start + batch, period)
+        if k > 0:
+            rises, falls = rises + (mean > before), falls + (mean < before)
+        before = mean
+    return rises == BATCHES - 1 or falls == BATCHES - 1
+
+
+@compiled
 def runs_away(gain: float, before: float, pull: float, friction: float) -> bool:
     """Return whether the mean velocity grows on and on, as gravity is no less than friction.
 

@@ -27,6 +27,9 @@ from core.motion.kernels.track.tables import BOTH, EVENT, FLOOR, HOLD, ROW, STAT
 LONGEST = 1.5
 """Of a step: a quarter of the drive's period, beyond which its series needs more terms."""
 
+REACH = 0.02
+"""Of a slip: its part along its first direction falls no lower within a step."""
+
 
 class Step(NamedTuple):
     """What a step is computed with: contacts, order, tolerance of a term.
@@ -266,12 +269,16 @@ def slide(
         span, name = sooner(work, place, order, span, word, name)
     if begin.closes or not contact.friction > 0.0:
         return span, name, order
-    fill_multiple(work, event, 1.0, ROW.square, order)
     if begin.onset:
+        fill_multiple(work, event, 1.0, ROW.square, order)
         span, name = sooner(work, event, order, span, EVENT.stop, name)
-    else:
-        work[event, 0] -= begin.least * begin.least
-        span, name = sooner(work, event, order, span, EVENT.nothing, name)
+        return span, name, order
+    # The slip is asked again before it passes zero: its series do not feel a turn at a place that
+    # is too near to it.
+    for k in range(order + 1):
+        work[event, k] = begin.cosine * work[ROW.slip, k] + begin.sine * work[ROW.slip + 1, k]
+    work[event, 0] -= max(begin.least, REACH * begin.size)
+    span, name = sooner(work, event, order, span, EVENT.nothing, name)
     return span, name, order
 
 

@@ -13,6 +13,7 @@ from core.motion.kernels.means import (
     SURE,
     batch_spread,
     gains,
+    is_monotone,
     is_transient,
     mean_velocity,
     runs_away,
@@ -31,6 +32,7 @@ from core.motion.kernels.track.cycle import (
 )
 from core.motion.kernels.track.tables import (
     GROUPS,
+    STATE,
     TALLY,
     TURN,
     Cell,
@@ -44,8 +46,14 @@ FINE = Series(16, 1e-11)
 """Of the results."""
 COARSE = Series(12, 1e-9)
 """Of the run that tells the error."""
-LEAST_ERROR = 1e-10
+LEAST_ERROR = 2e-10
 """Of the drive's speed: the error told of a motion that repeats is no smaller."""
+SURELY = 1e-6
+"""Of the drive's speed: a motion whose mean is known less well is not known to repeat."""
+STRAYED = 0.1
+"""Of the drive's speed: two runs that were so far apart have forgotten where they came from."""
+OTHERS = 3
+"""Runs more of a part whose motion digits decide."""
 
 
 @compiled
@@ -111,7 +119,8 @@ def without_repeating(cell: Cell, wall: bool, history: History, done: int, resul
     result[COLUMN.spread] = spread
     result[COLUMN.error] = SURE * spread / math.sqrt(BATCHES)
     result[COLUMN.error] += (ahead - behind) / ((done - first) * TURN)
-    return STATUS.limit_reached if is_transient(gain, before, spread) else STATUS.aperiodic
+    settles = is_transient(gain, before, spread) and is_monotone(travel, done, TURN)
+    return STATUS.limit_reached if settles else STATUS.aperiodic
 
 
 @compiled
@@ -148,15 +157,16 @@ def solve(cell: Cell, wall: bool, rolling: float, history: History, result: Floa
         result[COLUMN.velocity] = 0.0
         return found
     status = found.status if rubs else STATUS.neutral
-    bounces = cell.restitution > 0.0 or (wall and cell.wall_restitution > 0.0)
     velocity = result[COLUMN.velocity]
-    if bounces:
-        apart = settled_anew(cell, wall, rolling, found, velocity, history, work)
+    if cell.restitution > 0.0 or (wall and cell.wall_restitution > 0.0):
+        apart, told = settled_anew(cell, wall, rolling, found, velocity, history, work)
     else:
-        apart = followed_on(cell, wall, rolling, found, velocity, history, work)
-    if not math.isfinite(apart):
-        apart = speed
-    result[COLUMN.error] = apart + found.left + LEAST_ERROR * speed
+        apart, told = followed_on(cell, wall, rolling, found, velocity, history, work), True
+    error = 2.0 * apart + found.left + LEAST_ERROR * speed
+    result[COLUMN.error] = error if error < 2.0 * speed else 2.0 * speed
+    if not told or not error < SURELY * speed:
+        result[COLUMN.multiple] = 0.0
+        return Settled(STATUS.sensitive, 0, found.done, error)
     return Settled(status, found.multiple, found.done, found.left)
 
 
@@ -186,18 +196,39 @@ def followed_on(
 def settled_anew(
     cell: Cell, wall: bool, rolling: float, found: Settled, velocity: float, history: History,
     work: Work,
-) -> float:  # fmt: skip
-    """Return how far shorter series come from a mean velocity, or NaN: they start from rest again.
+) -> tuple[float, bool]:  # fmt: skip
+    """Return how far shorter series come from a mean velocity, and whether digits do not decide it.
 
-    Which of several motions a part with rebounds falls into may hang on its last digits.
+    They start from rest again, since which of several motions a part with rebounds falls into may
+    hang on its last digits. It does where both runs have strayed from each other on the way; others
+    then tell how far the means are apart. NaN where one does not repeat.
     """
+    speeds = history.ends[: found.done, STATE.ux].copy()
+    other, done = settled_velocity(cell, wall, rolling, COARSE, found.done, history, work)
+    most, strayed = abs(other - velocity), 0.0
+    for period in range(min(done, speeds.size)):
+        strayed = max(strayed, abs(history.ends[period, STATE.ux] - speeds[period]))
+    if strayed < STRAYED * drive.size(cell):
+        return most, True
+    for number in range(OTHERS):
+        series = Series(COARSE.order, COARSE.tolerance / (2.0 + number))
+        other, _ = settled_velocity(cell, wall, rolling, series, found.done, history, work)
+        most = max(most, abs(other - velocity)) if math.isfinite(other) else math.nan
+    return most, False
+
+
+@compiled
+def settled_velocity(
+    cell: Cell, wall: bool, rolling: float, series: Series, done: int, history: History, work: Work
+) -> tuple[float, int]:
+    """Return the mean velocity from rest, or NaN, and the periods; another run took `done`."""
     state, hold = at_rest()
-    most = min(history.starts.shape[0] - 1, 4 * found.done + 32)
-    again = settle(cell, wall, rolling, COARSE, most, state, hold, history, work)
+    most = min(history.starts.shape[0] - 1, 4 * done + 32)
+    again = settle(cell, wall, rolling, series, most, state, hold, history, work)
     if again.multiple == 0:
-        return math.nan
+        return math.nan, again.done
     travel = history.tallies[:, TALLY.travel]
-    return abs(mean_velocity(travel, again.done - again.multiple, again.done, TURN) - velocity)
+    return mean_velocity(travel, again.done - again.multiple, again.done, TURN), again.done
 
 
 @compiled
