@@ -8,6 +8,7 @@ from core.compiled import borrowing
 from core.motion.kernels.arrays import Flags, Floats
 from core.motion.kernels.planar.cycle import SETTLED_EXACTLY, SETTLED_TIME
 from core.motion.kernels.stepping.contacts import friction_impulse
+from core.motion.kernels.track import drive
 from core.motion.kernels.track.modes import Begin, Step
 from core.motion.kernels.track.tables import (
     BOTH,
@@ -27,7 +28,7 @@ STEADY = 1e-16
 GONE = 2.0
 """Tolerances: a slip no larger than so many is none; it is looked for at one."""
 NEAR_STOP = 3.0
-"""What is left of a slip, times twice its rate of closing, is at most so many tolerances."""
+"""The square of what is left of a slip, over its least rate of closing, in tolerances."""
 
 
 @borrowing
@@ -177,9 +178,13 @@ def begin_slip(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work) -
         rate = rub * (cosine * cosine + response * sine * sine) - push_1 * cosine - push_2 * sine
         least, closes = step.tolerance, False
         if rate > 0.0 and need <= rub:
-            room = math.sqrt(NEAR_STOP * step.tolerance * rate)
-            closes = size <= room
-            least = max(least, 0.9 * room)
+            # It may turn along the push first: what friction has left is its least rate. Forces must
+            # not outgrow friction while it closes.
+            slack = rub - need
+            room = math.sqrt(NEAR_STOP * step.tolerance * slack)
+            closes = size <= room and size * (1.0 + rub) * drive.size(cell) <= slack * slack
+            if size > room:
+                least = max(least, 0.9 * room)
         return Begin(size, cosine, sine, rate, False, closes, least)
     held_on = event in (EVENT.press, EVENT.release, EVENT.seat, EVENT.lift)
     if held_on or (event != EVENT.slip and need <= most):

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from core.compiled import compiled
-from core.motion.kernels.arrays import Floats, Statuses
+from core.motion.kernels.arrays import Flags, Floats, Statuses
 from core.motion.kernels.means import (
     BATCHES,
     SURE,
@@ -48,7 +48,9 @@ COARSE = Series(12, 1e-9)
 """Of the run that tells the error."""
 LEAST_ERROR = 2e-10
 """Of the drive's speed: the error told of a motion that repeats is no smaller."""
-SURELY = 1e-6
+SLOWLY = 1e-8
+"""Of the drive's speed: what is more than that far away has to be followed to its end."""
+SURELY = 1e-4
 """Of the drive's speed: a motion whose mean is known less well is not known to repeat."""
 STRAYED = 0.1
 """Of the drive's speed: two runs that were so far apart have forgotten where they came from."""
@@ -162,6 +164,8 @@ def solve(cell: Cell, wall: bool, rolling: float, history: History, result: Floa
         apart, told = settled_anew(cell, wall, rolling, found, velocity, history, work)
     else:
         apart, told = followed_on(cell, wall, rolling, found, velocity, history, work), True
+        if not apart < SLOWLY * speed:
+            apart = settled_on(cell, wall, rolling, found, velocity, history, work)
     error = 2.0 * apart + found.left + LEAST_ERROR * speed
     result[COLUMN.error] = error if error < 2.0 * speed else 2.0 * speed
     if not told or not error < SURELY * speed:
@@ -178,18 +182,33 @@ def followed_on(
     """Return how far shorter series come from a mean velocity, or NaN.
 
     They follow the cycle twice from its start. By how much less the state changes over the second
-    time tells how far it still goes.
+    time tells how far it still goes. The start stays in the history.
     """
     multiple = found.multiple
     first = found.done - multiple
-    state, hold = history.starts[first].copy(), history.holds[first].copy()
+    begin, held = history.starts[first].copy(), history.holds[first].copy()
+    state, hold = begin.copy(), held.copy()
     last = min(2 * multiple, history.starts.shape[0])
     for period in range(last):
         if not follow_period(cell, wall, rolling, COARSE, period, state, hold, history, work):
             return math.nan
+    left = remaining(wall, rolling, history, last - 1, multiple, 0)
     travel = history.tallies[:, TALLY.travel]
     off = abs(mean_velocity(travel, last - multiple, last, TURN) - velocity)
-    return off + remaining(wall, rolling, history, last - 1, multiple, 0)
+    history.starts[first], history.holds[first] = begin, held
+    return off + left
+
+
+@compiled
+def settled_on(
+    cell: Cell, wall: bool, rolling: float, found: Settled, velocity: float, history: History,
+    work: Work,
+) -> float:  # fmt: skip
+    """Return the same from where they settle to themselves."""
+    first = found.done - found.multiple
+    state, hold = history.starts[first].copy(), history.holds[first].copy()
+    other, _ = settled_velocity(cell, wall, rolling, COARSE, found.done, state, hold, history, work)
+    return abs(other - velocity)
 
 
 @compiled
@@ -197,14 +216,17 @@ def settled_anew(
     cell: Cell, wall: bool, rolling: float, found: Settled, velocity: float, history: History,
     work: Work,
 ) -> tuple[float, bool]:  # fmt: skip
-    """Return how far shorter series come from a mean velocity, and whether digits do not decide it.
+    """Return the same from rest, and whether digits do not decide it.
 
-    They start from rest again, since which of several motions a part with rebounds falls into may
-    hang on its last digits. It does where both runs have strayed from each other on the way; others
-    then tell how far the means are apart. NaN where one does not repeat.
+    Which of several motions a part with rebounds falls into may hang on its last digits. It does
+    where both runs have strayed from each other on the way; others then tell how far the means are
+    apart.
     """
     speeds = history.ends[: found.done, STATE.ux].copy()
-    other, done = settled_velocity(cell, wall, rolling, COARSE, found.done, history, work)
+    state, hold = at_rest()
+    other, done = settled_velocity(
+        cell, wall, rolling, COARSE, found.done, state, hold, history, work
+    )
     most, strayed = abs(other - velocity), 0.0
     for period in range(min(done, speeds.size)):
         strayed = max(strayed, abs(history.ends[period, STATE.ux] - speeds[period]))
@@ -212,17 +234,20 @@ def settled_anew(
         return most, True
     for number in range(OTHERS):
         series = Series(COARSE.order, COARSE.tolerance / (2.0 + number))
-        other, _ = settled_velocity(cell, wall, rolling, series, found.done, history, work)
+        state, hold = at_rest()
+        other, _ = settled_velocity(
+            cell, wall, rolling, series, found.done, state, hold, history, work
+        )
         most = max(most, abs(other - velocity)) if math.isfinite(other) else math.nan
     return most, False
 
 
 @compiled
 def settled_velocity(
-    cell: Cell, wall: bool, rolling: float, series: Series, done: int, history: History, work: Work
-) -> tuple[float, int]:
-    """Return the mean velocity from rest, or NaN, and the periods; another run took `done`."""
-    state, hold = at_rest()
+    cell: Cell, wall: bool, rolling: float, series: Series, done: int, state: Floats, hold: Flags,
+    history: History, work: Work,
+) -> tuple[float, int]:  # fmt: skip
+    """Return the mean velocity by other series, or NaN, and the periods; a run took `done`."""
     most = min(history.starts.shape[0] - 1, 4 * done + 32)
     again = settle(cell, wall, rolling, series, most, state, hold, history, work)
     if again.multiple == 0:
