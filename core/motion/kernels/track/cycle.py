@@ -27,6 +27,11 @@ NEAR = 0.02
 """Of the drive's speed: the change over a period below which mixing starts."""
 SHRINKS = 0.97
 """The change over a period must fall by this much between two plain ones before a jump."""
+LONG = 32
+"""Periods without an end: then slower falls count, and now and then what is near."""
+SHRINKS_AT_ALL = 0.9999
+NOISE = 20.0
+"""Tolerances of a term: two states so near may differ by where the steps fell."""
 DEPTH = 3
 LARGEST_WEIGHT = 200.0
 INDEPENDENT = 1e-6
@@ -175,7 +180,9 @@ def settle(
         moves = tally[TALLY.forward] + tally[TALLY.backward] + tally[TALLY.flight]
         if moves == 0.0 and rolling == 0.0:
             return Settled(STATUS.at_rest, 1, period + 1, 0.0)
-        multiple = repeats(wall, rolling, history, period, since, close)
+        patient = period % LONG == LONG - 1
+        near = max(close, NOISE * series.tolerance * speed) if patient else close
+        multiple = repeats(wall, rolling, history, period, since, near)
         if multiple > 0:
             left = remaining(wall, rolling, history, period, multiple, since)
             return Settled(STATUS.periodic, multiple, period + 1, left)
@@ -183,7 +190,8 @@ def settle(
             continue
         change, before = step_size(wall, history, period), step_size(wall, history, period - 1)
         alike = same_events(history, period, period - 1)
-        shrank = shrank + 1 if alike and change < SHRINKS * before else 0
+        shrinks = SHRINKS if period - since < LONG else SHRINKS_AT_ALL
+        shrank = shrank + 1 if alike and change < shrinks * before else 0
         if shrank >= 2 and change < NEAR * speed and jump(wall, history, period, since, state):
             since, shrank = period + 1, 0
     return Settled(STATUS.aperiodic, 0, most, math.inf)
