@@ -7,12 +7,15 @@ import math
 import numpy as np
 import pytest
 
+from core.motion import simulate
 from core.motion.groups import Contacts, Groups, each
+from core.motion.kernels.statuses import MODE
 from core.motion.kernels.track.polynomials import NEVER, first_fall
 from core.motion.methods.events import motion_by_events
 from core.motion.methods.reference import reference_motion
 from core.motion.methods.spatial_events import spatial_motion, spatial_path
 from core.motion.result import STATUS, Motion
+from core.study import parse_study
 
 SETTINGS = {"tolerance": 1e-12, "most_periods": 300}
 PLANE, TRACK, CYLINDER = Contacts(), Contacts(wall=True), Contacts(rolling=2.0)
@@ -157,3 +160,156 @@ def test_the_first_fall_is_the_first_of_all_roots():
     assert first_fall(table, 0, 2, 1.0, 1) == NEVER
     series[0] = 0.25 - 1e-12
     assert first_fall(table, 0, 2, 1.0, 1) == pytest.approx(0.5 - 1e-6, abs=1e-8)
+
+
+def test_a_drive_turned_round_changes_nothing():
+    """Half a turn of the drive is half a period later: another start, the same motion."""
+    given = random_groups(40, 21, wall=True, curved=True)
+    turned = given._replace(
+        drive_number_along=-given.drive_number_along,
+        drive_number_across=-given.drive_number_across,
+        drive_number_normal=-given.drive_number_normal,
+    )
+    found, later = (spatial_motion(one, TRACK, **SETTINGS) for one in (given, turned))
+    both = (found.status == STATUS["periodic"]) & (later.status == STATUS["periodic"])
+    same = np.abs(found.velocity - later.velocity) <= found.error + later.error
+    assert both.sum() >= 30
+    assert np.count_nonzero(both & ~same) <= 2  # two motions may lie beside each other
+
+
+def test_next_to_a_reversal_in_a_line_the_answer_is_that_in_the_line():
+    """A slip that reverses at a distance of 1e-5 to 1e-14 from nothing: no series may miss it."""
+    given = random_groups(60, 1, wall=False)
+    planar = motion_by_events(given._replace(drive_number_across=0.0), PLANE, **SETTINGS)
+    for aslant in (1e-5, 1e-7, 1e-9, 1e-11, 1e-14):
+        near = given._replace(drive_number_across=aslant * given.drive_number_along)
+        found = spatial_motion(near, PLANE, **SETTINGS)
+        both = (planar.status == STATUS["periodic"]) & (found.status == STATUS["periodic"])
+        assert np.array_equal(both, planar.status == STATUS["periodic"])
+        apart = np.abs(found.velocity - planar.velocity) / drive_of(given)
+        assert apart[both].max() <= aslant**2 + 1e-9  # what is across acts by its square
+
+
+def test_a_slip_that_hardly_closes_is_followed_to_its_end():
+    """Friction is above the push by 6e-4 where 3e-6 of the slip is left: a line would end it."""
+    given = Groups(
+        drive_number_along=0.7102702358959131, drive_number_across=0.08518469178316451,
+        drive_number_normal=0.5114328032709998, gravity_number_along=0.00371151582962297,
+        gravity_number_normal=0.9999931123014031, friction_static=0.32122861972245564,
+        friction_kinetic=0.32122861972245564,
+    )  # fmt: skip
+    found = spatial_motion(given, PLANE, **SETTINGS)
+    # By series of order 24 with terms of 1e-13 and of 1e-14.
+    assert float(found.velocity) == pytest.approx(0.2304533405261, abs=1e-10)
+
+
+def test_size_does_not_matter_to_the_bit():
+    """(A0, w, R) to (A0/4, 2 w, R/4): half the velocity, to the last digit."""
+    parameters = {
+        "frequency": 50, "amplitude": 0.4, "alpha": 10, "beta": 25, "gamma": 2, "delta": 5,
+        "friction": 0.3, "radius": 0.2,
+    }  # fmt: skip
+    small = {**parameters, "frequency": 100, "amplitude": 0.1, "radius": 0.05}
+    speeds = []
+    for one in (parameters, small):
+        amplitude = f"{one['amplitude']} mm"
+        study = {"kind": "simulate", "scene": "rectangle-on-track",
+                 "parameters": {**one, "amplitude": amplitude}}  # fmt: skip
+        speeds.append(float(simulate(parse_study(study)).conveying_velocity))
+    assert speeds[0] == 2 * speeds[1] != 0.0
+
+
+def pieces_of(groups: Groups, cycle: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the phases between which a part stays in one mode, and the modes."""
+
+    def modes(phases: np.ndarray) -> np.ndarray:
+        return spatial_path(groups, PLANE, **SETTINGS, phases=phases)[1]
+
+    phases = np.linspace(0.0, cycle, 3000)
+    found = modes(phases)
+    (changes,) = np.nonzero(np.diff(found))
+    ends = []
+    for change in changes:
+        low, high = phases[change], phases[change + 1]
+        for _ in range(4):
+            inner = np.linspace(low, high, 1000)
+            (first, *_) = np.nonzero(np.diff(modes(inner)))[0]
+            low, high = inner[first], inner[first + 1]
+        ends.append(0.5 * (low + high))
+    return np.array([0.0, *ends, cycle]), found[[*changes, -1]]
+
+
+def integral(ends: tuple[float, float], of, nodes: int = 24, parts: int = 60) -> float:
+    """Return an integral over a piece, by Gauss' rule on parts that shrink towards both ends."""
+    x, w = np.polynomial.legendre.leggauss(nodes)
+    half = 0.5 * 0.6 ** np.arange(parts, -1.0, -1.0)
+    marks = np.concatenate([[0.0], half, 1.0 - half[-2::-1], [1.0]])
+    marks = ends[0] + (ends[1] - ends[0]) * marks
+    width, middle = 0.5 * np.diff(marks), 0.5 * (marks[1:] + marks[:-1])
+    phases = (middle[:, None] + width[:, None] * x).ravel()
+    weights = (width[:, None] * w).ravel()
+    order = np.argsort(phases)
+    return float(weights[order] @ of(phases[order]))
+
+
+@pytest.mark.parametrize(("drive", "friction"), [(0.8, 0.35), (1.4, 0.3), (2.2, 0.5)])
+def test_momentum_and_work_balance_over_a_cycle(drive, friction):
+    """What pushes a part along, across and up, and what friction and impacts take, add up to 0.
+
+    By a quadrature of its own over the path: the kernel integrates neither forces nor work.
+    """
+    beta, alpha, gamma = np.radians([25.0, 12.0, 2.0])
+    size = drive / math.sin(beta)
+    push = size * np.array(
+        [math.cos(beta) * math.cos(alpha), math.cos(beta) * math.sin(alpha), math.sin(beta)]
+    )
+    weight = np.array([math.sin(gamma), 0.0, math.cos(gamma)])
+    groups = Groups(
+        drive_number_along=push[0], drive_number_across=push[1], drive_number_normal=push[2],
+        gravity_number_along=weight[0], gravity_number_normal=weight[2],
+        friction_static=friction, friction_kinetic=friction,
+    )  # fmt: skip
+    motion = spatial_motion(groups, PLANE, **SETTINGS)
+    assert motion.status == STATUS["periodic"]
+    ends, modes = pieces_of(groups, 2 * math.pi * float(motion.multiple))
+    momentum, work, scale = np.zeros(3), 0.0, 0.0
+    for low, high, mode in zip(ends, ends[1:], modes, strict=False):
+
+        def velocity(phases: np.ndarray) -> np.ndarray:
+            return spatial_path(groups, PLANE, **SETTINGS, phases=phases)[0].velocity
+
+        def force(phases: np.ndarray, flies: bool = mode == MODE.flight) -> np.ndarray:
+            """Return the force of the floor: its load, and friction against the slip."""
+            if flies:
+                return np.zeros((len(phases), 3))
+            load = weight[2] - push[2] * np.sin(phases)
+            slip = velocity(phases)[:, :2]
+            size = np.hypot(*slip.T)
+            rubs = -friction * load[:, None] * slip / np.where(size > 0.0, size, 1.0)[:, None]
+            holds = weight[:2] - push[:2] * np.sin(phases)[:, None]
+            return np.column_stack([np.where(size[:, None] > 0.0, rubs, holds), load])
+
+        for axis in range(3):
+
+            def net(phases: np.ndarray, axis: int = axis) -> np.ndarray:
+                free = push[axis] * np.sin(phases) - weight[axis]
+                return free + force(phases)[:, axis]
+
+            momentum[axis] += integral((low, high), net)
+
+        def power(phases: np.ndarray) -> np.ndarray:
+            free = push * np.sin(phases)[:, None] - weight
+            return np.sum((free + force(phases)) * velocity(phases), axis=1)
+
+        work += integral((low, high), power)
+        scale += integral((low, high), lambda phases: np.abs(velocity(phases)).max(axis=1))
+        if mode == MODE.flight and high < ends[-1]:  # an impact: it stops the fall, and rubs
+            before, after = velocity(np.array([high - 1e-11, high + 1e-11]))
+            fall = -before[2]
+            slip = math.hypot(before[0], before[1])
+            rub = min(friction * fall, slip) / slip
+            np.testing.assert_allclose(after[:2], before[:2] * (1 - rub), atol=1e-9)
+            momentum += [-rub * before[0], -rub * before[1], fall]
+            work += 0.5 * ((slip - rub * slip) ** 2 - slip**2 - fall**2)
+    np.testing.assert_allclose(momentum, 0.0, atol=1e-10)
+    assert abs(work) <= 1e-10 * max(1.0, scale)

@@ -105,6 +105,33 @@ class TestMethods:
         assert away <= 1e-2 * HOP_SPEED  # both are of first order with 200 steps
 
 
+class TestWall:
+    LEAN = {"alpha": "10 deg", "delta": "8 deg", "radius": "0.2 m"}
+
+    @pytest.mark.parametrize("method", ["events", "time-stepping", "reference"])
+    def test_it_is_like_the_floor_unless_it_is_given(self, method):
+        found = [
+            float(
+                run(
+                    scene="rectangle-on-track", method=method, parameters={**self.LEAN, **more}
+                ).conveying_velocity
+            )
+            for more in (
+                {},
+                {"wall_friction": HOP["friction"], "wall_restitution": 0},
+                {"wall_friction": 0.1},
+                {"wall_restitution": 0.5},
+            )
+        ]
+        assert found[0] == found[1]
+        assert found[2] > found[0]  # a smooth wall brakes less
+        assert found[3] != found[0]
+
+    def test_it_is_a_parameter_of_the_track_alone(self):
+        told = problems(parameters={"wall_friction": 0.1})
+        assert "not used" in told["parameters.wall_friction"]
+
+
 class TestDatasets:
     def test_it_says_where_the_part_sticks_slides_and_hops(self):
         found = run(

@@ -178,8 +178,8 @@ def begin_slip(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work) -
         rate = rub * (cosine * cosine + response * sine * sine) - push_1 * cosine - push_2 * sine
         least, closes = step.tolerance, False
         if rate > 0.0 and need <= rub:
-            # It may turn along the push first: what friction has left is its least rate. Forces must
-            # not outgrow friction while it closes.
+            # It may turn along the push first: what friction has left is its least rate. Forces
+            # must not outgrow friction while it closes.
             slack = rub - need
             room = math.sqrt(NEAR_STOP * step.tolerance * slack)
             closes = size <= room and size * (1.0 + rub) * drive.size(cell) <= slack * slack
