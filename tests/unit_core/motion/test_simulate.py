@@ -124,9 +124,18 @@ class TestWall:
         ]
         assert found[0] == found[1]
         # By the reference; time stepping is of first order.
-        close = 5e-3 if method == "time-stepping" else 1e-9
-        assert found[0] == pytest.approx(0.0386887412, rel=close)
-        assert found[2] == pytest.approx(0.0382723939, rel=close)
+        close = 5e-3 if method == "time-stepping" else 1e-8
+        assert found[0] == pytest.approx(0.03868874124, rel=close)
+        assert found[2] == pytest.approx(0.03827239394, rel=close)
+
+    def test_it_rebounds_by_its_own_restitution(self):
+        given = {"scene": "rectangle-on-track"}
+        hops = {**self.LEAN, "amplitude": "0.4 mm", "alpha": "5 deg"}
+        dead, lively = (
+            run(**given, parameters={**hops, "wall_restitution": value}) for value in (0.0, 0.5)
+        )
+        assert dead.conveying_velocity != lively.conveying_velocity
+        assert dead.wall_restitution == 0.0
 
     def test_it_is_a_parameter_of_the_track_alone(self):
         told = problems(parameters={"wall_friction": 0.1})
