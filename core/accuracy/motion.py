@@ -16,6 +16,7 @@ from core.accuracy.curves import STEEP, Curve, Measured, Point
 from core.mechanics.arrays import Array
 from core.motion.prepare import Simulation
 from core.motion.result import STATUS
+from core.motion.systems import CONTACTS
 from core.plan.equations import run_equations
 from core.plan.grid import Grid
 from core.plan.plan import plan_scene, scene_parameters
@@ -114,7 +115,7 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
     settings = {
         name: value for name, value in simulation.study.settings().items() if name == "most_periods"
     }
-    exact = "events" if _is_planar(scene, grid) else None
+    exact = "events" if "events" in scene.variants else None
     parts = SHARES["both"] + (SHARES["events"] if exact else 0)
     parts += SHARES["regularised"] if "regularised" in scene.variants else 0
     watch = _shared(watch, 1 / parts)
@@ -178,7 +179,7 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
     )
     if "regularised" in scene.variants:
         curves += _regularised(scene, picked, truth, hops, _shared(watch, 0.35))
-    if exact:
+    if exact and _is_planar(scene, grid):
         rivals, told = _engines(scene, picked, truth, hops, watch)
         curves += rivals
         notes += told
@@ -193,7 +194,9 @@ def _shared(watch: Watch, share: float) -> Watch:
 
 def _is_planar(scene: Scene, grid: Grid) -> bool:
     given = {*grid.axes, *grid.fixed}
-    return "events" in scene.variants and ("alpha" not in given or grid.bounds("alpha") == (0, 0))
+    return not CONTACTS[scene.name].wall and (
+        "alpha" not in given or grid.bounds("alpha") == (0, 0)
+    )
 
 
 def _is_used(scene: Scene, name: str) -> bool:
