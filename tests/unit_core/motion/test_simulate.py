@@ -25,6 +25,7 @@ CONFIGS = Path(__file__).parents[3] / "configs"
 HOP = {
     "frequency": "60 Hz", "amplitude": "0.4 mm", "beta": "25 deg", "friction": 0.4, "gravity": 9.8,
 }  # fmt: skip
+LEAN = {"alpha": "2 deg", "delta": "20 deg", "radius": "0.2 m", "amplitude": "0.25 mm"}
 HOP_SPEED = MEAN_VELOCITIES["hop"].value
 
 
@@ -106,14 +107,12 @@ class TestMethods:
 
 
 class TestWall:
-    LEAN = {"alpha": "2 deg", "delta": "20 deg", "radius": "0.2 m", "amplitude": "0.25 mm"}
-
     @pytest.mark.parametrize("method", ["events", "time-stepping", "reference"])
     def test_it_is_like_the_floor_unless_it_is_given(self, method):
         found = [
             float(
                 run(
-                    scene="rectangle-on-track", method=method, parameters={**self.LEAN, **more}
+                    scene="rectangle-on-track", method=method, parameters={**LEAN, **more}
                 ).conveying_velocity
             )
             for more in (
@@ -130,7 +129,7 @@ class TestWall:
 
     def test_it_rebounds_by_its_own_restitution(self):
         given = {"scene": "rectangle-on-track"}
-        hops = {**self.LEAN, "amplitude": "0.4 mm", "alpha": "5 deg"}
+        hops = {**LEAN, "amplitude": "0.4 mm", "alpha": "5 deg"}
         dead, lively = (
             run(**given, parameters={**hops, "wall_restitution": value}) for value in (0.0, 0.5)
         )
