@@ -183,7 +183,7 @@ def test_the_client_calls_every_route(folder, document, generator, server, tmp_p
     file = tmp_path / "motion.nc"
     done = subprocess.run(
         [python, "-c", CALLS, server, file],
-        cwd=folder, capture_output=True, text=True, timeout=120, check=False,
+        cwd=folder, capture_output=True, text=True, timeout=360, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
     report = json.loads(done.stdout)
