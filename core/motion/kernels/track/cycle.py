@@ -21,8 +21,8 @@ from core.motion.kernels.track.advance import advance
 from core.motion.kernels.track.tables import HOLD, STATE, TALLY, Cell, Work
 
 MOST_MULTIPLE = 32
-APART = 1e4
-"""Tolerances: two states of a cycle that are nearer are one, which comes closer slowly."""
+APART, APART_AT_MOST = 1e4, 1e-5
+"""Tolerances, and of the drive's speed: states of a cycle that are nearer come closer slowly."""
 NEAR = 0.02
 """Of the drive's speed: the change over a period below which mixing starts."""
 SHRINKS = 0.97
@@ -115,11 +115,13 @@ def apart(wall: bool, rolling: float, history: History, later: int, earlier: int
 
 @compiled
 def repeats(
-    wall: bool, rolling: float, history: History, last: int, since: int, close: float
-) -> int:
+    wall: bool, rolling: float, history: History, last: int, since: int, close: float,
+    parted: float,
+) -> int:  # fmt: skip
     """Return after how many periods the motion repeats, 0 if it does not; `since` the last jump.
 
-    Where a part of a cycle nearly repeats it may be the same motion, not settled yet.
+    Where a part of a cycle nearly repeats, by less than `parted`, it may be the same motion, not
+    settled yet.
     """
     ends, starts, column = history.ends, history.starts, STATE.ux
     for multiple in range(1, min(MOST_MULTIPLE, last - since + 1) + 1):
@@ -129,7 +131,7 @@ def repeats(
             continue
         for part in range(1, multiple):
             near = multiple % part == 0
-            if near and apart(wall, rolling, history, last, last - part + 1) < APART * close:
+            if near and apart(wall, rolling, history, last, last - part + 1) < parted:
                 return 0
         return multiple
     return 0
@@ -182,7 +184,8 @@ def settle(
             return Settled(STATUS.at_rest, 1, period + 1, 0.0)
         patient = period % LONG == LONG - 1
         near = max(close, NOISE * series.tolerance * speed) if patient else close
-        multiple = repeats(wall, rolling, history, period, since, near)
+        parted = max(near, min(APART * near, APART_AT_MOST * speed))
+        multiple = repeats(wall, rolling, history, period, since, near, parted)
         if multiple > 0:
             left = remaining(wall, rolling, history, period, multiple, since)
             return Settled(STATUS.periodic, multiple, period + 1, left)

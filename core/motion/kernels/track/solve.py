@@ -168,7 +168,7 @@ def solve(cell: Cell, wall: bool, rolling: float, history: History, result: Floa
             apart = settled_on(cell, wall, rolling, found, velocity, history, work)
     error = 2.0 * apart + found.left + LEAST_ERROR * speed
     result[COLUMN.error] = error if error < 2.0 * speed else 2.0 * speed
-    if not told or not error < SURELY * speed:
+    if not told or not error < max(SURELY, 100.0 * cell.tolerance) * speed:
         result[COLUMN.multiple] = 0.0
         return Settled(STATUS.sensitive, 0, found.done, error)
     return Settled(status, found.multiple, found.done, found.left)
