@@ -59,6 +59,8 @@ def to_lift_off(work: Work, tau: float) -> float:
     """Return the phase from tau to where a part on the floor lifts off; infinite if nowhere."""
     least = math.inf
     for number in range(int(work[ROW.lifts, 0])):
-        ahead = (work[ROW.lifts, number + 1] - tau) % TURN
-        least = min(least, 0.0 if TURN - ahead < LATE else ahead)
+        ahead = work[ROW.lifts, number + 1] - tau
+        if ahead < 0.0:
+            ahead = 0.0 if ahead > -LATE else ahead + TURN
+        least = min(least, ahead)
     return least
