@@ -57,6 +57,11 @@ MOTIONS: dict[str, dict[str, Any]] = {
     "events, bounces": _simulate("rectangle-on-plane", "events", restitution=[0.0, 0.3, 0.7]),
     "events, static above kinetic": _simulate("cylinder-on-plane", "events")
     | {"parameters": {**DRIVE, "friction_static": 0.5, "friction_kinetic": 0.3, "gamma": -1.0}},
+    "events aslant": _simulate("rectangle-on-plane", "events", alpha=20.0),
+    "events, rolling": _simulate("cylinder-on-plane", "events", alpha=20.0),
+    "events on the track": _simulate(
+        "rectangle-on-track", "events", alpha=15.0, delta=10.0, radius=0.2, restitution=[0.0, 0.1]
+    ),
     "steps in the plane": _simulate("rectangle-on-plane", "time-stepping", restitution=0.2),
     "steps aslant": _simulate("rectangle-on-plane", "time-stepping", alpha=20.0),
     "steps, rolling": _simulate("cylinder-on-plane", "time-stepping", alpha=20.0),

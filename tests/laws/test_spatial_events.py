@@ -311,5 +311,5 @@ def test_momentum_and_work_balance_over_a_cycle(drive, friction):
             np.testing.assert_allclose(after[:2], before[:2] * (1 - rub), atol=1e-9)
             momentum += [-rub * before[0], -rub * before[1], fall]
             work += 0.5 * ((slip - rub * slip) ** 2 - slip**2 - fall**2)
-    np.testing.assert_allclose(momentum, 0.0, atol=1e-10)
+    np.testing.assert_allclose(momentum, 0.0, atol=1e-10 * max(1.0, size))
     assert abs(work) <= 1e-10 * max(1.0, scale)

@@ -122,14 +122,13 @@ def move(
     if step.rolling > 0.0 and contacts == FLOOR and slips:
         slip = value(work, ROW.slip + 1, order, span)
     for axis in range(3):
-        state[STATE.x + axis] = value(work, ROW.place + axis, order, span)
-        state[STATE.ux + axis] = value(work, ROW.velocity + axis, order, span)
-    if contacts & FLOOR:
-        state[STATE.z] = 0.0
-        if step.rolling > 0.0:
-            state[STATE.spin] = slip - state[STATE.uy]
-    if contacts & WALL:
-        state[STATE.y] = 0.0
+        if (axis == 1 and contacts & WALL) or (axis == 2 and contacts & FLOOR):
+            state[STATE.x + axis], state[STATE.ux + axis] = 0.0, 0.0
+        else:
+            state[STATE.x + axis] = value(work, ROW.place + axis, order, span)
+            state[STATE.ux + axis] = value(work, ROW.velocity + axis, order, span)
+    if contacts & FLOOR and step.rolling > 0.0:
+        state[STATE.spin] = slip - state[STATE.uy]
     if event == EVENT.land:
         state[STATE.z] = 0.0
         state[STATE.uz] = min(0.0, state[STATE.uz])

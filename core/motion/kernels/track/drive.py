@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from core.compiled import borrowing
-from core.motion.kernels.track.tables import ROW, TURN, Cell, Work
+from core.motion.kernels.track.tables import INVERSE, ROW, TURN, Cell, Work
 
 LATE = 1e-13
 """Of a phase: a lift-off so little behind a part that is on the floor is due now."""
@@ -29,8 +29,9 @@ def fill_push(cell: Cell, tau: float, order: int, work: Work) -> None:
     for k in range(order + 1):
         work[push, k], work[push + 1, k] = along * value, across * value
         work[push + 2, k] = normal * value
-        work[ROW.track, k + 1] = -along * value / (k + 1)
-        value, change = change / (k + 1), -value / (k + 1)
+        value, change = value * INVERSE[k + 1], change * INVERSE[k + 1]
+        work[ROW.track, k + 1] = -along * value
+        value, change = change, -value
 
 
 @borrowing

@@ -22,7 +22,18 @@ from core.motion.kernels.track.slide import (
     slide_series,
     square_of,
 )
-from core.motion.kernels.track.tables import BOTH, EVENT, FLOOR, HOLD, ROW, STATE, WALL, Cell, Work
+from core.motion.kernels.track.tables import (
+    BOTH,
+    EVENT,
+    FLOOR,
+    HOLD,
+    INVERSE,
+    ROW,
+    STATE,
+    WALL,
+    Cell,
+    Work,
+)
 
 LONGEST = 1.5
 """Of a step: a quarter of the drive's period, beyond which its series needs more terms."""
@@ -86,7 +97,7 @@ def fill_place(work: Work, axis: int, start: float, order: int) -> None:
     place, velocity = ROW.place + axis, ROW.velocity + axis
     work[place, 0] = start
     for k in range(order):
-        work[place, k + 1] = work[velocity, k] / (k + 1)
+        work[place, k + 1] = work[velocity, k] * INVERSE[k + 1]
 
 
 @borrowing
@@ -113,7 +124,7 @@ def flight(step: Step, cell: Cell, state: Floats, work: Work) -> tuple[float, in
         if cell.curvature_number != 0.0:
             bend(work, work[ROW.velocity, k], cell.curvature_number, k)
         for axis in range(3):
-            work[ROW.velocity + axis, k + 1] = work[ROW.free + axis, k] / (k + 1)
+            work[ROW.velocity + axis, k + 1] = work[ROW.free + axis, k] * INVERSE[k + 1]
     span = min(term_span(work, ROW.velocity, ROW.velocity + 2, order, step.tolerance), step.rest)
     if step.wall:
         span = min(span, term_span(work, ROW.velocity + 1, ROW.velocity + 1, order, step.tolerance))
@@ -164,7 +175,7 @@ def stick(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work) -> tup
         work[ROW.velocity + 1, 0] = state[STATE.uy]
         for k in range(order):
             pushed = work[ROW.free + 1, k] * step.rolling / response
-            work[ROW.velocity + 1, k + 1] = pushed / (k + 1)
+            work[ROW.velocity + 1, k + 1] = pushed * INVERSE[k + 1]
     return span, name, order
 
 
@@ -213,7 +224,7 @@ def slide_in_corner(
             cell.friction_kinetic * work[ROW.free + 2, k]
             + cell.wall_friction * work[ROW.free + 1, k]
         )
-        work[along, k + 1] = force / (k + 1)
+        work[along, k + 1] = force * INVERSE[k + 1]
         if k == 0 and begin.onset:
             work[along, 1] = way * begin.rate
     span = min(term_span(work, along, along, order, step.tolerance), step.rest, LONGEST)

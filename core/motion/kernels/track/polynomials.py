@@ -100,11 +100,18 @@ def near_fall(table: Floats, row: int, degree: int, span: float) -> float:
 
 @borrowing
 def negative_part(table: Floats, row: int, low: int, order: int, t: float) -> float:
-    """Return the terms of negative coefficients above `low` at t, that one's power divided out."""
-    total = 0.0
-    for k in range(order, low, -1):
-        total = (total + min(table[row, k], 0.0)) * t
-    return total
+    """Return the terms of negative coefficients above `low` at t, that one's power divided out.
+
+    Even and odd powers for themselves: neither sum waits for the other.
+    """
+    square, even, odd, k = t * t, 0.0, 0.0, order
+    if (order - low) % 2 == 1:
+        odd, k = min(table[row, order], 0.0), order - 1
+    while k > low:
+        even = (even + min(table[row, k], 0.0)) * square
+        odd = odd * square + min(table[row, k - 1], 0.0)
+        k -= 2
+    return even + odd * t
 
 
 @borrowing

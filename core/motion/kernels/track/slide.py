@@ -16,7 +16,7 @@ import math
 from typing import NamedTuple
 
 from core.compiled import borrowing
-from core.motion.kernels.track.tables import ROW, Work
+from core.motion.kernels.track.tables import INVERSE, ROW, Work
 
 NOTHING = 1e-15
 """Of two forces that cancel: what is left is rounding."""
@@ -133,8 +133,8 @@ def slide_series(contact: Contact, order: int, work: Work) -> None:
             friction_1 += work[rub, k] * start_1
             friction_2 += work[rub, k] * start_2
             friction_2 *= contact.response
-        work[first, k + 1] = (work[push, k] - friction_1) / (k + 1)
-        work[second, k + 1] = (work[across, k] - friction_2) / (k + 1)
+        work[first, k + 1] = (work[push, k] - friction_1) * INVERSE[k + 1]
+        work[second, k + 1] = (work[across, k] - friction_2) * INVERSE[k + 1]
 
 
 @borrowing
@@ -179,8 +179,8 @@ def onset_series(
         else:
             work[c, k], work[s, k] = 0.0, 0.0
             for j in range(k - 1):
-                work[c, k] -= work[turn, j] * work[s, k - 1 - j] / k
-                work[s, k] += work[turn, j] * work[c, k - 1 - j] / k
+                work[c, k] -= work[turn, j] * work[s, k - 1 - j] * INVERSE[k]
+                work[s, k] += work[turn, j] * work[c, k - 1 - j] * INVERSE[k]
             rest = product(work, across, c, k) - product(work, push, s, k)
             if uneven != 0.0:
                 work[cross, k] = product(work, c, s, k)
@@ -195,7 +195,7 @@ def onset_series(
         if uneven != 0.0:
             work[cross, k], work[squared, k] = product(work, c, s, k), product(work, s, s, k)
             growth -= uneven * q * product(work, load, squared, k)
-        work[r, k + 1] = start if k == 0 else growth / (k + 1)
+        work[r, k + 1] = start if k == 0 else growth * INVERSE[k + 1]
     for k in range(order + 1):
         work[ROW.square, k] = work[r, k]
 
@@ -224,7 +224,7 @@ def fill_velocities(contact: Contact, order: int, velocity_2: float, work: Work)
     for k in range(order + 1):
         work[along, k] = work[ROW.slip, k]
         if k > 0:
-            pushed = work[ROW.free + contact.second, k - 1] / k
+            pushed = work[ROW.free + contact.second, k - 1] * INVERSE[k]
             work[other, k] = work[ROW.slip + 1, k]
             if response != 1.0:
                 work[other, k] = (work[ROW.slip + 1, k] + (response - 1.0) * pushed) / response

@@ -163,9 +163,16 @@ def solve(cell: Cell, wall: bool, rolling: float, history: History, result: Floa
     if cell.restitution > 0.0 or (wall and cell.wall_restitution > 0.0):
         apart, told = settled_anew(cell, wall, rolling, found, velocity, history, work)
     else:
-        apart, told = followed_on(cell, wall, rolling, found, velocity, history, work), True
+        first, told = found.done - found.multiple, True
+        state, hold = history.starts[first].copy(), history.holds[first].copy()
+        apart = followed_on(
+            cell, wall, rolling, found.multiple, state.copy(), hold.copy(), velocity, history, work
+        )
         if not apart < SLOWLY * speed:
-            apart = settled_on(cell, wall, rolling, found, velocity, history, work)
+            other, _ = settled_velocity(
+                cell, wall, rolling, COARSE, found.done, state, hold, history, work
+            )
+            apart = abs(other - velocity)
     error = 2.0 * apart + found.left + LEAST_ERROR * speed
     result[COLUMN.error] = error if error < 2.0 * speed else 2.0 * speed
     if not told or not error < max(SURELY, 100.0 * cell.tolerance) * speed:
@@ -176,39 +183,21 @@ def solve(cell: Cell, wall: bool, rolling: float, history: History, result: Floa
 
 @compiled
 def followed_on(
-    cell: Cell, wall: bool, rolling: float, found: Settled, velocity: float, history: History,
-    work: Work,
+    cell: Cell, wall: bool, rolling: float, multiple: int, state: Floats, hold: Flags,
+    velocity: float, history: History, work: Work,
 ) -> float:  # fmt: skip
     """Return how far shorter series come from a mean velocity, or NaN.
 
     They follow the cycle twice from its start. By how much less the state changes over the second
-    time tells how far it still goes. The start stays in the history.
+    time tells how far it still goes.
     """
-    multiple = found.multiple
-    first = found.done - multiple
-    begin, held = history.starts[first].copy(), history.holds[first].copy()
-    state, hold = begin.copy(), held.copy()
     last = min(2 * multiple, history.starts.shape[0])
     for period in range(last):
         if not follow_period(cell, wall, rolling, COARSE, period, state, hold, history, work):
             return math.nan
-    left = remaining(wall, rolling, history, last - 1, multiple, 0)
     travel = history.tallies[:, TALLY.travel]
     off = abs(mean_velocity(travel, last - multiple, last, TURN) - velocity)
-    history.starts[first], history.holds[first] = begin, held
-    return off + left
-
-
-@compiled
-def settled_on(
-    cell: Cell, wall: bool, rolling: float, found: Settled, velocity: float, history: History,
-    work: Work,
-) -> float:  # fmt: skip
-    """Return the same from where they settle to themselves."""
-    first = found.done - found.multiple
-    state, hold = history.starts[first].copy(), history.holds[first].copy()
-    other, _ = settled_velocity(cell, wall, rolling, COARSE, found.done, state, hold, history, work)
-    return abs(other - velocity)
+    return off + remaining(wall, rolling, history, last - 1, multiple, 0)
 
 
 @compiled
@@ -216,11 +205,11 @@ def settled_anew(
     cell: Cell, wall: bool, rolling: float, found: Settled, velocity: float, history: History,
     work: Work,
 ) -> tuple[float, bool]:  # fmt: skip
-    """Return the same from rest, and whether digits do not decide it.
+    """Return how far shorter series come from a mean velocity, and whether digits do not decide.
 
-    Which of several motions a part with rebounds falls into may hang on its last digits. It does
-    where both runs have strayed from each other on the way; others then tell how far the means are
-    apart.
+    They start from rest again: which of several motions a part with rebounds falls into may hang
+    on its last digits. It does where both runs have strayed from each other on the way; others then
+    tell how far the means are apart.
     """
     speeds = history.ends[: found.done, STATE.ux].copy()
     state, hold = at_rest()
