@@ -93,4 +93,5 @@ async def _tidy(desk: Desk, stopping: asyncio.Event) -> None:
         except Exception:
             logger.exception("tidying failed")
         with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(stopping.wait(), TIDY)
+            async with asyncio.timeout(TIDY):
+                await stopping.wait()

@@ -113,8 +113,10 @@ class Runner:
             except Exception:
                 logger.exception("the ledger cannot be read")
             self._wake.clear()
+            # Not `wait_for`: before Python 3.12 it swallows a cancellation that meets a wake.
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self._wake.wait(), POLL)
+                async with asyncio.timeout(POLL):
+                    await self._wake.wait()
 
     async def _claim_some(self) -> None:
         while len(self._active) < self._settings.concurrent_jobs:

@@ -11,6 +11,8 @@ from collections.abc import Callable, Coroutine
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from app.jobs import work
 from app.jobs.carrier import MOST_TORN
 from app.jobs.desk import Desk
@@ -200,6 +202,27 @@ def test_what_another_server_has_finished_is_no_failure(tmp_path):
         raise OSError(2, "the blocks are gone")
 
     assert carried_out(tmp_path, Workers(write_result=late)).state == "successful"
+
+
+@pytest.mark.timeout(60)
+def test_a_runner_stops_though_it_is_woken_at_that_moment(tmp_path):
+    """A wake that meets the stop must not swallow it: the server would never end."""
+
+    async def scene() -> None:
+        limits = Settings(data_directory=tmp_path)
+        ledger, store = Ledger(tmp_path / "jobs.sqlite3"), Store(tmp_path)
+        for turns in range(6):  # of the event loop between both
+            runner = Runner(ledger, store, Workers(), limits)  # type: ignore[arg-type]
+            await runner.start()
+            await asyncio.sleep(0.1)
+            runner._wake.set()
+            for _ in range(turns):
+                await asyncio.sleep(0)
+            await runner.stop()
+            await asyncio.sleep(0.05)
+        ledger.close()
+
+    asyncio.run(scene())
 
 
 def test_a_disk_that_loses_blocks_is_given_up(tmp_path):
