@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.arrays import Array
+from core.motion.waves import Wave, of_columns
 
 Numbers: TypeAlias = Any
 """An array of many parts, or the plain number of one."""
@@ -38,6 +39,9 @@ class Groups(NamedTuple):
         Coefficient at the wall.
     restitution, wall_restitution : array_like
         Of impacts on the floor and on the wall, 0 to 1.
+    wave : Wave or None
+        The drive where it is no plain sine; the drive numbers are then what its push does not
+        exceed.
     """
 
     drive_number_along: Numbers
@@ -52,6 +56,12 @@ class Groups(NamedTuple):
     curvature_number: Numbers = 0.0
     wall_friction: Numbers = 0.0
     wall_restitution: Numbers = 0.0
+    wave: Wave | None = None
+
+    @property
+    def numbers(self) -> tuple[Numbers, ...]:
+        """All fields but the wave."""
+        return self[:-1]
 
     @property
     def planar(self) -> bool:
@@ -60,7 +70,8 @@ class Groups(NamedTuple):
 
     def single(self) -> Groups:
         """Return the groups of one part as plain numbers; raise if there are several parts."""
-        return Groups._make(np.asarray(number).item() for number in self)
+        (part,), _ = each(self)
+        return part
 
 
 class Contacts(NamedTuple):
@@ -91,14 +102,38 @@ def table(columns: Iterable[ArrayLike]) -> tuple[NDArray[np.float64], tuple[int,
 def cells_of(
     fields: Iterable[str], groups: Groups, **settings: ArrayLike
 ) -> tuple[NDArray[np.float64], tuple[int, ...]]:
-    """Return the rows of a kernel, whose cell has these fields, and the shape of the cells."""
-    return table(settings[n] if n in settings else getattr(groups, n) for n in fields)
+    """Return the rows of a kernel, whose cell has these fields, and the shape of the cells.
+
+    Behind the fields a row holds the columns of the wave, if there is one.
+    """
+    columns = [settings[n] if n in settings else getattr(groups, n) for n in fields]
+    wave = groups.wave
+    if wave is None:
+        return table(columns)
+    rows, shape = table((*columns, np.zeros(wave.cells)))
+    return np.concatenate([rows[:, :-1], wave.columns(shape)], axis=1), shape
+
+
+def groups_of(
+    rows: NDArray[np.float64], waved: bool, more: int = 0
+) -> tuple[Groups, NDArray[np.float64]]:
+    """Return the groups of the rows of `cells_of`, and the columns of so many more fields."""
+    numbers = len(Groups._fields) - 1
+    columns = rows.T
+    wave = of_columns(rows[:, numbers + more :]) if waved else None
+    return Groups(*columns[:numbers], wave), columns[numbers : numbers + more]
 
 
 def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
     """Return the groups of every cell as plain numbers, and the shape of the cells."""
-    rows, shape = table(groups)
-    return (Groups._make(row) for row in rows.tolist()), shape
+    rows, shape = cells_of(Groups._fields[:-1], groups)
+
+    def one(row: NDArray[np.float64]) -> Groups:
+        found, _ = groups_of(row[np.newaxis], groups.wave is not None)
+        wave = found.wave and Wave(found.wave.harmonics[..., 0], found.wave.steps[..., 0])
+        return Groups(*(number.item() for number in found.numbers), wave)
+
+    return map(one, rows), shape
 
 
 # --- as equations of a system

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
 from core.errors import Problem, StudyError
+from core.motion.drives import driven, shape_of
 from core.motion.method import Method
-from core.motion.systems import SYSTEMS, methods_of
+from core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from core.plan.grid import Grid
 from core.plan.plan import Plan, choose_scene
 from core.plan.prepared import Chosen, Prepared, broken_constraints, further_problems, plan_study
 from core.quantities import QUANTITIES
+from core.quantities.drive import DRIVE
 from core.scenes import Scene
 from core.study.models import SimulateStudy
 from core.study.values import Fixed
@@ -21,7 +23,12 @@ DEFAULT_OUTPUTS = ("conveying_velocity",)
 SCALES = ("velocity_scale", "length_scale")
 ERROR = "conveying_velocity_error"
 BOUNCES = frozenset(("restitution", "wall_restitution"))
-ACROSS = frozenset(("alpha", "delta", "radius", "curvature_number"))
+ACROSS = frozenset(
+    (
+        *("alpha", "delta", "radius", "curvature_number"),
+        *(name for name in DRIVE if "_across_" in name),
+    )
+)
 """Parameters that push a part across the track."""
 
 
@@ -73,6 +80,21 @@ def seconds_a_cell(method: Method, grid: Grid, free: Collection[str] = ()) -> fl
     return method.seconds(bool(given & BOUNCES), bool(given & ACROSS))
 
 
+def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen:
+    """Return a system with the drive that the given parameters tell, and the method in force.
+
+    The third is what is wrong with method and drive.
+
+    Raises
+    ------
+    StudyError
+        If there is no such system.
+    """
+    scene, method, problems = choose_scene(name, method, SYSTEMS)
+    shape, wrong = shape_of(given) if name in CONTACTS else (None, [])
+    return (driven(scene, shape) if shape else scene), method, [*problems, *wrong]
+
+
 def prepare(study: SimulateStudy) -> Simulation:
     """Return the simulation of a study.
 
@@ -81,7 +103,7 @@ def prepare(study: SimulateStudy) -> Simulation:
     StudyError
         With every problem of scene, method, outputs, settings and parameters.
     """
-    chosen = choose_scene(study.scene, study.method, SYSTEMS)
+    chosen = choose_system(study.scene, study.method, study.values())
     scene, method, _ = chosen
     settings = study.settings()
     # `motion_status` tells how each value was found: it is never left out.
@@ -112,7 +134,8 @@ def further(content: Mapping[str, Any], known: StudyError) -> list[Problem]:
 
 def _chosen(content: Mapping[str, Any]) -> Chosen:
     method = content.get("method")
-    return choose_scene(content["scene"], method if isinstance(method, str) else None, SYSTEMS)
+    given = map(str, content["parameters"])
+    return choose_system(content["scene"], method if isinstance(method, str) else None, given)
 
 
 def _who_uses(scene: Scene, setting: str) -> str:

@@ -7,6 +7,7 @@ show are read from here. Inside the code all values are SI and angles are radian
 
 from __future__ import annotations
 
+from core.quantities.drive import DRIVE
 from core.quantities.flags import (
     MOTION_MODES,
     MOTION_STATUSES,
@@ -34,7 +35,7 @@ __all__ = [
 ]
 
 # In the order in which documents list them; those of one study share axes in this order.
-FAMILIES = (TRACK, ROLLING, ISOLATED, IMPACTS, MOTION, OPTIMUM)
+FAMILIES = (TRACK, DRIVE, ROLLING, ISOLATED, IMPACTS, MOTION, OPTIMUM)
 QUANTITIES: dict[str, Quantity] = {
     name: quantity for family in FAMILIES for name, quantity in family.items()
 }

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from core.mechanics.arrays import Array
 from core.motion.cells import run_cells
 from core.motion.course import Course, CourseAsked, track_of
-from core.motion.groups import Contacts, Groups, cells_of, table
+from core.motion.groups import Contacts, Groups, cells_of, groups_of
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.methods.spatial_events import spatial_course, spatial_motion
 from core.motion.result import Motion, motion_of
@@ -138,14 +138,14 @@ def motion_by_events(
         return planar_motion(groups, **settings, watch=watch)
     if not plane.any():
         return spatial_motion(groups, contacts, **settings, watch=watch)
-    rows, shape = table((*groups, tolerance, most_periods, plane))
+    names = Groups._fields[:-1]
+    rows, shape = cells_of((*names, *settings, "plane"), groups, **settings, plane=plane)
     flat = plane if plane.shape == shape else np.broadcast_to(plane, shape)
     where = flat.ravel()
     found = []
     for mask in (where, ~where):
-        columns = rows[mask].T
-        some = Groups._make(columns[: len(groups)])
-        given = {"tolerance": columns[-3], "most_periods": columns[-2]}
+        some, more = groups_of(rows[mask], groups.wave is not None, 3)
+        given = dict(zip(settings, more, strict=False))
         found.append(
             planar_motion(some, **given, watch=watch)
             if mask is where

@@ -1,0 +1,286 @@
+"""From the numbers of a drive to its wave: which kind a study gives, and the equations of it.
+
+A study that gives numbers of no other drive has the plain sine of `amplitude`, `alpha` and `beta`,
+and its system carries nothing of what stands here.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from core.errors import Problem
+from core.mechanics.arrays import Array, ratio
+from core.motion import waves
+from core.motion.groups import Groups, floor_groups, track_groups
+from core.motion.result import Motion
+from core.motion.waves import TURN, Wave
+from core.quantities.drive import AXES
+from core.scenes import Scene
+from core.scenes.scene import Equation
+
+CLOSED = 1e-9
+"""Of the mean size of a step's acceleration: a mean no larger is rounding of what was written."""
+
+_HARMONIC = re.compile(r"(?:amplitude|phase)_(along|across|normal)_(\d+)")
+_STEP = re.compile(r"(?:acceleration_(along|across|normal)|duration)_(\d+)")
+
+
+class Shape(Protocol):
+    """Which numbers a drive has; its values are parameters like any other."""
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the quantities that the wave needs."""
+
+    @property
+    def defaults(self) -> dict[str, float]:
+        """Values of those that a study may leave out, SI units."""
+
+    def wave(self, **given: Array) -> Wave:
+        """Return the wave of these quantities, SI units, arrays that broadcast."""
+
+
+@dataclass(frozen=True)
+class Harmonics:
+    """Sines on each axis, at whole multiples of the frequency.
+
+    The displacement of the track along an axis is the sum of A_k sin(k w t + phi_k).
+
+    Attributes
+    ----------
+    terms : tuple of (axis, order)
+    """
+
+    terms: tuple[tuple[str, int], ...]
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """As in `Shape`."""
+        numbers = [
+            f"{what}_{axis}_{k}" for what in ("amplitude", "phase") for axis, k in self.terms
+        ]
+        return ("frequency", "gravity", "drive_factor", *numbers)
+
+    @property
+    def defaults(self) -> dict[str, float]:
+        """As in `Shape`."""
+        return {"drive_factor": 1.0, **{f"phase_{axis}_{k}": 0.0 for axis, k in self.terms}}
+
+    def wave(self, **given: Array) -> Wave:
+        """As in `Shape`: the push has k^2 w^2 A_k sin(k tau + phi_k)/g."""
+        given = _aligned(given)
+        shape = np.broadcast_shapes(*(value.shape for value in given.values()))
+        harmonics = np.zeros((3, 2, max(k for _, k in self.terms), *shape))
+        unit = given["drive_factor"] * np.square(TURN * given["frequency"]) / given["gravity"]
+        for axis, k in self.terms:
+            size = k * k * given[f"amplitude_{axis}_{k}"] * unit
+            phase = given[f"phase_{axis}_{k}"]
+            harmonics[AXES.index(axis), 0, k - 1] = size * np.cos(phase)
+            harmonics[AXES.index(axis), 1, k - 1] = size * np.sin(phase)
+        return Wave(harmonics, np.zeros((4, 0, *shape)))
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Constant acceleration, from step to step; where one level is left out it closes the wave.
+
+    Attributes
+    ----------
+    count : int
+        Steps of a period.
+    levels : tuple of (axis, step)
+        The accelerations that are given.
+    """
+
+    count: int
+    levels: tuple[tuple[str, int], ...]
+
+    @property
+    def closing(self) -> dict[str, int]:
+        """The step of each axis whose acceleration follows from the others."""
+        given = {axis: [n for a, n in self.levels if a == axis] for axis, _ in self.levels}
+        missing = {axis: set(range(1, self.count + 1)) - set(n) for axis, n in given.items()}
+        return {axis: min(left) for axis, left in missing.items() if len(left) == 1}
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """As in `Shape`; of an axis that lacks more than one level all are needed."""
+        axes = dict.fromkeys(axis for axis, _ in self.levels)
+        levels = [
+            f"acceleration_{axis}_{n}"
+            for axis in axes
+            for n in range(1, self.count + 1)
+            if self.closing.get(axis) != n
+        ]
+        durations = [f"duration_{n}" for n in range(1, self.count + 1)]
+        return ("gravity", "drive_factor", *levels, *durations)
+
+    @property
+    def defaults(self) -> dict[str, float]:
+        """As in `Shape`."""
+        return {"drive_factor": 1.0, **{f"duration_{n}": 1.0 for n in range(1, self.count + 1)}}
+
+    def wave(self, **given: Array) -> Wave:
+        """As in `Shape`; NaN in cells where the mean acceleration is not 0."""
+        given = _aligned(given)
+        shape = np.broadcast_shapes(*(value.shape for value in given.values()))
+        last = np.stack([np.broadcast_to(given[f"duration_{n}"], shape)
+                         for n in range(1, self.count + 1)])  # fmt: skip
+        last = ratio(last, last.sum(axis=0), np.nan)
+        steps = np.zeros((4, self.count, *shape))
+        for axis in dict.fromkeys(axis for axis, _ in self.levels):
+            steps[AXES.index(axis)] = self._levels(axis, given, last)
+        ends = TURN * np.cumsum(last, axis=0)
+        ends[-1] = np.where(np.isnan(ends[-1]), np.nan, TURN)
+        steps[waves.ENDS] = ends
+        return Wave(np.zeros((3, 2, 0, *shape)), steps)
+
+    def _levels(self, axis: str, given: dict[str, Array], last: Array) -> Array:
+        """Return the push of every step along an axis, in g; `last` are shares of the period."""
+        levels = np.zeros_like(last)
+        closing = self.closing.get(axis, 0)
+        for n in range(1, self.count + 1):
+            if n != closing:
+                levels[n - 1] = given[f"acceleration_{axis}_{n}"]
+        mean = (levels * last).sum(axis=0)
+        if closing:
+            levels[closing - 1] = ratio(-mean, last[closing - 1], np.nan)
+        else:
+            open_by = np.abs(mean) > CLOSED * (np.abs(levels) * last).sum(axis=0)
+            levels = np.where(open_by, np.nan, levels - mean)
+        return -levels * given["drive_factor"] / given["gravity"]
+
+
+def _aligned(given: dict[str, Array]) -> dict[str, Array]:
+    return {name: np.asarray(value, dtype=float) for name, value in given.items()}
+
+
+def shape_of(given: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
+    """Return which drive the names of a study's parameters give, None for the plain sine.
+
+    The second is what is wrong with them: two kinds at once.
+    """
+    names = list(given)
+    terms = sorted({(m[1], int(m[2])) for m in map(_HARMONIC.fullmatch, names) if m},
+                   key=lambda term: (AXES.index(term[0]), term[1]))  # fmt: skip
+    found = [m for m in map(_STEP.fullmatch, names) if m]
+    if terms and found:
+        place = f"parameters.{found[0][0]}"
+        message = "it is of a drive in steps, and the study gives harmonics, too"
+        return None, [Problem(place, message, "Give one kind of drive")]
+    if terms:
+        return Harmonics(tuple(terms)), []
+    if found:
+        levels = {(m[1], int(m[2])) for m in found if m[1]}
+        count = max(int(m[2]) for m in found)
+        return Steps(count, tuple(sorted(levels))), []
+    return None, []
+
+
+# --- the system of a drive
+
+
+@dataclass(frozen=True)
+class _WaveOf:
+    """The function of the equation that gives the wave; its arguments are those of the shape."""
+
+    shape: Shape
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "__doc__", "Return the push of the drive on a part, per weight.")
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        """One argument a quantity."""
+        keyword = inspect.Parameter.KEYWORD_ONLY
+        return inspect.Signature([inspect.Parameter(name, keyword) for name in self.shape.inputs])
+
+    def __call__(self, **given: Any) -> Wave:
+        """Return the wave."""
+        return self.shape.wave(**given)
+
+
+def drive_number(*, wave: Wave) -> Array:
+    """Return what the speed of the track does not exceed, over g/w [1]."""
+    return waves.size(wave)
+
+
+def drive_number_along(*, wave: Wave) -> Array:
+    """Return what the push along the track does not exceed, over gravity [1]."""
+    return waves.bound(wave, waves.ALONG)
+
+
+def drive_number_across(*, wave: Wave) -> Array:
+    """Return what the push across the track does not exceed, over gravity [1]."""
+    return waves.bound(wave, waves.ACROSS)
+
+
+def drive_number_normal(*, wave: Wave) -> Array:
+    """Return what the push normal to the floor does not exceed, over gravity [1]."""
+    return waves.bound(wave, waves.NORMAL)
+
+
+def throw_number(*, wave: Wave, gravity_number_normal: Array) -> Array:
+    """Return the throw number, the largest push off the floor over gravity onto it [1]."""
+    most = np.maximum(waves.largest(wave, waves.NORMAL, "push"), 0.0)
+    return ratio(most, gravity_number_normal, np.where(most > 0.0, np.inf, 0.0))
+
+
+def efficiency(*, motion: Motion, wave: Wave) -> Array:
+    """Return the conveying velocity over the largest speed of the track along x; 0 at rest [1].
+
+    Infinite (regime `unbounded`) for a part that moves though the track does not move along x.
+    """
+    v, fastest = motion.velocity, waves.largest(wave, waves.ALONG, "speed")
+    beyond = np.where(np.isnan(v), np.nan, np.copysign(np.inf, v))
+    return np.where(v != 0, ratio(v, fastest, beyond), 0.0)
+
+
+def _with_wave(groups: Any) -> Any:
+    """Return the equation of the groups of a part under a wave."""
+
+    def waved(*, wave: Wave, **numbers: Array) -> Groups:
+        found: Groups = groups(**numbers)
+        return found._replace(wave=wave)
+
+    needed = inspect.signature(groups).parameters.values()
+    wave = inspect.Parameter("wave", inspect.Parameter.KEYWORD_ONLY)
+    waved.__signature__ = inspect.Signature([wave, *needed])  # type: ignore[attr-defined]
+    waved.__doc__ = groups.__doc__
+    return waved
+
+
+_OTHERS = {
+    function.__name__: Equation(function.__name__, function, "theory 13.14")
+    for function in (
+        drive_number, drive_number_along, drive_number_across, drive_number_normal, throw_number,
+        efficiency,
+    )
+}  # fmt: skip
+_GROUPS = {id(groups): _with_wave(groups) for groups in (floor_groups, track_groups)}
+
+
+def driven(system: Scene, shape: Shape) -> Scene:
+    """Return a system with another drive in the place of the plain sine."""
+    wave = Equation("wave", _WaveOf(shape), "theory 13.14")
+
+    def equations(known: Collection[Equation]) -> tuple[Equation, ...]:
+        changed = []
+        for one in known:
+            if one.gives == "groups":
+                one = replace(one, function=_GROUPS[id(one.function)])
+            if one.gives != "vibration_acceleration":
+                changed.append(_OTHERS.get(one.gives, one))
+        return (wave, *changed)
+
+    return replace(
+        system,
+        variants={name: equations(known) for name, known in system.variants.items()},
+        defaults={**{n: v for n, v in system.defaults.items() if n != "alpha"}, **shape.defaults},
+    )
