@@ -121,7 +121,7 @@ def groups_of(
     numbers = len(Groups._fields) - 1
     columns = rows.T
     wave = of_columns(rows[:, numbers + more :]) if waved else None
-    return Groups(*columns[:numbers], wave), columns[numbers : numbers + more]
+    return Groups._make((*columns[:numbers], wave)), columns[numbers : numbers + more]
 
 
 def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
@@ -131,7 +131,7 @@ def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
     def one(row: NDArray[np.float64]) -> Groups:
         found, _ = groups_of(row[np.newaxis], groups.wave is not None)
         wave = found.wave and Wave(found.wave.harmonics[..., 0], found.wave.steps[..., 0])
-        return Groups(*(number.item() for number in found.numbers), wave)
+        return Groups._make((*(number.item() for number in found.numbers), wave))
 
     return map(one, rows), shape
 
