@@ -99,7 +99,7 @@ def witnessed(wall: bool, rolling: float, series: Series, rows: Floats, found: F
         cell = cell_of(rows[number])
         state, hold = at_rest()
         work = new_work()
-        drive.fill_lift_offs(cell, work)
+        drive.set_drive(cell, rows[number], work)
         end = settle(
             cell, wall, rolling, series, int(cell.most_periods), state, hold, history, work
         )

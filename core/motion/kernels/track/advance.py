@@ -9,7 +9,7 @@ from core.motion.kernels.arrays import Flags, Floats
 from core.motion.kernels.statuses import MODE
 from core.motion.kernels.track import modes
 from core.motion.kernels.track.contacts import begin_slip, change_contacts
-from core.motion.kernels.track.drive import fill_push, to_lift_off
+from core.motion.kernels.track.drive import fill_push, jumps, next_jump, to_lift_off
 from core.motion.kernels.track.modes import Begin, Step, fill_multiple, fill_place
 from core.motion.kernels.track.polynomials import first_fall, value
 from core.motion.kernels.track.tables import (
@@ -50,11 +50,13 @@ def advance(
     tau, at_once, given = 0.0, 0, 0
     start = state[STATE.x]
     for _ in range(MOST_STEPS):
-        rest = TURN - tau
-        if rest <= 0.0:
+        if tau >= TURN:
             tally[TALLY.travel] = state[STATE.x] - start
             return True
-        step = Step(wall, rolling, order, tolerance, rest, to_lift_off(work, tau))
+        jump = next_jump(tau, work)
+        rest = jump - tau
+        even = rest if jumps(work) else math.inf
+        step = Step(wall, rolling, order, tolerance, rest, to_lift_off(work, tau), even)
         fill_push(cell, tau, order, work)
         work[ROW.free, 0] -= cell.gravity_number_along
         work[ROW.free + 1, 0] -= cell.gravity_number_across
@@ -96,8 +98,13 @@ def advance(
             mark = 31.0 * tally[TALLY.signature] + 7.0 * event + contacts
             tally[TALLY.signature] = mark % 1000003.0
         tally[TALLY.steps] += 1.0
+        if span >= rest:
+            tau = jump
+            if even < math.inf and event not in (EVENT.land, EVENT.bump, EVENT.stop):
+                event = EVENT.start  # the forces after the jump decide
+        else:
+            tau += span
         hold[HOLD.event] = event
-        tau = TURN if span >= rest else tau + span
     return False
 
 

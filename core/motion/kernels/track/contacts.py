@@ -127,10 +127,10 @@ def change_contacts(step: Step, cell: Cell, state: Floats, hold: Flags, work: Wo
         wall = -state[uy] if step.wall and state[y] == 0.0 and state[uy] < 0.0 else 0.0
         bounce, rear = cell.restitution, cell.wall_restitution
         if floor > 0.0:
-            ahead = min(step.lift, 1.0)
+            ahead = min(step.lift, step.even, 1.0)
             bounce = rebound(floor, -work[normal, 0], bounce, ahead)
         if wall > 0.0:
-            rear = rebound(wall, -bent, rear, 1.0)
+            rear = rebound(wall, -bent, rear, min(step.even, 1.0))
         strike(step, cell, state, floor, wall, bounce, rear)
     elif event == EVENT.lift:
         work[normal, 0] = 0.0
@@ -182,7 +182,7 @@ def begin_slip(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work) -
             # must not outgrow friction while it closes.
             slack = rub - need
             room = math.sqrt(NEAR_STOP * step.tolerance * slack)
-            closes = size <= room and size * (1.0 + rub) * drive.size(cell) <= slack * slack
+            closes = size <= room and size * (1.0 + rub) * drive.size(work) <= slack * slack
             if size > room:
                 least = max(least, 0.9 * room)
         return Begin(size, cosine, sine, rate, False, closes, least)

@@ -159,7 +159,7 @@ def follow_period(
     state[STATE.x] = 0.0
     history.starts[period], history.holds[period] = state, hold
     fine = advance(
-        cell, wall, rolling, series.order, series.tolerance * drive.size(cell), state, hold,
+        cell, wall, rolling, series.order, series.tolerance * drive.size(work), state, hold,
         history.tallies[period], work, NO_PHASES, history.starts[:0],
     )  # fmt: skip
     history.ends[period] = state
@@ -172,7 +172,7 @@ def settle(
     history: History, work: Work,
 ) -> Settled:  # fmt: skip
     """Follow a cell until its motion repeats, or for `most` periods; fill the history."""
-    speed = drive.size(cell)
+    speed = drive.size(work)
     close = cell.tolerance * speed
     since, shrank = 0, 0
     for period in range(most):

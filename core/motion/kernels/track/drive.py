@@ -1,7 +1,8 @@
 """The drive: all that exact motion in space knows of what shakes the track.
 
-It gives the series of the push on a part, the velocity of the track, and the phases at which the
-floor loses a part that rests on it. Here it is a sine along a straight line.
+It gives the series of the push on a part, the velocity of the track, the phases at which the floor
+loses a part that rests on it, and those at which the push jumps. It is a sine along a straight
+line, a sum of sines on each axis, or constant from step to step.
 """
 
 from __future__ import annotations
@@ -9,18 +10,115 @@ from __future__ import annotations
 import math
 
 from core.compiled import borrowing
-from core.motion.kernels.track.tables import INVERSE, ROW, TURN, Cell, Work
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.track.tables import GROUPS, INVERSE, MOST_ORDER, ROW, TURN, Cell, Work
+from core.motion.kernels.waves import passages, value_and_slope
 
 LATE = 1e-13
 """Of a phase: a lift-off so little behind a part that is on the floor is due now."""
+
+ORDERS, STEPS, SIZE = range(3)
+"""Columns of `ROW.wave`: harmonics and steps of the wave, and the speed of the track."""
+
+
+@borrowing
+def set_drive(cell: Cell, row: Floats, work: Work) -> None:
+    """Fill what the table of a step knows of the drive, from the row of the cell."""
+    work[ROW.wave, ORDERS], work[ROW.wave, STEPS] = 0.0, 0.0
+    work[ROW.lifts, 0] = 0.0
+    if row.size > GROUPS:
+        read_wave(cell, row, work)
+        return
+    work[ROW.wave, SIZE] = math.sqrt(
+        cell.drive_number_along**2 + cell.drive_number_across**2 + cell.drive_number_normal**2
+    )
+    weight, push = cell.gravity_number_normal, cell.drive_number_normal
+    if abs(push) > weight:
+        phase = math.asin(weight / abs(push))
+        work[ROW.lifts, 0], work[ROW.lifts, 1] = 1.0, phase if push > 0.0 else phase + math.pi
+
+
+@borrowing
+def read_wave(cell: Cell, row: Floats, work: Work) -> None:
+    """Fill the coefficients of a wave, its size, and its lift-offs.
+
+    Behind the cell a row has the counts of harmonics and of steps, the harmonics by axis, sine or
+    cosine, and order, and the levels by axis with the ends of the steps.
+    """
+    orders, steps, at = int(row[GROUPS]), int(row[GROUPS + 1]), GROUPS + 2
+    work[ROW.wave, ORDERS], work[ROW.wave, STEPS] = row[GROUPS], row[GROUPS + 1]
+    square = 0.0
+    for axis in range(3):
+        speed = 0.0
+        for k in range(1, orders + 1):
+            place = at + 2 * axis * orders + k - 1
+            sine, cosine = row[place], row[place + orders]
+            work[ROW.sines + axis, k], work[ROW.cosines + axis, k] = sine, cosine
+            speed += math.hypot(sine, cosine) / k
+        square += speed * speed
+    at += 6 * orders
+    for axis in range(4):
+        for step in range(steps):
+            work[ROW.levels + axis, step] = row[at + axis * steps + step]
+    for axis in (2, 1, 0):  # those along the track stay
+        speed = fill_step_speeds(axis, steps, work)
+        square += speed * speed
+    work[ROW.wave, SIZE] = math.sqrt(square)
+    fill_lift_offs(cell.gravity_number_normal, orders, work)
+
+
+@borrowing
+def fill_step_speeds(axis: int, steps: int, work: Work) -> float:
+    """Fill the velocity of the track along an axis at the start of each step; return the most."""
+    level, end, speed = ROW.levels + axis, ROW.levels + 3, ROW.speeds
+    at, now, mean, most = 0.0, 0.0, 0.0, 0.0
+    for step in range(steps):
+        last = work[end, step] - at
+        work[speed, step] = now
+        mean += (now - 0.5 * work[level, step] * last) * last
+        now -= work[level, step] * last
+        at = work[end, step]
+    for step in range(steps):
+        work[speed, step] -= mean / TURN
+        most = max(most, abs(work[speed, step]))
+    return most
+
+
+@borrowing
+def fill_lift_offs(weight: float, orders: int, work: Work) -> None:
+    """Fill the phases in [0, 2 pi) at which the push off the floor rises through the weight.
+
+    Their number comes first.
+    """
+    sines, cosines, lifts = ROW.sines + 2, ROW.cosines + 2, ROW.lifts
+    found = passages(work, sines, cosines, orders, weight, lifts, MOST_ORDER)
+    rising = 0
+    for number in range(1, found + 1):
+        phase = work[lifts, number]
+        if value_and_slope(work, sines, cosines, orders, phase)[1] > 0.0:
+            rising += 1
+            work[lifts, rising] = phase
+    work[lifts, 0] = float(rising)
+
+
+@borrowing
+def size(work: Work) -> float:
+    """Return the size of the drive's velocity."""
+    return work[ROW.wave, SIZE]
 
 
 @borrowing
 def fill_push(cell: Cell, tau: float, order: int, work: Work) -> None:
     """Fill the series at tau of the push per mass, and of the velocity of the track along itself.
 
-    The push is minus the acceleration of the track: (p_x, p_y, p_z) sin(tau).
+    The push is minus the acceleration of the track: of a sine (p_x, p_y, p_z) sin(tau).
     """
+    if work[ROW.wave, ORDERS] > 0.0:
+        fill_harmonics(tau, order, work)
+        return
+    if work[ROW.wave, STEPS] > 0.0:
+        fill_step(tau, order, work)
+        return
     along, across = cell.drive_number_along, cell.drive_number_across
     normal = cell.drive_number_normal
     value, change = math.sin(tau), math.cos(tau)
@@ -35,29 +133,81 @@ def fill_push(cell: Cell, tau: float, order: int, work: Work) -> None:
 
 
 @borrowing
-def size(cell: Cell) -> float:
-    """Return the size of the drive's velocity."""
-    return math.sqrt(
-        cell.drive_number_along**2 + cell.drive_number_across**2 + cell.drive_number_normal**2
-    )
+def fill_harmonics(tau: float, order: int, work: Work) -> None:
+    """Fill the series of a sum of sines.
+
+    The derivatives of s sin(k tau) + c cos(k tau) are, over k^n, this, its quarter turn, minus
+    this, and so on.
+    """
+    sine_1, cosine_1 = math.sin(tau), math.cos(tau)
+    sine, cosine = sine_1, cosine_1
+    for axis in range(3):
+        for n in range(order + 1):
+            work[ROW.free + axis, n] = 0.0
+    speed = 0.0
+    for k in range(1, int(work[ROW.wave, ORDERS]) + 1):
+        for axis in range(3):
+            a, b = work[ROW.sines + axis, k], work[ROW.cosines + axis, k]
+            if a == 0.0 and b == 0.0:
+                continue
+            value, change = a * sine + b * cosine, a * cosine - b * sine
+            if axis == 0:
+                speed += change / k
+            for n in range(order + 1):
+                work[ROW.free + axis, n] += value
+                factor = k * INVERSE[n + 1]
+                value, change = change * factor, -value * factor
+        sine, cosine = sine * cosine_1 + cosine * sine_1, cosine * cosine_1 - sine * sine_1
+    work[ROW.track, 0] = speed
+    for n in range(order + 1):
+        work[ROW.track, n + 1] = -work[ROW.free, n] * INVERSE[n + 1]
 
 
 @borrowing
-def fill_lift_offs(cell: Cell, work: Work) -> None:
-    """Fill the phases in [0, 2 pi) at which the push off the floor rises through the weight.
+def step_at(tau: float, work: Work) -> int:
+    """Return the number of the step in which tau lies, its end excluded."""
+    last = int(work[ROW.wave, STEPS]) - 1
+    for step in range(last):
+        if tau < work[ROW.levels + 3, step]:
+            return step
+    return last
 
-    Their number comes first.
-    """
-    weight, push = cell.gravity_number_normal, cell.drive_number_normal
-    work[ROW.lifts, 0] = 0.0
-    if abs(push) > weight:
-        phase = math.asin(weight / abs(push))
-        work[ROW.lifts, 0], work[ROW.lifts, 1] = 1.0, phase if push > 0.0 else phase + math.pi
+
+@borrowing
+def fill_step(tau: float, order: int, work: Work) -> None:
+    """Fill the series of a push that is constant until the next jump."""
+    step = step_at(tau, work)
+    for axis in range(3):
+        work[ROW.free + axis, 0] = work[ROW.levels + axis, step]
+        for n in range(1, order + 1):
+            work[ROW.free + axis, n] = 0.0
+    since = tau - (work[ROW.levels + 3, step - 1] if step > 0 else 0.0)
+    for n in range(order + 2):
+        work[ROW.track, n] = 0.0
+    work[ROW.track, 0] = work[ROW.speeds, step] - work[ROW.levels, step] * since
+    work[ROW.track, 1] = -work[ROW.levels, step]
+
+
+@borrowing
+def next_jump(tau: float, work: Work) -> float:
+    """Return the phase up to which the push does not jump, the end of the period at the latest."""
+    if work[ROW.wave, STEPS] == 0.0:
+        return TURN
+    return work[ROW.levels + 3, step_at(tau, work)]
+
+
+@borrowing
+def jumps(work: Work) -> bool:
+    """Return whether the push jumps at all."""
+    return work[ROW.wave, STEPS] > 0.0
 
 
 @borrowing
 def to_lift_off(work: Work, tau: float) -> float:
-    """Return the phase from tau to where a part on the floor lifts off; infinite if nowhere."""
+    """Return the phase from tau to where a part on the floor lifts off; infinite if nowhere.
+
+    Where the push jumps it is not told: what happens there is seen from the forces after it.
+    """
     least = math.inf
     for number in range(int(work[ROW.lifts, 0])):
         ahead = work[ROW.lifts, number + 1] - tau

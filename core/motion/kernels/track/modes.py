@@ -45,8 +45,8 @@ REACH = 0.02
 class Step(NamedTuple):
     """What a step is computed with: contacts, order, tolerance of a term.
 
-    `rest` is the phase to the end of the period, `lift` that to the next lift-off of a part on the
-    floor.
+    `rest` is the phase to the end of the period or to a jump of the drive, `lift` that to the next
+    lift-off of a part on the floor, `even` that to a jump alone.
     """
 
     wall: bool
@@ -55,6 +55,7 @@ class Step(NamedTuple):
     tolerance: float
     rest: float
     lift: float
+    even: float
 
 
 class Begin(NamedTuple):

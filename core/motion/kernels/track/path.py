@@ -30,7 +30,7 @@ def follow(wall: bool, rolling: float, group: Floats, phases: Floats) -> Floats:
     samples[:, SAMPLE - 1] = MODE.unknown
     most = int(cell.most_periods)
     history, work = new_history(most), new_work()
-    drive.fill_lift_offs(cell, work)
+    drive.set_drive(cell, group, work)
     state, hold = at_rest()
     found = settle(cell, wall, rolling, FINE, most, state, hold, history, work)
     if found.status == STATUS.limit_reached:
@@ -46,7 +46,7 @@ def follow(wall: bool, rolling: float, group: Floats, phases: Floats) -> Floats:
         while end < phases.size and phases[end] < before + TURN:
             end += 1
         fine = advance(
-            cell, wall, rolling, FINE.order, FINE.tolerance * drive.size(cell), state, hold,
+            cell, wall, rolling, FINE.order, FINE.tolerance * drive.size(work), state, hold,
             tally, work, phases[given:end] - before, samples[given:end],
         )  # fmt: skip
         if not fine:

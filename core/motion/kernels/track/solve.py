@@ -126,13 +126,14 @@ def without_repeating(cell: Cell, wall: bool, history: History, done: int, resul
 
 
 @compiled
-def solve(cell: Cell, wall: bool, rolling: float, history: History, result: Floats) -> Settled:
-    """Fill the result of a cell from rest; the history holds its last periods."""
+def solve(row: Floats, wall: bool, rolling: float, history: History, result: Floats) -> Settled:
+    """Fill the result of a cell, a row of the table, from rest; the history has its last periods."""
+    cell = cell_of(row)
     result[:] = math.nan
     most = int(cell.most_periods)
     nothing = Settled(STATUS.limit_reached, 0, 0, math.inf)
     total = 0.0
-    for value in cell:
+    for value in row:
         total += value
     if not math.isfinite(total) or cell.gravity_number_normal <= 0.0 or most < 1:
         return nothing
@@ -144,10 +145,10 @@ def solve(cell: Cell, wall: bool, rolling: float, history: History, result: Floa
     if not rubs and cell.gravity_number_along != 0.0:
         return Settled(STATUS.runaway, 0, 0, math.inf)
     work = new_work()
-    drive.fill_lift_offs(cell, work)
+    drive.set_drive(cell, row, work)
     state, hold = at_rest()
     found = settle(cell, wall, rolling, FINE, most, state, hold, history, work)
-    speed = drive.size(cell)
+    speed = drive.size(work)
     if found.multiple == 0:
         if found.status == STATUS.aperiodic:
             status = without_repeating(cell, wall, history, found.done, result)
@@ -219,7 +220,7 @@ def settled_anew(
     most, strayed = abs(other - velocity), 0.0
     for period in range(min(done, speeds.size)):
         strayed = max(strayed, abs(history.ends[period, STATE.ux] - speeds[period]))
-    if strayed < STRAYED * drive.size(cell):
+    if strayed < STRAYED * drive.size(work):
         return most, True
     for number in range(OTHERS):
         series = Series(COARSE.order, COARSE.tolerance / (2.0 + number))
@@ -255,7 +256,7 @@ def solve_cells(
     most = max(1, int(groups[:, GROUPS - 1].max()))
     history = new_history(most)
     for number in range(groups.shape[0]):
-        found = solve(cell_of(groups[number]), wall, rolling, history, table[number])
+        found = solve(groups[number], wall, rolling, history, table[number])
         status[number] = found.status
         if found.status in (STATUS.runaway, STATUS.limit_reached):
             table[number] = np.nan

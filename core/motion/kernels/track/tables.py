@@ -147,6 +147,14 @@ class Row(NamedTuple):
         What turns negative at an event, and a copy that its search destroys.
     lifts : int
         No series: how many times a period the floor loses a part that rests on it, and the phases.
+    wave : int
+        Of the drive: how many harmonics and steps it has, and the speed of the track.
+    sines, cosines : int
+        Three rows each, along, across and normal: a wave's coefficients by order.
+    levels : int
+        Three rows, and one of the phases at which the steps end.
+    speeds : int
+        Velocity of the track along itself at the start of each step.
     rows : int
         How many there are.
     """
@@ -162,10 +170,15 @@ class Row(NamedTuple):
     event: int
     scratch: int
     lifts: int
+    wave: int
+    sines: int
+    cosines: int
+    levels: int
+    speeds: int
     rows: int
 
 
-ROW = Row(0, 3, 4, 7, 10, 12, 13, 14, 21, 22, 23, 24)
+ROW = Row(0, 3, 4, 7, 10, 12, 13, 14, 21, 22, 23, 24, 25, 28, 31, 35, 36)
 Work: TypeAlias = Floats
 """The table of a step."""
 
