@@ -13,9 +13,10 @@ from __future__ import annotations
 import contextlib
 import functools
 import hashlib
+import inspect
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -23,6 +24,7 @@ import llvmlite
 import numba
 import numpy as np
 from numba.core import caching
+from numba.extending import overload
 from numba.misc.appdirs import AppDirs
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -66,6 +68,29 @@ def borrowing(function: Function) -> Function:
     short kernel.
     """
     return _compiled(function, _nrt=False)
+
+
+def by_type(argument: str, ways: Mapping[type, Any]) -> Callable[[Function], Function]:
+    """Return a decorator: compiled code that calls the function calls one of `ways` instead.
+
+    Which one, the type of an argument tells, a named tuple, when the caller is compiled. The
+    function itself only says what all of them return; their arguments have its names.
+    """
+
+    def register(function: Function) -> Function:
+        signature = inspect.signature(function)
+        place = list(signature.parameters).index(argument)
+
+        def choose(*types: Any) -> Any:
+            return ways[types[place].instance_class].py_func
+
+        choose.__signature__ = signature  # type: ignore[attr-defined]
+        options = {"nogil": True, "error_model": "numpy"}
+        register: Any = overload(function, jit_options=options, strict=False)
+        register(choose)
+        return function
+
+    return register
 
 
 def _compiled(function: Callable[..., Any], **options: bool) -> Any:

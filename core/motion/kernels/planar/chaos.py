@@ -17,8 +17,18 @@ from core.motion.kernels.planar.cycle import (
     rests,
     write_segment,
 )
-from core.motion.kernels.planar.flight import hop_height, landing
-from core.motion.kernels.planar.flow import EPSILON, TURN, Drive, flow, phase_to
+from core.motion.kernels.planar.drive import (
+    Drive,
+    fly,
+    hop_height,
+    landing,
+    lift_off,
+    load,
+    rise,
+    rounded,
+    to_lift_off,
+)
+from core.motion.kernels.planar.flow import EPSILON, KEPT_BITS, TURN, kept
 from core.motion.kernels.planar.repeating import repeating
 from core.motion.kernels.planar.slide import contact
 from core.motion.kernels.planar.tables import DISTANCE, MOST_SEGMENTS, PIECE, TIMES, Cell
@@ -37,9 +47,6 @@ HOPS_PER_PERIOD = 16  # of a run, on average; more end it
 SETTLED_ROUGHLY = 1e-8  # as `SETTLED_EXACTLY`, in a run whose mean has a spread of 1e-3 at best
 JOLT = 1e-8  # of gravity: largest speed of a lift-off from rest; it grows as roundings do, or more
 GOLDEN = 0.6180339887498949  # its multiples, modulo 1, come nowhere twice
-KEPT_BITS = 2.0**32
-"""Cells that agree in so many bits have the same runs: an answer that hangs on the last bit of a
-parameter tells a user nothing."""
 COARSER = 1.0 / (KEPT_BITS * EPSILON)
 """Times the error of a cycle, that of roundings of `EPSILON`: what the bits left out do."""
 
@@ -67,23 +74,6 @@ class Run(NamedTuple):
 
 
 @compiled
-def kept(value: float) -> float:
-    """Return a value with the first bits only."""
-    mantissa, exponent = math.frexp(value)
-    return math.ldexp(np.rint(mantissa * KEPT_BITS) / KEPT_BITS, exponent)
-
-
-@compiled
-def rounded(cell: Cell, drive: Drive) -> tuple[Drive, float]:
-    """Return drive and restitution with their first bits only, where a part still lifts off."""
-    few = Drive(
-        kept(drive.c), kept(drive.s), kept(drive.gs), kept(drive.gn),
-        kept(drive.mu_s), kept(drive.mu_k),
-    )  # fmt: skip
-    return (few if few.s > few.gn else drive), kept(cell.restitution)
-
-
-@compiled
 def jolted(number: int, gn: float) -> float:
     """Return the speed of a lift-off from rest, another one for every number."""
     return JOLT * gn * ((GOLDEN * number) % 1.0)
@@ -103,8 +93,7 @@ def long_run(
     take and not over one of them. If it ends in a cycle of hops, which is looked for where there is
     any patience, the first of `rows` hold that.
     """
-    c, s, gs, gn, mu_k = drive.c, drive.s, drive.gs, drive.gn, drive.mu_k
-    up_at = math.asin(gn / s)
+    gs, gn, mu_k = drive.gs, drive.gn, drive.mu_k
     no_log = np.empty((0, len(PIECE)))
     settling = periods * SHARE_SETTLING * TURN
     hops = HOPS_PER_PERIOD * periods + FIRST_LOOK
@@ -118,10 +107,10 @@ def long_run(
     dropped, rest_at, rest_time = 0.0, math.nan, 0.0
     least, most, way = math.inf, -math.inf, math.nan
     tau = (phase + TURN * (run + GOLDEN * (run // PHASES)) / PHASES) % TURN
-    if s * math.sin(tau) < gn:
-        span = phase_to(up_at, tau)
+    if load(drive, tau) > 0.0:
+        span = to_lift_off(drive, tau)
         u = contact(tau, span, u, drive, sums, no_log, 0)[0]
-        tau, w, total = up_at, jolted(jolt, gn), span
+        tau, w, total = lift_off(drive, tau), jolted(jolt, gn), span
         rest_at, rest_time = sums[DISTANCE], total
     for hop in range(hops + patience):
         if began == math.inf and (total >= settling or hop >= settling_hops):
@@ -132,29 +121,28 @@ def long_run(
         enough = total - began >= periods * TURN - settling or hop >= hops
         if enough and not RECENT <= count < patience:
             break
-        sine, cosine = math.sin(tau), math.cos(tau)
-        span = landing(w, s, gn, tau, sine, cosine, up_at)
+        span = landing(drive, w, tau)
         if span < 0:
             break
-        speed = max(0.0, -flow(w, s, gn, sine, cosine, span)[0])
+        speed = max(0.0, -rise(drive, w, tau, span)[0])
         write_segment(rows, count, tau, span, w, speed, (1 + e) * speed)
         count += 1
         if began < math.inf:
-            highest = hop_height(w, s, gn, tau, span, highest)
-        u, distance = flow(u, c, gs, sine, cosine, span)
+            highest = hop_height(drive, w, tau, span, highest)
+        u, distance = fly(drive, u, tau, span)
         sums[DISTANCE] += distance
         sums[TIMES + MODE.flight] += span
         impacts, fastest = impacts + 1, max(fastest, speed)
         total += span
         tau, w = (tau + span) % TURN, e * speed
-        stays = rests(tau, w, s, gn, e, up_at, SETTLED_ROUGHLY)
+        stays = rests(drive, tau, w, e, SETTLED_ROUGHLY)
         friction = mu_k * (speed if stays else speed + w)
         u = 0.0 if abs(u) <= friction else u - (friction if u > 0 else -friction)
         if stays:
-            span = phase_to(up_at, tau)
+            span = to_lift_off(drive, tau)
             u = contact(tau, span, u, drive, sums, no_log, 0)[0]
             jolt += MOST_STARTS
-            tau, w, total = up_at, jolted(jolt, gn), total + span
+            tau, w, total = lift_off(drive, tau), jolted(jolt, gn), total + span
             count, look_at = 0, FIRST_LOOK
             velocity = (dropped + sums[DISTANCE] - rest_at) / (total - rest_time)
             if not math.isnan(velocity):  # there was a rest before
@@ -163,7 +151,7 @@ def long_run(
             rest_at, rest_time = dropped + sums[DISTANCE], total
         elif count >= look_at and patience > 0:
             look_at = count + count // 2
-            cycle, turns = find_cycle(s, gn, e, up_at, rows, count, tau, w)
+            cycle, turns = find_cycle(drive, e, rows, count, tau, w)
             if cycle:
                 return Run(TURN * turns, 0, 0.0, 0.0, 0.0, False, least, most, way, cycle)
         if count >= MOST_SEGMENTS - LONGEST_CYCLE - 2:
@@ -219,7 +207,7 @@ def from_phases(
     into it or into another one, or comes to rest and repeats the way from there; more starts tell
     into which, and the error holds what each of them gives.
     """
-    drive, e = rounded(cell, drive)
+    drive, e = rounded(drive), kept(cell.restitution)
     most_periods = int(cell.most_periods)
     starts = min(MOST_STARTS, max(PHASES, most_periods // PERIODS_A_START))
     found = np.empty((starts, RESULTS))

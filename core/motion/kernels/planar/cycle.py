@@ -6,8 +6,17 @@ import math
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
-from core.motion.kernels.planar.flight import landing
-from core.motion.kernels.planar.flow import EPSILON, TURN, flow, phase_to
+from core.motion.kernels.planar.drive import (
+    Drive,
+    landing,
+    lift_off,
+    lifts,
+    load,
+    rise,
+    sizes,
+    to_lift_off,
+)
+from core.motion.kernels.planar.flow import EPSILON, TURN
 from core.motion.kernels.planar.growth import CERTAIN, grown, growth
 from core.motion.kernels.planar.tables import MOST_SEGMENTS, SEGMENT
 
@@ -20,6 +29,7 @@ LONGEST_CYCLE = 32  # impacts of a cycle without contact phase
 SAME_STATE = 1e-7  # distance of two states of a cycle that are one
 NEAR = 1e-2  # recurrence that a search for a cycle starts from
 FEWEST_PERIODS = 8  # of a run that a limit ended, for its mean to be given as that of the motion
+SAME_LIFT_OFF = 1e-9  # of phase: lift-offs that are one
 SETTLED_EXACTLY = 1e-13  # rebound times remaining time, below which a run of shrinking hops ends
 SETTLED_TIME = 1e-3  # its remaining time, as a share of the time to lift-off
 
@@ -35,19 +45,18 @@ def write_segment(
 
 @compiled
 def one_hop(
-    tau: float, w: float, s: float, gn: float, e: float, up_at: float
+    drive: Drive, tau: float, w: float, e: float
 ) -> tuple[float, float, float, float, float, float, float, float]:
     """Return span, landing speed, phase and rebound after a hop, and the derivatives of the two.
 
     The last four are d(phase)/d(tau), d(phase)/d(w), d(rebound)/d(tau), d(rebound)/d(w).
     """
-    sine, cosine = math.sin(tau), math.cos(tau)
-    span = landing(w, s, gn, tau, sine, cosine, up_at)
-    speed = max(0.0, -flow(w, s, gn, sine, cosine, span)[0])
+    span = landing(drive, w, tau)
+    speed = max(0.0, -rise(drive, w, tau, span)[0])
     after = tau + span
     if speed == 0.0:
         return span, speed, after, 0.0, 0.0, 0.0, 0.0, 0.0
-    n0, n1 = gn - s * sine, gn - s * math.sin(after)
+    n0, n1 = load(drive, tau), load(drive, after)
     phase_tau, phase_w = (span * n0 - w) / speed, span / speed
     # The landing velocity changes by dw + n0 dtau - n1 dphase; the rebound is -e times that.
     return (
@@ -57,9 +66,7 @@ def one_hop(
 
 
 @compiled
-def rests(
-    tau: float, w: float, s: float, gn: float, e: float, up_at: float, settled: float
-) -> bool:
+def rests(drive: Drive, tau: float, w: float, e: float, settled: float) -> bool:
     """Return whether the part stays on the floor after a landing with rebound w (theory 13.5).
 
     It does where it does not rebound, and where the hops still to come shrink to nothing within
@@ -68,7 +75,7 @@ def rests(
     and the hops as a stay on the floor. The position is wrong by less than friction times
     `settled`.
     """
-    n = gn - s * math.sin(tau)
+    n = load(drive, tau)
     if n <= 0:
         return False
     if w == 0:
@@ -76,12 +83,12 @@ def rests(
     if e >= 1:
         return False
     left = 2 * w / (n * (1 - e))
-    return w * left < settled and left < SETTLED_TIME * phase_to(up_at, tau)
+    return w * left < settled and left < SETTLED_TIME * to_lift_off(drive, tau)
 
 
 @compiled
 def run_cycle(
-    tau: float, w: float, hops: int, s: float, gn: float, e: float, up_at: float, rows: Floats
+    drive: Drive, tau: float, w: float, hops: int, e: float, rows: Floats
 ) -> tuple[float, float, float, float, float, float]:
     """Return phase, rebound and their four derivatives after some hops; fill `rows`.
 
@@ -89,8 +96,8 @@ def run_cycle(
     """
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     for hop in range(hops):
-        span, speed, after, rebound, tt, tw, wt, ww = one_hop(tau, w, s, gn, e, up_at)
-        if span <= 0 or rests(after, rebound, s, gn, e, up_at, SETTLED_EXACTLY):
+        span, speed, after, rebound, tt, tw, wt, ww = one_hop(drive, tau, w, e)
+        if span <= 0 or rests(drive, after, rebound, e, SETTLED_EXACTLY):
             return math.nan, 0.0, a, b, c, d
         write_segment(rows, hop, tau % TURN, span, w, speed, (1 + e) * speed)
         a, b, c, d = tt * a + tw * c, tt * b + tw * d, wt * a + ww * c, wt * b + ww * d
@@ -100,15 +107,14 @@ def run_cycle(
 
 @compiled
 def fixed_point(
-    at: float, rebound: float, hops: int, periods: int, s: float, gn: float, e: float,
-    up_at: float, rows: Floats,
-) -> tuple[float, float, bool]:  # fmt: skip
+    drive: Drive, at: float, rebound: float, hops: int, periods: int, e: float, rows: Floats
+) -> tuple[float, float, bool]:
     """Return a state near the given one that repeats after some hops, and whether it attracts.
 
     By Newton's iteration; False as well where none is found. Fills `rows`.
     """
     for _ in range(MOST_NEWTON):
-        after, rebound_after, a, b, c, d = run_cycle(at, rebound, hops, s, gn, e, up_at, rows)
+        after, rebound_after, a, b, c, d = run_cycle(drive, at, rebound, hops, e, rows)
         if math.isnan(after):
             break
         off, off_rebound = after - at - periods * TURN, rebound_after - rebound
@@ -118,7 +124,7 @@ def fixed_point(
         step = (off * (d - 1) - b * off_rebound) / determinant
         step_rebound = ((a - 1) * off_rebound - c * off) / determinant
         at, rebound = at - step, max(0.0, rebound - step_rebound)
-        if abs(step) + abs(step_rebound) <= 1e-14 * (TURN + s):
+        if abs(step) + abs(step_rebound) <= 1e-14 * (TURN + sizes(drive)[1]):
             product = a * d - b * c
             return at, rebound, abs(a + d) < 1 + product and product < 1
     return at, rebound, False
@@ -140,7 +146,7 @@ def shortest_part(rows: Floats, hops: int, periods: int) -> int:
 
 @compiled
 def find_cycle(
-    s: float, gn: float, e: float, up_at: float, rows: Floats, count: int, tau: float, w: float
+    drive: Drive, e: float, rows: Floats, count: int, tau: float, w: float
 ) -> tuple[int, int]:
     """Return hops and periods of an attracting cycle near the last states; 0, 0 if there is none.
 
@@ -163,17 +169,15 @@ def find_cycle(
         scratch = rows[count:]
         if scratch.shape[0] < hops:
             return 0, 0
-        at, rebound, attracts = fixed_point(at, rebound, hops, periods, s, gn, e, up_at, scratch)
+        at, rebound, attracts = fixed_point(drive, at, rebound, hops, periods, e, scratch)
         distance = abs(at - start) + abs(rebound - start_rebound)
         if not attracts or distance > 100 * recurrence + 1e-9:
             continue
-        after, rebound_after, _, _, _, _ = run_cycle(
-            start, start_rebound, hops, s, gn, e, up_at, scratch
-        )
+        after, rebound_after, _, _, _, _ = run_cycle(drive, start, start_rebound, hops, e, scratch)
         nearer = abs(after - at - periods * TURN) + abs(rebound_after - rebound)
         if not (nearer < distance or distance < 1e-9):
             continue
-        if math.isnan(run_cycle(at, rebound, hops, s, gn, e, up_at, scratch)[0]):
+        if math.isnan(run_cycle(drive, at, rebound, hops, e, scratch)[0]):
             continue
         shortest = shortest_part(scratch, hops, periods)
         for hop in range(shortest):
@@ -185,49 +189,72 @@ def find_cycle(
 
 @compiled
 def normal_cycle(
-    s: float, gn: float, e: float, most_periods: int, most_growth: float, rows: Floats
-) -> tuple[int, int]:
-    """Return the segments and periods of the cycle that the part falls into from rest on the floor.
+    drive: Drive, start: float, e: float, most_periods: int, most_growth: float, rows: Floats
+) -> tuple[int, int, int]:
+    """Return the cycle that the part falls into from rest on the floor at phase `start`.
 
-    Fills `rows`. Periods 0 means that the motion does not repeat, or that roundings grow on the way
-    by more than `most_growth`, so that they decide where it does; -1 that a limit came first.
+    Fills `rows`; the result is the first segment of the cycle, the end of its segments, and its
+    periods. Those before the first lead into it; of a cycle of hops alone nothing leads. Periods 0
+    means that the motion does not repeat, or that roundings grow on the way by more than
+    `most_growth`, so that they decide where it does; -1 that a limit came first.
     """
-    if s <= gn:
+    if not lifts(drive):
         write_segment(rows, 0, 0.0, TURN, -1.0, 0.0, 0.0)
-        return 1, 1
-    up_at = math.asin(gn / s)
-    tau, w, total, count, look_at = up_at, 0.0, 0.0, 0, FIRST_LOOK
+        return 0, 1, 1
+    tau = lift_off(drive, start)
+    w, total, count, look_at = 0.0, 0.0, 0, FIRST_LOOK
     doubt = CERTAIN
     while count < MOST_SEGMENTS - LONGEST_CYCLE - 2:
-        span, speed, after, rebound, tt, tw, wt, ww = one_hop(tau, w, s, gn, e, up_at)
+        span, speed, after, rebound, tt, tw, wt, ww = one_hop(drive, tau, w, e)
         if span < 0:
-            return count, -1
+            return 0, count, -1
         write_segment(rows, count, tau, span, w, speed, (1 + e) * speed)
         count += 1
         total += span
         if most_growth < math.inf:
-            doubt = grown(doubt, span, speed, after, s, gn, e, (tt, tw, wt, ww))
-            if not growth(doubt, speed, after, s, gn) <= most_growth:
-                return count, 0
+            doubt = grown(doubt, span, speed, after, drive, e, (tt, tw, wt, ww))
+            if not growth(doubt, speed, after, drive) <= most_growth:
+                return 0, count, 0
         tau, w = after % TURN, rebound
-        if rests(tau, w, s, gn, e, up_at, SETTLED_EXACTLY):
-            # On the floor until lift-off, where the motion began: the cycle is closed.
-            span = phase_to(up_at, tau)
+        if rests(drive, tau, w, e, SETTLED_EXACTLY):
+            # On the floor until lift-off; the cycle is closed if one began there before.
+            span = to_lift_off(drive, tau)
             rows[count - 1, SEGMENT.impulse] = speed
             write_segment(rows, count, tau, span, -1.0, 0.0, 0.0)
-            return count + 1, round((total + span) / TURN)
-        if count >= look_at and total > TURN:
+            count += 1
+            total += span
+            tau, w, doubt = lift_off(drive, tau), 0.0, CERTAIN
+            first = same_start(rows, count, tau)
+            if first >= 0:
+                for row in range(first):
+                    total -= rows[row, SEGMENT.span]
+                return first, count, round(total / TURN)
+        elif count >= look_at and total > TURN:
             look_at = count + count // 2
-            hops, periods = find_cycle(s, gn, e, up_at, rows, count, tau, w)
+            hops, periods = find_cycle(drive, e, rows, count, tau, w)
             if hops:
-                return hops, periods
+                return 0, hops, periods
         if count >= SEARCH_HOPS and total > TURN * min(SEARCH_PERIODS, most_periods):
-            return count, 0
-    return count, (0 if total > TURN * FEWEST_PERIODS else -1)
+            return 0, count, 0
+    return 0, count, (0 if total > TURN * FEWEST_PERIODS else -1)
 
 
 @compiled
-def phase_doubt(rows: Floats, count: int, s: float, gn: float, e: float) -> float:
+def same_start(rows: Floats, count: int, tau: float) -> int:
+    """Return the segment at which the part took off from rest at this phase; -1 if there is none.
+
+    A drive has few phases of lift-off, each known to rounding.
+    """
+    for row in range(count):
+        if rows[row, SEGMENT.take_off] == 0.0:
+            apart = abs(rows[row, SEGMENT.phase] - tau)
+            if min(apart, TURN - apart) < SAME_LIFT_OFF:
+                return row
+    return -1
+
+
+@compiled
+def phase_doubt(rows: Floats, count: int, drive: Drive, e: float) -> float:
     """Return by how much roundings may move a phase of the cycle, as far as that moves the part.
 
     They grow along a chain of hops until the part rests on the floor; where it never does, the
@@ -235,6 +262,7 @@ def phase_doubt(rows: Floats, count: int, s: float, gn: float, e: float) -> floa
     late matters by what the floor gives there, its force and the impulse: next to nothing where a
     part has hardly lifted off.
     """
+    s, gn = sizes(drive)[1], drive.gn
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     least, growth, never_rests = 2.0, 1.0, True
     for row in range(count):
@@ -244,7 +272,7 @@ def phase_doubt(rows: Floats, count: int, s: float, gn: float, e: float) -> floa
             a, b, c, d, least = 1.0, 0.0, 0.0, 1.0, 2.0
             never_rests = never_rests and w >= 0
             continue
-        n0, n1 = gn - s * math.sin(tau), gn - s * math.sin(tau + span)
+        n0, n1 = load(drive, tau), load(drive, tau + span)
         tt, tw = (span * n0 - w) / speed, span / speed
         wt, ww = -e * (n0 - n1 * tt), -e * (1 - n1 * tw)
         a, b, c, d = tt * a + tw * c, tt * b + tw * d, wt * a + ww * c, wt * b + ww * d

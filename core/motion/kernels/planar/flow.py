@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from core.compiled import compiled
 
 TURN = 2 * math.pi
@@ -12,10 +14,16 @@ MOST_ITERATIONS = 200  # of a bracketed search
 MOST_PIECES = 20_000  # of one flow
 LAST_STEP = 1e-10  # of Newton's iteration, relative: the next would be of the order of its square
 EPSILON = 2e-15  # rounding of the change over a cycle, per unit of the drive
+KEPT_BITS = 2.0**32
+"""Cells that agree in so many bits have the same runs: an answer that hangs on the last bit of a
+parameter tells a user nothing."""
 
 
-class Drive(NamedTuple):
-    """Drive and gravity along and normal to the floor, and both coefficients of friction."""
+class Sine(NamedTuple):
+    """Drive and gravity along and normal to the floor, and both coefficients of friction.
+
+    `up_at` is the phase at which a part on the floor lifts off, NaN if it never does.
+    """
 
     c: float
     s: float
@@ -23,6 +31,30 @@ class Drive(NamedTuple):
     gn: float
     mu_s: float
     mu_k: float
+    up_at: float
+
+
+@compiled
+def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) -> Sine:
+    """Return the sine of these numbers, s not below 0."""
+    return Sine(c, s, gs, gn, mu_s, mu_k, math.asin(gn / s) if s > gn else math.nan)
+
+
+@compiled
+def kept(value: float) -> float:
+    """Return a value with the first bits only."""
+    mantissa, exponent = math.frexp(value)
+    return math.ldexp(np.rint(mantissa * KEPT_BITS) / KEPT_BITS, exponent)
+
+
+@compiled
+def rounded(drive: Sine) -> Sine:
+    """Return a drive with its first bits only, where a part still lifts off."""
+    few = sine_of(
+        kept(drive.c), kept(drive.s), kept(drive.gs), kept(drive.gn),
+        kept(drive.mu_s), kept(drive.mu_k),
+    )  # fmt: skip
+    return few if few.s > few.gn else drive
 
 
 @compiled

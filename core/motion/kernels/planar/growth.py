@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from core.compiled import compiled
+from core.motion.kernels.planar.drive import Drive, load, sizes
 from core.motion.kernels.planar.flow import TURN
 
 ROUNDED = 2.0**-52  # of a phase or a speed, relative
@@ -24,7 +25,7 @@ CERTAIN = (0.0, 0.0, 0.0)
 
 @compiled
 def grown(
-    known: Doubt, span: float, speed: float, after: float, s: float, gn: float, e: float,
+    known: Doubt, span: float, speed: float, after: float, drive: Drive, e: float,
     slopes: tuple[float, float, float, float],
 ) -> Doubt:  # fmt: skip
     """Return the doubt after a hop from that before it.
@@ -36,7 +37,8 @@ def grown(
     """
     square, product, rebounds = known
     tt, tw, wt, ww = slopes
-    n1 = gn - s * math.sin(after)
+    s, gn = sizes(drive)[1], drive.gn
+    n1 = load(drive, after)
     late = TURN + min((s + gn) * span * span / max(speed, 1e-300), span / ROUNDED)
     fast = e * ((s + gn) * (1 + span) + abs(n1) * late)
     return (
@@ -47,11 +49,11 @@ def grown(
 
 
 @compiled
-def growth(known: Doubt, speed: float, after: float, s: float, gn: float) -> float:
+def growth(known: Doubt, speed: float, after: float, drive: Drive) -> float:
     """Return how many roundings the state after a hop is in doubt by, as far as they move a part.
 
     A landing that comes late matters by what the floor gives there, its force and the impulse: next
     to nothing where a part has hardly lifted off.
     """
-    given = min(1.0, (abs(gn - s * math.sin(after)) + speed) / (s + gn))
+    given = min(1.0, (abs(load(drive, after)) + speed) / (sizes(drive)[1] + drive.gn))
     return math.sqrt(known[0]) * given + math.sqrt(known[2])

@@ -10,11 +10,21 @@ import numpy as np
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.planar.cycle import normal_cycle
-from core.motion.kernels.planar.flow import TURN, Drive, distance_after, velocity_after
+from core.motion.kernels.planar.drive import Drive, fly, lifts, rise, slide
+from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.planar.repeating import velocity_at_start
 from core.motion.kernels.planar.slide import follow_cycle, write_piece
-from core.motion.kernels.planar.solve import solve, upright
-from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS, cell_of
+from core.motion.kernels.planar.solve import solve_sine, solve_wave, upright
+from core.motion.kernels.planar.tables import (
+    GROUPS,
+    MOST_SEGMENTS,
+    PIECE,
+    SEGMENT,
+    SUMS,
+    Cell,
+    cell_of,
+)
+from core.motion.kernels.planar.wave import new_table, wave_of
 from core.motion.kernels.results import RESULTS
 from core.motion.kernels.statuses import MODE, STATUS
 
@@ -37,50 +47,78 @@ SAMPLE = Sample(*range(len(Sample._fields)))
 
 
 @compiled
-def follow(group: Floats) -> tuple[Floats, float, float, bool]:
+def follow(row: Floats) -> tuple[Floats, float, float, bool]:
     """Return the pieces of the cycle of one cell, the phase shift and the way of `upright`.
 
     The last value tells whether the motion repeats after them. A piece is a row of the log.
     """
-    cell = cell_of(group)
-    drive, phase, way = upright(cell)
+    cell = cell_of(row)
     rows = np.empty((MOST_SEGMENTS, len(SEGMENT)))
-    sums = np.empty(SUMS)
+    sums, result = np.empty(SUMS), np.empty(RESULTS)
     log = np.empty((4 * MOST_SEGMENTS, len(PIECE)))
-    result = np.empty(RESULTS)
     log[:, PIECE.span] = -1.0
-    status, count, u = solve(cell, rows, sums, log, result)
+    if row.size > GROUPS:
+        table = new_table()
+        status, first, count, u = solve_wave(row, table, rows, sums, log, result)
+        pieces, repeats = pieces_of(
+            wave_of(cell, row, table), 0.0, cell, status, rows[first:], count - first, u, sums, log
+        )
+        return pieces, 0.0, 1.0, repeats
+    status, first, count, u = solve_sine(cell, False, rows, sums, log, result)
+    drive, phase, way = upright(cell)
+    pieces, repeats = pieces_of(
+        drive, phase, cell, status, rows[first:], count - first, u, sums, log
+    )
+    return pieces, phase, way, repeats
+
+
+@compiled
+def pieces_of(
+    drive: Drive, phase: float, cell: Cell, status: int, rows: Floats, count: int, u: float,
+    sums: Floats, log: Floats,
+) -> tuple[Floats, bool]:  # fmt: skip
+    """Return the pieces of a cycle that was solved, and whether the motion repeats after them."""
     used = 0
     if status == STATUS.at_rest:
         used = write_piece(log, used, 0.0, TURN, MODE.stick, 0.0, 0.0, 0.0)
         status, count = STATUS.periodic, 1
     elif count > 0:
         _, _, used = follow_cycle(rows, count, u, drive, sums, log)
-    elif status in UNKNOWN and drive.s > drive.gn:
+    elif status in UNKNOWN and lifts(drive):
         e, most_periods = cell.restitution, int(cell.most_periods)
-        count, _ = normal_cycle(drive.s, drive.gn, e, most_periods, math.inf, rows)
+        _, count, _ = normal_cycle(drive, phase, e, most_periods, math.inf, rows)
         shown, span = 0, 0.0
         while shown < count and span < SHOWN_PERIODS * TURN:
             shown += 1
             span += rows[count - shown, SEGMENT.span]
-        start = velocity_at_start(drive, phase, rows, count)
+        start = velocity_at_start(drive, phase, rows, 0, count)
         u, _, _ = follow_cycle(rows, count - shown, start, drive, sums, log[:0])
         _, _, used = follow_cycle(rows[count - shown :], shown, u, drive, sums, log)
-    return log[: max(0, used)].copy(), phase, way, count > 0 and status == STATUS.periodic
+    return log[: max(0, used)].copy(), count > 0 and status == STATUS.periodic
 
 
 @compiled
-def sample(pieces: Floats, group: Floats, shift: float, phases: Floats, repeats: bool) -> Floats:
+def sample(pieces: Floats, row: Floats, shift: float, phases: Floats, repeats: bool) -> Floats:
     """Return position, height, velocities and mode at phases since the start of the cycle.
 
     The columns of the result, shape (n, 5), are those of `SAMPLE`. NaN and mode `unknown` where
     there is no cycle, and beyond the end of pieces after which the motion does not repeat.
     """
+    cell = cell_of(row)
+    if row.size > GROUPS:
+        return sample_under(wave_of(cell, row, new_table()), pieces, shift, phases, repeats)
+    return sample_under(upright(cell)[0], pieces, shift, phases, repeats)
+
+
+@compiled
+def sample_under(
+    drive: Drive, pieces: Floats, shift: float, phases: Floats, repeats: bool
+) -> Floats:
+    """Do what `sample` does, under a drive."""
     samples = np.full((phases.size, len(SAMPLE)), math.nan)
     samples[:, SAMPLE.mode] = MODE.unknown
     if pieces.shape[0] == 0:
         return samples
-    drive, _, _ = upright(cell_of(group))
     ends = np.cumsum(pieces[:, PIECE.span])
     length = ends[-1]
     last = pieces.shape[0] - 1
@@ -113,11 +151,9 @@ def at_piece(piece: Floats, since: float, drive: Drive) -> tuple[float, float, f
     u, w = piece[PIECE.along], piece[PIECE.normal]
     if mode == MODE.stick:
         return x, 0.0, 0.0, 0.0
-    c, s, gs, gn, mu_k = drive.c, drive.s, drive.gs, drive.gn, drive.mu_k
     if mode == MODE.flight:
-        height = max(0.0, distance_after(w, s, gn, tau, since))
-        along, normal = velocity_after(u, c, gs, tau, since), velocity_after(w, s, gn, tau, since)
-        return x + distance_after(u, c, gs, tau, since), height, along, normal
-    sign = 1.0 if mode == MODE.forward else -1.0
-    C, k = c + sign * mu_k * s, gs + sign * mu_k * gn
-    return x + distance_after(u, C, k, tau, since), 0.0, velocity_after(u, C, k, tau, since), 0.0
+        along, covered = fly(drive, u, tau, since)
+        normal, height = rise(drive, w, tau, since)
+        return x + covered, max(0.0, height), along, normal
+    along, covered = slide(drive, 1.0 if mode == MODE.forward else -1.0, u, tau, since)
+    return x + covered, 0.0, along, 0.0

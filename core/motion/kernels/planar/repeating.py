@@ -9,10 +9,19 @@ import numpy as np
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.planar.cycle import phase_doubt
-from core.motion.kernels.planar.flight import hop_height
-from core.motion.kernels.planar.flow import TURN, Drive, arc_sine, phase_to
+from core.motion.kernels.planar.drive import (
+    Drive,
+    first_slip,
+    hop_height,
+    lifts,
+    sizes,
+    slip_doubt,
+    to_lift_off,
+    track_speed,
+)
+from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.planar.settle import settle
-from core.motion.kernels.planar.slide import contact, follow_cycle, stick_range
+from core.motion.kernels.planar.slide import contact, follow_cycle
 from core.motion.kernels.planar.tables import DISTANCE, PIECE, SEGMENT, SUMS, TIMES, Cell
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import MODE, MODES, STATUS
@@ -21,33 +30,28 @@ ROUNDING = 4e-14  # of a mean velocity, per unit of the drive and of friction's 
 MOST_RUBBING = 8.0
 """Friction adds up over no more than so many times the share of the period in which a part slides,
 times its largest: what is huge acts for as short a time."""
-THRESHOLD = 4e-16  # rounding of the sine at which friction is overcome
 
 
 @compiled
-def velocity_at_start(drive: Drive, phase: float, rows: Floats, count: int) -> float:
+def velocity_at_start(drive: Drive, phase: float, rows: Floats, first: int, count: int) -> float:
     """Return the velocity at the start of a cycle of a part at rest on the floor at `phase`.
 
     Where it never lifts off the cycle may start anywhere: it is moved to where slip begins.
     """
-    c, s, gs, gn, mu_s = drive.c, drive.s, drive.gs, drive.gn, drive.mu_s
-    if mu_s == 0 and gs == 0:  # nothing acts along the track but the drive
-        return c * (math.cos(phase) - math.cos(rows[0, SEGMENT.phase]))
-    if s > gn:
-        sums = np.zeros(SUMS)
+    if drive.mu_s == 0 and drive.gs == 0:  # nothing acts along the track but the drive
+        return track_speed(drive, phase) - track_speed(drive, rows[first, SEGMENT.phase])
+    if lifts(drive):
+        sums, no_log = np.zeros(SUMS), np.empty((0, len(PIECE)))
         # A part that lifts off starts on the floor, at least at the drive's own zero.
-        span = phase_to(math.asin(gn / s), phase)
-        u = contact(phase, span, 0.0, drive, sums, np.empty((0, len(PIECE))), 0)[0]
+        span = to_lift_off(drive, phase)
+        u = contact(phase, span, 0.0, drive, sums, no_log, 0)[0]
         if rows[count - 1, SEGMENT.take_off] >= 0:
             # A cycle without contact: friction brings any velocity to the same motion.
             return 0.0
-        return u
-    least, largest, _ = stick_range(c, s, gs, gn, mu_s)
-    rises, falls = largest < 1, least > -1
-    if rises and (math.cos(phase) > 0 or not falls):
-        rows[0, SEGMENT.phase] = arc_sine(largest)
-    elif falls:
-        rows[0, SEGMENT.phase] = math.pi - arc_sine(least)
+        return follow_cycle(rows, first, u, drive, sums, no_log)[0] if first > 0 else u
+    slip = first_slip(drive, phase)
+    if not math.isnan(slip):
+        rows[first, SEGMENT.phase] = slip
     return 0.0
 
 
@@ -64,8 +68,9 @@ def keep_speed(
     for row in range(count):
         flying += rows[row, SEGMENT.span] if rows[row, SEGMENT.take_off] >= 0 else 0.0
     sums[:] = 0.0
-    sums[DISTANCE] = drive.c * math.cos(phase) * periods * TURN
-    sums[TIMES + (MODE.forward if math.cos(phase) > 0 else MODE.backward)] = periods * TURN - flying
+    speed = track_speed(drive, phase)
+    sums[DISTANCE] = speed * periods * TURN
+    sums[TIMES + (MODE.forward if speed >= 0 else MODE.backward)] = periods * TURN - flying
     sums[TIMES + MODE.flight] = flying
 
 
@@ -78,31 +83,14 @@ def write_impacts(rows: Floats, count: int, drive: Drive, periods: int, result: 
             impacts += 1
             fastest = max(fastest, rows[row, SEGMENT.landing])
             highest = hop_height(
+                drive,
                 rows[row, SEGMENT.take_off],
-                drive.s,
-                drive.gn,
                 rows[row, SEGMENT.phase],
                 rows[row, SEGMENT.span],
                 highest,
             )
     result[COLUMN.impacts] = impacts / periods
     result[COLUMN.landing_speed], result[COLUMN.hop_height] = fastest, highest
-
-
-@compiled
-def slip_doubt(drive: Drive) -> float:
-    """Return how much velocity hangs on the rounding of the phases where a slip starts.
-
-    Friction falls there from the static to the kinetic one, so that a slip starts with a jerk. Its
-    phase, asin of the threshold, is known the less, the nearer the threshold is to 1.
-    """
-    least, largest, _ = stick_range(drive.c, drive.s, drive.gs, drive.gn, drive.mu_s)
-    jump = (drive.mu_s - drive.mu_k) * (drive.s + drive.gn)
-    doubt = 0.0
-    for threshold in (least, largest):
-        if abs(threshold) < 1.0:
-            doubt += jump * THRESHOLD / math.sqrt((1.0 - threshold) * (1.0 + threshold))
-    return doubt
 
 
 @compiled
@@ -115,7 +103,8 @@ def repeating(
     Returns the status and the velocity at the start of the cycle; u is that at which it is first
     entered. Where no motion along the track is found that repeats, `result` is left as it was.
     """
-    c, s, gs, gn, mu_s, mu_k = drive
+    gs, gn, mu_s, mu_k = drive.gs, drive.gn, drive.mu_s, drive.mu_k
+    c, s = sizes(drive)
     error, cycles, status = 0.0, 1, STATUS.neutral
     if mu_s == 0:
         keep_speed(drive, phase, rows, count, periods, sums)
@@ -135,9 +124,9 @@ def repeating(
     time = periods * cycles * TURN
     result[COLUMN.velocity], result[COLUMN.spread] = sums[DISTANCE] / time, 0.0
     slides = (sums[TIMES + MODE.forward] + sums[TIMES + MODE.backward]) / time
-    doubt = ROUNDING + (phase_doubt(rows, count, s, gn, cell.restitution) if s > gn else 0.0)
+    doubt = ROUNDING + (phase_doubt(rows, count, drive, cell.restitution) if lifts(drive) else 0.0)
     rubbing = mu_k * (s + gn) * min(1.0, MOST_RUBBING * slides)
-    result[COLUMN.error] = error + doubt * (abs(c) + abs(gs) + rubbing)
+    result[COLUMN.error] = error + doubt * (c + abs(gs) + rubbing)
     if mu_s > mu_k and sums[TIMES + MODE.stick] > 0.0:
         result[COLUMN.error] += slip_doubt(drive) * slides
     for mode in range(MODES):

@@ -8,7 +8,8 @@ import numpy as np
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
-from core.motion.kernels.planar.flow import EPSILON, MOST_ITERATIONS, Drive
+from core.motion.kernels.planar.drive import Drive, sizes
+from core.motion.kernels.planar.flow import EPSILON, MOST_ITERATIONS
 from core.motion.kernels.planar.slide import follow_cycle
 from core.motion.kernels.planar.tables import TIMES
 from core.motion.kernels.statuses import MODE, STATUS
@@ -52,7 +53,7 @@ def settle_bracketed(
     Coulomb friction never drives two motions under the same normal force apart: the map is
     increasing and stretches nothing, so that the change over a cycle falls with the velocity.
     """
-    scale = abs(drive.c) + abs(drive.gs)
+    scale = sizes(drive)[0] + abs(drive.gs)
     low, high, stride = -math.inf, math.inf, 1.0
     for _ in range(MOST_ITERATIONS):
         after, slope, used = follow_cycle(rows, count, u, drive, sums, log)
@@ -104,8 +105,8 @@ def settle_followed(
 
     Sticking motions may then lie beside sliding ones, and which is reached depends on the start.
     """
-    c, gs, gn, mu_k = drive.c, drive.gs, drive.gn, drive.mu_k
-    scale = abs(c) + abs(gs)
+    gs, gn, mu_k = drive.gs, drive.gn, drive.mu_k
+    scale = sizes(drive)[0] + abs(gs)
     states = np.empty(LONGEST_MULTIPLE + 1)
     slopes = np.empty(LONGEST_MULTIPLE + 1)
     downhill = mu_k * gn < abs(gs)

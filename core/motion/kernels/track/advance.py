@@ -98,14 +98,15 @@ def advance(
             mark = 31.0 * tally[TALLY.signature] + 7.0 * event + contacts
             tally[TALLY.signature] = mark % 1000003.0
         tally[TALLY.steps] += 1.0
-        if span >= rest:
-            tau = jump
-            if even < math.inf and event not in (EVENT.land, EVENT.bump, EVENT.stop):
-                event = EVENT.start  # the forces after the jump decide
-        else:
-            tau += span
-        hold[HOLD.event] = event
+        hold[HOLD.event] = after_jump(event) if span >= even else event
+        tau = jump if span >= rest else tau + span
     return False
+
+
+@borrowing
+def after_jump(event: int) -> int:
+    """Return the event at a jump of the drive: after it the forces decide, unless it is an end."""
+    return event if event in (EVENT.land, EVENT.bump, EVENT.stop) else EVENT.start
 
 
 @borrowing

@@ -127,7 +127,7 @@ def without_repeating(cell: Cell, wall: bool, history: History, done: int, resul
 
 @compiled
 def solve(row: Floats, wall: bool, rolling: float, history: History, result: Floats) -> Settled:
-    """Fill the result of a cell, a row of the table, from rest; the history has its last periods."""
+    """Fill the result of a cell, from its row and from rest; the history has its last periods."""
     cell = cell_of(row)
     result[:] = math.nan
     most = int(cell.most_periods)

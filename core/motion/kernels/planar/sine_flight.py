@@ -1,4 +1,4 @@
-"""A flight from take-off to landing."""
+"""A flight from take-off to landing, under a sine: its part of `drive`."""
 
 from __future__ import annotations
 
@@ -10,11 +10,54 @@ from core.motion.kernels.planar.flow import (
     MOST_ITERATIONS,
     MOST_PIECES,
     TURN,
+    Sine,
     distance_after,
     flow,
     phase_to,
     velocity_after,
 )
+
+
+@compiled
+def sizes(drive: Sine) -> tuple[float, float]:
+    """Return the drive along and normal to the floor."""
+    return abs(drive.c), drive.s
+
+
+@compiled
+def track_speed(drive: Sine, tau: float) -> float:
+    """Return the velocity of the track along itself."""
+    return drive.c * math.cos(tau)
+
+
+@compiled
+def lifts(drive: Sine) -> bool:
+    """Return whether the drive ever lifts a part off the floor."""
+    return drive.s > drive.gn
+
+
+@compiled
+def load(drive: Sine, tau: float) -> float:
+    """Return the load on the floor of a part that rests on it."""
+    return drive.gn - drive.s * math.sin(tau)
+
+
+@compiled
+def lift_off(drive: Sine, tau: float) -> float:
+    """Return the phase of the next lift-off."""
+    return drive.up_at
+
+
+@compiled
+def rise(drive: Sine, w: float, tau: float, d: float) -> tuple[float, float]:
+    """Return velocity off the floor and height a phase d after take-off."""
+    return flow(w, drive.s, drive.gn, math.sin(tau), math.cos(tau), d)
+
+
+@compiled
+def fly(drive: Sine, u: float, tau: float, d: float) -> tuple[float, float]:
+    """Return velocity and distance along the track a phase d after velocity u, in the air."""
+    return flow(u, drive.c, drive.gs, math.sin(tau), math.cos(tau), d)
 
 
 @compiled
@@ -57,15 +100,14 @@ def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float
 
 
 @compiled
-def landing(
-    w: float, s: float, gn: float, tau: float, sine: float, cosine: float, up_at: float
-) -> float:
+def landing(drive: Sine, w: float, tau: float) -> float:
     """Return the phase from take-off at tau to landing, for s > gn and w >= 0; -1 if none is found.
 
-    `sine` and `cosine` are those of tau, `up_at` is asin(gn/s): runs of hops ask for them often.
     The height bends down where s sin(tau) < gn, and up elsewhere. Where it bends down and ends
     above the floor it was above all the way; where it bends up its least value is found first.
     """
+    s, gn, up_at = drive.s, drive.gn, drive.up_at
+    sine, cosine = math.sin(tau), math.cos(tau)
     down_at = math.pi - up_at
     bends_up = up_at <= tau % TURN < down_at
     if not bends_up and w > 0:
@@ -107,8 +149,9 @@ def landing(
 
 
 @compiled
-def hop_height(w: float, s: float, gn: float, tau: float, span: float, known: float) -> float:
+def hop_height(drive: Sine, w: float, tau: float, span: float, known: float) -> float:
     """Return the largest height of a flight, or `known` if that is larger."""
+    s, gn = drive.s, drive.gn
     if (gn + s) * span * span / 8 <= known:
         return known
     # The height is a parabola and a sine: its top lies near that of the parabola.

@@ -1,0 +1,214 @@
+"""Stick and slip on the floor under a sine: its part of `drive`."""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import compiled
+from core.motion.kernels.planar.flow import (
+    LAST_STEP,
+    MOST_ITERATIONS,
+    MOST_PIECES,
+    TURN,
+    Sine,
+    arc_sine,
+    flow,
+    phase_to,
+)
+
+THRESHOLD = 4e-16  # rounding of the sine at which friction is overcome
+
+
+@compiled
+def next_phase(target: float, at: float) -> float:
+    """Return the first phase from `at` on that is `target` modulo a turn.
+
+    It is the same number whatever `at` was, so that a motion which sticks repeats to the last bit.
+    """
+    return max(at, target + TURN * math.ceil((at - target) / TURN - 1e-13))
+
+
+@compiled
+def phase_to_stop(v: float, C: float, k: float, at: float, span: float) -> float:
+    """Return the phase until the velocity v >= 0 under C sin - k is zero; -1 if not within span."""
+    if C < 0:
+        C, at = -C, at + math.pi
+    if k <= -C:
+        return -1.0
+    sine, cosine = math.sin(at), math.cos(at)
+    if k >= C:
+        low, high = 0.0, span
+        if v == 0 or flow(v, C, k, sine, cosine, high)[0] > 0:
+            return -1.0
+    else:
+        rise_at = math.asin(k / C)
+        fall_at = math.pi - rise_at
+        low = 0.0
+        # From rest a part starts to slide only where it gains speed, whatever rounding says.
+        if v == 0 or rise_at <= at % TURN < fall_at:
+            low = phase_to(fall_at, at)
+        high = span
+        for _ in range(MOST_PIECES):
+            if low >= span:
+                return -1.0
+            ahead = phase_to(rise_at, at + low)
+            high = min(span, low + (ahead if ahead > 0 else TURN))
+            if flow(v, C, k, sine, cosine, high)[0] <= 0:
+                break
+            low = high + fall_at - rise_at
+    first, last = flow(v, C, k, sine, cosine, low)[0], flow(v, C, k, sine, cosine, high)[0]
+    d = low + (high - low) * first / (first - last) if first > last else low
+    for _ in range(MOST_ITERATIONS):
+        value = flow(v, C, k, sine, cosine, d)[0]
+        if value > 0:
+            low = d
+        else:
+            high = d
+        slope = C * math.sin(at + d) - k
+        new = d - value / slope if slope < 0 else low - 1
+        if low <= new <= high and abs(new - d) <= LAST_STEP * d:
+            return new
+        if not low < new < high:
+            new = (low + high) / 2
+            if new in (low, high):
+                return new
+        d = new
+    return d
+
+
+@compiled
+def stick_range(
+    c: float, s: float, gs: float, gn: float, mu_s: float
+) -> tuple[float, float, float]:
+    """Return the least and largest sin(tau) at which friction holds, and the slip beyond the top.
+
+    Below the least value the part slips backward; beyond the largest one forward (1), or backward
+    (-1) where the drive lifts it off more than it pushes it on (theory 13.3).
+    """
+    least, largest, way = -math.inf, math.inf, 1.0
+    if c + mu_s * s > 0:
+        largest = (gs + mu_s * gn) / (c + mu_s * s)
+    elif gs + mu_s * gn < 0:
+        largest = -math.inf
+    lifting = c - mu_s * s
+    holding = mu_s * gn - gs
+    if lifting > 0:
+        least = -holding / lifting
+    elif lifting < 0:
+        if holding / -lifting < largest:
+            largest, way = holding / -lifting, -1.0
+    elif holding < 0:
+        least = math.inf
+    return least, largest, way
+
+
+@compiled
+def holding(drive: Sine) -> tuple[float, float, float]:
+    """Return `stick_range`."""
+    return stick_range(drive.c, drive.s, drive.gs, drive.gn, drive.mu_s)
+
+
+@compiled
+def holds(drive: Sine, held: tuple[float, float, float], at: float) -> bool:
+    """Return whether static friction holds a part that does not slip."""
+    return held[0] <= math.sin(at) <= held[1]
+
+
+@compiled
+def hold(
+    drive: Sine, held: tuple[float, float, float], at: float, end: float
+) -> tuple[bool, float, bool]:
+    """Return whether a part without slip sticks, until when, and whether it then slips forward."""
+    least, largest, way = held
+    sine = math.sin(at)
+    forward = drive.c * sine > drive.gs
+    if not least <= sine <= largest:
+        return False, at, forward
+    leave = end
+    if -1 < largest < 1:
+        leave = min(leave, next_phase(math.asin(largest), at))
+        forward = way > 0
+    if -1 < least < 1:
+        fall = next_phase(math.pi - math.asin(least), at)
+        if fall < leave:
+            leave, forward = fall, False
+    return True, leave, forward
+
+
+@compiled
+def always_holds(drive: Sine) -> bool:
+    """Return whether friction holds a part all the time."""
+    least, largest, _ = holding(drive)
+    return drive.s <= drive.gn and least <= -1 and largest >= 1
+
+
+@compiled
+def first_slip(drive: Sine, tau: float) -> float:
+    """Return a phase at which a part that never lifts off starts to slip; NaN if there is none."""
+    least, largest, _ = holding(drive)
+    rises, falls = largest < 1, least > -1
+    if rises and (math.cos(tau) > 0 or not falls):
+        return arc_sine(largest)
+    return math.pi - arc_sine(least) if falls else math.nan
+
+
+@compiled
+def stop_after(drive: Sine, sign: float, u: float, at: float, span: float) -> float:
+    """Return the phase until a slip in the way of `sign` stops; -1 if it does not."""
+    C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
+    return phase_to_stop(abs(u), sign * C, sign * k, at, span)
+
+
+@compiled
+def slide(drive: Sine, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
+    """Return velocity and distance a phase d after velocity u, in a slip in the way of `sign`."""
+    C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
+    return flow(u, C, k, math.sin(at), math.cos(at), d)
+
+
+@compiled
+def slip_acceleration(drive: Sine, sign: float, at: float) -> float:
+    """Return the acceleration of a slip in the way of `sign`."""
+    C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
+    return C * math.sin(at) - k
+
+
+@compiled
+def slip_doubt(drive: Sine) -> float:
+    """Return how much velocity hangs on the rounding of the phases where a slip starts.
+
+    The phase, asin of the threshold, is known the less, the nearer the threshold is to 1.
+    """
+    least, largest, _ = holding(drive)
+    jump = (drive.mu_s - drive.mu_k) * (drive.s + drive.gn)
+    doubt = 0.0
+    for threshold in (least, largest):
+        if abs(threshold) < 1.0:
+            doubt += jump * THRESHOLD / math.sqrt((1.0 - threshold) * (1.0 + threshold))
+    return doubt
+
+
+@compiled
+def two_sided(drive: Sine) -> tuple[float, float]:
+    """Return mean velocity and forward share of sliding without stick, theory 13.8 (i).
+
+    The share is 0 where there is no such motion: the part lifts off, or sticks.
+    """
+    c, s, gs, gn, mu_s, mu, _ = drive
+    c1, k1 = mu * s, mu * gn
+    H = c * k1 - c1 * gs
+    if s > gn or mu_s != mu or H <= 0 or c <= c1:
+        return 0.0, 0.0
+    E = math.pi * (c1 * k1 - c * gs) / H
+    if abs(E) >= math.pi:
+        return 0.0, 0.0
+    sine = math.pi * (k1 - gs) * (k1 + gs) / (2 * H * math.cos(E / 2))
+    if not abs(sine) <= 1:
+        return 0.0, 0.0
+    middle, span = math.pi - math.asin(sine), math.pi + E
+    starts_free = math.sin(middle - span / 2) >= (gs + k1) / (c + c1)
+    turns_free = math.sin(middle + span / 2) <= (gs - k1) / (c - c1)
+    if not (starts_free and turns_free):
+        return 0.0, 0.0
+    bracket = 2 * c1 * math.cos(E / 2) + (math.pi * c + c1 * E) * math.sin(E / 2)
+    return math.sqrt((1 - sine) * (1 + sine)) / math.pi * bracket, span / TURN

@@ -1,0 +1,181 @@
+"""A flight from take-off to landing, under a wave: its part of `drive`."""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import compiled
+from core.motion.kernels.planar.flow import LAST_STEP, MOST_ITERATIONS, MOST_PIECES
+from core.motion.kernels.planar.wave import (
+    AIR,
+    ENDS,
+    NORMAL,
+    ROOTS,
+    TURN,
+    Wave,
+    acceleration,
+    flow,
+    later_passage,
+    next_of_way,
+    next_passage,
+)
+
+
+@compiled
+def sizes(drive: Wave) -> tuple[float, float]:
+    """Return what the push along and normal to the floor does not exceed."""
+    return drive.along, drive.normal
+
+
+@compiled
+def track_speed(drive: Wave, tau: float) -> float:
+    """Return the velocity of the track along itself: minus what the push gives, without mean."""
+    if drive.steps == 0:
+        velocity = 0.0
+        for k in range(1, drive.orders + 1):
+            a, b = drive.table[2 * AIR, k], drive.table[2 * AIR + 1, k]
+            velocity += (a * math.cos(k * tau) - b * math.sin(k * tau)) / k
+        return velocity
+    at, now, mean, found, within = 0.0, 0.0, 0.0, 0.0, tau % TURN
+    for step in range(drive.steps):
+        end, level = drive.table[ENDS, step], drive.table[2 * AIR, step]
+        if at <= within:
+            found = now - level * (within - at)
+        mean += (now - 0.5 * level * (end - at)) * (end - at) / TURN
+        now, at = now - level * (end - at), end
+    return found - mean
+
+
+@compiled
+def lifts(drive: Wave) -> bool:
+    """Return whether the drive ever lifts a part off the floor."""
+    return drive.table[ROOTS + NORMAL, 0] > 0.0
+
+
+@compiled
+def load(drive: Wave, tau: float) -> float:
+    """Return the load on the floor of a part that rests on it."""
+    return -acceleration(drive, NORMAL, tau)
+
+
+@compiled
+def lift_off(drive: Wave, tau: float) -> float:
+    """Return the phase of the next lift-off."""
+    return next_of_way(drive, NORMAL, tau, True) % TURN
+
+
+@compiled
+def rise(drive: Wave, w: float, tau: float, d: float) -> tuple[float, float]:
+    """Return velocity off the floor and height a phase d after take-off."""
+    return flow(drive, NORMAL, w, tau, d)
+
+
+@compiled
+def fly(drive: Wave, u: float, tau: float, d: float) -> tuple[float, float]:
+    """Return velocity and distance along the track a phase d after velocity u, in the air."""
+    return flow(drive, AIR, u, tau, d)
+
+
+@compiled
+def landing(drive: Wave, w: float, tau: float) -> float:
+    """Return the phase from take-off at tau with velocity w >= 0 to landing; -1 if none is found.
+
+    Between two changes of sign of its acceleration the height bends one way: where it bends down
+    and ends above the floor it was above all the way; where it bends up its least value is found
+    first.
+    """
+    d, velocity = 0.0, w
+    force = acceleration(drive, NORMAL, tau)
+    if w > 0.0 and force < 0.0:
+        # A small hop: twice the parabola's own time is past the landing, or soon will be.
+        end, guess = next_passage(drive, NORMAL, tau)[0] - tau, -2.0 * w / force
+        for _ in range(64):
+            if not guess < end:
+                break
+            if rise(drive, w, tau, guess)[1] <= 0.0:
+                return landing_root(drive, w, tau, 0.0, guess)
+            guess *= 2.0
+    for _ in range(MOST_PIECES):
+        at, rises = later_passage(drive, NORMAL, tau + d)
+        end = at - tau
+        last, height = rise(drive, w, tau, end)
+        if not rises:  # it fell at the end: the height bent up
+            if velocity < 0.0:
+                if last > 0.0:
+                    lowest = velocity_root(drive, w, tau, d, end, True)
+                    height = rise(drive, w, tau, lowest)[1]
+                    end_of_fall = lowest
+                else:
+                    end_of_fall = end
+                if height <= 0.0:
+                    return landing_root(drive, w, tau, d, end_of_fall)
+        elif last < 0.0 and height <= 0.0:
+            return landing_root(drive, w, tau, d, end)
+        d, velocity = end, last
+    return -1.0
+
+
+@compiled
+def landing_root(drive: Wave, w: float, tau: float, low: float, high: float) -> float:
+    """Return where the height falls through 0, between phases above and below it.
+
+    By Newton's iteration in a bracket, from the side that it bends to.
+    """
+    d = high
+    for _ in range(MOST_ITERATIONS):
+        slope, height = rise(drive, w, tau, d)
+        if height > 0.0:
+            low = d
+        else:
+            high = d
+        new = d - height / slope if slope < 0.0 else low - 1.0
+        if low <= new <= high and abs(new - d) <= LAST_STEP * d:
+            return new
+        if not low < new < high:
+            new = 0.5 * (low + high)
+            if new in (low, high):
+                return new
+        d = new
+    return d
+
+
+@compiled
+def velocity_root(
+    drive: Wave, w: float, tau: float, low: float, high: float, rising: bool
+) -> float:
+    """Return where the velocity off the floor passes 0, between two phases with one such."""
+    d = 0.5 * (low + high)
+    for _ in range(MOST_ITERATIONS):
+        value = rise(drive, w, tau, d)[0]
+        if (value > 0.0) == rising:
+            high = d
+        else:
+            low = d
+        slope = acceleration(drive, NORMAL, tau + d)
+        new = d - value / slope if slope != 0.0 else low - 1.0
+        if low <= new <= high and abs(new - d) <= LAST_STEP * d:
+            return new
+        if not low < new < high:
+            new = 0.5 * (low + high)
+            if new in (low, high):
+                return new
+        d = new
+    return d
+
+
+@compiled
+def hop_height(drive: Wave, w: float, tau: float, span: float, known: float) -> float:
+    """Return the largest height of a flight, or `known` if that is larger."""
+    if (drive.gn + drive.normal) * span * span / 8 <= known:
+        return known
+    best, d, velocity = known, 0.0, w
+    for _ in range(MOST_PIECES):
+        end = min(span, later_passage(drive, NORMAL, tau + d)[0] - tau)
+        last = rise(drive, w, tau, end)[0]
+        if velocity >= 0.0 > last:
+            top = velocity_root(drive, w, tau, d, end, False)
+            best = max(best, rise(drive, w, tau, top)[1])
+        d, velocity = end, last
+        if d >= span:
+            break
+    return best
