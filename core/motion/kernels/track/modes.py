@@ -18,9 +18,11 @@ from core.motion.kernels.track.slide import (
     bend,
     fill_velocities,
     last_of_slip,
+    line_series,
     onset_series,
     slide_series,
     square_of,
+    stays_in_line,
 )
 from core.motion.kernels.track.tables import (
     BOTH,
@@ -262,7 +264,10 @@ def slide(
             work[ROW.slip + 1, 0] = state[STATE.ux + second] + (
                 state[STATE.spin] if on_floor else 0.0
             )
-            slide_series(contact, order, work)
+            if step.even < math.inf and stays_in_line(contact, work):
+                line_series(contact, order, work)
+            else:
+                slide_series(contact, order, work)
             span = math.inf
         span = min(span, term_span(work, ROW.slip, ROW.slip + 1, order, step.tolerance))
         span, name = min(span, step.rest, LONGEST), EVENT.nothing

@@ -138,6 +138,37 @@ def slide_series(contact: Contact, order: int, work: Work) -> None:
 
 
 @borrowing
+def stays_in_line(contact: Contact, work: Work) -> bool:
+    """Return whether a slip under constant forces keeps its direction, as its push has it, too."""
+    first, second = work[ROW.slip, 0], work[ROW.slip + 1, 0]
+    push, across = work[ROW.free, 0], work[ROW.free + contact.second, 0]
+    bends = contact.curvature != 0.0 or (contact.response != 1.0 and first * second != 0.0)
+    turn = abs(first * across) + abs(second * push)
+    return not bends and abs(first * across - second * push) <= NOTHING * turn
+
+
+@borrowing
+def line_series(contact: Contact, order: int, work: Work) -> None:
+    """Fill slip, its square and the load of a slip under constant forces along its own line.
+
+    It is a straight function of the phase. The series of `slide_series` would have nothing but
+    rounding in its higher terms, and that over powers of the slip.
+    """
+    first, second, square, load = ROW.slip, ROW.slip + 1, ROW.square, ROW.load
+    for row in (first, second):
+        for k in range(1, order + 1):
+            work[row, k] = 0.0
+    for k in range(order + 1):
+        work[load, k] = -work[ROW.free + contact.pressed, k]
+    start_1, start_2 = work[first, 0], work[second, 0]
+    rub = contact.friction * work[load, 0] / math.sqrt(start_1 * start_1 + start_2 * start_2)
+    work[first, 1] = work[ROW.free, 0] - rub * start_1
+    work[second, 1] = work[ROW.free + contact.second, 0] - contact.response * rub * start_2
+    for k in range(order + 1):
+        work[square, k] = square_of(work, first, k) + square_of(work, second, k)
+
+
+@borrowing
 def onset_series(
     contact: Contact, order: int, cosine: float, sine: float, start: float, work: Work
 ) -> None:
