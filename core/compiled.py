@@ -70,11 +70,14 @@ def borrowing(function: Function) -> Function:
     return _compiled(function, _nrt=False)
 
 
-def by_type(argument: str, ways: Mapping[type, Any]) -> Callable[[Function], Function]:
+def by_type(
+    argument: str, ways: Mapping[type, Any], *, borrows: bool = True
+) -> Callable[[Function], Function]:
     """Return a decorator: compiled code that calls the function calls one of `ways` instead.
 
     Which one, the type of an argument tells, a named tuple, when the caller is compiled. The
-    function itself only says what all of them return; their arguments have its names.
+    function itself only says what all of them return; their arguments have its names. All are
+    compiled as by `borrowing`, or, where they hand on an array, as by `compiled`.
     """
 
     def register(function: Function) -> Function:
@@ -85,7 +88,7 @@ def by_type(argument: str, ways: Mapping[type, Any]) -> Callable[[Function], Fun
             return ways[types[place].instance_class].py_func
 
         choose.__signature__ = signature  # type: ignore[attr-defined]
-        options = {"nogil": True, "error_model": "numpy"}
+        options = {"nogil": True, "error_model": "numpy", "_nrt": not borrows}
         register: Any = overload(function, jit_options=options, strict=False)
         register(choose)
         return function

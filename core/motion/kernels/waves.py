@@ -8,14 +8,19 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Floats
 
 TURN = 2.0 * math.pi
 FINEST = 1e-11
 """Of phase: two passages nearer to each other than this may be taken for none."""
-LAST_STEP = 1e-9
-"""Of Newton's iteration, over the piece: the next would be of the order of its square."""
+LAST_STEP = 1e-6
+"""Of Halley's iteration, over the piece: the next would be of the order of its cube."""
+POINTS = 128
+"""Phases of a period at which sums are looked at first: four to each change of the highest."""
+SINES = np.sin(TURN * np.arange(POINTS + POINTS // 4) / POINTS)
 MOST_ITERATIONS = 80
 
 
@@ -39,8 +44,23 @@ def bend_bound(table: Floats, sines: int, cosines: int, orders: int) -> float:
     """Return what the second derivative of a sum does not exceed."""
     total = 0.0
     for k in range(1, orders + 1):
-        total += k * k * math.hypot(table[sines, k], table[cosines, k])
+        total += k * k * math.sqrt(table[sines, k] ** 2 + table[cosines, k] ** 2)
     return total
+
+
+@borrowing
+def at_point(
+    table: Floats, sines: int, cosines: int, orders: int, point: int
+) -> tuple[float, float]:
+    """Return a sum and its derivative at one of `POINTS` phases, from one table of sines."""
+    value, slope = 0.0, 0.0
+    for k in range(1, orders + 1):
+        turned = (k * point) & (POINTS - 1)
+        sine, cosine = SINES[turned], SINES[turned + POINTS // 4]
+        a, b = table[sines, k], table[cosines, k]
+        value += a * sine + b * cosine
+        slope += k * (a * cosine - b * sine)
+    return value, slope
 
 
 @borrowing
@@ -49,53 +69,123 @@ def passages(
 ) -> int:
     """Fill the row `found`, from column 1 on, with where a sum passes a level; return how many.
 
-    Ascending in [0, 2 pi). Pieces are halved until the sum is off the level all along, by its
-    value, slope and the bound of its second derivative at the middle, or runs one way only: then a
-    sign at both ends decides, and none is missed but a pair within `FINEST`. There are 2 `orders`
-    at most; what finds no `room` is left out.
+    Ascending in [0, 2 pi). On each of some equal pieces the sum is off the level all along, by its
+    value, slope and the bound of its second derivative at the middle; or it runs one way only, and
+    a sign at both ends decides; or the piece is halved. None is missed but a pair within `FINEST`.
+    There are 2 `orders` at most; what finds no `room` is left out.
     """
+    if orders == 1:
+        return two_passages(table[sines, 1], table[cosines, 1], level, table, found)
     bend = bend_bound(table, sines, cosines, orders)
-    count, tau, step = 0, 0.0, 0.8 / max(1, orders)
-    while tau < TURN:
-        step = min(step, TURN - tau)
+    stride = 4 if orders <= 2 else 2 if orders <= 5 else 1
+    step = TURN * (2 * stride) / POINTS
+    half, count = 0.5 * step, 0
+    first = at_point(table, sines, cosines, orders, 0)[0] - level
+    for point in range(stride, POINTS, 2 * stride):
+        value, slope = at_point(table, sines, cosines, orders, point)
+        value -= level
+        if abs(value) > (abs(slope) + 0.5 * bend * half) * half:
+            first = value
+            continue
+        low = TURN * (point - stride) / POINTS
+        if abs(slope) > bend * half:
+            last = at_point(table, sines, cosines, orders, point + stride)[0] - level
+            if passes(first, last) and count < room:
+                count += 1
+                table[found, count] = passage(
+                    table, sines, cosines, orders, level, low, low + step, first, last
+                )
+            first = last
+        else:
+            count, first = in_piece(
+                table, sines, cosines, orders, level, low, low + step, bend, first, found, count,
+                room,
+            )  # fmt: skip
+    return count
+
+
+@borrowing
+def two_passages(sine: float, cosine: float, level: float, table: Floats, found: int) -> int:
+    """Fill where one sine passes a level, in closed form; return how often, twice or never."""
+    size = math.sqrt(sine * sine + cosine * cosine)
+    if not abs(level) < size:
+        return 0
+    lead, rise = math.atan2(cosine, sine), math.asin(level / size)
+    one, other = (rise - lead) % TURN, (math.pi - rise - lead) % TURN
+    table[found, 1], table[found, 2] = min(one, other), max(one, other)
+    return 2
+
+
+@borrowing
+def passes(first: float, last: float) -> bool:
+    """Return whether a sign changes; what is 0 belongs to what comes after it."""
+    return first <= 0.0 < last or first >= 0.0 > last
+
+
+@borrowing
+def in_piece(
+    table: Floats, sines: int, cosines: int, orders: int, level: float, low: float, high: float,
+    bend: float, first: float, found: int, count: int, room: int,
+) -> tuple[int, float]:  # fmt: skip
+    """Do what `passages` does within a piece, by halves; return the count, and the end's value."""
+    tau, step = low, 0.5 * (high - low)
+    while tau < high:
+        step = min(step, high - tau)
         half = 0.5 * step
         value, slope = value_and_slope(table, sines, cosines, orders, tau + half)
-        if abs(value - level) > (abs(slope) + 0.5 * bend * half) * half:
-            tau, step = tau + step, 2.0 * step
-            continue
-        if abs(slope) <= bend * half and step > FINEST:
+        value -= level
+        if abs(value) > (abs(slope) + 0.5 * bend * half) * half:
+            first = value
+        elif abs(slope) <= bend * half and step > FINEST:
             step = half
             continue
-        low, high = tau, tau + step
-        first = value_and_slope(table, sines, cosines, orders, low)[0] - level
-        last = value_and_slope(table, sines, cosines, orders, high)[0] - level
-        if (first <= 0.0 < last or first >= 0.0 > last) and count < room:
-            count += 1
-            table[found, count] = passage(
-                table, sines, cosines, orders, level, low, high, first < last
-            )
-        tau, step = high, 2.0 * step
-    return count
+        else:
+            last = value_and_slope(table, sines, cosines, orders, tau + step)[0] - level
+            if passes(first, last) and count < room:
+                count += 1
+                table[found, count] = passage(
+                    table, sines, cosines, orders, level, tau, tau + step, first, last
+                )
+            first = last
+        tau, step = tau + step, 2.0 * step
+    return count, first
 
 
 @borrowing
 def passage(
     table: Floats, sines: int, cosines: int, orders: int, level: float, low: float, high: float,
-    rises: bool,
+    first: float, last: float,
 ) -> float:  # fmt: skip
-    """Return where a sum that runs one way passes a level, by Newton's iteration in a bracket."""
-    piece, at = high - low, 0.5 * (low + high)
+    """Return where a sum that runs one way passes a level, by Halley's iteration in a bracket.
+
+    `first` and `last` are how far it is off the level at both ends.
+    """
+    piece, at = high - low, low + (high - low) * first / (first - last)
     for _ in range(MOST_ITERATIONS):
-        value, slope = value_and_slope(table, sines, cosines, orders, at)
-        value -= level
-        if (value > 0.0) == rises:
+        sine_1, cosine_1 = math.sin(at), math.cos(at)
+        sine, cosine, value, slope, bend = sine_1, cosine_1, -level, 0.0, 0.0
+        for k in range(1, orders + 1):
+            a, b = table[sines, k], table[cosines, k]
+            here = a * sine + b * cosine
+            value += here
+            slope += k * (a * cosine - b * sine)
+            bend -= (k * k) * here
+            sine, cosine = sine * cosine_1 + cosine * sine_1, cosine * cosine_1 - sine * sine_1
+        if (value > 0.0) == (last > 0.0):
             high = at
         else:
             low = at
-        new = at - value / slope if slope != 0.0 else low - 1.0
+        new = at - halley(value, slope, bend)
         if not low <= new <= high:
             new = 0.5 * (low + high)
         if abs(new - at) <= LAST_STEP * piece:
             return new
         at = new
     return at
+
+
+@borrowing
+def halley(value: float, slope: float, bend: float) -> float:
+    """Return the step to a root from value, slope and second derivative; infinite if none."""
+    below = slope * slope - 0.5 * value * bend
+    return value * slope / below if below > 0.0 else math.inf

@@ -39,7 +39,7 @@ def track_speed(drive: Drive, tau: float) -> float:
     raise NotImplementedError
 
 
-@_by_drive(flow.rounded, wave.rounded)
+@by_type("drive", {Sine: flow.rounded, Wave: wave.rounded}, borrows=False)
 def rounded(drive: Drive) -> Drive:
     """Return a drive with the first bits of its numbers only."""
     raise NotImplementedError

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.compiled import compiled
+from core.compiled import borrowing
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.planar.drive import (
     Drive,
@@ -20,7 +20,7 @@ from core.motion.kernels.statuses import MODE
 MOST_MODES = 1_000  # stops and starts in one segment
 
 
-@compiled
+@borrowing
 def write_piece(
     log: Floats, used: int, at: float, span: float, mode: int, u: float, w: float, x: float
 ) -> int:
@@ -32,7 +32,7 @@ def write_piece(
     return used
 
 
-@compiled
+@borrowing
 def contact(
     tau: float, span: float, u: float, drive: Drive, sums: Floats, log: Floats, used: int
 ) -> tuple[float, float, int]:
@@ -77,7 +77,7 @@ def contact(
     return u, slope, -1
 
 
-@compiled
+@borrowing
 def follow_cycle(
     rows: Floats, count: int, u: float, drive: Drive, sums: Floats, log: Floats
 ) -> tuple[float, float, int]:

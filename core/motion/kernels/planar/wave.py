@@ -13,11 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.compiled import compiled
+from core.compiled import borrowing, compiled
 from core.motion.kernels.arrays import Floats
-from core.motion.kernels.planar.flow import TURN, arc
+from core.motion.kernels.planar.flow import MOST_ITERATIONS, TURN, arc
 from core.motion.kernels.planar.tables import GROUPS, Cell
-from core.motion.kernels.waves import passages, value_and_slope
+from core.motion.kernels.waves import halley, passages, value_and_slope
 
 NORMAL, AIR, FORWARD, BACKWARD, STATIC_FORWARD, STATIC_BACKWARD = range(6)
 """Kinds of acceleration."""
@@ -31,8 +31,11 @@ kind, the phases at which its acceleration changes sign. A kind's rows are those
 its cosines, or, of steps, of its pushes."""
 RISES = WIDTH - 1
 """Column of a row of passages: whether the acceleration rises at the first of them."""
+INVERSE = np.array([math.inf, *(1.0 / k for k in range(1, WIDTH))])
 NEAR = 0.7
 """Of the phase of the highest order: a flow so short is computed from series."""
+LAST_STEP = 1e-7
+"""Of Halley's iteration, relative: the next would be of the order of its cube."""
 SLACK = 1e-13
 """Of a phase: what is so little behind counts as now."""
 
@@ -78,36 +81,38 @@ def wave_of(cell: Cell, row: Floats, table: Floats) -> Wave:
     at = GROUPS + 2
     if steps > 0:
         at += 6 * orders
-        table[ENDS, :steps] = row[at + 3 * steps : at + 4 * steps]
-        fill_kinds(drive, row[at : at + steps], row[at + 2 * steps : at + 3 * steps], 0)
+        for step in range(steps):
+            table[ENDS, step] = row[at + 3 * steps + step]
+            fill_kinds(drive, 0, step, row[at + step], row[at + 2 * steps + step])
     else:
         for part in range(2):  # sines, cosines
-            along, normal = at + part * orders, at + (4 + part) * orders
-            fill_kinds(drive, row[along : along + orders], row[normal : normal + orders], part)
+            for k in range(orders):
+                place = at + part * orders + k
+                fill_kinds(drive, part, k + 1, row[place], row[place + 4 * orders])
     for kind in range(KINDS if not alike else STATIC_FORWARD):
         if kind != AIR:
             fill_passages(drive, kind)
     return drive
 
 
-@compiled
-def fill_kinds(drive: Wave, along: Floats, normal: Floats, part: int) -> None:
-    """Fill one row of every kind, and its pull, from the pushes along and normal to the floor."""
-    table, first = drive.table, 1 if drive.steps == 0 else 0
-    for kind in range(KINDS):
-        friction, push, pull = 0.0, 1.0, drive.gs
-        if kind == NORMAL:
-            friction, push, pull = 1.0, 0.0, drive.gn
-        elif kind != AIR:
-            friction = drive.mu_k if kind in (FORWARD, BACKWARD) else drive.mu_s
-            friction = friction if kind in (FORWARD, STATIC_FORWARD) else -friction
-            pull += friction * drive.gn
-        table[PULLS, kind] = pull
-        for k in range(along.size):
-            table[2 * kind + part, first + k] = push * along[k] + friction * normal[k]
+@borrowing
+def fill_kinds(drive: Wave, part: int, column: int, along: float, normal: float) -> None:
+    """Fill one number of every kind, and its pull, from the pushes along and normal to the floor.
+
+    `part` is 0 for sines and for steps, 1 for cosines.
+    """
+    table, gs, gn = drive.table, drive.gs, drive.gn
+    table[NORMAL + part, column], table[PULLS, NORMAL] = normal, gn
+    table[2 * AIR + part, column], table[PULLS, AIR] = along, gs
+    for kind in range(FORWARD, KINDS):
+        friction = drive.mu_k if kind < STATIC_FORWARD else drive.mu_s
+        if kind % 2 == BACKWARD % 2:
+            friction = -friction
+        table[2 * kind + part, column] = along + friction * normal
+        table[PULLS, kind] = gs + friction * gn
 
 
-@compiled
+@borrowing
 def fill_passages(drive: Wave, kind: int) -> None:
     """Fill the phases in [0, 2 pi) at which the acceleration of a kind changes sign."""
     table, row = drive.table, ROOTS + kind
@@ -132,7 +137,13 @@ def fill_passages(drive: Wave, kind: int) -> None:
     table[row, 0] = float(count)
 
 
-@compiled
+@borrowing
+def folded(tau: float) -> float:
+    """Return a phase modulo a turn, some roundings off."""
+    return tau - TURN * math.floor(tau / TURN) if not 0.0 <= tau < TURN else tau
+
+
+@borrowing
 def step_at(drive: Wave, tau: float) -> int:
     """Return the number of the step at a phase in [0, 2 pi); a hair before its start is in it."""
     for step in range(drive.steps - 1):
@@ -141,43 +152,43 @@ def step_at(drive: Wave, tau: float) -> int:
     return drive.steps - 1
 
 
-@compiled
+@borrowing
 def acceleration(drive: Wave, kind: int, tau: float) -> float:
     """Return the acceleration of a kind at a phase."""
     table = drive.table
     if drive.steps > 0:
-        return table[2 * kind, step_at(drive, tau % TURN)] - table[PULLS, kind]
+        return table[2 * kind, step_at(drive, folded(tau))] - table[PULLS, kind]
     value, _ = value_and_slope(table, 2 * kind, 2 * kind + 1, drive.orders, tau)
     return value - table[PULLS, kind]
 
 
-@compiled
+@borrowing
 def next_passage(drive: Wave, kind: int, tau: float) -> tuple[float, bool]:
     """Return the phase from tau on at which an acceleration changes sign; whether it rises there.
 
     Infinite if it never does. What is a hair behind is told as tau itself.
     """
-    row = drive.table[ROOTS + kind]
-    count = int(row[0])
+    table, row = drive.table, ROOTS + kind
+    count = int(table[row, 0])
     if count == 0:
         return math.inf, False
-    within = tau % TURN
-    start, rises = tau - within, row[RISES] > 0.0
+    within = folded(tau)
+    start, rises = tau - within, table[row, RISES] > 0.0
     for number in range(1, count + 1):
-        if row[number] >= within - SLACK:
-            return max(tau, start + row[number]), rises
+        if table[row, number] >= within - SLACK:
+            return max(tau, start + table[row, number]), rises
         rises = not rises
-    rises = row[RISES] > 0.0
-    return max(tau, start + TURN + row[1]), rises
+    rises = table[row, RISES] > 0.0
+    return max(tau, start + TURN + table[row, 1]), rises
 
 
-@compiled
+@borrowing
 def later_passage(drive: Wave, kind: int, tau: float) -> tuple[float, bool]:
     """Return what `next_passage` does, of the passages beyond tau."""
     return next_passage(drive, kind, tau + 2.0 * SLACK * (1.0 + tau))
 
 
-@compiled
+@borrowing
 def next_of_way(drive: Wave, kind: int, tau: float, rising: bool) -> float:
     """Return the first phase from tau on at which an acceleration rises, or falls, through 0."""
     at, rises = next_passage(drive, kind, tau)
@@ -186,47 +197,82 @@ def next_of_way(drive: Wave, kind: int, tau: float, rising: bool) -> float:
     return at if rises == rising else math.inf
 
 
-@compiled
+@borrowing
+def integrals(drive: Wave, kind: int, tau: float) -> tuple[float, float, float, float]:
+    """Return slope and push of a kind at tau, and its first and second integral without a mean."""
+    table, sines, cosines = drive.table, 2 * kind, 2 * kind + 1
+    sine_1, cosine_1 = math.sin(tau), math.cos(tau)
+    sine, cosine, slope, push, first, second = sine_1, cosine_1, 0.0, 0.0, 0.0, 0.0
+    for k in range(1, drive.orders + 1):
+        a, b, part = table[sines, k], table[cosines, k], INVERSE[k]
+        value, change = a * sine + b * cosine, a * cosine - b * sine
+        slope += k * change
+        push += value
+        first -= change * part
+        second -= value * (part * part)
+        sine, cosine = sine * cosine_1 + cosine * sine_1, cosine * cosine_1 - sine * sine_1
+    return slope, push, first, second
+
+
+@borrowing
+def speed_from(
+    drive: Wave, kind: int, v: float, tau: float, start: float, d: float
+) -> tuple[float, float, float]:
+    """Return velocity, acceleration and its slope a phase d after the velocity was v.
+
+    `start` is the first of the integrals at tau; it is not asked for in steps.
+    """
+    if drive.steps > 0:
+        force = acceleration(drive, kind, tau + d)
+        return stepped_flow(drive, kind, v, tau, d)[0], force, 0.0
+    pull = drive.table[PULLS, kind]
+    slope, push, speed, _ = integrals(drive, kind, tau + d)
+    return v - pull * d + (speed - start), push - pull, slope
+
+
+@borrowing
+def speed_start(drive: Wave, kind: int, tau: float) -> float:
+    """Return what `speed_from` asks for as `start`."""
+    return 0.0 if drive.steps > 0 else integrals(drive, kind, tau)[2]
+
+
+@borrowing
 def flow(drive: Wave, kind: int, v: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity and distance a phase d after the velocity was v, in a mode of a kind."""
     if drive.steps > 0:
         return stepped_flow(drive, kind, v, tau, d)
-    table, sines, cosines, orders = drive.table, 2 * kind, 2 * kind + 1, drive.orders
-    pull = table[PULLS, kind]
+    pull = drive.table[PULLS, kind]
     velocity, distance = v - pull * d, v * d - 0.5 * pull * d * d
-    sine_1, cosine_1 = math.sin(tau), math.cos(tau)
-    sine, cosine = sine_1, cosine_1
-    if orders * d < NEAR:
-        for k in range(1, orders + 1):
-            a, b, turned = table[sines, k], table[cosines, k], k * d
-            value, change = a * sine + b * cosine, a * cosine - b * sine
-            cubic, square = arc(turned)
-            velocity += (value * (turned - cubic) + change * square) / k
-            distance += (value * square + change * cubic) / (k * k)
-            sine, cosine = sine * cosine_1 + cosine * sine_1, cosine * cosine_1 - sine * sine_1
-        return velocity, distance
+    if drive.orders * d < NEAR:
+        more, further = near_flow(drive, kind, tau, d)
+        return velocity + more, distance + further
     # As differences of the integrals: a long flow loses nothing by them.
-    after_1, beyond_1 = math.sin(tau + d), math.cos(tau + d)
-    after, beyond = after_1, beyond_1
-    for k in range(1, orders + 1):
-        a, b, part = table[sines, k], table[cosines, k], 1.0 / k
+    _, _, speed, place = integrals(drive, kind, tau)
+    _, _, speed_after, place_after = integrals(drive, kind, tau + d)
+    return velocity + (speed_after - speed), distance + (place_after - place - speed * d)
+
+
+@borrowing
+def near_flow(drive: Wave, kind: int, tau: float, d: float) -> tuple[float, float]:
+    """Return what the push alone gives over a short phase, to the last digits of small numbers."""
+    table, sines, cosines = drive.table, 2 * kind, 2 * kind + 1
+    sine_1, cosine_1 = math.sin(tau), math.cos(tau)
+    sine, cosine, velocity, distance = sine_1, cosine_1, 0.0, 0.0
+    for k in range(1, drive.orders + 1):
+        a, b, turned = table[sines, k], table[cosines, k], k * d
         value, change = a * sine + b * cosine, a * cosine - b * sine
-        last, turn = a * after + b * beyond, a * beyond - b * after
-        velocity += (change - turn) * part
-        distance += (change * d + (value - last) * part) * part
+        cubic, square = arc(turned)
+        velocity += (value * (turned - cubic) + change * square) * INVERSE[k]
+        distance += (value * square + change * cubic) * (INVERSE[k] * INVERSE[k])
         sine, cosine = sine * cosine_1 + cosine * sine_1, cosine * cosine_1 - sine * sine_1
-        after, beyond = after * beyond_1 + beyond * after_1, beyond * beyond_1 - after * after_1
     return velocity, distance
 
 
-@compiled
+@borrowing
 def stepped_flow(drive: Wave, kind: int, v: float, tau: float, d: float) -> tuple[float, float]:
-    """Return what `flow` does where the acceleration is constant from step to step.
-
-    Whole periods change nothing but by the pull.
-    """
+    """Return what `flow` does where the acceleration is constant from step to step."""
     table, pull = drive.table, drive.table[PULLS, kind]
-    at, left, distance = tau % TURN, d, 0.0
+    at, left, distance = folded(tau), d, 0.0
     step = step_at(drive, at)
     while True:
         end = table[ENDS, step]
@@ -241,6 +287,34 @@ def stepped_flow(drive: Wave, kind: int, v: float, tau: float, d: float) -> tupl
         at = end
         if step == drive.steps:
             step, at = 0, 0.0
+
+
+@borrowing
+def zero_of_velocity(
+    drive: Wave, kind: int, v: float, tau: float, start: float, low: float, high: float,
+    first: float, last: float,
+) -> float:  # fmt: skip
+    """Return where a velocity that runs one way passes 0, by Halley's iteration in a bracket.
+
+    `first` and `last` are the velocities at both ends; the others are those of `speed_from`.
+    """
+    rises = last > first
+    d = low + (high - low) * first / (first - last) if first * last < 0.0 else 0.5 * (low + high)
+    for _ in range(MOST_ITERATIONS):
+        value, force, slope = speed_from(drive, kind, v, tau, start, d)
+        if (value > 0.0) == rises:
+            high = d
+        else:
+            low = d
+        new = d - halley(value, force, slope)
+        if low <= new <= high and abs(new - d) <= LAST_STEP * d:
+            return new
+        if not low < new < high:
+            new = 0.5 * (low + high)
+            if new in (low, high):
+                return new
+        d = new
+    return d
 
 
 @compiled

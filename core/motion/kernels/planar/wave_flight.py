@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
-from core.motion.kernels.planar.flow import LAST_STEP, MOST_ITERATIONS, MOST_PIECES
+from core.compiled import borrowing
+from core.motion.kernels.planar.flow import MOST_ITERATIONS, MOST_PIECES
 from core.motion.kernels.planar.wave import (
     AIR,
     ENDS,
+    LAST_STEP,
     NORMAL,
     ROOTS,
     TURN,
@@ -18,16 +19,20 @@ from core.motion.kernels.planar.wave import (
     later_passage,
     next_of_way,
     next_passage,
+    speed_from,
+    speed_start,
+    zero_of_velocity,
 )
+from core.motion.kernels.waves import halley
 
 
-@compiled
+@borrowing
 def sizes(drive: Wave) -> tuple[float, float]:
     """Return what the push along and normal to the floor does not exceed."""
     return drive.along, drive.normal
 
 
-@compiled
+@borrowing
 def track_speed(drive: Wave, tau: float) -> float:
     """Return the velocity of the track along itself: minus what the push gives, without mean."""
     if drive.steps == 0:
@@ -46,37 +51,37 @@ def track_speed(drive: Wave, tau: float) -> float:
     return found - mean
 
 
-@compiled
+@borrowing
 def lifts(drive: Wave) -> bool:
     """Return whether the drive ever lifts a part off the floor."""
     return drive.table[ROOTS + NORMAL, 0] > 0.0
 
 
-@compiled
+@borrowing
 def load(drive: Wave, tau: float) -> float:
     """Return the load on the floor of a part that rests on it."""
     return -acceleration(drive, NORMAL, tau)
 
 
-@compiled
+@borrowing
 def lift_off(drive: Wave, tau: float) -> float:
     """Return the phase of the next lift-off."""
     return next_of_way(drive, NORMAL, tau, True) % TURN
 
 
-@compiled
+@borrowing
 def rise(drive: Wave, w: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity off the floor and height a phase d after take-off."""
     return flow(drive, NORMAL, w, tau, d)
 
 
-@compiled
+@borrowing
 def fly(drive: Wave, u: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity and distance along the track a phase d after velocity u, in the air."""
     return flow(drive, AIR, u, tau, d)
 
 
-@compiled
+@borrowing
 def landing(drive: Wave, w: float, tau: float) -> float:
     """Return the phase from take-off at tau with velocity w >= 0 to landing; -1 if none is found.
 
@@ -95,40 +100,39 @@ def landing(drive: Wave, w: float, tau: float) -> float:
             if rise(drive, w, tau, guess)[1] <= 0.0:
                 return landing_root(drive, w, tau, 0.0, guess)
             guess *= 2.0
+    start = speed_start(drive, NORMAL, tau)
     for _ in range(MOST_PIECES):
         at, rises = later_passage(drive, NORMAL, tau + d)
         end = at - tau
         last, height = rise(drive, w, tau, end)
-        if not rises:  # it fell at the end: the height bent up
+        if not rises:  # it falls at the end: the height bent up
             if velocity < 0.0:
+                low = end
                 if last > 0.0:
-                    lowest = velocity_root(drive, w, tau, d, end, True)
-                    height = rise(drive, w, tau, lowest)[1]
-                    end_of_fall = lowest
-                else:
-                    end_of_fall = end
+                    low = zero_of_velocity(drive, NORMAL, w, tau, start, d, end, velocity, last)
+                    height = rise(drive, w, tau, low)[1]
                 if height <= 0.0:
-                    return landing_root(drive, w, tau, d, end_of_fall)
+                    return landing_root(drive, w, tau, d, low)
         elif last < 0.0 and height <= 0.0:
             return landing_root(drive, w, tau, d, end)
         d, velocity = end, last
     return -1.0
 
 
-@compiled
+@borrowing
 def landing_root(drive: Wave, w: float, tau: float, low: float, high: float) -> float:
     """Return where the height falls through 0, between phases above and below it.
 
-    By Newton's iteration in a bracket, from the side that it bends to.
+    By Halley's iteration in a bracket.
     """
     d = high
     for _ in range(MOST_ITERATIONS):
-        slope, height = rise(drive, w, tau, d)
+        velocity, height = rise(drive, w, tau, d)
         if height > 0.0:
             low = d
         else:
             high = d
-        new = d - height / slope if slope < 0.0 else low - 1.0
+        new = d - halley(height, velocity, acceleration(drive, NORMAL, tau + d))
         if low <= new <= high and abs(new - d) <= LAST_STEP * d:
             return new
         if not low < new < high:
@@ -139,41 +143,18 @@ def landing_root(drive: Wave, w: float, tau: float, low: float, high: float) -> 
     return d
 
 
-@compiled
-def velocity_root(
-    drive: Wave, w: float, tau: float, low: float, high: float, rising: bool
-) -> float:
-    """Return where the velocity off the floor passes 0, between two phases with one such."""
-    d = 0.5 * (low + high)
-    for _ in range(MOST_ITERATIONS):
-        value = rise(drive, w, tau, d)[0]
-        if (value > 0.0) == rising:
-            high = d
-        else:
-            low = d
-        slope = acceleration(drive, NORMAL, tau + d)
-        new = d - value / slope if slope != 0.0 else low - 1.0
-        if low <= new <= high and abs(new - d) <= LAST_STEP * d:
-            return new
-        if not low < new < high:
-            new = 0.5 * (low + high)
-            if new in (low, high):
-                return new
-        d = new
-    return d
-
-
-@compiled
+@borrowing
 def hop_height(drive: Wave, w: float, tau: float, span: float, known: float) -> float:
     """Return the largest height of a flight, or `known` if that is larger."""
     if (drive.gn + drive.normal) * span * span / 8 <= known:
         return known
     best, d, velocity = known, 0.0, w
+    start = speed_start(drive, NORMAL, tau)
     for _ in range(MOST_PIECES):
         end = min(span, later_passage(drive, NORMAL, tau + d)[0] - tau)
-        last = rise(drive, w, tau, end)[0]
+        last = speed_from(drive, NORMAL, w, tau, start, end)[0]
         if velocity >= 0.0 > last:
-            top = velocity_root(drive, w, tau, d, end, False)
+            top = zero_of_velocity(drive, NORMAL, w, tau, start, d, end, velocity, last)
             best = max(best, rise(drive, w, tau, top)[1])
         d, velocity = end, last
         if d >= span:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
-from core.motion.kernels.planar.flow import LAST_STEP, MOST_ITERATIONS, MOST_PIECES
+from core.compiled import borrowing
+from core.motion.kernels.planar.flow import MOST_PIECES
 from core.motion.kernels.planar.wave import (
     AIR,
     BACKWARD,
@@ -16,6 +16,9 @@ from core.motion.kernels.planar.wave import (
     flow,
     later_passage,
     next_of_way,
+    speed_from,
+    speed_start,
+    zero_of_velocity,
 )
 from core.motion.kernels.planar.wave_flight import lifts
 from core.motion.kernels.waves import value_and_slope
@@ -23,13 +26,13 @@ from core.motion.kernels.waves import value_and_slope
 THRESHOLD = 4e-16  # rounding of the push at which friction is overcome, over its size
 
 
-@compiled
+@borrowing
 def holding(drive: Wave) -> tuple[float, float, float]:
     """Return nothing of use: all that is asked stands in the table."""
     return 0.0, 0.0, 0.0
 
 
-@compiled
+@borrowing
 def holds(drive: Wave, held: tuple[float, float, float], at: float) -> bool:
     """Return whether static friction holds a part that does not slip."""
     return (
@@ -38,7 +41,7 @@ def holds(drive: Wave, held: tuple[float, float, float], at: float) -> bool:
     )
 
 
-@compiled
+@borrowing
 def hold(
     drive: Wave, held: tuple[float, float, float], at: float, end: float
 ) -> tuple[bool, float, bool]:
@@ -50,14 +53,14 @@ def hold(
     return True, min(forward, backward, end), forward < backward
 
 
-@compiled
+@borrowing
 def always_holds(drive: Wave) -> bool:
     """Return whether friction holds a part all the time."""
     never = drive.table[ROOTS + drive.forward, 0] + drive.table[ROOTS + drive.backward, 0] == 0.0
     return never and not lifts(drive) and holds(drive, (0.0, 0.0, 0.0), 0.0)
 
 
-@compiled
+@borrowing
 def first_slip(drive: Wave, tau: float) -> float:
     """Return a phase at which a part that never lifts off starts to slip; NaN if there is none."""
     forward = next_of_way(drive, drive.forward, tau, True)
@@ -65,70 +68,47 @@ def first_slip(drive: Wave, tau: float) -> float:
     return slip if slip < math.inf else math.nan
 
 
-@compiled
+@borrowing
 def kind_of(sign: float) -> int:
     """Return the kind of a slip in the way of `sign`."""
     return FORWARD if sign > 0.0 else BACKWARD
 
 
-@compiled
+@borrowing
 def stop_after(drive: Wave, sign: float, u: float, at: float, span: float) -> float:
     """Return the phase until a slip in the way of `sign` stops; -1 if it does not.
 
     Between two changes of sign of its acceleration the velocity runs one way.
     """
-    kind, low = kind_of(sign), 0.0
+    kind, low, first = kind_of(sign), 0.0, u
+    start = speed_start(drive, kind, at)
     if u == 0.0:
         # From rest a part starts to slide only where it gains speed, whatever rounding says.
-        low = next_of_way(drive, kind, at, sign < 0.0) - at
+        low, first = next_of_way(drive, kind, at, sign < 0.0) - at, sign
     for _ in range(MOST_PIECES):
         if not low < span:
             return -1.0
         high = min(span, later_passage(drive, kind, at + low)[0] - at)
-        if sign * flow(drive, kind, u, at, high)[0] <= 0.0:
-            return stop_root(drive, sign, u, at, low, high)
-        low = high
+        last = speed_from(drive, kind, u, at, start, high)[0]
+        if sign * last <= 0.0:
+            return zero_of_velocity(drive, kind, u, at, start, low, high, first, last)
+        low, first = high, last
     return -1.0
 
 
-@compiled
-def stop_root(drive: Wave, sign: float, u: float, at: float, low: float, high: float) -> float:
-    """Return where a slip that loses speed from `low` to `high` stops."""
-    kind = kind_of(sign)
-    first = sign * flow(drive, kind, u, at, low)[0]
-    last = sign * flow(drive, kind, u, at, high)[0]
-    d = low + (high - low) * first / (first - last) if first > last else low
-    for _ in range(MOST_ITERATIONS):
-        value = sign * flow(drive, kind, u, at, d)[0]
-        if value > 0.0:
-            low = d
-        else:
-            high = d
-        slope = sign * acceleration(drive, kind, at + d)
-        new = d - value / slope if slope < 0.0 else low - 1.0
-        if low <= new <= high and abs(new - d) <= LAST_STEP * d:
-            return new
-        if not low < new < high:
-            new = 0.5 * (low + high)
-            if new in (low, high):
-                return new
-        d = new
-    return d
-
-
-@compiled
+@borrowing
 def slide(drive: Wave, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
     """Return velocity and distance a phase d after velocity u, in a slip in the way of `sign`."""
     return flow(drive, kind_of(sign), u, at, d)
 
 
-@compiled
+@borrowing
 def slip_acceleration(drive: Wave, sign: float, at: float) -> float:
     """Return the acceleration of a slip in the way of `sign`."""
     return acceleration(drive, kind_of(sign), at)
 
 
-@compiled
+@borrowing
 def slip_doubt(drive: Wave) -> float:
     """Return how much velocity hangs on the rounding of the phases where a slip starts.
 
