@@ -88,7 +88,7 @@ def by_type(
             return ways[types[place].instance_class].py_func
 
         choose.__signature__ = signature  # type: ignore[attr-defined]
-        options = {"nogil": True, "error_model": "numpy", "_nrt": not borrows}
+        options: Any = {"nogil": True, "error_model": "numpy", "_nrt": not borrows}
         register: Any = overload(function, jit_options=options, strict=False)
         register(choose)
         return function

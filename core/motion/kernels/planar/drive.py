@@ -6,7 +6,8 @@ compiler sees from the type of `drive`. All drives have the fields `gs`, `gn`, `
 
 from __future__ import annotations
 
-from typing import Any, TypeAlias
+from collections.abc import Callable
+from typing import Any, TypeAlias, TypeVar
 
 from core.compiled import by_type, compiled
 from core.motion.kernels.planar import (
@@ -23,7 +24,10 @@ from core.motion.kernels.planar.wave import Wave
 Drive: TypeAlias = Sine | Wave
 
 
-def _by_drive(for_sine: Any, for_wave: Any) -> Any:
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def _by_drive(for_sine: Any, for_wave: Any) -> Callable[[Function], Function]:
     return by_type("drive", {Sine: for_sine, Wave: for_wave})
 
 

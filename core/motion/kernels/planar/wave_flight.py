@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 
 from core.compiled import borrowing
-from core.motion.kernels.planar.flow import MOST_ITERATIONS, MOST_PIECES
+from core.motion.kernels.planar.flow import MOST_ITERATIONS, MOST_PIECES, TURN
 from core.motion.kernels.planar.wave import (
     AIR,
     ENDS,
     LAST_STEP,
     NORMAL,
     ROOTS,
-    TURN,
     Wave,
     acceleration,
     flow,
