@@ -197,6 +197,12 @@ def next_jump(tau: float, work: Work) -> float:
 
 
 @borrowing
+def is_wave(work: Work) -> bool:
+    """Return whether the drive is no plain sine."""
+    return work[ROW.wave, ORDERS] + work[ROW.wave, STEPS] > 0.0
+
+
+@borrowing
 def jumps(work: Work) -> bool:
     """Return whether the push jumps at all."""
     return work[ROW.wave, STEPS] > 0.0

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Flags, Floats
+from core.motion.kernels.track.drive import is_wave
 from core.motion.kernels.track.polynomials import first_fall
 from core.motion.kernels.track.slide import (
     Contact,
@@ -249,26 +250,25 @@ def slide(
     """Fill those of a slip on floor or wall, in two directions."""
     order, on_floor, event = step.order, contacts == FLOOR, ROW.event
     contact = contact_of(cell, step.rolling, on_floor)
-    second = contact.second
-    if begin.closes:
+    second, span, line = contact.second, math.inf, False
+    if not begin.onset:
+        work[ROW.slip, 0] = state[STATE.ux]
+        work[ROW.slip + 1, 0] = state[STATE.ux + second] + (state[STATE.spin] if on_floor else 0.0)
+        line = is_wave(work) and stays_in_line(contact, order, work)
+    closes = begin.closes and not line
+    if closes:
         order = 1
         last_of_slip(contact, begin.cosine, begin.sine, begin.size, begin.rate, work)
         span = min(begin.size / begin.rate, step.rest)
         name = EVENT.stop if span < step.rest else EVENT.nothing
     else:
-        if begin.onset:
+        if line:
+            line_series(contact, order, work)
+        elif begin.onset:
             onset_series(contact, order, begin.cosine, begin.sine, begin.rate, work)
             span = asymptotic_span(order, work)
         else:
-            work[ROW.slip, 0] = state[STATE.ux]
-            work[ROW.slip + 1, 0] = state[STATE.ux + second] + (
-                state[STATE.spin] if on_floor else 0.0
-            )
-            if step.even < math.inf and stays_in_line(contact, work):
-                line_series(contact, order, work)
-            else:
-                slide_series(contact, order, work)
-            span = math.inf
+            slide_series(contact, order, work)
         span = min(span, term_span(work, ROW.slip, ROW.slip + 1, order, step.tolerance))
         span, name = min(span, step.rest, LONGEST), EVENT.nothing
     fill_velocities(contact, order, state[STATE.ux + second], work)
@@ -284,9 +284,9 @@ def slide(
         fill_place(work, second, state[STATE.x + second], order)
         word = EVENT.bump if on_floor else EVENT.land
         span, name = sooner(work, place, order, span, word, name)
-    if begin.closes or not contact.friction > 0.0:
+    if closes or not contact.friction > 0.0:
         return span, name, order
-    if begin.onset:
+    if begin.onset or line:
         fill_multiple(work, event, 1.0, ROW.square, order)
         span, name = sooner(work, event, order, span, EVENT.stop, name)
         return span, name, order

@@ -138,34 +138,39 @@ def slide_series(contact: Contact, order: int, work: Work) -> None:
 
 
 @borrowing
-def stays_in_line(contact: Contact, work: Work) -> bool:
-    """Return whether a slip under constant forces keeps its direction, as its push has it, too."""
+def stays_in_line(contact: Contact, order: int, work: Work) -> bool:
+    """Return whether a slip keeps its direction, since all that acts on it has that, too."""
     first, second = work[ROW.slip, 0], work[ROW.slip + 1, 0]
-    push, across = work[ROW.free, 0], work[ROW.free + contact.second, 0]
-    bends = contact.curvature != 0.0 or (contact.response != 1.0 and first * second != 0.0)
-    turn = abs(first * across) + abs(second * push)
-    return not bends and abs(first * across - second * push) <= NOTHING * turn
+    if contact.curvature != 0.0 or (contact.response != 1.0 and first * second != 0.0):
+        return False
+    across = ROW.free + contact.second
+    for k in range(order):
+        one, other = first * work[across, k], second * work[ROW.free, k]
+        if abs(one - other) > NOTHING * (abs(one) + abs(other)):
+            return False
+    return True
 
 
 @borrowing
 def line_series(contact: Contact, order: int, work: Work) -> None:
-    """Fill slip, its square and the load of a slip under constant forces along its own line.
+    """Fill slip, its size and the load of a slip that keeps its direction until it stops.
 
-    It is a straight function of the phase. The series of `slide_series` would have nothing but
-    rounding in its higher terms, and that over powers of the slip.
+    Friction then has one direction, and the series needs no quotient: those of `slide_series` have
+    rounding in their higher terms, over powers of the slip.
     """
-    first, second, square, load = ROW.slip, ROW.slip + 1, ROW.square, ROW.load
-    for row in (first, second):
-        for k in range(1, order + 1):
-            work[row, k] = 0.0
+    first, second, size, load = ROW.slip, ROW.slip + 1, ROW.square, ROW.load
+    start_1, start_2 = work[first, 0], work[second, 0]
+    work[size, 0] = math.sqrt(start_1 * start_1 + start_2 * start_2)
+    cosine, sine = start_1 / work[size, 0], start_2 / work[size, 0]
     for k in range(order + 1):
         work[load, k] = -work[ROW.free + contact.pressed, k]
-    start_1, start_2 = work[first, 0], work[second, 0]
-    rub = contact.friction * work[load, 0] / math.sqrt(start_1 * start_1 + start_2 * start_2)
-    work[first, 1] = work[ROW.free, 0] - rub * start_1
-    work[second, 1] = work[ROW.free + contact.second, 0] - contact.response * rub * start_2
-    for k in range(order + 1):
-        work[square, k] = square_of(work, first, k) + square_of(work, second, k)
+        if k == order:
+            break
+        rub = contact.friction * work[load, k]
+        work[first, k + 1] = (work[ROW.free, k] - rub * cosine) * INVERSE[k + 1]
+        pushed = work[ROW.free + contact.second, k]
+        work[second, k + 1] = (pushed - contact.response * rub * sine) * INVERSE[k + 1]
+        work[size, k + 1] = cosine * work[first, k + 1] + sine * work[second, k + 1]
 
 
 @borrowing
