@@ -5,7 +5,10 @@ The midpoint rule of Moreau and Jean with Newton's impact law, over a step h fro
     u(t + h) = u(t) + h a(t + h/2) + i,    q(t + h) = q(t) + h (u(t) + u(t + h))/2,
 
 where the impulses i of the contacts that touch at t + h/2 obey the laws of impact and friction. It
-is of first order in the step; planar motion has an exact method elsewhere.
+is of first order in the step; planar motion has an exact method elsewhere. Of a drive in steps a is
+the mean over the step: then what it gives to a part is exact, step by step and over a period, where
+the value in the middle would be off by up to a step at each jump, and would push a part that
+slides without friction ever further.
 """
 
 from __future__ import annotations
@@ -18,17 +21,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.arrays import Array
 from core.motion.cells import run_cells
-from core.motion.course import Course, CourseAsked, track_of
+from core.motion.course import Course, CourseAsked
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, cells_of
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.path import Path
 from core.motion.result import SHARES, Motion, motion_of, with_whole_shares
+from core.motion.waves import ALONG, TURN, Wave, mean_push, of_columns, speed
 from core.quantities import MOTION_MODES
 from core.watch import Watch
 
 MOST_STEPS = 100_000_000
 """Steps of one path, and steps of one period times periods of one cell; more is refused."""
 
+
+ROOM = 1_000_000
+"""Numbers that the drives of one piece of cells may take, unless it is of one cell."""
 
 SLOW = 1e-9  # in g/w: a normal velocity of a part that stays on the floor
 
@@ -52,8 +59,9 @@ def stepped_motion(
     run, so that the error, though of first order, is no smooth function of the step, and an
     extrapolation would amplify its irregular part. For the same reason there is a third run, with
     n steps from half a step earlier. `error` is three times the largest of the differences of the
-    velocity to both coarser runs, the doubt about the transient's end, and `spread`; with hops a
-    seventh of what a step changes is added, since all runs may agree by chance (theory 13.9).
+    velocity to both coarser runs, the doubt about the transient's end, and `spread`; with hops, or
+    where a slip may start at a jump of the push, a seventh of what a step changes is added, since
+    all runs may agree by chance (theory 13.9).
 
     The motion is `periodic` if it comes back exactly, or over 16 periods to within a small part of
     what one step changes, or, after four times as many, to within what one step changes. A
@@ -62,8 +70,9 @@ def stepped_motion(
     deviation of the means of eight batches of them.
 
     Without hops the planar method is of second order: slips start and stop within a step. With
-    hops, in space and in a curve, it is of first order. Where static friction exceeds kinetic, a
-    slip in space that nearly stops, nearer than a step can tell, is taken to stop.
+    hops, where the push jumps, in space and in a curve, it is of first order. Where static friction
+    exceeds kinetic, a slip in space that nearly stops, nearer than a step can tell, is taken to
+    stop.
 
     Parameters
     ----------
@@ -103,8 +112,9 @@ def stepped_motion(
 
     _check(steps_per_period, most_periods, tolerance, contacts)
     cells, shape = cells_of(Cell._fields, groups)
-    coarse, shifted = _waves(steps_per_period), _waves(steps_per_period, shift=-0.5)
-    fine = _waves(2 * steps_per_period + 1)  # odd, so that no middle of a step is one of both
+    fine = 2 * steps_per_period + 1  # odd, so that no middle of a step is one of both
+    grids = ((steps_per_period, 0.0), (steps_per_period, -0.5), (fine, 0.0))
+    sines = [_sine(*grid) for grid in grids]
     if planar:
         scene, rolling, absolute_speed = PLANAR, 0.0, False
     else:
@@ -113,14 +123,20 @@ def stepped_motion(
     def kernel(
         piece: NDArray[np.float64], rows: NDArray[np.float64], status: NDArray[np.int8]
     ) -> None:
+        numbers, columns = np.split(piece, [len(Cell._fields)], axis=1)
+        coarse, shifted, finer = sines
+        if columns.size:
+            wave = of_columns(columns)
+            coarse, shifted, finer = (_wave(wave, n, TURN / n * shift) for n, shift in grids)
         step_cells(
-            scene, rolling, absolute_speed, coarse, shifted, fine, most_periods, tolerance,
-            piece, rows, status,
+            scene, rolling, absolute_speed, coarse, shifted, finer, most_periods, tolerance,
+            np.ascontiguousarray(numbers), rows, status,
         )  # fmt: skip
 
     # A cell takes milliseconds: small pieces let a run be stopped soon and share out evenly.
-    motion = motion_of(*run_cells(kernel, cells, piece=32, watch=watch), shape)
-    return without_landing_steps(motion, fine.shape[1])
+    piece = 32 if groups.wave is None else max(1, min(32, ROOM // (20 * steps_per_period)))
+    motion = motion_of(*run_cells(kernel, cells, piece=piece, watch=watch), shape)
+    return without_landing_steps(motion, fine)
 
 
 def without_landing_steps(motion: Motion, steps: int) -> Motion:
@@ -186,22 +202,38 @@ def stepped_path(
     steps = (asked[-1] - asked[0]) / step
     if steps > MOST_STEPS:
         raise ValueError(f"phases need {steps:.3g} steps; the limit is {MOST_STEPS:,}")
-    (cell,), _ = cells_of(Cell._fields, groups)
+    (row,), _ = cells_of(Cell._fields, groups)
+    cell, columns = np.split(row, [len(Cell._fields)])
     start = np.array([*position, *velocity, spin], dtype=np.float64)
-    if start.size != 7 or not (np.all(np.isfinite(cell)) and np.all(np.isfinite(start))):
+    if start.size != 7 or not (np.all(np.isfinite(row)) and np.all(np.isfinite(start))):
         raise ValueError("groups, position (3) and velocity (3) must be finite")
+    wave = np.zeros((0, 0))
+    if columns.size:
+        wave = _wave(of_columns(columns[np.newaxis]), steps_per_period, asked[0])[0]
     places, speeds = np.full((asked.size, 3), np.nan), np.full((asked.size, 3), np.nan)
     path(
         contacts.wall, float(contacts.rolling), absolute_speed, cell, asked, step,
-        math.ceil(steps) + 1, start, places, speeds,
+        math.ceil(steps) + 1, start, wave, places, speeds,
     )  # fmt: skip
     return Path(asked, places, speeds)
 
 
-def _waves(steps: int, shift: float = 0.0) -> Array:
-    """Return sine and cosine of the drive at the middles of the steps of a period, (2, steps)."""
+def _sine(steps: int, shift: float) -> Array:
+    """Return sine and cosine at the middles of the steps of a period, (1, 2, steps)."""
     phases = (np.arange(steps) + 0.5 + shift) * (2.0 * math.pi / steps)
-    return np.stack([np.sin(phases), np.cos(phases)])
+    return np.stack([np.sin(phases), np.cos(phases)])[np.newaxis]
+
+
+def _wave(wave: Wave, steps: int, begin: float) -> Array:
+    """Return the drives of cells for the steps of a period from a phase, (cells, 5, steps).
+
+    The rows are those of the kernels' `Drive`.
+    """
+    step = TURN / steps
+    starts = begin + step * np.arange(float(steps))[:, np.newaxis]
+    pushes, jumps = mean_push(wave, starts, step)
+    track = speed(wave, ALONG, starts + 0.5 * step)
+    return np.ascontiguousarray(np.stack([*pushes, track, jumps]).transpose(2, 0, 1))
 
 
 def _check(steps_per_period: int, most_periods: int, tolerance: float, contacts: Contacts) -> None:
@@ -258,7 +290,7 @@ def _course(contacts: Contacts) -> FollowCourse:
             "height_above_floor": np.maximum(position[:, 2], 0.0) * length,
             "relative_velocity_along": velocity[:, 0] * speed,
             "relative_velocity_normal": velocity[:, 2] * speed,
-            **track_of(asked.groups, length * np.sin(phases)),
+            **asked.track(),
         }
         if contacts.wall:
             values["distance_from_wall"] = np.maximum(position[:, 1], 0.0) * length

@@ -39,6 +39,23 @@ def cell_of(row: Floats) -> Cell:
     return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one
 
 
+class Drive(NamedTuple):
+    """Rows of the drive of a period, one column a step.
+
+    Push along, across and normal, the speed of the track along, and whether the push has jumped
+    since the middle of the step before.
+    """
+
+    along: int
+    across: int
+    normal: int
+    speed: int
+    jump: int
+
+
+DRIVE = Drive(*range(len(Drive._fields)))
+
+
 class State(NamedTuple):
     """Columns of a state; a scene stops where its coordinates end.
 
