@@ -80,9 +80,15 @@ def push(wave: Wave, axis: int, phase: ArrayLike) -> Array:
     """Return the push at a phase; phases and cells broadcast."""
     tau = np.asarray(phase, dtype=float)
     total = _harmonic(wave, axis, tau, 0)
-    if wave.steps.shape[1]:
-        total = total + np.take_along_axis(*_at_step(wave, wave.steps[axis], tau), axis=0)[0]
-    return total
+    return total + level(wave, axis, tau) if wave.steps.shape[1] else total
+
+
+def level(wave: Wave, axis: int, phase: ArrayLike) -> Array:
+    """Return what the steps of a wave add to the push at a phase."""
+    tau = np.asarray(phase, dtype=float)
+    if not wave.steps.shape[1]:
+        return np.zeros(np.broadcast_shapes(tau.shape, wave.cells))
+    return np.take_along_axis(*_at_step(wave, wave.steps[axis], tau), axis=0)[0]
 
 
 def speed(wave: Wave, axis: int, phase: ArrayLike) -> Array:
@@ -101,33 +107,6 @@ def place(wave: Wave, axis: int, phase: ArrayLike) -> Array:
     if wave.steps.shape[1]:
         total = total + _stepped(wave, axis, tau)[1]
     return total
-
-
-def mean_push(wave: Wave, starts: Array, step: float) -> tuple[Array, NDArray[np.bool_]]:
-    """Return the push in each of many equal steps of phase, and where it has jumped.
-
-    Of harmonics in the middle of the step, as of a sine; of levels the mean over the step. It has
-    jumped where the levels differ from those of the step before. Starts and cells broadcast, the
-    starts being all of a period, in the first dimension.
-    """
-    pushes = np.stack([_harmonic(wave, axis, starts + 0.5 * step, 0) for axis in range(ENDS)])
-    if not wave.steps.shape[1]:
-        return pushes, np.zeros(pushes.shape[1:], dtype=bool)
-    ends = wave.steps[ENDS]
-    levels = np.zeros_like(pushes)
-    since = np.mod(starts, TURN)
-    before = _passed(since, step, np.zeros_like(ends[0])) + _passed(since, step, TURN)
-    for number, end in enumerate(ends):
-        level = wave.steps[:ENDS, number, np.newaxis]
-        after = _passed(since, step, end) + _passed(since, step, end + TURN)
-        levels += level * (after - before)
-        before = after
-    return pushes + levels, np.any(levels != np.roll(levels, 1, axis=1), axis=0)
-
-
-def _passed(starts: Array, step: float, end: Array | float) -> Array:
-    """Return the share of each step that lies before a phase, 0 to 1."""
-    return np.clip((end - starts) / step, 0.0, 1.0)
 
 
 def _harmonic(wave: Wave, axis: int, tau: Array, integrals: int) -> Array:

@@ -5,10 +5,11 @@ The midpoint rule of Moreau and Jean with Newton's impact law, over a step h fro
     u(t + h) = u(t) + h a(t + h/2) + i,    q(t + h) = q(t) + h (u(t) + u(t + h))/2,
 
 where the impulses i of the contacts that touch at t + h/2 obey the laws of impact and friction. It
-is of first order in the step; planar motion has an exact method elsewhere. Of a drive in steps a is
-the mean over the step: then what it gives to a part is exact, step by step and over a period, where
-the value in the middle would be off by up to a step at each jump, and would push a part that
-slides without friction ever further.
+is of first order in the step; planar motion has an exact method elsewhere. Where the push of the
+drive jumps, a step ends and another begins: within a step the push is smooth, and what a jump tears
+loose slips from there on. (A mean of the push over a step that holds a jump would give the right
+impulse to a part that slides, but not to one that sticks up to the jump: its slip would begin too
+fast or too slow by what a step changes.)
 """
 
 from __future__ import annotations
@@ -26,13 +27,16 @@ from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, cells_of
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.path import Path
 from core.motion.result import SHARES, Motion, motion_of, with_whole_shares
-from core.motion.waves import ALONG, TURN, Wave, mean_push, of_columns, speed
+from core.motion.waves import ALONG, ENDS, TURN, Wave, level, of_columns, push, speed
 from core.quantities import MOTION_MODES
 from core.watch import Watch
 
 MOST_STEPS = 100_000_000
 """Steps of one path, and steps of one period times periods of one cell; more is refused."""
 
+
+NEXT_TO_NONE = 1e-30
+"""Length of a step between a jump of the push and the end of a usual step at the same phase."""
 
 ROOM = 1_000_000
 """Numbers that the drives of one piece of cells may take, unless it is of one cell."""
@@ -59,9 +63,8 @@ def stepped_motion(
     run, so that the error, though of first order, is no smooth function of the step, and an
     extrapolation would amplify its irregular part. For the same reason there is a third run, with
     n steps from half a step earlier. `error` is three times the largest of the differences of the
-    velocity to both coarser runs, the doubt about the transient's end, and `spread`; with hops, or
-    where a slip may start at a jump of the push, a seventh of what a step changes is added, since
-    all runs may agree by chance (theory 13.9).
+    velocity to both coarser runs, the doubt about the transient's end, and `spread`; with hops a
+    seventh of what a step changes is added, since all runs may agree by chance (theory 13.9).
 
     The motion is `periodic` if it comes back exactly, or over 16 periods to within a small part of
     what one step changes, or, after four times as many, to within what one step changes. A
@@ -70,9 +73,8 @@ def stepped_motion(
     deviation of the means of eight batches of them.
 
     Without hops the planar method is of second order: slips start and stop within a step. With
-    hops, where the push jumps, in space and in a curve, it is of first order. Where static friction
-    exceeds kinetic, a slip in space that nearly stops, nearer than a step can tell, is taken to
-    stop.
+    hops, in space and in a curve, it is of first order. Where static friction exceeds kinetic, a
+    slip in space that nearly stops, nearer than a step can tell, is taken to stop.
 
     Parameters
     ----------
@@ -129,12 +131,12 @@ def stepped_motion(
             wave = of_columns(columns)
             coarse, shifted, finer = (_wave(wave, n, TURN / n * shift) for n, shift in grids)
         step_cells(
-            scene, rolling, absolute_speed, coarse, shifted, finer, most_periods, tolerance,
-            np.ascontiguousarray(numbers), rows, status,
+            scene, rolling, absolute_speed, steps_per_period, coarse, shifted, finer,
+            most_periods, tolerance, np.ascontiguousarray(numbers), rows, status,
         )  # fmt: skip
 
     # A cell takes milliseconds: small pieces let a run be stopped soon and share out evenly.
-    piece = 32 if groups.wave is None else max(1, min(32, ROOM // (20 * steps_per_period)))
+    piece = 32 if groups.wave is None else max(1, min(32, ROOM // (28 * steps_per_period)))
     motion = motion_of(*run_cells(kernel, cells, piece=piece, watch=watch), shape)
     return without_landing_steps(motion, fine)
 
@@ -207,13 +209,14 @@ def stepped_path(
     start = np.array([*position, *velocity, spin], dtype=np.float64)
     if start.size != 7 or not (np.all(np.isfinite(row)) and np.all(np.isfinite(start))):
         raise ValueError("groups, position (3) and velocity (3) must be finite")
-    wave = np.zeros((0, 0))
+    wave, most = np.zeros((0, 0)), math.ceil(steps) + 1
     if columns.size:
         wave = _wave(of_columns(columns[np.newaxis]), steps_per_period, asked[0])[0]
+        most += math.ceil(most / steps_per_period) * (wave.shape[1] - steps_per_period)
     places, speeds = np.full((asked.size, 3), np.nan), np.full((asked.size, 3), np.nan)
     path(
         contacts.wall, float(contacts.rolling), absolute_speed, cell, asked, step,
-        math.ceil(steps) + 1, start, wave, places, speeds,
+        most, start, wave, places, speeds,
     )  # fmt: skip
     return Path(asked, places, speeds)
 
@@ -225,15 +228,26 @@ def _sine(steps: int, shift: float) -> Array:
 
 
 def _wave(wave: Wave, steps: int, begin: float) -> Array:
-    """Return the drives of cells for the steps of a period from a phase, (cells, 5, steps).
+    """Return the drives of cells for a period from a phase, (cells, rows, steps and jumps).
 
     The rows are those of the kernels' `Drive`.
     """
-    step = TURN / steps
+    step, jumps = TURN / steps, wave.steps[ENDS]
     starts = begin + step * np.arange(float(steps))[:, np.newaxis]
-    pushes, jumps = mean_push(wave, starts, step)
-    track = speed(wave, ALONG, starts + 0.5 * step)
-    return np.ascontiguousarray(np.stack([*pushes, track, jumps]).transpose(2, 0, 1))
+    lengths = np.full_like(starts, step)
+    if jumps.size:
+        parts = np.broadcast_arrays(starts, jumps[0])[0], begin + np.mod(jumps - begin, TURN)
+        starts = np.sort(np.concatenate(parts), axis=0)
+        lengths = np.diff(starts, axis=0, append=begin + TURN)
+        lengths = np.maximum(lengths, NEXT_TO_NONE)
+    middles, axes = starts + 0.5 * lengths, range(ENDS)
+    pushes, track = [push(wave, axis, middles) for axis in axes], speed(wave, ALONG, middles)
+    jumped = np.zeros(starts.shape)
+    for axis in axes if jumps.size else ():
+        here = level(wave, axis, middles)
+        jumped += here != np.roll(here, 1, axis=0)
+    rows = np.broadcast_arrays(*pushes, track, lengths, lengths / step, jumped)
+    return np.ascontiguousarray(np.stack(rows).transpose(2, 0, 1))
 
 
 def _check(steps_per_period: int, most_periods: int, tolerance: float, contacts: Contacts) -> None:

@@ -27,7 +27,7 @@ def path(
     resting = ux == 0.0 and uy + spin == 0.0 and uz == 0.0 and z <= 0.0
     spare = math.inf if resting else -1.0
     pressed, leaning = uz == 0.0 and z <= 0.0, uy == 0.0 and y <= 0.0
-    begin, given = phases[0], 0
+    begin, given, elapsed = phases[0], 0, 0.0
     for k in range(steps):
         tau = begin + (k + 0.5) * h
         before = spin
@@ -35,6 +35,7 @@ def path(
             column = k % wave.shape[1]
             along, across = wave[DRIVE.along, column], wave[DRIVE.across, column]
             lift, track = wave[DRIVE.normal, column], wave[DRIVE.speed, column]
+            h = wave[DRIVE.length, column]
             if wave[DRIVE.jump, column] > 0.0:
                 spare = after_jump(spare)
         else:
@@ -56,8 +57,11 @@ def path(
                 z, ux, uy, uz, before, spare, pressed, ax, ay, az, h,
                 cell.restitution, cell.friction_static, cell.friction_kinetic, rolling,
             )  # fmt: skip
-        while given < phases.size and (phases[given] - begin <= (k + 1) * h or k == steps - 1):
+        end = elapsed + h if wave.size > 0 else (k + 1) * h
+        while given < phases.size and (phases[given] - begin <= end or k == steps - 1):
             s = (phases[given] - begin) / h - k
+            if wave.size > 0:
+                s = (phases[given] - begin - elapsed) / h
             position[given, 0] = x + s * h * (ux + 0.5 * s * (vx - ux))
             position[given, 1] = y + s * h * (uy + 0.5 * s * (vy - uy))
             position[given, 2] = z + s * h * (uz + 0.5 * s * (vz - uz))
@@ -65,6 +69,7 @@ def path(
             velocity[given, 1] = uy + s * (vy - uy)
             velocity[given, 2] = uz + s * (vz - uz)
             given += 1
+        elapsed = end
         x += 0.5 * h * (ux + vx)
         y += 0.5 * h * (uy + vy)
         z += 0.5 * h * (uz + vz)

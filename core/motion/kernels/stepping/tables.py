@@ -42,14 +42,16 @@ def cell_of(row: Floats) -> Cell:
 class Drive(NamedTuple):
     """Rows of the drive of a period, one column a step.
 
-    Push along, across and normal, the speed of the track along, and whether the push has jumped
-    since the middle of the step before.
+    Push along, across and normal, and the speed of the track along; how long the step is, and what
+    share of a usual one; whether the push jumped at its start. No step has a jump inside.
     """
 
     along: int
     across: int
     normal: int
     speed: int
+    length: int
+    share: int
     jump: int
 
 
