@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from core.motion.drives import shape_of
+from core.motion.drives import Shape, shape_of
 from core.motion.waves import ALONG, NORMAL, TURN, Wave, place, speed
 from core.plots.fixed import fixed_positions
 from core.plots.parts import add_room
@@ -117,7 +117,9 @@ def read_trajectory(
         raise PlotError("axes", f"a trajectory is drawn over {TIME}", "Leave axes out")
     fixed_positions(dataset, at, (), (TIME,))
     known = {**dataset.data_vars, **dataset.coords}
-    missing = [name for name in (*NEEDED, "frequency") if name not in known]
+    shape, _ = shape_of(map(str, known))
+    needed = (*NEEDED, "frequency", *(("gravity", *shape.inputs) if shape else ()))
+    missing = [name for name in needed if name not in known]
     if missing:
         fix = "Draw a file that `vibrafeed run` wrote"
         raise PlotError("dataset", f"its motion has no {missing[0]}", fix)
@@ -128,11 +130,13 @@ def read_trajectory(
     seconds = _values(dataset[TIME])
     period = 1.0 / float(dataset["frequency"])
     track, height = _values(dataset["track_normal"]), _values(dataset["height_above_floor"])
-    part, wave = track + height, _wave(dataset)
-    if wave is None:
+    part, orbit = track + height, None
+    if shape is None:
         swing = _swing(seconds, period, _values(dataset["track_along"]))
     else:
-        swing = _scale(dataset, period) * speed(wave, ALONG, TURN * seconds / period)
+        wave, scale = _wave(dataset, shape), float(dataset["gravity"]) * period / TURN
+        swing = scale * speed(wave, ALONG, TURN * seconds / period)
+        orbit = _orbit(wave)
     seen = part if part.any() else _values(dataset["track_along"])  # a level drive
     scale, height_unit = read_unit(xarray.DataArray(seen, attrs={"units": "m"}))
     if not np.isfinite(part).any():
@@ -153,7 +157,7 @@ def read_trajectory(
         position_unit=position_unit,
         modes=_modes(dataset["motion_mode"]),
         facts=_facts(dataset),
-        orbit=None if wave is None else _orbit(wave),
+        orbit=orbit,
     )
 
 
@@ -226,20 +230,12 @@ def _swing(
     return amplitude * rate * np.cos(rate * seconds)
 
 
-def _wave(dataset: xarray.Dataset) -> Wave | None:
-    """Return the drive that the dataset's parameters tell; None for the plain sine."""
-    shape, _ = shape_of(map(str, dataset.coords))
-    if shape is None:
-        return None
+def _wave(dataset: xarray.Dataset, shape: Shape) -> Wave:
+    """Return the drive that the dataset's parameters tell."""
     given = {name: _values(dataset[name]) for name in shape.inputs}
     return shape.wave(
         **{n: np.deg2rad(v) if QUANTITIES[n].is_angle else v for n, v in given.items()}
     )
-
-
-def _scale(dataset: xarray.Dataset, period: float) -> float:
-    """Return the velocity g/w [m s-1]."""
-    return float(dataset["gravity"]) * period / TURN
 
 
 def _orbit(wave: Wave) -> NDArray[np.float64] | None:
