@@ -281,6 +281,33 @@ def test_a_jump_of_the_push_lifts_and_tears_loose() -> None:
     np.testing.assert_allclose(stepped.position, path.position, atol=1e-12)
 
 
+def test_steps_of_no_length_are_none() -> None:
+    wave = levels([0.25, 0.5, 1.0], along=[0.8, -0.4, -0.2], normal=[0.5, -0.5, 0.0])
+    padded = levels(
+        [0.25, 0.25, 0.5, 0.5, 1.0], along=[0.8, 9.0, -0.4, 3.0, -0.2],
+        normal=[0.5, 1.0, -0.5, 2.0, 0.0],
+    )  # fmt: skip
+    one, other = reference_motion(driven(wave)), reference_motion(driven(padded))
+    assert float(one.velocity) == pytest.approx(float(other.velocity), abs=1e-14)
+    for steps in (8, 100, 1001):  # some of which end at the jumps
+        one, other = (
+            stepped_motion(driven(each), planar=True, steps_per_period=steps)
+            for each in (wave, padded)
+        )
+        assert float(one.velocity) == pytest.approx(float(other.velocity), abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_path_may_begin_at_any_phase(seed: int) -> None:
+    groups = driven(random_wave(np.random.default_rng(seed), across=0.3))
+    start: dict[str, Any] = {"position": (0.0, 0.0, 0.1), "velocity": (0.3, 0.1, 0.5)}
+    phases = 7.7 + np.linspace(0.0, 12.0, 9)
+    exact = reference_path(groups, phases=phases, **start)
+    stepped = stepped_path(groups, phases=phases, steps_per_period=5000, **start)
+    np.testing.assert_allclose(stepped.position, exact.position, atol=3e-3)
+    np.testing.assert_allclose(stepped.velocity, exact.velocity, atol=3e-3)
+
+
 def test_a_jump_may_come_amid_the_last_hops() -> None:
     # Hops shrink towards a phase just before, at and after the jump that lifts the part again.
     landing, restitution = math.sqrt(2 * 0.01), 0.4
@@ -359,6 +386,16 @@ def test_cells_of_a_grid_are_those_of_single_waves() -> None:
     )
     for n, wave in enumerate(waves):
         assert float(stepped_motion(driven(wave), planar=True).velocity) == many.velocity[n]
+
+
+def test_a_wave_that_does_not_close_has_no_solution() -> None:
+    open_wave = {"acceleration_along_1": "4 m/s^2", "acceleration_along_2": "3 m/s^2"}
+    for method in ("reference", "time-stepping", "regularised-LSODA"):
+        dataset = follow(method, {**open_wave, "friction": 0.3})
+        assert int(dataset.motion_status) == STATUS["no_solution"]
+        assert np.isnan(dataset.conveying_velocity)
+    with pytest.raises(ValueError, match="finite"):
+        reference_path(driven(levels([1.0], along=[math.nan])), phases=[0.0, 1.0])
 
 
 def stiff(groups: Groups) -> Motion:

@@ -21,6 +21,7 @@ import numpy as np
 from core.mechanics.arrays import Array
 from core.motion.groups import Contacts, Groups, Numbers
 from core.motion.pieces import Piece, Sine, pieces
+from core.motion.waves import TURN
 
 SOON = 1e-6
 """Of phase: after it a push that passes through zero has a direction."""
@@ -68,7 +69,7 @@ class Laws:
         drive: Sine | Piece | None = None,
     ) -> None:
         self.groups, self.contacts, self.absolute_speed = groups, contacts, absolute_speed
-        self.drive = drive or next(pieces(groups, 0.0, math.inf))[0]
+        self.drive = drive or next(pieces(groups, 0.0, TURN))[0]
         self.response = 1.0 + contacts.rolling
 
     def pieces(self, begin: float, end: float) -> Iterator[tuple[Laws, float]]:
