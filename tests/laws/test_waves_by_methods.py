@@ -145,6 +145,10 @@ def test_weak_friction_takes_the_weighted_median_of_an_ellipse() -> None:
         found = reference_motion(driven(wave, kinetic=weak))
         assert float(found.velocity) == pytest.approx(share, abs=1e-3)
         assert share < limit
+        # At a throw number of 1 time stepping may see a step in the air, and no impact.
+        wave = harmonics((ALONG, 1, 1.0, 0.0), (NORMAL, 1, 1.0, -math.pi / 2))
+        stepped = stepped_motion(driven(wave, kinetic=weak), planar=True)
+        assert abs(float(stepped.velocity - found.velocity)) < float(stepped.error) < 2e-3
 
 
 def test_weak_friction_under_two_frequencies() -> None:
