@@ -15,11 +15,13 @@ import pytest
 from core.mechanics.arrays import Array
 from core.motion import simulate
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups
+from core.motion.kernels.stepping.tables import Drive
 from core.motion.methods.reference import reference_motion, reference_path
 from core.motion.methods.regularised import regularised_motion
 from core.motion.methods.stepping import stepped_motion, stepped_path
 from core.motion.pieces import pieces
 from core.motion.result import STATUS, Motion
+from core.motion.steps import drives_of
 from core.motion.waves import ALONG, ENDS, NORMAL, TURN, Wave, bound, push, speed
 from core.study import parse_study
 
@@ -299,6 +301,33 @@ def test_steps_of_no_length_are_none() -> None:
             for each in (wave, padded)
         )
         assert float(one.velocity) == pytest.approx(float(other.velocity), abs=1e-12)
+
+
+def test_steps_end_at_jumps_and_none_is_next_to_none() -> None:
+    wave = levels([0.1, 0.25, 0.25, 0.35 + 1e-17, 0.8, 1.0], along=[1.0, -0.5, 7.0, 0.2, -0.3, 0.4])
+    wave.steps[ALONG, 5] = -wave.steps[ALONG, :5] @ [0.1, 0.15, 0.0, 0.1, 0.45] / 0.2
+    column = Wave(wave.harmonics[..., np.newaxis], wave.steps[..., np.newaxis])
+    for steps in (8, 20, 1000, 1001):
+        for begin in (0.0, -TURN / steps / 2, 33.0):
+            rows = Drive(*drives_of(column, steps, begin)[0])
+            assert rows.length.sum() == pytest.approx(TURN, abs=1e-12)
+            assert np.all((rows.length > 1e-9 / steps) & (rows.share < 1.0 + 1e-9))
+            assert rows.along @ rows.length == pytest.approx(0.0, abs=1e-11)
+            starts = begin + np.cumsum(rows.length) - rows.length
+            jumps = np.sort(np.mod(starts[rows.jump > 0.0] + 0.5, TURN)) - 0.5
+            expected = TURN * np.array([0.0, 0.1, 0.25, 0.35, 0.8])
+            np.testing.assert_allclose(jumps, expected, atol=1e-8)
+
+
+def test_jumps_at_ends_of_steps_leave_a_solution_at_the_wall() -> None:
+    wave = levels(
+        [0.1, 0.35, 0.8, 1.0], along=[-2.3, 1.2, 0.4, -1.25], normal=[1.1, -0.2, -0.4, 0.6],
+        across=[-0.2, -0.3, 0.2, -0.025],
+    )  # fmt: skip
+    groups = driven(wave, gravity_number_across=0.2, wall_friction=0.3, curvature_number=0.01)
+    ratio, exact, stepped = disagree(groups, WALL)
+    assert exact.status == stepped.status == STATUS["periodic"]
+    assert ratio < 1.0
 
 
 @pytest.mark.parametrize("seed", [0, 1])

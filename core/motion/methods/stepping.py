@@ -27,16 +27,14 @@ from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, cells_of
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.path import Path
 from core.motion.result import SHARES, Motion, motion_of, with_whole_shares
-from core.motion.waves import ALONG, ENDS, TURN, Wave, level, of_columns, push, speed
+from core.motion.steps import drives_of, sines_at
+from core.motion.waves import TURN, of_columns
 from core.quantities import MOTION_MODES
 from core.watch import Watch
 
 MOST_STEPS = 100_000_000
 """Steps of one path, and steps of one period times periods of one cell; more is refused."""
 
-
-NEXT_TO_NONE = 1e-30
-"""Length of a step between a jump of the push and the end of a usual step at the same phase."""
 
 ROOM = 1_000_000
 """Numbers that the drives of one piece of cells may take, unless it is of one cell."""
@@ -116,7 +114,7 @@ def stepped_motion(
     cells, shape = cells_of(Cell._fields, groups)
     fine = 2 * steps_per_period + 1  # odd, so that no middle of a step is one of both
     grids = ((steps_per_period, 0.0), (steps_per_period, -0.5), (fine, 0.0))
-    sines = [_sine(*grid) for grid in grids]
+    sines = [sines_at(*grid) for grid in grids]
     if planar:
         scene, rolling, absolute_speed = PLANAR, 0.0, False
     else:
@@ -129,7 +127,7 @@ def stepped_motion(
         coarse, shifted, finer = sines
         if columns.size:
             wave = of_columns(columns)
-            coarse, shifted, finer = (_wave(wave, n, TURN / n * shift) for n, shift in grids)
+            coarse, shifted, finer = (drives_of(wave, n, TURN / n * shift) for n, shift in grids)
         step_cells(
             scene, rolling, absolute_speed, steps_per_period, coarse, shifted, finer,
             most_periods, tolerance, np.ascontiguousarray(numbers), rows, status,
@@ -211,7 +209,7 @@ def stepped_path(
         raise ValueError("groups, position (3) and velocity (3) must be finite")
     wave, most = np.zeros((0, 0)), math.ceil(steps) + 1
     if columns.size:
-        wave = _wave(of_columns(columns[np.newaxis]), steps_per_period, asked[0])[0]
+        wave = drives_of(of_columns(columns[np.newaxis]), steps_per_period, asked[0])[0]
         most += math.ceil(most / steps_per_period) * (wave.shape[1] - steps_per_period)
     places, speeds = np.full((asked.size, 3), np.nan), np.full((asked.size, 3), np.nan)
     path(
@@ -219,35 +217,6 @@ def stepped_path(
         most, start, wave, places, speeds,
     )  # fmt: skip
     return Path(asked, places, speeds)
-
-
-def _sine(steps: int, shift: float) -> Array:
-    """Return sine and cosine at the middles of the steps of a period, (1, 2, steps)."""
-    phases = (np.arange(steps) + 0.5 + shift) * (2.0 * math.pi / steps)
-    return np.stack([np.sin(phases), np.cos(phases)])[np.newaxis]
-
-
-def _wave(wave: Wave, steps: int, begin: float) -> Array:
-    """Return the drives of cells for a period from a phase, (cells, rows, steps and jumps).
-
-    The rows are those of the kernels' `Drive`.
-    """
-    step, jumps = TURN / steps, wave.steps[ENDS]
-    starts = begin + step * np.arange(float(steps))[:, np.newaxis]
-    lengths = np.full_like(starts, step)
-    if jumps.size:
-        parts = np.broadcast_arrays(starts, jumps[0])[0], begin + np.mod(jumps - begin, TURN)
-        starts = np.sort(np.concatenate(parts), axis=0)
-        lengths = np.diff(starts, axis=0, append=begin + TURN)
-        lengths = np.maximum(lengths, NEXT_TO_NONE)
-    middles, axes = starts + 0.5 * lengths, range(ENDS)
-    pushes, track = [push(wave, axis, middles) for axis in axes], speed(wave, ALONG, middles)
-    jumped = np.zeros(starts.shape)
-    for axis in axes if jumps.size else ():
-        here = level(wave, axis, middles)
-        jumped += here != np.roll(here, 1, axis=0)
-    rows = np.broadcast_arrays(*pushes, track, lengths, lengths / step, jumped)
-    return np.ascontiguousarray(np.stack(rows).transpose(2, 0, 1))
 
 
 def _check(steps_per_period: int, most_periods: int, tolerance: float, contacts: Contacts) -> None:
