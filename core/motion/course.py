@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.motion.groups import Groups
+from core.motion.waves import ALONG, NORMAL, place
 from core.quantities import MOTION_MODES, Flag
 
 COURSE_FLAGS: dict[str, Mapping[str, Flag]] = {"motion_mode": MOTION_MODES}
@@ -65,9 +66,17 @@ class CourseAsked(NamedTuple):
         times = np.array(self.samples)
         return times, pace * times
 
+    def track(self) -> dict[str, Array]:
+        """Return the displacement of the track at these times, quantities by name [m]."""
+        (_, phases), length, groups = self.times(), self.scale("length_scale"), self.groups
+        if groups.wave is None:
+            return track_of(groups, length * np.sin(phases))
+        along, normal = (length * place(groups.wave, axis, phases) for axis in (ALONG, NORMAL))
+        return {"track_along": along, "track_normal": normal}
+
 
 def track_of(groups: Groups, swing: Array) -> dict[str, Array]:
-    """Return the displacement of the track, from that of a drive number of 1."""
+    """Return the displacement of the track of a plain sine, from that of a drive number of 1."""
     return {
         "track_along": groups.drive_number_along * swing,
         "track_normal": groups.drive_number_normal * swing,

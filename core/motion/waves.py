@@ -80,9 +80,15 @@ def push(wave: Wave, axis: int, phase: ArrayLike) -> Array:
     """Return the push at a phase; phases and cells broadcast."""
     tau = np.asarray(phase, dtype=float)
     total = _harmonic(wave, axis, tau, 0)
-    if wave.steps.shape[1]:
-        total = total + np.take_along_axis(*_at_step(wave, wave.steps[axis], tau), axis=0)[0]
-    return total
+    return total + level(wave, axis, tau) if wave.steps.shape[1] else total
+
+
+def level(wave: Wave, axis: int, phase: ArrayLike) -> Array:
+    """Return what the steps of a wave add to the push at a phase."""
+    tau = np.asarray(phase, dtype=float)
+    if not wave.steps.shape[1]:
+        return np.zeros(np.broadcast_shapes(tau.shape, wave.cells))
+    return np.take_along_axis(*_at_step(wave, wave.steps[axis], tau), axis=0)[0]
 
 
 def speed(wave: Wave, axis: int, phase: ArrayLike) -> Array:

@@ -14,12 +14,15 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from core.motion.drives import Shape, shape_of
+from core.motion.waves import ALONG, NORMAL, TURN, Wave, place, speed
 from core.plots.fixed import fixed_positions
 from core.plots.parts import add_room
 from core.plots.problem import PlotError
 from core.plots.regimes import FILLS, HATCH_WIDTH, VEIL, mix
 from core.plots.selection import held_fixed
 from core.plots.text import number, read_unit, with_unit, words
+from core.quantities import QUANTITIES
 
 TIME = "cycle_time"
 NEEDED = (
@@ -33,6 +36,10 @@ TRACK = "#8a6a3a"
 PALE = 0.65
 AT_REST = 1e-9  # of the heights: a position below is rounding
 MOST_PERIODS = 12  # that are told apart by lines
+ORBIT_POINTS = 400
+STRAIGHT = 1e-6  # of an orbit's length: one that is no wider is a line
+ORBIT_PLACE = (0.80, 0.60, 0.19, 0.30)  # of the upper panel
+ORBIT_ROOM = 0.7  # of the heights, above them
 
 # Hatch and colour of the background while the part is in a mode.
 MODES = {
@@ -69,6 +76,8 @@ class Trajectory(NamedTuple):
         Mode of the contact at each time.
     facts : list of str
         Mean velocity, regime, and every parameter, in words.
+    orbit : ndarray, shape (2, k), or None
+        How the track moves along and normal over a period, where that is no line.
     """
 
     time: NDArray[np.float64]
@@ -82,6 +91,7 @@ class Trajectory(NamedTuple):
     position_unit: str
     modes: list[str]
     facts: list[str]
+    orbit: NDArray[np.float64] | None = None
 
 
 def read_trajectory(
@@ -107,7 +117,9 @@ def read_trajectory(
         raise PlotError("axes", f"a trajectory is drawn over {TIME}", "Leave axes out")
     fixed_positions(dataset, at, (), (TIME,))
     known = {**dataset.data_vars, **dataset.coords}
-    missing = [name for name in (*NEEDED, "frequency") if name not in known]
+    shape, _ = shape_of(map(str, known))
+    needed = (*NEEDED, "frequency", *(("gravity", *shape.inputs) if shape else ()))
+    missing = [name for name in needed if name not in known]
     if missing:
         fix = "Draw a file that `vibrafeed run` wrote"
         raise PlotError("dataset", f"its motion has no {missing[0]}", fix)
@@ -118,8 +130,15 @@ def read_trajectory(
     seconds = _values(dataset[TIME])
     period = 1.0 / float(dataset["frequency"])
     track, height = _values(dataset["track_normal"]), _values(dataset["height_above_floor"])
-    swing, part = _swing(seconds, period, _values(dataset["track_along"])), track + height
-    scale, height_unit = read_unit(xarray.DataArray(part, attrs={"units": "m"}))
+    part, orbit = track + height, None
+    if shape is None:
+        swing = _swing(seconds, period, _values(dataset["track_along"]))
+    else:
+        wave, scale = _wave(dataset, shape), float(dataset["gravity"]) * period / TURN
+        swing = scale * speed(wave, ALONG, TURN * seconds / period)
+        orbit = _orbit(wave)
+    seen = part if part.any() else _values(dataset["track_along"])  # a level drive
+    scale, height_unit = read_unit(xarray.DataArray(seen, attrs={"units": "m"}))
     if not np.isfinite(part).any():
         raise PlotError("dataset", "no cycle was found: its motion has no values", "Draw another")
     position = _values(dataset["position_along"])
@@ -138,6 +157,7 @@ def read_trajectory(
         position_unit=position_unit,
         modes=_modes(dataset["motion_mode"]),
         facts=_facts(dataset),
+        orbit=orbit,
     )
 
 
@@ -158,6 +178,9 @@ def draw_trajectory(figure: Figure, shown: Trajectory) -> tuple[Axes, list[Artis
     heights.plot(shown.time, shown.track, color=TRACK, linewidth=1.0, zorder=3)
     heights.plot(shown.time, shown.part, color=PART, linewidth=2.0, zorder=4)
     heights.set_ylim(*ends)
+    if shown.orbit is not None:
+        heights.set_ylim(ends[0], ends[1] + ORBIT_ROOM * (ends[1] - ends[0]))
+        _draw_orbit(heights, shown.orbit)
     heights.set_ylabel(f"Height ({shown.height_unit})")
 
     velocities.axhline(0.0, color="#333333", linewidth=0.7, zorder=1)
@@ -205,6 +228,37 @@ def _swing(
     weight = float(sine @ sine)
     amplitude = float(sine @ track) / weight if weight > 0 else 0.0
     return amplitude * rate * np.cos(rate * seconds)
+
+
+def _wave(dataset: xarray.Dataset, shape: Shape) -> Wave:
+    """Return the drive that the dataset's parameters tell."""
+    given = {name: _values(dataset[name]) for name in shape.inputs}
+    return shape.wave(
+        **{n: np.deg2rad(v) if QUANTITIES[n].is_angle else v for n, v in given.items()}
+    )
+
+
+def _orbit(wave: Wave) -> NDArray[np.float64] | None:
+    """Return how the track moves along and normal over a period, None if that is a line."""
+    phases = np.linspace(0.0, TURN, ORBIT_POINTS + 1)
+    orbit = np.stack([place(wave, axis, phases) for axis in (ALONG, NORMAL)])
+    length, width = np.linalg.svd(orbit, compute_uv=False)
+    return orbit if width > STRAIGHT * length else None
+
+
+def _draw_orbit(axes: Axes, orbit: NDArray[np.float64]) -> None:
+    """Draw the orbit of the track, from a dot at the start of a period, with an arrow its way."""
+    inset = axes.inset_axes(ORBIT_PLACE, facecolor="white", zorder=5)
+    inset.plot(*orbit, color=TRACK, linewidth=1.4)
+    inset.plot(*orbit[:, :1], color=TRACK, marker="o", markersize=3.5)
+    ahead = orbit[:, ORBIT_POINTS // 12 : ORBIT_POINTS // 12 + 2].T
+    inset.annotate(
+        "", ahead[1], ahead[0], arrowprops={"arrowstyle": "-|>", "color": TRACK, "lw": 1.4}
+    )
+    inset.set_aspect("equal", adjustable="datalim")
+    inset.margins(0.12)
+    inset.set(xticks=[], yticks=[])
+    inset.set_title("Orbit of the track", fontsize=7, pad=2)
 
 
 def _flag(array: xarray.DataArray, value: int) -> str:

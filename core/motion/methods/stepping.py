@@ -5,7 +5,11 @@ The midpoint rule of Moreau and Jean with Newton's impact law, over a step h fro
     u(t + h) = u(t) + h a(t + h/2) + i,    q(t + h) = q(t) + h (u(t) + u(t + h))/2,
 
 where the impulses i of the contacts that touch at t + h/2 obey the laws of impact and friction. It
-is of first order in the step; planar motion has an exact method elsewhere.
+is of first order in the step; planar motion has an exact method elsewhere. Where the push of the
+drive jumps, a step ends and another begins: within a step the push is smooth, and what a jump tears
+loose slips from there on. (A mean of the push over a step that holds a jump would give the right
+impulse to a part that slides, but not to one that sticks up to the jump: its slip would begin too
+fast or too slow by what a step changes.)
 """
 
 from __future__ import annotations
@@ -18,17 +22,22 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.arrays import Array
 from core.motion.cells import run_cells
-from core.motion.course import Course, CourseAsked, track_of
+from core.motion.course import Course, CourseAsked
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, cells_of
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.path import Path
 from core.motion.result import SHARES, Motion, motion_of, with_whole_shares
+from core.motion.steps import drives_of, sines_at
+from core.motion.waves import TURN, of_columns
 from core.quantities import MOTION_MODES
 from core.watch import Watch
 
 MOST_STEPS = 100_000_000
 """Steps of one path, and steps of one period times periods of one cell; more is refused."""
 
+
+ROOM = 1_000_000
+"""Numbers that the drives of one piece of cells may take, unless it is of one cell."""
 
 SLOW = 1e-9  # in g/w: a normal velocity of a part that stays on the floor
 
@@ -103,8 +112,9 @@ def stepped_motion(
 
     _check(steps_per_period, most_periods, tolerance, contacts)
     cells, shape = cells_of(Cell._fields, groups)
-    coarse, shifted = _waves(steps_per_period), _waves(steps_per_period, shift=-0.5)
-    fine = _waves(2 * steps_per_period + 1)  # odd, so that no middle of a step is one of both
+    fine = 2 * steps_per_period + 1  # odd, so that no middle of a step is one of both
+    grids = ((steps_per_period, 0.0), (steps_per_period, -0.5), (fine, 0.0))
+    sines = [sines_at(*grid) for grid in grids]
     if planar:
         scene, rolling, absolute_speed = PLANAR, 0.0, False
     else:
@@ -113,14 +123,20 @@ def stepped_motion(
     def kernel(
         piece: NDArray[np.float64], rows: NDArray[np.float64], status: NDArray[np.int8]
     ) -> None:
+        numbers, columns = np.split(piece, [len(Cell._fields)], axis=1)
+        coarse, shifted, finer = sines
+        if columns.size:
+            wave = of_columns(columns)
+            coarse, shifted, finer = (drives_of(wave, n, TURN / n * shift) for n, shift in grids)
         step_cells(
-            scene, rolling, absolute_speed, coarse, shifted, fine, most_periods, tolerance,
-            piece, rows, status,
+            scene, rolling, absolute_speed, steps_per_period, coarse, shifted, finer,
+            most_periods, tolerance, np.ascontiguousarray(numbers), rows, status,
         )  # fmt: skip
 
     # A cell takes milliseconds: small pieces let a run be stopped soon and share out evenly.
-    motion = motion_of(*run_cells(kernel, cells, piece=32, watch=watch), shape)
-    return without_landing_steps(motion, fine.shape[1])
+    piece = 32 if groups.wave is None else max(1, min(32, ROOM // (28 * steps_per_period)))
+    motion = motion_of(*run_cells(kernel, cells, piece=piece, watch=watch), shape)
+    return without_landing_steps(motion, fine)
 
 
 def without_landing_steps(motion: Motion, steps: int) -> Motion:
@@ -186,22 +202,21 @@ def stepped_path(
     steps = (asked[-1] - asked[0]) / step
     if steps > MOST_STEPS:
         raise ValueError(f"phases need {steps:.3g} steps; the limit is {MOST_STEPS:,}")
-    (cell,), _ = cells_of(Cell._fields, groups)
+    (row,), _ = cells_of(Cell._fields, groups)
+    cell, columns = np.split(row, [len(Cell._fields)])
     start = np.array([*position, *velocity, spin], dtype=np.float64)
-    if start.size != 7 or not (np.all(np.isfinite(cell)) and np.all(np.isfinite(start))):
+    if start.size != 7 or not (np.all(np.isfinite(row)) and np.all(np.isfinite(start))):
         raise ValueError("groups, position (3) and velocity (3) must be finite")
+    wave, most = np.zeros((0, 0)), math.ceil(steps) + 1
+    if columns.size:
+        wave = drives_of(of_columns(columns[np.newaxis]), steps_per_period, asked[0])[0]
+        most += math.ceil(most / steps_per_period) * (wave.shape[1] - steps_per_period)
     places, speeds = np.full((asked.size, 3), np.nan), np.full((asked.size, 3), np.nan)
     path(
         contacts.wall, float(contacts.rolling), absolute_speed, cell, asked, step,
-        math.ceil(steps) + 1, start, places, speeds,
+        most, start, wave, places, speeds,
     )  # fmt: skip
     return Path(asked, places, speeds)
-
-
-def _waves(steps: int, shift: float = 0.0) -> Array:
-    """Return sine and cosine of the drive at the middles of the steps of a period, (2, steps)."""
-    phases = (np.arange(steps) + 0.5 + shift) * (2.0 * math.pi / steps)
-    return np.stack([np.sin(phases), np.cos(phases)])
 
 
 def _check(steps_per_period: int, most_periods: int, tolerance: float, contacts: Contacts) -> None:
@@ -258,7 +273,7 @@ def _course(contacts: Contacts) -> FollowCourse:
             "height_above_floor": np.maximum(position[:, 2], 0.0) * length,
             "relative_velocity_along": velocity[:, 0] * speed,
             "relative_velocity_normal": velocity[:, 2] * speed,
-            **track_of(asked.groups, length * np.sin(phases)),
+            **asked.track(),
         }
         if contacts.wall:
             values["distance_from_wall"] = np.maximum(position[:, 1], 0.0) * length

@@ -118,6 +118,50 @@ def test_velocity_of_the_track_needs_few_times():
     assert shown.track_velocity == pytest.approx(3e-4 * rate * np.cos(rate * times))
 
 
+def driven(times: object = 400, **parameters: float) -> xarray.Dataset:
+    """Return the part on a track whose drive is told by other parameters."""
+    units = {"phase": "degree", "amplitude": "m", "acceleration": "m s-2", "duration": "1"}
+    given = {"gravity": GRAVITY, "drive_factor": 1.0, **parameters}
+    return hop(times).assign_coords({
+        name: ((), value, {"units": units.get(name.split("_")[0], "1")})
+        for name, value in given.items()
+    })  # fmt: skip
+
+
+def test_velocity_of_a_track_with_harmonics():
+    times = np.array([0.0, 0.001, 0.009])
+    given = {"amplitude_along_1": 3e-4, "phase_along_1": 0.0,
+             "amplitude_along_2": 1e-4, "phase_along_2": 30.0}  # fmt: skip
+    shown = read_trajectory(driven(times, **given), None, None, {})
+    rate = 2 * np.pi * FREQUENCY
+    second = 2e-4 * rate * np.cos(2 * rate * times + np.deg2rad(30))
+    assert shown.track_velocity == pytest.approx(3e-4 * rate * np.cos(rate * times) + second)
+    assert shown.orbit is None
+
+
+def test_velocity_of_a_track_in_steps():
+    given = {"acceleration_along_1": 4.0, "duration_1": 3.0, "duration_2": 1.0}
+    shown = read_trajectory(driven(np.array([0.0, 0.0075, 0.015]), **given), None, None, {})
+    assert shown.track_velocity == pytest.approx([-0.03, 0.0, 0.03], abs=1e-15)
+
+
+def test_track_on_an_orbit_shows_it():
+    given = {"amplitude_along_1": 3e-4, "amplitude_normal_1": 2e-4, "phase_along_1": 0.0}
+    figure = draw(driven(**given, phase_normal_1=90.0))
+    (inset,) = figure.axes[0].child_axes
+    curve = inset.get_lines()[0].get_xydata()
+    assert np.ptp(curve[:, 0]) == pytest.approx(1.5 * np.ptp(curve[:, 1]))
+    assert inset.get_aspect() == 1
+    # It covers no curve.
+    top = figure.axes[0].transData.transform((0.0, figure.axes[0].dataLim.y1))[1]
+    assert inset.get_window_extent().y0 > top
+    assert not draw(driven(**given, phase_normal_1=180.0)).axes[0].child_axes
+
+
+def test_drive_that_is_not_told_whole_is_a_problem():
+    assert "no gravity" in problem(driven(amplitude_along_1=3e-4).drop_vars("gravity")).message
+
+
 def test_periods_of_a_long_cycle_are_marked():
     def marks(periods: int) -> int:
         axes = draw(hop(np.linspace(0, periods / FREQUENCY, 400))).axes[0]

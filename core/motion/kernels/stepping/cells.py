@@ -12,7 +12,16 @@ from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.stepping.period import planar_period, spatial_period
 from core.motion.kernels.stepping.repeat import means, repeats, unsettled
-from core.motion.kernels.stepping.tables import PLANAR, STATE, TALLY, WALL, WIDTHS, Cell, cell_of
+from core.motion.kernels.stepping.tables import (
+    DRIVE,
+    PLANAR,
+    STATE,
+    TALLY,
+    WALL,
+    WIDTHS,
+    Cell,
+    cell_of,
+)
 
 SAFETY = 3.0
 LANDING_SHARE = 0.15
@@ -28,14 +37,14 @@ a safety of 2 and nothing else the true error was larger in 3 % of random studie
 
 @compiled
 def run(
-    scene: int, cell: Cell, rolling: float, absolute: bool, sines: Floats, cosines: Floats,
-    h: float, most: int, tolerance: float, states: Floats, tallies: Floats, result: Floats,
+    scene: int, cell: Cell, rolling: float, absolute: bool, drive: Floats, steps: int, most: int,
+    tolerance: float, states: Floats, tallies: Floats, result: Floats,
 ) -> int:  # fmt: skip
     """Run one cell from rest until it repeats; fill the result and return the status.
 
     The error in the result is the doubt about the transient's end only.
     """
-    steps = sines.size
+    h = 2.0 * math.pi / steps
     # The largest acceleration: what a step can change in a velocity, by the place of an event.
     scale = (
         abs(cell.drive_number_along) + abs(cell.drive_number_across) + abs(cell.drive_number_normal)
@@ -58,9 +67,9 @@ def run(
         tally = tallies[period]
         tally[:] = 0.0
         if scene == PLANAR:
-            planar_period(state, tally, cell, sines, h)
+            planar_period(state, tally, cell, drive, h)
         else:
-            spatial_period(scene == WALL, rolling, absolute, state, tally, cell, sines, cosines, h)
+            spatial_period(scene == WALL, rolling, absolute, state, tally, cell, drive, h)
         done = period + 1
         seen[done] = state
         if not math.isfinite(tally[TALLY.peak]) or tally[TALLY.failed] > 0.0:
@@ -95,29 +104,57 @@ def push_of(scene: int, cell: Cell) -> float:
 
 
 @compiled
+def room_of(waves: Floats) -> Floats:
+    """Return room for the drive of a cell under the plain sine."""
+    columns = waves.shape[2]
+    room = np.zeros((len(DRIVE), columns))
+    room[DRIVE.length] = 2.0 * math.pi / columns
+    room[DRIVE.share] = 1.0
+    return room
+
+
+@compiled
+def drive_of(scene: int, cell: Cell, waves: Floats, row: int, room: Floats) -> Floats:
+    """Return the drive of a cell: that of its own wave, or the plain sine, put into the room."""
+    if waves.shape[1] == len(DRIVE):
+        return waves[row]
+    sines, cosines = waves[0]
+    for k in range(sines.size):
+        room[DRIVE.along, k] = cell.drive_number_along * sines[k]
+        room[DRIVE.normal, k] = cell.drive_number_normal * sines[k]
+    if scene != PLANAR:
+        for k in range(sines.size):
+            room[DRIVE.across, k] = cell.drive_number_across * sines[k]
+            room[DRIVE.speed, k] = cell.drive_number_along * cosines[k]
+    return room
+
+
+@compiled
 def step_cells(
-    scene: int, rolling: float, absolute: bool, waves: Floats, shifted_waves: Floats,
+    scene: int, rolling: float, absolute: bool, steps: int, waves: Floats, shifted_waves: Floats,
     fine_waves: Floats, most: int, tolerance: float, groups: Floats, table: Floats,
     status: Statuses,
 ) -> None:  # fmt: skip
     """Fill the table, columns as in `results`, and the statuses, one cell a row.
 
-    The waves hold sine and cosine at the middles of the steps, in rows: of the coarser run, of one
-    that starts half a step earlier, and of the finer.
+    The waves are those of the coarser run, which has so many steps, of one that starts half a step
+    earlier, and of the finer, which has one more than twice as many. They hold the rows of `DRIVE`
+    for each cell or, for all cells at once, sine and cosine at the middles of the steps.
     """
     states, tallies = np.zeros((most + 1, WIDTHS[scene])), np.zeros((most, len(TALLY)))
     coarse, shifted, fine = np.zeros(RESULTS), np.zeros(RESULTS), np.zeros(RESULTS)
-    period = 2.0 * math.pi
+    room, shifted_room, fine_room = room_of(waves), room_of(shifted_waves), room_of(fine_waves)
+    finest = 2 * steps + 1
     for i in range(groups.shape[0]):
         cell = cell_of(groups[i])
         table[i] = np.nan
         if not np.all(np.isfinite(groups[i])) or cell.gravity_number_normal < 0.0:
             status[i] = STATUS.no_solution
             continue
+        drive = drive_of(scene, cell, fine_waves, i, fine_room)
         found = run(
-            scene, cell, rolling, absolute, fine_waves[0], fine_waves[1],
-            period / fine_waves.shape[1], most, tolerance, states, tallies, fine,
-        )  # fmt: skip
+            scene, cell, rolling, absolute, drive, finest, most, tolerance, states, tallies, fine
+        )
         frictionless = cell.friction_static == 0.0 and cell.friction_kinetic == 0.0
         if scene == WALL:
             frictionless = frictionless and cell.wall_friction == 0.0
@@ -126,25 +163,23 @@ def step_cells(
         status[i] = found
         if found in (STATUS.no_solution, STATUS.runaway):
             continue
-        step = period / waves.shape[1]
-        run(
-            scene, cell, rolling, absolute, waves[0], waves[1], step,
-            most, tolerance, states, tallies, coarse,
-        )  # fmt: skip
+        drive = drive_of(scene, cell, waves, i, room)
+        run(scene, cell, rolling, absolute, drive, steps, most, tolerance, states, tallies, coarse)
         apart = abs(fine[COLUMN.velocity] - coarse[COLUMN.velocity])
         if not math.isfinite(apart):  # the coarser run found no solution in a step
             apart = abs(fine[COLUMN.velocity])
         error = max(apart, fine[COLUMN.error], fine[COLUMN.spread])
         if error > 1e-12:
             # Where in a step landings and stops fall is chance, and may hide the error of the step.
+            drive = drive_of(scene, cell, shifted_waves, i, shifted_room)
             run(
-                scene, cell, rolling, absolute, shifted_waves[0], shifted_waves[1], step,
-                most, tolerance, states, tallies, shifted,
+                scene, cell, rolling, absolute, drive, steps, most, tolerance, states, tallies,
+                shifted,
             )  # fmt: skip
             apart = abs(fine[COLUMN.velocity] - shifted[COLUMN.velocity])
             error = SAFETY * max(error, apart if math.isfinite(apart) else 0.0)
         if fine[COLUMN.flight] > 0.0:
             # All three runs may agree by chance. A landing falls anywhere within a step.
-            error += LANDING_SHARE * period / fine_waves.shape[1] * push_of(scene, cell)
+            error += LANDING_SHARE * (2.0 * math.pi) / finest * push_of(scene, cell)
         table[i] = fine
         table[i, COLUMN.error] = error

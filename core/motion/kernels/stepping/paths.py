@@ -7,17 +7,18 @@ import math
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.stepping.contacts import corner_step, floor_step
-from core.motion.kernels.stepping.period import acceleration
-from core.motion.kernels.stepping.tables import cell_of
+from core.motion.kernels.stepping.period import acceleration, after_jump
+from core.motion.kernels.stepping.tables import DRIVE, cell_of
 
 
 @compiled
 def path(
     wall: bool, rolling: float, absolute: bool, group: Floats, phases: Floats, h: float,
-    steps: int, start: Floats, position: Floats, velocity: Floats,
+    steps: int, start: Floats, wave: Floats, position: Floats, velocity: Floats,
 ) -> None:  # fmt: skip
     """Fill position and velocity (n, 3) at ascending phases, from x, y, z, u_x, u_y, u_z, spin.
 
+    The wave holds the drive of one period from the first phase, without columns for the plain sine.
     Within a step the velocity is taken as linear, as the scheme itself does. What comes after a
     step without a solution is left as it was.
     """
@@ -26,11 +27,22 @@ def path(
     resting = ux == 0.0 and uy + spin == 0.0 and uz == 0.0 and z <= 0.0
     spare = math.inf if resting else -1.0
     pressed, leaning = uz == 0.0 and z <= 0.0, uy == 0.0 and y <= 0.0
-    begin, given = phases[0], 0
+    begin, given, elapsed = phases[0], 0, 0.0
     for k in range(steps):
         tau = begin + (k + 0.5) * h
         before = spin
-        ax, ay, az = acceleration(ux, math.sin(tau), math.cos(tau), cell, absolute)
+        if wave.size > 0:
+            column = k % wave.shape[1]
+            along, across = wave[DRIVE.along, column], wave[DRIVE.across, column]
+            lift, track = wave[DRIVE.normal, column], wave[DRIVE.speed, column]
+            h = wave[DRIVE.length, column]
+            if wave[DRIVE.jump, column] > 0.0:
+                spare = after_jump(spare)
+        else:
+            sine = math.sin(tau)
+            along, across = cell.drive_number_along * sine, cell.drive_number_across * sine
+            lift, track = cell.drive_number_normal * sine, cell.drive_number_along * math.cos(tau)
+        ax, ay, az = acceleration(ux, along, across, lift, track, cell, absolute)
         if wall:
             vx, vy, vz, spin, normal, side, spare, failed = corner_step(
                 y, z, ux, uy, uz, before, spare, pressed, leaning, ax, ay, az, h,
@@ -45,8 +57,11 @@ def path(
                 z, ux, uy, uz, before, spare, pressed, ax, ay, az, h,
                 cell.restitution, cell.friction_static, cell.friction_kinetic, rolling,
             )  # fmt: skip
-        while given < phases.size and (phases[given] - begin <= (k + 1) * h or k == steps - 1):
+        end = elapsed + h if wave.size > 0 else (k + 1) * h
+        while given < phases.size and (phases[given] - begin <= end or k == steps - 1):
             s = (phases[given] - begin) / h - k
+            if wave.size > 0:
+                s = (phases[given] - begin - elapsed) / h
             position[given, 0] = x + s * h * (ux + 0.5 * s * (vx - ux))
             position[given, 1] = y + s * h * (uy + 0.5 * s * (vy - uy))
             position[given, 2] = z + s * h * (uz + 0.5 * s * (vz - uz))
@@ -54,6 +69,7 @@ def path(
             velocity[given, 1] = uy + s * (vy - uy)
             velocity[given, 2] = uz + s * (vz - uz)
             given += 1
+        elapsed = end
         x += 0.5 * h * (ux + vx)
         y += 0.5 * h * (uy + vy)
         z += 0.5 * h * (uz + vz)

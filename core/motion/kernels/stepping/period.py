@@ -2,52 +2,58 @@
 
 from __future__ import annotations
 
+import math
+
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.stepping.contacts import corner_step, floor_step, planar_step
-from core.motion.kernels.stepping.tables import STATE, TALLY, Cell
+from core.motion.kernels.stepping.tables import DRIVE, STATE, TALLY, Cell
 
 
 @compiled
 def count(
-    tally: Floats, normal: float, pressed: bool, vx: float, uz: float, z: float,
+    tally: Floats, share: float, normal: float, pressed: bool, vx: float, uz: float, z: float,
     still: float, fall: float,
 ) -> None:  # fmt: skip
-    """Count one step: which way it slid, whether it landed, how high it was."""
+    """Count one step, by its share: which way it slid, whether it landed, how high it was."""
     if normal > 0.0:
         if vx > still:
-            tally[TALLY.forward] += 1.0
+            tally[TALLY.forward] += share
         elif vx < -still:
-            tally[TALLY.backward] += 1.0
+            tally[TALLY.backward] += share
         else:
-            tally[TALLY.stick] += 1.0
+            tally[TALLY.stick] += share
         if uz < 0.0 and not pressed:
             tally[TALLY.landing] = max(tally[TALLY.landing], -uz)
             if -uz > fall:
                 tally[TALLY.impacts] += 1.0
     else:
-        tally[TALLY.flight] += 1.0
+        tally[TALLY.flight] += share
         tally[TALLY.height] = max(tally[TALLY.height], z)
 
 
 @compiled
-def planar_period(state: Floats, tally: Floats, cell: Cell, sines: Floats, h: float) -> None:
-    """Advance a planar state by one period and tally it."""
+def planar_period(state: Floats, tally: Floats, cell: Cell, drive: Floats, usual: float) -> None:
+    """Advance a planar state by one period and tally it; a step is usually so long."""
     x, z, ux, uz = state[STATE.x], state[STATE.z], state[STATE.ux], state[STATE.uz]
     spare, pressed = state[STATE.spare], state[STATE.pressed] > 0.0
-    along, normal_drive = cell.drive_number_along, cell.drive_number_normal
+    pushes, lifts, jumps = drive[DRIVE.along], drive[DRIVE.normal], drive[DRIVE.jump]
+    lengths, shares = drive[DRIVE.length], drive[DRIVE.share]
     down, weight = cell.gravity_number_along, cell.gravity_number_normal
     static, kinetic = cell.friction_static, cell.friction_kinetic
     restitution = cell.restitution
-    still, fall, start, peak = 1e-6 * h, h * weight, x, 0.0
-    for sine in sines:
+    still, fall, start, peak = 1e-6 * usual, usual * weight, x, 0.0
+    for k in range(pushes.size):
+        h = lengths[k]
+        if jumps[k] > 0.0:
+            spare = after_jump(spare)
         vx, vz, normal, spare = planar_step(
-            z, ux, uz, spare, pressed, along * sine - down, normal_drive * sine - weight, h,
+            z, ux, uz, spare, pressed, pushes[k] - down, lifts[k] - weight, h,
             restitution, static, kinetic,
         )  # fmt: skip
         x += 0.5 * h * (ux + vx)
         z += 0.5 * h * (uz + vz)
-        count(tally, normal, pressed, vx, uz, z, still, fall)
+        count(tally, shares[k], normal, pressed, vx, uz, z, still, fall)
         peak = max(peak, abs(vx) + abs(vz))
         pressed = normal > 0.0
         ux, uz = vx, vz
@@ -59,17 +65,23 @@ def planar_period(state: Floats, tally: Floats, cell: Cell, sines: Floats, h: fl
 @compiled
 def spatial_period(
     wall: bool, rolling: float, absolute: bool, state: Floats, tally: Floats, cell: Cell,
-    sines: Floats, cosines: Floats, h: float,
+    drive: Floats, usual: float,
 ) -> None:  # fmt: skip
-    """Advance a state in space by one period and tally it."""
+    """Advance a state in space by one period and tally it; a step is usually so long."""
     x, z, ux, uz = state[STATE.x], state[STATE.z], state[STATE.ux], state[STATE.uz]
     uy, spin = state[STATE.uy], state[STATE.spin]
     y = state[STATE.y] if wall else 0.0
     spare, pressed = state[STATE.spare], state[STATE.pressed] > 0.0
-    still, fall, start, peak = 1e-6 * h, h * cell.gravity_number_normal, x, 0.0
+    still, fall, start, peak = 1e-6 * usual, usual * cell.gravity_number_normal, x, 0.0
     leaning, failed = wall and state[STATE.leaning] > 0.0, False
-    for k in range(sines.size):
-        ax, ay, az = acceleration(ux, sines[k], cosines[k], cell, absolute)
+    for k in range(drive.shape[1]):
+        h = drive[DRIVE.length, k]
+        if drive[DRIVE.jump, k] > 0.0:
+            spare = after_jump(spare)
+        ax, ay, az = acceleration(
+            ux, drive[DRIVE.along, k], drive[DRIVE.across, k], drive[DRIVE.normal, k],
+            drive[DRIVE.speed, k], cell, absolute,
+        )  # fmt: skip
         if wall:
             vx, vy, vz, spin, normal, side, spare, failed = corner_step(
                 y, z, ux, uy, uz, spin, spare, pressed, leaning, ax, ay, az, h,
@@ -87,7 +99,7 @@ def spatial_period(
             )  # fmt: skip
         x += 0.5 * h * (ux + vx)
         z += 0.5 * h * (uz + vz)
-        count(tally, normal, pressed, vx, uz, z, still, fall)
+        count(tally, drive[DRIVE.share, k], normal, pressed, vx, uz, z, still, fall)
         peak = max(peak, abs(vx) + abs(vy) + abs(vz))
         pressed = normal > 0.0
         ux, uy, uz = vx, vy, vz
@@ -101,14 +113,22 @@ def spatial_period(
 
 @compiled
 def acceleration(
-    ux: float, sine: float, cosine: float, cell: Cell, absolute: bool
-) -> tuple[float, float, float]:
-    """Return the acceleration of a free part relative to the track (theory 13.1)."""
-    speed = ux + cell.drive_number_along * cosine if absolute else ux
+    ux: float, along: float, across: float, normal: float, track: float, cell: Cell,
+    absolute: bool,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Return the acceleration of a free part relative to the track (theory 13.1).
+
+    From the three components of the push, and the speed of the track along.
+    """
+    speed = ux + track if absolute else ux
     return (
-        cell.drive_number_along * sine - cell.gravity_number_along,
-        cell.drive_number_across * sine
-        - cell.gravity_number_across
-        - cell.curvature_number * speed * speed,
-        cell.drive_number_normal * sine - cell.gravity_number_normal,
+        along - cell.gravity_number_along,
+        across - cell.gravity_number_across - cell.curvature_number * speed * speed,
+        normal - cell.gravity_number_normal,
     )
+
+
+@compiled
+def after_jump(spare: float) -> float:
+    """Return `spare` where the push has jumped: the step before tells nothing of it."""
+    return math.inf if spare >= 0.0 else spare

@@ -39,6 +39,25 @@ def cell_of(row: Floats) -> Cell:
     return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one
 
 
+class Drive(NamedTuple):
+    """Rows of the drive of a period, one column a step.
+
+    Push along, across and normal, and the speed of the track along; how long the step is, and what
+    share of a usual one; whether the push jumped at its start. No step has a jump inside.
+    """
+
+    along: int
+    across: int
+    normal: int
+    speed: int
+    length: int
+    share: int
+    jump: int
+
+
+DRIVE = Drive(*range(len(Drive._fields)))
+
+
 class State(NamedTuple):
     """Columns of a state; a scene stops where its coordinates end.
 

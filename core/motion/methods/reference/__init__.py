@@ -57,6 +57,8 @@ def reference_path(
     asked = np.atleast_1d(np.asarray(phases, dtype=np.float64))
     if not np.all(np.isfinite(asked)) or np.any(np.diff(asked) < 0.0):
         raise ValueError("phases must be finite and ascend")
+    if not _is_finite(groups):
+        raise ValueError("groups must be finite")
     state = np.array([*position, *velocity, spin], dtype=np.float64)
     part = Part(Laws(groups, contacts, absolute_speed), state)
     part.phase = float(asked[0])
@@ -93,6 +95,8 @@ def reference_motion(
     most_periods : int
         Periods after which the motion counts as aperiodic.
     """
+    if not _is_finite(groups):
+        return _result(math.nan, math.nan, math.nan, [], 0, "no_solution")
     run = Run(Laws(groups, contacts, absolute_speed))
     for _ in range(most_periods):
         try:
@@ -118,6 +122,11 @@ def reference_motion(
     unsettled = run.lingers or run.drifts(len(run.tallies) - half)
     error = most if unsettled else _scatter(travels, most)
     return _result(velocity, error, spread, run.tallies[half:], 0, "aperiodic")
+
+
+def _is_finite(groups: Groups) -> bool:
+    """Return whether every number of a part is one, those of its drive included."""
+    return all(np.isfinite(part).all() for part in (*groups.numbers, *(groups.wave or ())))
 
 
 def _scatter(means: Array, most: float) -> float:

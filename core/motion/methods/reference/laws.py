@@ -2,9 +2,10 @@
 
 For rectangle and cylinder on floor and wall, relative to the track: the free part has
 
-    dx = c_x sin(phase) - g_x,    dy = c_y sin(phase) - g_y - k (u_x + c_x cos(phase))^2,
-    dz = c_z sin(phase) - g_z,
+    dx = p_x(phase) - g_x,    dy = p_y(phase) - g_y - k (u_x + v_x(phase))^2,
+    dz = p_z(phase) - g_z,
 
+where p is the push of the drive and v the speed of the track (of the plain sine c sin and c cos),
 and every contact adds its normal force and friction, by whether it sticks or slips. Phases and
 what belongs to them may be arrays.
 """
@@ -12,12 +13,15 @@ what belongs to them may be arrays.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from core.mechanics.arrays import Array
 from core.motion.groups import Contacts, Groups, Numbers
+from core.motion.pieces import Piece, Sine, pieces
+from core.motion.waves import TURN
 
 SOON = 1e-6
 """Of phase: after it a push that passes through zero has a direction."""
@@ -53,23 +57,34 @@ class Laws:
     absolute_speed : bool
         Whether the centripetal acceleration is that of the speed in space; else of the speed
         relative to the track.
+    drive : Sine or Piece, optional
+        The drive, as far as it is smooth; of a wave in steps its first piece.
     """
 
-    def __init__(self, groups: Groups, contacts: Contacts, absolute_speed: bool = True) -> None:
+    def __init__(
+        self,
+        groups: Groups,
+        contacts: Contacts,
+        absolute_speed: bool = True,
+        drive: Sine | Piece | None = None,
+    ) -> None:
         self.groups, self.contacts, self.absolute_speed = groups, contacts, absolute_speed
+        self.drive = drive or next(pieces(groups, 0.0, TURN))[0]
         self.response = 1.0 + contacts.rolling
+
+    def pieces(self, begin: float, end: float) -> Iterator[tuple[Laws, float]]:
+        """Yield the laws from a phase to another, from jump to jump, each with its end."""
+        for drive, reached in pieces(self.groups, begin, end):
+            yield Laws(self.groups, self.contacts, self.absolute_speed, drive), reached
 
     def free(self, phase: Numbers, ux: Numbers) -> tuple[Numbers, Numbers, Numbers]:
         """Return the acceleration of a free part relative to the track (theory 13.1)."""
-        p, sine = self.groups, np.sin(phase)
-        speed = ux + p.drive_number_along * np.cos(phase) if self.absolute_speed else ux
-        return (
-            p.drive_number_along * sine - p.gravity_number_along,
-            p.drive_number_across * sine
-            - p.gravity_number_across
-            - p.curvature_number * speed * speed,
-            p.drive_number_normal * sine - p.gravity_number_normal,
-        )
+        p, (along, across, normal) = self.groups, self.drive.push(phase)
+        across = across - p.gravity_number_across
+        if p.curvature_number:
+            speed = ux + self.drive.speed(phase) if self.absolute_speed else ux
+            across = across - p.curvature_number * speed * speed
+        return along - p.gravity_number_along, across, normal - p.gravity_number_normal
 
     def forces(self, phase: Numbers, mode: Mode, ux: Numbers, e: tuple[Numbers, Numbers]) -> Forces:
         """Return forces and rates in a mode; `e` is the direction of the slip, if it slips."""

@@ -97,6 +97,7 @@ class Part:
     def __init__(self, laws: Laws, state: Array, care: Care = USUAL) -> None:
         self.laws, self.state, self.phase, self.tally = laws, state, 0.0, Tally()
         self.care, self.reach = care, care.longest
+        self.until = math.inf  # the phase at which the push may jump
         # Touching: no distance and no speed off the contact.
         self.on_floor = bool(state[Z] == 0.0 and state[UZ] == 0.0)
         self.on_wall = bool(laws.contacts.wall and state[Y] == 0.0 and state[UY] == 0.0)
@@ -237,10 +238,21 @@ class Part:
     # --- going on
 
     def advance(self, end: float, asked: Array | None = None, rows: Array | None = None) -> None:
-        """Go on to a phase, event by event; fill the rows of the asked phases passed."""
-        opened, still = "", 0
+        """Go on to a phase, event by event; fill the rows of the asked phases passed.
+
+        Where the push jumps a stretch ends, and what the part does is asked anew.
+        """
         if asked is not None and rows is not None:
             rows[asked <= self.phase] = self.state
+        wave = self.laws.groups.wave
+        jumps = wave is not None and wave.steps.shape[1] > 0
+        for laws, reached in self.laws.pieces(self.phase, end):
+            self.laws, self.until = laws, reached if jumps else math.inf
+            self.smoothly(reached, asked, rows)
+
+    def smoothly(self, end: float, asked: Array | None, rows: Array | None) -> None:
+        """Go on to a phase up to which the push does not jump."""
+        opened, still = "", 0
         for _ in range(MOST_EVENTS):
             if self.phase >= end:
                 return
@@ -280,7 +292,7 @@ class Part:
 
         A slip turns the faster the smaller it is: the length of the next stretch goes with it.
         """
-        length = min(self.care.longest, end - self.phase)
+        length = min(self.care.longest / max(1, self.laws.drive.order), end - self.phase)
         slips = mode.slips and (mode.floor or mode.wall)
         if slips:
             length = min(length, self.reach)
@@ -385,8 +397,8 @@ class Part:
         speed = restitution * approach
         if restitution < 1.0 and press > 0.0:
             lasts = 2.0 * speed / (press * (1.0 - restitution))
-            slope = math.hypot(*self.laws.groups[:2], self.laws.groups.drive_number_across)
-            if speed * lasts < self.care.hop and 1e3 * slope * lasts < press:
+            steady = 1e3 * self.laws.drive.steepest * lasts < press
+            if speed * lasts < self.care.hop and steady and self.phase + lasts < self.until:
                 return 0.0
         return speed if speed > STOPPED else 0.0
 

@@ -15,6 +15,7 @@ import numpy as np
 from core.mechanics.arrays import Array
 from core.motion.methods.reference.laws import SPIN, UX, UY, UZ, Laws, X, Y, Z
 from core.motion.methods.reference.part import FINER, USUAL, Care, FailedError, Part, Tally
+from core.motion.waves import size
 
 PERIOD = 2.0 * math.pi
 MOST_MULTIPLE = 32
@@ -107,9 +108,8 @@ class Run:
     def __init__(self, laws: Laws) -> None:
         self.laws, self.part = laws, Part(laws, np.zeros(7))
         p = laws.groups
-        self.scale = math.hypot(
-            p.drive_number_along, p.drive_number_across, p.drive_number_normal
-        ) or 1.0  # fmt: skip
+        numbers = p.drive_number_along, p.drive_number_across, p.drive_number_normal
+        self.scale = (math.hypot(*numbers) if p.wave is None else float(size(p.wave))) or 1.0
         self.before: list[Array] = []
         self.after: list[Array] = []
         self.flags: list[tuple[bool, bool]] = []

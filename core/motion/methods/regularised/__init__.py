@@ -20,6 +20,7 @@ from core.motion.method import Follow, Method
 from core.motion.methods.regularised.laws import Cell, laws
 from core.motion.methods.regularised.orbit import Orbit, Run, SpentError, measures_of, orbit_of
 from core.motion.result import STATUS, Motion, with_whole_shares
+from core.motion.waves import Wave, of_columns
 from core.watch import Watch
 
 SOLVERS = ("Radau", "BDF", "LSODA")
@@ -201,17 +202,21 @@ def regularised_motion(
     status = np.full(shape, STATUS["not_computed"], dtype=np.int8)
     watch = watch or Watch()
     kept = [0, 2] if planar else [0, 1, 2]
-    for place, numbers in zip(np.ndindex(shape), rows.tolist(), strict=True):
+    for place, row in zip(np.ndindex(shape), rows, strict=True):
         if watch.stopped():
             break
         status[place] = STATUS["no_solution"]
+        numbers = row[: len(FIELDS)].tolist()
         drive = tuple(numbers[i] for i in kept)
         gravity = tuple(numbers[3 + i] for i in kept)
         kinetic, static, rebound, slip, stiffness, error, periods = numbers[6:]
-        usable = all(map(math.isfinite, numbers)) and min(slip, stiffness, error, periods) > 0
+        usable = bool(np.isfinite(row).all()) and min(slip, stiffness, error, periods) > 0
         if not (usable and kinetic >= 0 and 0 <= rebound <= 1):
             continue
-        cell = Cell(laws(kinetic, static, rebound, slip, stiffness), drive, gravity)
+        wave = None
+        if groups.wave is not None:
+            wave = Wave(*(part[..., 0] for part in of_columns(row[np.newaxis, len(FIELDS) :])))
+        cell = Cell(laws(kinetic, static, rebound, slip, stiffness), drive, gravity, wave)
         once, twice = (
             replace(
                 cell, laws=laws(kinetic, static, rebound, COARSER**n * slip, stiffness / SOFTER**n)

@@ -8,12 +8,15 @@ With slip speed s and a coefficient mu(v) that falls from static to kinetic, fri
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from core.mechanics.arrays import Array
+from core.motion.pieces import Piece, pieces_of
+from core.motion.waves import Wave, size
 
 PEAK = 3.0
 """Speed of the static peak, and the limit of sticking, in slip speeds.
@@ -146,11 +149,17 @@ class Cell:
     laws : Laws
     drive, gravity : tuple of float
         Along the track, (across it,) and normal to the floor.
+    wave : Wave or None
+        The drive where it is no plain sine.
+    piece : Piece or None
+        Of the wave, that in force.
     """
 
     laws: Laws
     drive: tuple[float, ...]
     gravity: tuple[float, ...]
+    wave: Wave | None = None
+    piece: Piece | None = None
 
     @property
     def coordinates(self) -> int:
@@ -163,13 +172,38 @@ class Cell:
         state[self.coordinates - 1] = -self.gravity[-1] / self.laws.stiffness
         return state
 
+    def push(self, phase: float) -> list[float]:
+        """Return the push of the drive."""
+        if self.piece is None:
+            sine = math.sin(phase)
+            return [d * sine for d in self.drive]
+        along, across, normal = map(float, self.piece.push(phase))
+        return [along, normal] if self.coordinates == 2 else [along, across, normal]
+
+    def pieces(self, begin: float, end: float) -> Iterator[tuple[Cell, float]]:
+        """Yield the cell from a phase to another, from jump to jump, each with its end."""
+        if self.wave is None:
+            yield self, end
+            return
+        for piece, reached in pieces_of(self.wave, begin, end):
+            yield replace(self, piece=piece), reached
+
+    @property
+    def swing(self) -> float:
+        """What the speed of the track beside the floor does not exceed."""
+        return math.hypot(*self.drive[:-1]) if self.wave is None else float(size(self.wave))
+
+    @property
+    def order(self) -> int:
+        """The highest multiple of the frequency in the drive."""
+        return 1 if self.wave is None else max(1, int(self.wave.harmonics.shape[2]))
+
     def rate(self, phase: float, state: Array) -> list[float]:
         """Return the derivative of the state (theory 13.1)."""
         n = self.coordinates
         position, *velocity = state[n - 1 :].tolist()
         force, _, _ = self.laws.normal(position, velocity[-1])
-        sine = math.sin(phase)
-        free = [d * sine - g for d, g in zip(self.drive, self.gravity, strict=True)]
+        free = [p - g for p, g in zip(self.push(phase), self.gravity, strict=True)]
         free[-1] += force
         if force > 0:
             resistance = force * self.laws.friction(math.hypot(*velocity[:-1]))[0]

@@ -17,7 +17,7 @@ LARGEST_MULTIPLE = 8
 """Periods of the drive over which the motion may repeat."""
 
 MOST_RESTARTS = 20
-"""Pieces of one period, each with a time of its own."""
+"""Pieces of a period, or of what lies between two jumps of it, each with a time of its own."""
 
 STEPS = 50
 """Fewest steps a period: none may leap over a whole hop or slip."""
@@ -74,45 +74,56 @@ class Run:
         self.options: dict[str, Any] = {
             "rtol": tolerance,
             "atol": absolute,
-            "max_step": PERIOD / STEPS,
+            "max_step": PERIOD / (STEPS * cell.order),
             "jac": cell.jacobian,
         }
 
-    def rate(self, phase: float, state: Array) -> list[float]:
+    def rate(self, cell: Cell, phase: float, state: Array) -> list[float]:
         """Return the derivative of the state; raise `SpentError` if no evaluation is left."""
         if self.left <= 0:
             raise SpentError
         self.left -= 1
-        return self.cell.rate(phase, state)
+        return cell.rate(phase, state)
 
     def period(self, state: Array) -> _Period:
         """Return the motion over one period from the state, the position set back to 0.
 
-        A step may have to be shorter than ten spacings of the phase, where an integrator ends; it
-        then goes on with the time counted from there, whose spacings are as short as need be.
+        No step leaps over a jump of the push.
         """
         start = state.copy()
         start[: self.cell.coordinates - 1] = 0.0
         phase, pieces = 0.0, []
+        for cell, end in self.cell.pieces(0.0, PERIOD):
+            pieces += self._smoothly(cell, phase, end, start)
+            phase, start = end, pieces[-1].found.y[:, -1]
+        return _Period(tuple(pieces))
+
+    def _smoothly(self, cell: Cell, phase: float, end: float, start: Array) -> list[_Piece]:
+        """Return the motion from a phase to another, between which the push does not jump.
+
+        A step may have to be shorter than ten spacings of the phase, where an integrator ends; it
+        then goes on with the time counted from there, whose spacings are as short as need be.
+        """
+        pieces: list[_Piece] = []
         for _ in range(MOST_RESTARTS):
-            found = self._from(phase, start)
+            found = self._from(cell, phase, end, start)
             pieces.append(_Piece(phase, found))
             if found.success:
-                return _Period(tuple(pieces))
+                return pieces
             phase, start = phase + float(found.t[-1]), found.y[:, -1]
         raise SpentError
 
-    def _from(self, phase: float, start: Array) -> Any:
-        """Return scipy's solution from a phase to the end of the period, or to where it ends."""
+    def _from(self, cell: Cell, phase: float, end: float, start: Array) -> Any:
+        """Return scipy's solution from a phase to another, or to where it ends."""
         from scipy.integrate import solve_ivp
 
         from core.motion.methods.regularised.linear import INTEGRATORS
 
         def rate(since: float, state: Array) -> list[float]:
-            return self.rate(phase + since, state)
+            return self.rate(cell, phase + since, state)
 
         integrator = INTEGRATORS[self.solver]
-        return solve_ivp(rate, (0.0, PERIOD - phase), start, method=integrator, **self.options)
+        return solve_ivp(rate, (0.0, end - phase), start, method=integrator, **self.options)
 
 
 @dataclass
@@ -130,7 +141,7 @@ def orbit_of(run: Run, state: Array, most_periods: int, closeness: float) -> Orb
     n = run.cell.coordinates
     weight = run.cell.laws.friction_kinetic * run.cell.gravity[-1]
     steep = math.hypot(*run.cell.gravity[:-1]) > weight * (1 + 1e-12)
-    swing = 2 * math.hypot(*run.cell.drive[:-1]) + run.cell.laws.slip_speed
+    swing = 2 * run.cell.swing + run.cell.laws.slip_speed
     # The position at the end of a period is its travel, since it starts at 0.
     states = [state]
 

@@ -1,0 +1,60 @@
+"""The drive as time stepping takes it: by the steps of a period, with no jump inside a step."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.motion.waves import ALONG, ENDS, TURN, Wave, level, push, speed
+
+NEAR = 1e-8
+"""Of a step: where a jump of the push is nearer to the end of one, only one of the two is kept.
+
+In a step as short as that what rounding leaves of the velocities would look like no solution.
+"""
+
+MOST_MOVES = 32
+"""Of the ends of steps, to get them apart; more than there are jumps."""
+
+
+def sines_at(steps: int, shift: float) -> Array:
+    """Return sine and cosine at the middles of the steps of a period, (1, 2, steps)."""
+    phases = (np.arange(steps) + 0.5 + shift) * (2.0 * math.pi / steps)
+    return np.stack([np.sin(phases), np.cos(phases)])[np.newaxis]
+
+
+def drives_of(wave: Wave, steps: int, begin: float) -> Array:
+    """Return the drives of cells for a period from a phase, (cells, rows, steps and jumps).
+
+    The rows are those of the kernels' `Drive`.
+    """
+    step, jumps = TURN / steps, wave.steps[ENDS]
+    starts = begin + step * np.arange(float(steps))[:, np.newaxis]
+    lengths = np.full_like(starts, step)
+    if jumps.size:
+        parts = np.broadcast_arrays(starts, jumps[0])[0], begin + np.mod(jumps - begin, TURN)
+        starts = _apart(np.sort(np.concatenate(parts), axis=0), NEAR * step, begin + TURN)
+        lengths = np.diff(starts, axis=0, append=begin + TURN)
+    middles, axes = starts + 0.5 * lengths, range(ENDS)
+    pushes, track = [push(wave, axis, middles) for axis in axes], speed(wave, ALONG, middles)
+    jumped = np.zeros(starts.shape)
+    for axis in axes if jumps.size else ():
+        here = level(wave, axis, middles)
+        jumped += here != np.roll(here, 1, axis=0)
+    rows = np.broadcast_arrays(*pushes, track, lengths, lengths / step, jumped)
+    return np.ascontiguousarray(np.stack(rows).transpose(2, 0, 1))
+
+
+def _apart(starts: Array, least: float, end: float) -> Array:
+    """Return ascending phases with those that are too near to the one before in the next gap."""
+    starts = starts.copy()
+    for _ in range(MOST_MOVES):
+        gaps = np.diff(starts, axis=0, append=end)
+        near = gaps < least
+        if not near.any():
+            break
+        starts[1:] += np.where(near[:-1], 0.5 * gaps[1:], 0.0)
+        starts[-1] -= np.where(near[-1], 0.5 * gaps[-2], 0.0)
+    return starts

@@ -1,0 +1,469 @@
+"""Drives beyond the plain sine, by the reference method, time stepping and a stiff integrator.
+
+Known values are those of two-level waves, of waves along and normal in phase, and of the limit of
+weak friction; laws are symmetries, balances, and that the methods agree.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from core.mechanics.arrays import Array
+from core.motion import simulate
+from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups
+from core.motion.kernels.stepping.tables import Drive
+from core.motion.methods.reference import reference_motion, reference_path
+from core.motion.methods.regularised import regularised_motion
+from core.motion.methods.stepping import stepped_motion, stepped_path
+from core.motion.pieces import pieces
+from core.motion.result import STATUS, Motion
+from core.motion.steps import drives_of
+from core.motion.waves import ALONG, ENDS, NORMAL, TURN, Wave, bound, push, speed
+from core.study import parse_study
+
+GRAVITY = 9.81
+G = f"{GRAVITY} m/s^2"
+WALL = Contacts(wall=True)
+CYLINDER = Contacts(rolling=2.0)
+
+
+def driven(wave: Wave, kinetic: float = 0.3, **changes: Any) -> Groups:
+    """Return the groups of a part on a level floor under a wave."""
+    along, across, normal = (float(bound(wave, axis)) for axis in range(ENDS))
+    numbers = {
+        "drive_number_along": along, "drive_number_across": across, "drive_number_normal": normal,
+        "gravity_number_along": 0.0, "gravity_number_normal": 1.0,
+        "friction_static": kinetic, "friction_kinetic": kinetic, **changes,
+    }  # fmt: skip
+    return Groups(**numbers, wave=wave)
+
+
+def harmonics(*terms: tuple[int, int, float, float]) -> Wave:
+    """Return the wave whose push has size sin(k tau + phase), terms (axis, k, size, phase)."""
+    found = np.zeros((3, 2, max(k for _, k, _, _ in terms)))
+    for axis, k, size, phase in terms:
+        found[axis, :, k - 1] += size * math.cos(phase), size * math.sin(phase)
+    return Wave(found, np.zeros((4, 0)))
+
+
+def levels(ends: list[float], along: Any = 0.0, normal: Any = 0.0, across: Any = 0.0) -> Wave:
+    """Return the wave of these levels of the push; ends as shares of the period."""
+    steps = np.zeros((4, len(ends)))
+    steps[0], steps[1], steps[2], steps[3] = along, across, normal, TURN * np.array(ends)
+    return Wave(np.zeros((3, 2, 0)), steps)
+
+
+def random_wave(random: np.random.Generator, across: float) -> Wave:
+    """Return up to four harmonics, or three to six levels, that may make a part hop."""
+    sizes = np.array([0.6, across, random.choice([0.2, 0.7])])
+    count = int(random.integers(3, 7))
+    if random.random() < 0.5:
+        found = random.normal(size=(3, 2, count - 2)) * 0.8 * sizes[:, None, None]
+        return Wave(found, np.zeros((4, 0)))
+    ends = np.sort(random.random(count))
+    ends[-1] = 1.0
+    push = random.normal(size=(3, count)) * sizes[:, None]
+    push -= (push * np.diff(ends, prepend=0.0)).sum(axis=1, keepdims=True)
+    return levels(ends.tolist(), push[0], push[2], push[1])
+
+
+# --- known values
+
+
+def quaid(slow: float, fast: float, static: float, kinetic: float) -> tuple[dict[str, Any], float]:
+    """Return the parameters of a two-level wave, and its velocity in g T (D. Quaid 1999).
+
+    The part sticks while the track speeds up slowly, and slips while it falls back fast.
+    """
+    first = fast / (2 * (slow + fast))
+    parameters = {
+        **{f"acceleration_along_{n}": f"{a * GRAVITY} m/s^2"
+           for n, a in enumerate((slow, -fast, slow), start=1)},
+        "duration_1": first, "duration_2": 1 - 2 * first, "duration_3": first,
+        "friction_static": static, "friction_kinetic": kinetic,
+    }  # fmt: skip
+    return parameters, slow**2 * (fast - kinetic) / (2 * (slow + fast) * (slow + kinetic))
+
+
+def winkler(along: float, normal: float, friction: float) -> tuple[dict[str, Any], float]:
+    """Return the parameters of a wave along and normal in phase, and its velocity in g T.
+
+    Half a period each; the part slides both ways and never sticks (after Winkler 1978).
+    """
+    parameters = {
+        f"acceleration_{axis}_{n}": f"{sign * size * GRAVITY} m/s^2"
+        for axis, size in (("along", along), ("normal", normal))
+        for n, sign in ((1, 1), (2, -1))
+    }
+    slow, fast = friction * (1 - normal), friction * (1 + normal)
+    velocity = (along - slow) * (2 * along + fast - slow) / (8 * (along + fast))
+    return {**parameters, "friction": friction}, velocity
+
+
+LEVELS = [
+    pytest.param(*quaid(0.4, 2.0, 0.5, 0.3), 50.0, 15.882857e-3, id="two levels"),
+    pytest.param(*quaid(0.2, 1.0, 0.25, 0.2), 100.0, 3.27e-3, id="two slow levels"),
+    pytest.param(*winkler(0.4, 0.3, 0.4), 50.0, 3.32687e-3, id="in phase"),
+    pytest.param(*winkler(0.3, 0.9, 0.25), 50.0, 9.1376e-3, id="in phase, nearly lifted"),
+]
+
+
+def follow(method: str, parameters: dict[str, Any], frequency: float = 50.0) -> Any:
+    return simulate(parse_study({
+        "kind": "simulate", "scene": "rectangle-on-plane", "method": method,
+        "outputs": ["conveying_velocity", "conveying_velocity_error"],
+        "parameters": {"gravity": G, "frequency": f"{frequency} Hz", **parameters},
+    }))  # fmt: skip
+
+
+@pytest.mark.parametrize(("parameters", "velocity", "frequency", "published"), LEVELS)
+def test_waves_in_steps_in_closed_form(
+    parameters: dict[str, Any], velocity: float, frequency: float, published: float
+) -> None:
+    velocity *= GRAVITY / frequency
+    assert velocity == pytest.approx(published, rel=1e-5)
+    # Constant accelerations between events: nothing but rounding is left.
+    exact = follow("reference", parameters, frequency)
+    assert float(exact.conveying_velocity) == pytest.approx(velocity, rel=1e-13)
+    assert float(exact.conveying_velocity_error) < 1e-12 * velocity
+    # A step ends at each jump, so that only stops fall within steps: of second order.
+    stepped = follow("time-stepping", parameters, frequency)
+    off = abs(float(stepped.conveying_velocity) - velocity)
+    assert off <= float(stepped.conveying_velocity_error) + 1e-14
+    assert float(stepped.conveying_velocity_error) < 2e-5 * velocity
+    assert int(exact.motion_status) == int(stepped.motion_status) == STATUS["periodic"]
+
+
+def test_weak_friction_takes_the_weighted_median_of_an_ellipse() -> None:
+    # Along sin t, normal sin(t - 90 deg), throw number all but 1: the load is 1 + cos t. In the
+    # limit acos c + sqrt(1 - c^2) = pi/2; c is the sine of the number that is its own cosine.
+    limit = math.sin(0.7390851332151607)
+    for weak, share in ((0.2, 0.523), (0.1, 0.635), (0.05, 0.664)):
+        wave = harmonics((ALONG, 1, 1.0, 0.0), (NORMAL, 1, 1.0 - 1e-6, -math.pi / 2))
+        found = reference_motion(driven(wave, kinetic=weak))
+        assert float(found.velocity) == pytest.approx(share, abs=1e-3)
+        assert share < limit
+        # At a throw number of 1 time stepping may see a step in the air, and no impact.
+        wave = harmonics((ALONG, 1, 1.0, 0.0), (NORMAL, 1, 1.0, -math.pi / 2))
+        stepped = stepped_motion(driven(wave, kinetic=weak), planar=True)
+        assert abs(float(stepped.velocity - found.velocity)) < float(stepped.error) < 2e-3
+
+
+def test_weak_friction_under_two_frequencies() -> None:
+    # cos t + e cos 2 t along the track: the median of its speed is -e, up to e = 1/4.
+    for share in (0.1, 0.25):
+        wave = harmonics((ALONG, 1, 1.0, 0.0), (ALONG, 2, 2 * share, 0.0))
+        off = []
+        for weak in (0.08, 0.02):
+            found = reference_motion(driven(wave, kinetic=weak), most_periods=300)
+            off.append(abs(abs(float(found.velocity)) - share))
+        assert off[1] < 0.3 * off[0] < 0.01
+
+
+# --- laws
+
+
+def test_a_wave_of_one_order_is_the_plain_sine() -> None:
+    numbers = {"gravity_number_along": 0.02, "friction_static": 0.45, "friction_kinetic": 0.4}
+    for normal, contacts in ((0.6, BLOCK_ON_FLOOR), (1.4, BLOCK_ON_FLOOR), (0.6, CYLINDER)):
+        wave = harmonics((ALONG, 1, 1.1, 0.0), (1, 1, 0.3, 0.0), (NORMAL, 1, normal, 0.0))
+        waved = driven(wave, **numbers)
+        plain = waved._replace(wave=None)
+        for one, other in zip(
+            stepped_motion(plain, contacts), stepped_motion(waved, contacts), strict=True
+        ):
+            np.testing.assert_array_equal(one, other)
+        one, other = reference_motion(plain, contacts), reference_motion(waved, contacts)
+        assert float(one.velocity) == pytest.approx(float(other.velocity), abs=1e-12)
+
+
+def later(wave: Wave, shift: float) -> Wave:
+    """Return a wave that comes later by a phase."""
+    turn = shift * np.arange(1, wave.harmonics.shape[2] + 1)
+    sine, cosine = np.moveaxis(wave.harmonics, 1, 0)
+    turned = np.stack(
+        [sine * np.cos(turn) + cosine * np.sin(turn), cosine * np.cos(turn) - sine * np.sin(turn)],
+        axis=1,
+    )
+    steps = wave.steps.copy()
+    if steps.size:  # the step in which the shifted wave begins is cut in two
+        ends = steps[ENDS] + shift
+        first = int(np.argmax(ends > TURN))
+        steps = np.concatenate([steps[:, first:], steps[:, : first + 1]], axis=1)
+        steps[ENDS] = [*(ends[first:] - TURN), *ends[:first], TURN]
+    return Wave(turned, steps)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_shift_of_time_changes_nothing(seed: int) -> None:
+    wave = random_wave(np.random.default_rng(seed), across=0.0)
+    moved = later(wave, 2.0)
+    phases = np.linspace(0.1, 6.0, 7)
+    for axis in (ALONG, NORMAL):
+        np.testing.assert_allclose(
+            push(moved, axis, phases + 2.0), push(wave, axis, phases), atol=1e-13
+        )
+    one, other = reference_motion(driven(wave)), reference_motion(driven(moved))
+    assert float(one.velocity) == pytest.approx(float(other.velocity), abs=1e-11)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_along_and_climb_turned_turns_the_velocity(seed: int) -> None:
+    wave = random_wave(np.random.default_rng(seed), across=0.3)
+    turned = Wave(wave.harmonics.copy(), wave.steps.copy())
+    turned.harmonics[ALONG] *= -1.0
+    turned.steps[ALONG] *= -1.0
+    for contacts in (BLOCK_ON_FLOOR, CYLINDER):
+        up, down = (
+            driven(one, gravity_number_along=climb)
+            for one, climb in ((wave, 0.03), (turned, -0.03))
+        )  # fmt: skip
+        one, other = stepped_motion(up, contacts), stepped_motion(down, contacts)
+        assert float(one.velocity) == -float(other.velocity)
+        one, other = reference_motion(up, contacts), reference_motion(down, contacts)
+        assert float(one.velocity) == pytest.approx(-float(other.velocity), abs=1e-11)
+
+
+def test_twice_the_frequency_normal_conveys_nothing() -> None:
+    # Half a period later the drive along is turned, and the load is the same.
+    for phase in (0.0, 0.7, 2.0):
+        wave = harmonics((ALONG, 1, 1.2, 0.0), (NORMAL, 2, 0.8, phase))
+        assert abs(float(reference_motion(driven(wave)).velocity)) < 1e-12
+
+
+def test_a_second_harmonic_turned_turns_the_velocity() -> None:
+    for phase in (0.3, 1.5):
+        one, other = (
+            reference_motion(driven(harmonics((ALONG, 1, 0.9, 0.0), (ALONG, 2, 0.5, second))))
+            for second in (phase, phase + math.pi)
+        )
+        assert abs(float(one.velocity)) > 1e-3
+        assert float(one.velocity) == pytest.approx(-float(other.velocity), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "wave",
+    [
+        harmonics((ALONG, 1, 1.0, 0.4), (ALONG, 3, 0.4, 0.0), (NORMAL, 2, 0.5, 1.0)),
+        levels([0.2, 0.55, 1.0], along=[1.5, -0.6, -0.2], normal=[-0.5, 0.4, -0.4 / 4.5]),
+    ],
+)
+def test_what_the_track_gives_is_lost_in_friction(wave: Wave) -> None:
+    climb, friction = 0.03, 0.3
+    groups = driven(wave, friction, gravity_number_along=climb)
+    phases = np.linspace(0.0, 2 * TURN, 80_001)
+    path = reference_path(groups, phases=phases)
+    u, middles = path.velocity[:, 0], 0.5 * (phases[1:] + phases[:-1])  # jumps are at phases
+    step, mean, rubs = phases[1], 0.5 * (u[1:] + u[:-1]), 0.5 * np.abs(u[1:] + u[:-1])
+    work = step * float((push(wave, ALONG, middles) - climb) @ mean)
+    heat = step * float(friction * (1.0 - push(wave, NORMAL, middles)) @ rubs)
+    assert np.all(path.position[:, 2] == 0.0)
+    assert work == pytest.approx(heat + 0.5 * u[-1] ** 2, rel=1e-7)
+
+
+# --- jumps
+
+
+def test_a_jump_of_the_push_lifts_and_tears_loose() -> None:
+    # At rest up to a quarter of a period; then off the floor at 0.5 g, along at 0.8 g.
+    wave = levels([0.25, 0.5, 1.0], along=[0.0, 0.8, -0.4], normal=[0.0, 1.5, -0.75])
+    lift, turn = TURN / 4, TURN / 2
+    groups = driven(wave, kinetic=0.3, friction_static=0.6)
+    phases = np.array([0.0, lift - 1e-9, lift + 0.5, turn, turn + 0.4])
+    path = reference_path(groups, phases=phases)
+    high, fast = 0.25 * (turn - lift) ** 2, 0.5 * (turn - lift)
+    expected = [0.0, 0.0, 0.0625, high, high + 0.4 * fast - 0.5 * 1.75 * 0.16]
+    np.testing.assert_allclose(path.position[:, 2], expected, atol=1e-13)
+    np.testing.assert_allclose(path.velocity[2:4, 0], [0.4, 0.8 * (turn - lift)], atol=1e-13)
+    np.testing.assert_array_equal(path.velocity[:2], 0.0)
+    # The same begun later, turns away: the jumps are where they were.
+    far = reference_path(groups, phases=phases + 50 * TURN)
+    np.testing.assert_allclose(far.position, path.position, atol=1e-11)
+    stepped = stepped_path(groups, phases=phases, steps_per_period=997)
+    np.testing.assert_allclose(stepped.position, path.position, atol=1e-12)
+
+
+def test_steps_of_no_length_are_none() -> None:
+    wave = levels([0.25, 0.5, 1.0], along=[0.8, -0.4, -0.2], normal=[0.5, -0.5, 0.0])
+    padded = levels(
+        [0.25, 0.25, 0.5, 0.5, 1.0], along=[0.8, 9.0, -0.4, 3.0, -0.2],
+        normal=[0.5, 1.0, -0.5, 2.0, 0.0],
+    )  # fmt: skip
+    one, other = reference_motion(driven(wave)), reference_motion(driven(padded))
+    assert float(one.velocity) == pytest.approx(float(other.velocity), abs=1e-14)
+    for steps in (8, 100, 1001):  # some of which end at the jumps
+        one, other = (
+            stepped_motion(driven(each), planar=True, steps_per_period=steps)
+            for each in (wave, padded)
+        )
+        assert float(one.velocity) == pytest.approx(float(other.velocity), abs=1e-12)
+
+
+def test_steps_end_at_jumps_and_none_is_next_to_none() -> None:
+    wave = levels([0.1, 0.25, 0.25, 0.35 + 1e-17, 0.8, 1.0], along=[1.0, -0.5, 7.0, 0.2, -0.3, 0.4])
+    wave.steps[ALONG, 5] = -wave.steps[ALONG, :5] @ [0.1, 0.15, 0.0, 0.1, 0.45] / 0.2
+    column = Wave(wave.harmonics[..., np.newaxis], wave.steps[..., np.newaxis])
+    for steps in (8, 20, 1000, 1001):
+        for begin in (0.0, -TURN / steps / 2, 33.0):
+            rows = Drive(*drives_of(column, steps, begin)[0])
+            assert rows.length.sum() == pytest.approx(TURN, abs=1e-12)
+            assert np.all((rows.length > 1e-9 / steps) & (rows.share < 1.0 + 1e-9))
+            assert rows.along @ rows.length == pytest.approx(0.0, abs=1e-11)
+            starts = begin + np.cumsum(rows.length) - rows.length
+            jumps = np.sort(np.mod(starts[rows.jump > 0.0] + 0.5, TURN)) - 0.5
+            expected = TURN * np.array([0.0, 0.1, 0.25, 0.35, 0.8])
+            np.testing.assert_allclose(jumps, expected, atol=1e-8)
+
+
+def test_jumps_at_ends_of_steps_leave_a_solution_at_the_wall() -> None:
+    wave = levels(
+        [0.1, 0.35, 0.8, 1.0], along=[-2.3, 1.2, 0.4, -1.25], normal=[1.1, -0.2, -0.4, 0.6],
+        across=[-0.2, -0.3, 0.2, -0.025],
+    )  # fmt: skip
+    groups = driven(wave, gravity_number_across=0.2, wall_friction=0.3, curvature_number=0.01)
+    ratio, exact, stepped = disagree(groups, WALL)
+    assert exact.status == stepped.status == STATUS["periodic"]
+    assert ratio < 1.0
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_path_may_begin_at_any_phase(seed: int) -> None:
+    groups = driven(random_wave(np.random.default_rng(seed), across=0.3))
+    start: dict[str, Any] = {"position": (0.0, 0.0, 0.1), "velocity": (0.3, 0.1, 0.5)}
+    phases = 7.7 + np.linspace(0.0, 12.0, 9)
+    exact = reference_path(groups, phases=phases, **start)
+    stepped = stepped_path(groups, phases=phases, steps_per_period=5000, **start)
+    np.testing.assert_allclose(stepped.position, exact.position, atol=3e-3)
+    np.testing.assert_allclose(stepped.velocity, exact.velocity, atol=3e-3)
+
+
+def test_a_jump_may_come_amid_the_last_hops() -> None:
+    # Hops shrink towards a phase just before, at and after the jump that lifts the part again.
+    landing, restitution = math.sqrt(2 * 0.01), 0.4
+    done = landing * (1 + restitution) / (1 - restitution)
+    for jump in (done * (1 - 1e-5), done, done * (1 + 1e-5)):
+        share = jump / TURN
+        wave = levels([share, 2 * share, 1.0], normal=[0.0, 2.0, -2.0 * share / (1 - 2 * share)])
+        path = reference_path(
+            driven(wave, restitution=restitution), phases=[0.0, 1.8 * jump],
+            position=(0.0, 0.0, 0.01),
+        )  # fmt: skip
+        # Whatever is left of the hops at the jump goes on: some 1e-6 of them.
+        assert path.position[1, 2] == pytest.approx(0.5 * (0.8 * jump) ** 2, rel=1e-4)
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.3, 7.7, 20 * math.pi])
+def test_pieces_tell_the_push_and_the_speed_up_to_both_ends(begin: float) -> None:
+    random = np.random.default_rng(5)
+    wave = Wave(random.normal(size=(3, 2, 2)), random_wave(random, 0.4).steps)
+    if not wave.steps.size:
+        wave = wave._replace(steps=levels([0.3, 1.0], along=[0.7, -0.3]).steps)
+    phase = begin
+    for piece, end in pieces(driven(wave), begin, begin + 9.0):
+        inside = phase + (end - phase) * np.array([0.001, 0.4, 0.999])
+        for axis, value in enumerate(piece.push(inside)):
+            np.testing.assert_allclose(value, push(wave, axis, inside), atol=1e-12)
+        np.testing.assert_allclose(piece.speed(inside), speed(wave, ALONG, inside), atol=1e-12)
+        assert end > phase
+        phase = end
+    assert phase == begin + 9.0
+
+
+# --- methods agree
+
+
+def disagree(groups: Groups, contacts: Contacts) -> tuple[float, Motion, Motion]:
+    """Return how far time stepping is from the reference, over what both state."""
+    exact = reference_motion(groups, contacts)
+    stepped = stepped_motion(groups, contacts, planar=groups.planar and not contacts.wall)
+    stated = sum(float(one.error + one.spread) for one in (exact, stepped))
+    return abs(float(exact.velocity - stepped.velocity)) / max(stated, 1e-300), exact, stepped
+
+
+@pytest.mark.parametrize(
+    ("contacts", "across", "seeds"),
+    [(BLOCK_ON_FLOOR, 0.0, 16), (BLOCK_ON_FLOOR, 0.3, 6), (CYLINDER, 0.3, 6), (WALL, 0.3, 6)],
+    ids=["plane", "space", "cylinder", "wall"],
+)
+def test_time_stepping_is_within_its_error_of_the_reference(
+    contacts: Contacts, across: float, seeds: int
+) -> None:
+    more = {"gravity_number_across": 0.2, "wall_friction": 0.3, "curvature_number": 0.01}
+    off = []
+    for seed in range(seeds):
+        random = np.random.default_rng(100 + seed)
+        groups = driven(
+            random_wave(random, across), random.uniform(0.15, 0.6), restitution=0.3 * (seed % 2),
+            **(more if contacts.wall else {}),
+        )  # fmt: skip
+        ratio, exact, stepped = disagree(groups, contacts)
+        assert int(stepped.status) != STATUS["no_solution"]
+        if exact.status == STATUS["periodic"]:
+            assert float(exact.error) < 1e-9
+        off.append(ratio)
+    assert max(off) <= 1.0
+
+
+def test_cells_of_a_grid_are_those_of_single_waves() -> None:
+    random = np.random.default_rng(7)
+    waves = [levels([0.2, 0.6, 1.0], along=random.normal(size=3)) for _ in range(5)]
+    for wave in waves:
+        wave.steps[ALONG] -= wave.steps[ALONG] @ np.array([0.2, 0.4, 0.4])
+    grid = Wave(np.zeros((3, 2, 0, 5)), np.stack([wave.steps for wave in waves], axis=-1))
+    many = stepped_motion(
+        driven(waves[0])._replace(drive_number_along=bound(grid, ALONG), wave=grid), planar=True
+    )
+    for n, wave in enumerate(waves):
+        assert float(stepped_motion(driven(wave), planar=True).velocity) == many.velocity[n]
+
+
+def test_a_wave_that_does_not_close_has_no_solution() -> None:
+    open_wave = {"acceleration_along_1": "4 m/s^2", "acceleration_along_2": "3 m/s^2"}
+    for method in ("reference", "time-stepping", "regularised-LSODA"):
+        dataset = follow(method, {**open_wave, "friction": 0.3})
+        assert int(dataset.motion_status) == STATUS["no_solution"]
+        assert np.isnan(dataset.conveying_velocity)
+    with pytest.raises(ValueError, match="finite"):
+        reference_path(driven(levels([1.0], along=[math.nan])), phases=[0.0, 1.0])
+
+
+def stiff(groups: Groups) -> Motion:
+    return regularised_motion(
+        groups, slip_speed=1e-3, contact_stiffness=1e6, tolerance=1e-6, most_periods=60,
+        solver="LSODA", planar=groups.planar,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "wave",
+    [
+        levels([5 / 12, 7 / 12, 1.0], along=[-0.4, 2.0, -0.4]),
+        harmonics((ALONG, 1, 0.8, 0.0), (ALONG, 2, 0.5, 0.5), (NORMAL, 1, 0.6, 1.0)),
+        harmonics((ALONG, 1, 0.8, 0.0), (1, 2, 0.5, 0.5), (NORMAL, 3, 0.6, 1.0)),
+    ],
+)
+def test_a_stiff_integrator_is_within_its_error_of_the_reference(wave: Wave) -> None:
+    groups = driven(wave)
+    found, exact = stiff(groups), reference_motion(groups)
+    assert found.status == STATUS["periodic"]
+    assert abs(float(found.velocity - exact.velocity)) < float(found.error) < 0.05
+
+
+def test_a_course_shows_the_track() -> None:
+    parameters, _ = quaid(0.4, 2.0, 0.5, 0.3)
+    dataset = simulate(parse_study({
+        "kind": "simulate", "scene": "rectangle-on-plane", "method": "time-stepping",
+        "outputs": ["conveying_velocity"], "trajectory": 600,
+        "parameters": {"gravity": G, "frequency": "50 Hz", **parameters},
+    }))  # fmt: skip
+    times: Array = dataset.cycle_time.values
+    acceleration = np.gradient(np.gradient(dataset.track_along.values, times), times)
+    middle = np.abs(times - 0.01) < 0.001
+    np.testing.assert_allclose(acceleration[middle], -2.0 * GRAVITY, rtol=1e-6)
+    assert not dataset.track_normal.values.any()
+    travel = dataset.position_along.values[-1] / times[-1]
+    assert travel == pytest.approx(float(dataset.conveying_velocity), rel=1e-4)
