@@ -1,0 +1,118 @@
+"""The frequency with which a recording repeats itself, wherever its strongest line stands."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial.legendre import legvander
+from scipy.fft import next_fast_len
+
+from core.measured.harmonics import Array, Samples, Solution, solved
+from core.measured.noise import density_near
+
+LEAST_PERIODS = 10
+MOST_ORDERS = 10
+NYQUIST_SHARE = 0.45  # of the sampling rate: the highest order lies below
+GUESS = 0.1  # how far a guessed frequency may be off
+DRIFT = 3  # degree of the drift that is tried
+PADDING = 4  # of the spectrum, to find a peak between bins
+MATCH = 0.3  # bins by which the place of a line is uncertain
+
+
+class Line(NamedTuple):
+    """A wave that stands out.
+
+    Attributes
+    ----------
+    frequency : float
+        [Hz].
+    power : float
+        Its mean square, in all axes together [m2 s-4].
+    chance : float
+        Logarithm of how unlikely noise is to look like it at a given frequency, in the axis
+        where that is least likely.
+    """
+
+    frequency: float
+    power: float
+    chance: float
+
+
+def orders_below(samples: Samples, frequency: float) -> tuple[int, ...]:
+    """Return the orders that the samples can tell apart, at most ten."""
+    rate = samples.size / samples.duration
+    return tuple(range(1, min(MOST_ORDERS, int(NYQUIST_SHARE * rate / frequency)) + 1))
+
+
+def fundamental(samples: Samples, guess: float | None) -> float:
+    """Return the frequency of which all strong lines are multiples [Hz].
+
+    From the strongest line downwards: if what its harmonics leave over has a line that stands out
+    and is a multiple of a whole part of the frequency, that part is the fundamental. With a guess
+    it is the whole part of the strongest line that lies within a tenth of the guess; if none does,
+    the strongest line there.
+    """
+    start = samples._replace(values=_without_drift(samples))
+    frequency = strongest_line(start).frequency
+    if guess is not None:
+        part = frequency / max(round(frequency / guess), 1)
+        if abs(part / guess - 1.0) <= GUESS:
+            return part
+        return strongest_line(start, guess * (1.0 - GUESS), guess * (1.0 + GUESS)).frequency
+    found = solved(samples, frequency, orders_below(samples, frequency), DRIFT)
+    while lower := _lower(samples, found):
+        found = lower
+    return found.frequency
+
+
+def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.inf) -> Line:
+    """Return the strongest line of values without drift, between two frequencies [Hz]."""
+    count, rate = samples.size, samples.size / samples.duration
+    size = next_fast_len(PADDING * count, real=True)
+    spectrum = np.fft.rfft(samples.values * np.hanning(count), size)
+    power = (np.abs(spectrum) ** 2).sum(axis=0)
+    places = np.fft.rfftfreq(size, 1.0 / rate)
+    lowest = max(lowest, LEAST_PERIODS / samples.duration)
+    allowed = (places >= lowest) & (places <= min(highest, NYQUIST_SHARE * rate))
+    peak = int(np.argmax(np.where(allowed, power, -1.0)))
+    wave = solved(samples, float(places[peak]), (1,), 0)
+    strength = np.abs(wave.waves[:, 0]) ** 2 / 2.0
+    spectrum = np.fft.rfft(wave.residual) / np.sqrt(count)
+    place = np.array([wave.frequency * samples.duration])
+    noise = np.diag(density_near(spectrum, float(place[0]), place, DRIFT))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        chance = np.nan_to_num(count * strength / (2.0 * noise), posinf=np.inf)
+    return Line(wave.frequency, float(strength.sum()), float(chance.max()))
+
+
+def stands_out(line: Line, count: int) -> bool:
+    """Return whether noise of `count` samples would have such a line once in so many recordings."""
+    return line.chance > 2.0 * np.log(count)
+
+
+def _lower(samples: Samples, found: Solution) -> Solution | None:
+    """Return the solution at a whole part of the frequency that takes in a line left over."""
+    left = samples._replace(values=found.residual)
+    line = strongest_line(left)
+    if not stands_out(line, samples.size):
+        return None
+    ratio = line.frequency / found.frequency
+    error = MATCH / (found.frequency * samples.duration)
+    for part in range(2, MOST_ORDERS + 1):
+        frequency = found.frequency / part
+        whole = round(part * ratio)
+        if frequency * samples.duration < LEAST_PERIODS or whole > MOST_ORDERS:
+            return None
+        if abs(part * ratio - whole) > part * error:
+            continue
+        lower = solved(samples, frequency, orders_below(samples, frequency), DRIFT)
+        gained = np.mean(found.residual**2, axis=1).sum() - np.mean(lower.residual**2, axis=1).sum()
+        if gained > line.power / 2.0:
+            return lower
+    return None
+
+
+def _without_drift(samples: Samples) -> Array:
+    drift = legvander(samples.times / samples.half, DRIFT)
+    return samples.values - np.linalg.lstsq(drift, samples.values.T, rcond=None)[0].T @ drift.T
