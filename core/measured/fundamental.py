@@ -10,9 +10,9 @@ from scipy.fft import next_fast_len
 
 from core.measured.harmonics import Array, Samples, Solution, solved
 from core.measured.noise import density_near
+from core.measured.recording import MOST_ORDERS
 
 LEAST_PERIODS = 10
-MOST_ORDERS = 10
 NYQUIST_SHARE = 0.45  # of the sampling rate: the highest order lies below
 GUESS = 0.1  # how far a guessed frequency may be off
 DRIFT = 3  # degree of the drift that is tried

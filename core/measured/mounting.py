@@ -12,7 +12,6 @@ from core.study.units import UnitError, problem, read_number
 
 Angles = tuple[float | str, float | str, float | str]
 
-IN_LINE: Angles = (0.0, 0.0, 0.0)
 ORTHONORMAL = 1e-3  # of a matrix as a user copies it
 ANGLES = {
     name: angle(name, name.capitalize(), f"{name.capitalize()} of the sensor.", 360.0, "90 deg")
@@ -30,6 +29,8 @@ def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] 
     Components in the track's axes are R times those in the sensor's; of angles it is
     R_z(yaw) R_y(pitch) R_x(roll), of a matrix the rotation nearest to it.
     """
+    if mounting is None:
+        return np.eye(3)
     parts = list(mounting) if isinstance(mounting, list | tuple | np.ndarray) else []
     if len(parts) != 3:
         problems.append(Problem("mounting", "it holds neither three angles nor a matrix", FIX))

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from core.measured.harmonics import Array, Samples, Solution, columns
 
 BINS = 32  # whose mean estimates a density, to within a sixth
+LOWEST_BINS = 12  # about zero, where noise is steep and the drift hears the lowest bins only
 TOUCHED = 1.0  # bins about a fitted wave from which the fit has taken something
 ROUNDING = 1e-10  # of the values' rms: no less is believed of any noise
 
@@ -73,7 +74,9 @@ def density_near(
     bins = np.arange(spectrum.shape[1])
     free = (np.abs(bins[:, None] - fitted) > TOUCHED).all(axis=1) & (bins > degree / 2.0)
     places = bins[free]
-    near = places[np.argsort(np.abs(places - centre), kind="stable")[:BINS]]
+    near = places[
+        np.argsort(np.abs(places - centre), kind="stable")[: BINS if centre > 0.0 else LOWEST_BINS]
+    ]
     part = spectrum[:, near]
     return (part @ part.conj().T).real / max(near.size, 1)
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from core.errors import Problem, StudyError
 from core.measured.clipped import clipped
-from core.measured.mounting import IN_LINE, Angles, direction
+from core.measured.mounting import Angles, direction
 from core.measured.read import Column, Table, read_table
 from core.measured.times import read_times
 from core.quantities import QUANTITIES, Quantity
@@ -49,10 +49,11 @@ class Recording:
         normal to it (upwards). A minus sign in front turns a channel round: ``"-ay"``.
     sensor : tuple of str, optional
         Instead: columns of the sensor's own right-handed axes x, y, z.
-    mounting : tuple of three angles, or 3x3 matrix
+    mounting : three angles or 3x3 matrix, optional
         How `sensor` stands on the track: yaw, pitch and roll (numbers in degrees, or text), which
         turn the track's axes into the sensor's by R_z(yaw) R_y(pitch) R_x(roll); or that matrix,
-        whose columns are the sensor's axes in components along, across, normal.
+        whose columns are the sensor's axes in components along, across, normal. In line with the
+        track if left out.
     unit : str, optional
         Of all channels whose header does not name one: ``m s-2``, ``mm s-2``, ``g``, ``mg``.
     rate : float or str, optional
@@ -71,7 +72,7 @@ class Recording:
     across: str | None = None
     normal: str | None = None
     sensor: tuple[str, str, str] | None = None
-    mounting: Angles | Sequence[Sequence[float]] = IN_LINE
+    mounting: Angles | Sequence[Sequence[float]] | None = None
     unit: str | None = None
     rate: float | str | None = None
     time: str | None = None
@@ -147,7 +148,8 @@ def read_signal(source: str | Path | Table, recording: Recording) -> Signal:
     resolution = np.array([channel.step for channel in held])
     axes = tuple(place for place, _ in names)
     if recording.sensor is not None:
-        accelerations, resolution, axes = turned @ accelerations, abs(turned) @ resolution, AXES
+        accelerations, axes = turned @ accelerations, AXES
+        resolution = np.sqrt(turned**2 @ resolution**2)
     return Signal(times, accelerations, axes, resolution, line, guess, recording.harmonics)
 
 
@@ -164,7 +166,7 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
         if not own:
             fix = "Name the columns: along = ..., normal = ..., or sensor = three columns"
             problems.append(Problem("along", "no channel is named", fix))
-        elif recording.mounting != IN_LINE:
+        elif recording.mounting is not None:
             fix = "Give sensor = three columns instead of along, across and normal"
             problems.append(Problem("mounting", "it turns a sensor of three axes only", fix))
         return own
