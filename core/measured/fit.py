@@ -74,17 +74,13 @@ def _told(samples: Samples, found: Solution, noise: Noise) -> tuple[NDArray[np.b
     covariance = covariance_of(samples, found, noise)
     axes, size = found.coefficients.shape
     first, fine = found.degree + 1, np.log(samples.size)
-    told = np.zeros((axes, len(found.orders)), dtype=np.bool_)
-    degree = 0
-    for axis, row in enumerate(found.coefficients):
-        own = slice(1 + axis * size, 1 + (axis + 1) * size)
-        block = covariance[own, own]
-        for place in range(len(found.orders)):
-            pair = slice(first + 2 * place, first + 2 * place + 2)
-            size_of = row[pair] @ np.linalg.pinv(block[pair, pair], hermitian=True) @ row[pair]
-            told[axis, place] = size_of > 2.0 * fine
-        kept = np.flatnonzero(row[:first] ** 2 > fine * np.diag(block)[:first])
-        degree = max(degree, int(kept.max(initial=0)))
+    own = np.einsum("jajb->jab", covariance[1:, 1:].reshape(axes, size, axes, size))
+    pairs = own[:, first:, first:].reshape(axes, len(found.orders), 2, len(found.orders), 2)
+    waves = np.stack([found.waves.real, found.waves.imag], axis=-1)
+    inverse = np.linalg.pinv(np.einsum("jkakb->jkab", pairs), hermitian=True)
+    told = np.einsum("jka,jkab,jkb->jk", waves, inverse, waves) > 2.0 * fine
+    variance = np.diagonal(own, axis1=1, axis2=2)[:, :first]
+    degree = int(np.flatnonzero((found.drift**2 > fine * variance).any(axis=0)).max(initial=0))
     return told, degree
 
 

@@ -13,11 +13,13 @@ from core.measured.noise import density_near
 from core.measured.recording import MOST_ORDERS
 
 LEAST_PERIODS = 10
+SLOWEST = 2.0  # turns over a recording; what is slower is drift
 NYQUIST_SHARE = 0.45  # of the sampling rate: the highest order lies below
 GUESS = 0.1  # how far a guessed frequency may be off
 DRIFT = 3  # degree of the drift that is tried
 PADDING = 4  # of the spectrum, to find a peak between bins
-MATCH = 0.3  # bins by which the place of a line is uncertain
+LEAST_SHARE = 1e-4  # of the drive's power: a weaker line is not looked at as its fundamental
+LEAKAGE = 0.03  # bins by which other lines may shift one
 
 
 class Line(NamedTuple):
@@ -73,7 +75,7 @@ def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.in
     spectrum = np.fft.rfft(samples.values * np.hanning(count), size)
     power = (np.abs(spectrum) ** 2).sum(axis=0)
     places = np.fft.rfftfreq(size, 1.0 / rate)
-    lowest = max(lowest, LEAST_PERIODS / samples.duration)
+    lowest = max(lowest, SLOWEST / samples.duration)
     allowed = (places >= lowest) & (places <= min(highest, NYQUIST_SHARE * rate))
     peak = int(np.argmax(np.where(allowed, power, -1.0)))
     wave = solved(samples, float(places[peak]), (1,), 0)
@@ -95,14 +97,17 @@ def _lower(samples: Samples, found: Solution) -> Solution | None:
     """Return the solution at a whole part of the frequency that takes in a line left over."""
     left = samples._replace(values=found.residual)
     line = strongest_line(left)
-    if not stands_out(line, samples.size):
+    power = (np.abs(found.waves) ** 2).sum() / 2.0
+    if not stands_out(line, samples.size) or line.power < LEAST_SHARE * power:
         return None
     ratio = line.frequency / found.frequency
-    error = MATCH / (found.frequency * samples.duration)
+    # Three standard errors of a line's place, in bins: sqrt(6/chance)/(2 pi) each.
+    error = LEAKAGE + 3.0 * np.sqrt(6.0 / line.chance) / (2.0 * np.pi)
+    error /= found.frequency * samples.duration
     for part in range(2, MOST_ORDERS + 1):
         frequency = found.frequency / part
         whole = round(part * ratio)
-        if frequency * samples.duration < LEAST_PERIODS or whole > MOST_ORDERS:
+        if frequency * samples.duration < LEAST_PERIODS / 2.0 or whole > MOST_ORDERS:
             return None
         if abs(part * ratio - whole) > part * error:
             continue

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 MOST_STEPS = 50
-CONVERGED = 1e-9  # of a turn over the whole recording
+CONVERGED = 1e-6  # turns over the recording; without noise, the next step is its square
 LONGEST_STEP = 0.25  # turns of the highest order over the recording; more could change the minimum
 
 
@@ -116,13 +116,14 @@ def solved(
     """
     weights = np.ones(len(samples.values)) if weights is None else weights
     limit = LONGEST_STEP / (samples.duration * max(orders))
+    last = not free
     for _ in range(MOST_STEPS):
         basis = columns(samples, frequency, orders, degree)
         gram = basis.T @ basis
         coefficients = np.asarray(np.linalg.solve(gram, basis.T @ samples.values.T).T, np.float64)
         residual = samples.values - coefficients @ basis.T
         found = Solution(frequency, orders, degree, coefficients, residual)
-        if not free:
+        if last:
             break
         change = _by_frequency(samples, basis, found)
         change -= np.linalg.solve(gram, basis.T @ change.T).T @ basis.T
@@ -131,8 +132,7 @@ def solved(
             break
         step = float(weights @ (change * residual).sum(axis=1) / size)
         frequency += float(np.clip(step, -limit, limit))
-        if abs(step) * samples.duration < CONVERGED:
-            break
+        last = abs(step) * samples.duration < CONVERGED
     return found
 
 

@@ -19,6 +19,7 @@ INK, QUIET = "#333333", "#444444"
 MOST_POINTS = 3000  # of one axis; more hide one another
 FINE = 721  # points of a smooth curve
 DISPLAYED = 1.3  # times the highest order, the end of the spectrum
+EXACT = 1e-9  # of the frequency: an error below is not worth its digits
 MICRO = 1e6
 DOT = " \N{MIDDLE DOT} "
 
@@ -35,7 +36,7 @@ def draw_fit(fit: Fit) -> Figure:
 
     figure = Figure(figsize=SIZE, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
-    left, right = np.ravel(figure.subfigures(1, 2, width_ratios=(1.25, 1.0)))
+    left, right = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), squeeze=False)[0]
     count = len(fit.axes)
     periods = left.subplots(count + 1, 1, sharex=True, height_ratios=(*(1.0,) * count, 0.8))
     _draw_period(periods, fit)
@@ -60,7 +61,7 @@ def draw_fit(fit: Fit) -> Figure:
 def _facts(fit: Fit) -> str:
     """Return what the fit found, in two lines."""
     frequency = f"{fit.frequency:.8g} Hz"
-    if fit.frequency_error > 0.0:
+    if fit.frequency_error > EXACT * fit.frequency:
         digits = max(0, 1 - int(np.floor(np.log10(fit.frequency_error))))
         frequency = f"{fit.frequency:.{digits}f} ± {fit.frequency_error:.{digits}f} Hz"
     facts = [frequency]

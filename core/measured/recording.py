@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,15 +16,16 @@ from core.measured.clipped import clipped
 from core.measured.mounting import Angles, direction
 from core.measured.read import Column, Table, read_table
 from core.measured.times import read_times
-from core.quantities import QUANTITIES, Quantity
+from core.quantities import QUANTITIES
 from core.study.units import UnitError, problem, read_number
 
 AXES = ("along", "across", "normal")
 MOST_ORDERS = 10
 LEAST_SAMPLES = 100
 STANDARD_GRAVITY = 9.80665  # [m s-2], what a sensor's "g" means, wherever it stands
+FREQUENCY = replace(QUANTITIES["frequency"], strict=True)  # a drive at rest has no harmonics
 
-# Spaces, brackets and signs of powers are taken out before a unit is looked up.
+# Spaces and signs of powers are taken out before a unit is looked up.
 ACCELERATIONS = {
     "m/s2": 1.0,
     "ms-2": 1.0,
@@ -55,7 +56,7 @@ class Recording:
         whose columns are the sensor's axes in components along, across, normal. In line with the
         track if left out.
     unit : str, optional
-        Of all channels whose header does not name one: ``m s-2``, ``mm s-2``, ``g``, ``mg``.
+        Of the channels, where their headers do not name it: ``m s-2``, ``mm s-2``, ``g``, ``mg``.
     rate : float or str, optional
         Samples a second, if there is no column of times.
     time : str, optional
@@ -129,7 +130,7 @@ def read_signal(source: str | Path | Table, recording: Recording) -> Signal:
     channels = [_channel(table, place, name, recording.unit, problems) for place, name in names]
     turned = direction(recording.mounting, problems)
     line, guess = (
-        _number(name, getattr(recording, name), QUANTITIES["frequency"], problems)
+        _number(name, getattr(recording, name), problems)
         for name in ("line_frequency", "frequency")
     )
     _check_orders(recording.harmonics, problems)
@@ -224,13 +225,11 @@ def _plain(unit: str) -> str:
     return re.sub(r"[\s^*·]", "", unit.replace("²", "2"))
 
 
-def _number(
-    name: str, raw: float | str | None, quantity: Quantity, problems: list[Problem]
-) -> float | None:
+def _number(name: str, raw: float | str | None, problems: list[Problem]) -> float | None:
     if raw is None:
         return None
     try:
-        return read_number(name, quantity, raw)
+        return read_number(name, FREQUENCY, raw)
     except UnitError as error:
         problems.append(problem(name, error))
         return None

@@ -42,6 +42,9 @@ def check_before(signal: Signal) -> None:
     if count < LEAST_SAMPLES:
         fix = f"Record {LEAST_SAMPLES} at least, over {LEAST_PERIODS} periods or more"
         raise StudyError([*problems, Problem("recording", f"it has {count} samples", fix)])
+    if not np.ptp(signal.accelerations, axis=1).any():
+        fix = "Look whether the sensor was connected"
+        problems.append(Problem("recording", "all its channels are constant", fix))
     duration = float(np.ptp(signal.times)) * count / (count - 1)
     lowest, highest = LEAST_PERIODS / duration, NYQUIST_SHARE * count / duration
     for place in ("frequency", "line_frequency"):
@@ -109,15 +112,17 @@ def _too_short(place: str, frequency: float, duration: float) -> Problem:
 
 
 def _not_periodic(samples: Samples, found: Solution, left: float, periodic: float) -> Problem:
-    share = f"{100 * left / periodic:.0f} %" if periodic > 0 else "all"
     line = strongest_line(samples._replace(values=found.residual))
+    if stands_out(line, samples.size) and line.frequency * samples.duration < LEAST_PERIODS:
+        return _too_short("recording", line.frequency, samples.duration)
+    share = f"{100 * left / periodic:.0f} % of" if left < periodic else "more than"
     strongest = f", most at {line.frequency:.4g} Hz" if stands_out(line, samples.size) else ""
     return Problem(
         "recording",
-        f"it is not periodic: beside {found.frequency:.4g} Hz and its orders {share} of their rms "
-        f"is left over{strongest}",
-        f"Record the empty feeder at a steady drive (left over: {100 * MOST_LEFT:.0f} % at most), "
-        "or give frequency = what it is about",
+        f"it is not periodic: {found.frequency:.4g} Hz and its orders leave {share} their own rms "
+        f"over{strongest}",
+        f"Record the empty feeder at a steady drive (at most {100 * MOST_LEFT:.0f} % may be left), "
+        "or correct frequency",
     )
 
 
@@ -140,8 +145,8 @@ def _unsteady(
         allowed = CHANGE_ERRORS * np.sqrt(first.variance + last.variance)
         if abs(change) > max(MOST_CHANGE * periodic, float(allowed)):
             message = (
-                f"the drive {axis} is not steady: {first.rms:.4g} m/s2 rms in the first third, "
-                f"{last.rms:.4g} in the last"
+                f"the drive is not steady: its rms {axis} is {first.rms:.4g} m/s2 in the first "
+                f"third, {last.rms:.4g} in the last"
             )
             fix = "Record when it has settled, or cut out a piece in which it is steady"
             problems.append(Problem("recording", message, fix))

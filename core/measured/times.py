@@ -69,8 +69,8 @@ def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> 
     if backward.size:
         return Problem(
             "time",
-            f"column '{name}' does not ascend: line {lines[backward[0] + 1]} is no later than the "
-            f"one before, as are {backward.size - 1} others",
+            f"column '{name}' does not ascend in {backward.size} "
+            f"place{'s' * (backward.size > 1)}, first in line {lines[backward[0] + 1]}",
             "Write times with more digits, or give rate and leave time out",
         )
     usual = float(np.median(steps))
