@@ -40,8 +40,8 @@ HEADER = """\
 """
 
 
-def main() -> None:
-    """Write the recording beside this program."""
+def main(target: Path) -> None:
+    """Write the recording."""
     rng = np.random.default_rng(20261122)
     shown = np.arange(COUNT) / RATE
     times = shown * (1.0 + CLOCK)
@@ -60,8 +60,8 @@ def main() -> None:
         for time, along, across, normal in zip(shown, *columns, strict=True)
     )
     text = HEADER + "time [s],ax [g],ay [g],az [g]\n" + "\n".join(rows) + "\n"
-    Path(__file__).with_suffix(".csv").write_text(text, encoding="utf-8")
+    target.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main()
+    main(Path(__file__).with_suffix(".csv"))
