@@ -80,7 +80,7 @@ class Fit:
     amplitudes, phases : ndarray, shape (axes, orders)
         A_k >= 0 [m] and phi_k in [-pi, pi) [rad].
     told : ndarray of bool, shape (axes, orders)
-        Which the recording tells from zero; all, if their number was given.
+        Which the recording tells from zero; if their number was given, all are stated.
     covariance : ndarray, shape (1 + 2 axes orders, 1 + 2 axes orders)
         Of the frequency [Hz], then A_k cos(phi_k) and A_k sin(phi_k) [m] by axis and order.
     constant : ndarray, shape (axes,)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from core.measured.drive import Clock, Fit, Tilt, wrapped
 from core.measured.fundamental import DRIFT, fundamental, orders_below
 from core.measured.harmonics import Array, Samples, Solution, solved
-from core.measured.noise import Noise, covariance_of, noise_of
+from core.measured.noise import Noise, covariance_of, hurdle, noise_of
 from core.measured.read import Table
 from core.measured.recording import AXES, STANDARD_GRAVITY, Recording, Signal, read_signal
 from core.measured.sound import check_before, check_fit, check_orders
@@ -26,11 +27,11 @@ def fit_drive(source: str | Path | Table, recording: Recording) -> Fit:
 def fit_signal(signal: Signal) -> Fit:
     """Return the harmonics of a signal: least squares of all axes, with one frequency.
 
-    An order of an axis is told, and a term of the drift kept, if it lowers Schwarz's criterion
-    (1978, doi 10.1214/aos/1176344136): if its square over its variance, as the coloured residual
-    states it, exceeds ln(n) for each of its coefficients. Of n recordings without that order one
-    is then thought to have it. Orders that no axis tells, and the drift's higher terms, are left
-    out and the rest is fitted again.
+    An order of an axis is told, and a term of the drift kept, if it lowers Schwarz's information
+    criterion: if its square over its variance, as the coloured residual states it, exceeds
+    `hurdle` for each of its coefficients. Noise passes for a given order once in n recordings of n
+    samples. Orders that no axis tells and higher terms of the drift are left out, and the rest is
+    fitted again.
 
     Raises
     ------
@@ -53,9 +54,8 @@ def fit_signal(signal: Signal) -> Fit:
     found, noise = _weighted(samples, found.frequency, orders, degree, signal.resolution)
     told, _ = _told(samples, found, noise)
     check_fit(signal, samples, found, noise, bool(told.any()))
-    if signal.harmonics is not None:
-        told = np.ones_like(told)
-    return _stated(signal, samples, found, noise, told)
+    fit = _stated(signal, samples, found, noise, told)
+    return fit if signal.harmonics is None else replace(fit, told=np.ones_like(told))
 
 
 def _weighted(
@@ -73,7 +73,7 @@ def _told(samples: Samples, found: Solution, noise: Noise) -> tuple[NDArray[np.b
     """Return which orders of each axis are told from zero, and the degree of the drift that is."""
     covariance = covariance_of(samples, found, noise)
     axes, size = found.coefficients.shape
-    first, fine = found.degree + 1, np.log(samples.size)
+    first, fine = found.degree + 1, hurdle(samples.size)
     own = np.einsum("jajb->jab", covariance[1:, 1:].reshape(axes, size, axes, size))
     pairs = own[:, first:, first:].reshape(axes, len(found.orders), 2, len(found.orders), 2)
     waves = np.stack([found.waves.real, found.waves.imag], axis=-1)
@@ -104,7 +104,6 @@ def _stated(
     periodic = np.sqrt((strength**2).sum() / 2.0)
     drift = found.drift[:, 1:]
     drift_squares = (drift**2 / (2.0 * np.arange(1, found.degree + 1) + 1.0)).sum(axis=1)
-    variance = np.mean(found.residual**2, axis=1)
     density = noise.densities[1 + lowest].diagonal()
     return Fit(
         axes=signal.axes,
@@ -118,9 +117,9 @@ def _stated(
         covariance=_turned(covariance, found, displacement, theta, (largest, lowest), line),
         constant=found.drift[:, 0],
         drift=drift,
-        left_over=np.sqrt(variance) / periodic,
+        left_over=np.sqrt(np.mean(found.residual**2, axis=1)) / periodic,
         drifting=np.sqrt(drift_squares) / periodic,
-        effective_samples=samples.size * np.minimum(variance / density, 1.0),
+        effective_samples=samples.size * np.minimum(1.0 / (noise.weights * density), 1.0),
         tilt=_tilt(signal.axes, found.drift[:, 0]),
         origin=samples.half + theta / (2.0 * np.pi * found.frequency),
         signal=signal,
@@ -157,6 +156,7 @@ def _turned(
     turn = np.array([1.0, 1j]) / waves[reference]
     share = orders / orders[reference[1]]
     change[..., own : own + 2] -= 1j * (displacement * share)[..., None] * turn.imag
+    change[reference] = change[reference].real  # its phase is 0 by choice, without error
     rows = np.zeros((1 + 2 * waves.size, len(covariance)))
     rows[0, 0] = 1.0 if line is None else 0.0
     rows[1::2] = change.real.reshape(waves.size, -1)

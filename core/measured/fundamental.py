@@ -9,7 +9,7 @@ from numpy.polynomial.legendre import legvander
 from scipy.fft import next_fast_len
 
 from core.measured.harmonics import Array, Samples, Solution, solved
-from core.measured.noise import density_near
+from core.measured.noise import density_near, hurdle
 from core.measured.recording import MOST_ORDERS
 
 LEAST_PERIODS = 10
@@ -31,14 +31,13 @@ class Line(NamedTuple):
         [Hz].
     power : float
         Its mean square, in all axes together [m2 s-4].
-    chance : float
-        Logarithm of how unlikely noise is to look like it at a given frequency, in the axis
-        where that is least likely.
+    contrast : float
+        Half of its square over its variance, in the axis where it stands out most.
     """
 
     frequency: float
     power: float
-    chance: float
+    contrast: float
 
 
 def orders_below(samples: Samples, frequency: float) -> tuple[int, ...]:
@@ -63,7 +62,7 @@ def fundamental(samples: Samples, guess: float | None) -> float:
             return part
         return strongest_line(start, guess * (1.0 - GUESS), guess * (1.0 + GUESS)).frequency
     found = solved(samples, frequency, orders_below(samples, frequency), DRIFT)
-    while lower := _lower(samples, found):
+    while (lower := _lower(samples, found)) is not None:
         found = lower
     return found.frequency
 
@@ -84,13 +83,13 @@ def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.in
     place = np.array([wave.frequency * samples.duration])
     noise = np.diag(density_near(spectrum, float(place[0]), place, DRIFT))
     with np.errstate(divide="ignore", invalid="ignore"):
-        chance = np.nan_to_num(count * strength / (2.0 * noise), posinf=np.inf)
-    return Line(wave.frequency, float(strength.sum()), float(chance.max()))
+        contrast = np.nan_to_num(count * strength / (2.0 * noise), posinf=np.inf)
+    return Line(wave.frequency, float(strength.sum()), float(contrast.max()))
 
 
 def stands_out(line: Line, count: int) -> bool:
-    """Return whether noise of `count` samples would have such a line once in so many recordings."""
-    return line.chance > 2.0 * np.log(count)
+    """Return whether noise of `count` samples, anywhere in its spectrum, hardly has such a line."""
+    return line.contrast > hurdle(count**2)
 
 
 def _lower(samples: Samples, found: Solution) -> Solution | None:
@@ -101,8 +100,8 @@ def _lower(samples: Samples, found: Solution) -> Solution | None:
     if not stands_out(line, samples.size) or line.power < LEAST_SHARE * power:
         return None
     ratio = line.frequency / found.frequency
-    # Three standard errors of a line's place, in bins: sqrt(6/chance)/(2 pi) each.
-    error = LEAKAGE + 3.0 * np.sqrt(6.0 / line.chance) / (2.0 * np.pi)
+    # Three standard errors of a line's place, in bins: sqrt(6/contrast)/(2 pi) each.
+    error = LEAKAGE + 3.0 * np.sqrt(6.0 / line.contrast) / (2.0 * np.pi)
     error /= found.frequency * samples.duration
     for part in range(2, MOST_ORDERS + 1):
         frequency = found.frequency / part

@@ -41,7 +41,7 @@ class Noise(NamedTuple):
 def noise_of(samples: Samples, found: Solution, resolution: Array) -> Noise:
     """Return the noise of a fit, which is never below the rounding of its values."""
     count = samples.size
-    # Each axis by its own rounding: it is at least that of numbers, and of the recorder's steps.
+    # Rounding to the recorder's steps, or of numbers: a mounting mixes that of all axes.
     floor = np.maximum(resolution**2 / 12.0, np.mean(samples.values**2) * ROUNDING**2)
     variance = np.maximum(np.mean(found.residual**2, axis=1), floor)
     variance[variance == 0.0] = 1.0  # of a recording that is nothing but zeros
@@ -79,6 +79,16 @@ def density_near(
     ]
     part = spectrum[:, near]
     return (part @ part.conj().T).real / max(near.size, 1)
+
+
+def hurdle(count: int) -> float:
+    """Return half of what a wave's square over its variance must exceed to be told from noise.
+
+    m (n^(1/m) - 1), which noise exceeds with the probability 1/n: the square of a wave is
+    exponential, and its variance the mean of m such squares. For many bins m it is ln(n), the
+    price of a coefficient in Schwarz's criterion (1978, doi 10.1214/aos/1176344136).
+    """
+    return float(BINS * (count ** (1.0 / BINS) - 1.0))
 
 
 def covariance_of(samples: Samples, found: Solution, noise: Noise) -> Array:

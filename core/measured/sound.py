@@ -122,7 +122,7 @@ def _not_periodic(samples: Samples, found: Solution, left: float, periodic: floa
         f"it is not periodic: {found.frequency:.4g} Hz and its orders leave {share} their own rms "
         f"over{strongest}",
         f"Record the empty feeder at a steady drive (at most {100 * MOST_LEFT:.0f} % may be left), "
-        "or correct frequency",
+        "or correct frequency or harmonics",
     )
 
 

@@ -54,6 +54,7 @@ def test_a_drive_without_noise_comes_back_to_nine_digits():
     np.testing.assert_allclose(fit.constant, 9.8, rtol=NEAR)
     np.testing.assert_allclose(fit.drift, 0.3, rtol=NEAR)
     assert fit.left_over.max() < NEAR
+    np.testing.assert_array_equal(fit.effective_samples, 800)
 
 
 @settings(max_examples=25, deadline=None)
@@ -226,6 +227,7 @@ def test_what_the_data_do_not_tell_is_left_out():
     assert sorted(fit.parameters()) == ["amplitude_along_1", "frequency", "phase_along_1"]
     asked = fit_signal(noisy(signal_of(quiet, harmonics=2), rng))
     assert len(asked.parameters()) == 1 + 2 * 2 * 2
+    assert asked.parameters()["phase_along_1"] == 0.0
 
 
 # --- what goes with a fit

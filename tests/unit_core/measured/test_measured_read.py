@@ -179,6 +179,12 @@ def test_what_is_no_table(text, message):
     assert line.startswith(f"recording: {message}")
 
 
+def test_endless_lines_are_not_taken_apart():
+    assert refused(30_000 * "a,") == [
+        "recording: line 1 has 60,000 letters. Keep the columns in use."
+    ]
+
+
 def test_decimal_commas_between_commas_are_guessed():
     lines = refused("ax,az\n" + 5 * "1,5,2,5\n")
     assert lines[-1] == (
