@@ -42,7 +42,7 @@ def fit_signal(signal: Signal) -> Fit:
     check_before(signal)
     middle = (signal.times[0] + signal.times[-1]) / 2.0
     samples = Samples(signal.times - middle, signal.accelerations)
-    start = fundamental(samples, signal.frequency)
+    start = fundamental(samples, signal.frequency, signal.line_frequency)
     orders = orders_below(samples, start)
     check_orders(signal, samples, start)
     if signal.harmonics is not None:

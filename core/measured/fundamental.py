@@ -13,6 +13,7 @@ from core.measured.noise import density_near, hurdle
 from core.measured.recording import MOST_ORDERS
 
 LEAST_PERIODS = 10
+MOST_LEFT = 0.5  # rms of what is left over, of that of the harmonics
 SLOWEST = 2.0  # turns over a recording; what is slower is drift
 NYQUIST_SHARE = 0.45  # of the sampling rate: the highest order lies below
 GUESS = 0.1  # how far a guessed frequency may be off
@@ -46,25 +47,38 @@ def orders_below(samples: Samples, frequency: float) -> tuple[int, ...]:
     return tuple(range(1, min(MOST_ORDERS, int(NYQUIST_SHARE * rate / frequency)) + 1))
 
 
-def fundamental(samples: Samples, guess: float | None) -> float:
+def fundamental(samples: Samples, guess: float | None, line: float | None) -> float:
     """Return the frequency of which all strong lines are multiples [Hz].
 
     From the strongest line downwards: if what its harmonics leave over has a line that stands out
-    and is a multiple of a whole part of the frequency, that part is the fundamental. With a guess
-    it is the whole part of the strongest line that lies within a tenth of the guess; if none does,
-    the strongest line there.
+    and is a multiple of a whole part of the frequency, that part is the fundamental. Lines with
+    less than a hundredth of the drive's acceleration are taken for something else.
+
+    With a guess it is the whole part of the strongest line that lies within a tenth of the guess;
+    if none does, the strongest line there. A known frequency of the line settles it likewise, if
+    its orders hold most of the recording: the drive may run at a part of it.
     """
     start = samples._replace(values=_without_drift(samples))
     frequency = strongest_line(start).frequency
     if guess is not None:
-        part = frequency / max(round(frequency / guess), 1)
-        if abs(part / guess - 1.0) <= GUESS:
-            return part
-        return strongest_line(start, guess * (1.0 - GUESS), guess * (1.0 + GUESS)).frequency
+        near = _part_near(frequency, guess)
+        lowest, highest = guess * (1.0 - GUESS), guess * (1.0 + GUESS)
+        return near or strongest_line(start, lowest, highest).frequency
+    if line is not None and (near := _part_near(frequency, line)) is not None:
+        found = solved(samples, near, orders_below(samples, near), DRIFT)
+        left = np.mean(found.residual**2, axis=1).sum()
+        if left <= MOST_LEFT**2 * (np.abs(found.waves) ** 2).sum() / 2.0:
+            return found.frequency
     found = solved(samples, frequency, orders_below(samples, frequency), DRIFT)
     while (lower := _lower(samples, found)) is not None:
         found = lower
     return found.frequency
+
+
+def _part_near(frequency: float, expected: float) -> float | None:
+    """Return the whole part of a frequency that lies near what is expected."""
+    part = frequency / max(round(frequency / expected), 1)
+    return part if abs(part / expected - 1.0) <= GUESS else None
 
 
 def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.inf) -> Line:

@@ -9,6 +9,7 @@ import numpy as np
 from core.errors import Problem, StudyError
 from core.measured.fundamental import (
     LEAST_PERIODS,
+    MOST_LEFT,
     NYQUIST_SHARE,
     orders_below,
     stands_out,
@@ -18,7 +19,6 @@ from core.measured.harmonics import Samples, Solution, solved
 from core.measured.noise import Noise
 from core.measured.recording import LEAST_SAMPLES, Signal
 
-MOST_LEFT = 0.5  # rms of what is left over, of that of the harmonics
 MOST_CHANGE = 0.05  # of the drive's rms, from the first third of a recording to the last
 CHANGE_ERRORS = 4.0  # standard errors that the change must exceed as well
 MOST_CLOCK = 0.05
@@ -104,10 +104,11 @@ def check_fit(signal: Signal, samples: Samples, found: Solution, noise: Noise, t
 
 
 def _too_short(place: str, frequency: float, duration: float) -> Problem:
+    another = ", or give frequency, if it is another" if place == "recording" else ""
     return Problem(
         place,
         f"{duration:.4g} s hold {frequency * duration:.3g} periods of {frequency:.4g} Hz",
-        f"Record {LEAST_PERIODS} periods at least, {LEAST_PERIODS / frequency:.3g} s",
+        f"Record {LEAST_PERIODS} periods at least, {LEAST_PERIODS / frequency:.3g} s{another}",
     )
 
 
