@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from core.errors import StudyError
 from core.measured import Fit, Signal, fit_signal
 
 FREQUENCY, RATE, CLOCK = 50.0, 2000.0, 0.01
@@ -20,7 +21,10 @@ PHASES = np.array([[0.0, 0.5, -1.0], [2.0, -0.3, 1.0]])  # rad
 ORDERS = np.array([1, 2, 3])
 SETTLED = 200  # values of a coloured noise until it is what it will be
 FAN = 61.3, 2.0  # Hz, m s-2
-CASES = {  # samples, share of the value before, rms [m s-2], of both axes in common, a fan beside
+Case = tuple[int, float, float, float, bool]
+CASES: dict[
+    str, Case
+] = {  # samples, share of the value before, rms [m s-2], of both axes in common, a fan beside
     "white": (2000, 0.0, 1.0, 0.0, False),
     "red": (2000, 0.9, 1.0, 0.0, False),
     "blue": (2000, -0.8, 1.0, 0.0, False),
@@ -35,19 +39,33 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--draws", type=int, default=200)
     draws = parser.parse_args().draws
-    print("| noise | clock | amplitudes | phases | orders told that are not there |")
-    print("| --- | --- | --- | --- | --- |")
+    print("| noise | clock | amplitudes | phases | orders told that are not there | refused |")
+    print("| --- | --- | --- | --- | --- | --- |")
     for name, case in CASES.items():
-        fits = [fit_signal(recorded(np.random.default_rng(seed), *case)) for seed in range(draws)]
-        clock = [(fit.clock.error - CLOCK) / fit.clock.standard_error for fit in fits if fit.clock]
-        first = slice(ORDERS.size)
-        amplitudes = [
-            (f.amplitudes[:, first] - AMPLITUDES) / f.amplitude_errors[:, first] for f in fits
-        ]
-        phases = [away(fit) for fit in fits]
-        false = sum(int(fit.told[:, ORDERS.size :].sum()) for fit in fits)
-        shares = " | ".join(within(errors) for errors in (clock, amplitudes, phases))
-        print(f"| {name} | {shares} | {false} of {draws * 2 * (10 - ORDERS.size)} |")
+        print(f"| {name} | {row(case, draws)} |", flush=True)
+
+
+def row(case: Case, draws: int) -> str:
+    """Return the figures of one kind of noise."""
+    fits = [fit for seed in range(draws) if (fit := fitted(seed, case)) is not None]
+    first = slice(ORDERS.size)
+    clock = [(fit.clock.error - CLOCK) / fit.clock.standard_error for fit in fits if fit.clock]
+    amplitudes = [
+        (fit.amplitudes[:, first] - AMPLITUDES) / fit.amplitude_errors[:, first] for fit in fits
+    ]
+    phases = [away(fit) for fit in fits]
+    false = sum(int(fit.told[:, ORDERS.size :].sum()) for fit in fits)
+    shares = " | ".join(within(errors) for errors in (clock, amplitudes, phases))
+    absent = len(fits) * 2 * (10 - ORDERS.size)
+    return f"{shares} | {false} of {absent:,} | {draws - len(fits)} of {draws:,}"
+
+
+def fitted(seed: int, case: Case) -> Fit | None:
+    """Return the fit of one recording; None if it is refused."""
+    try:
+        return fit_signal(recorded(np.random.default_rng(seed), *case))
+    except StudyError:
+        return None
 
 
 def recorded(
