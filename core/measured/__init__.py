@@ -1,0 +1,22 @@
+"""Drives that have been measured: from the CSV of an accelerometer to the harmonics of a drive."""
+
+from core.measured.drive import Clock, Fit, Fold, Tilt
+from core.measured.fit import fit_drive, fit_signal
+from core.measured.read import Column, Fault, Table, read_table
+from core.measured.recording import Recording, Signal, read_signal
+
+__all__ = [
+    "Clock",
+    "Column",
+    "Fault",
+    "Fit",
+    "Fold",
+    "Recording",
+    "Signal",
+    "Table",
+    "Tilt",
+    "fit_drive",
+    "fit_signal",
+    "read_signal",
+    "read_table",
+]

@@ -1,0 +1,221 @@
+"""A drive as a recording tells it: harmonics, their errors, and what is left over."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial.legendre import legval
+from numpy.typing import NDArray
+
+from core.measured.harmonics import Array
+from core.measured.recording import Signal
+
+
+class Clock(NamedTuple):
+    """Error of the recorder's clock: measured frequency over the true one, less 1.
+
+    A positive error is a slow clock, which counts too few seconds; `standard_error` is how well
+    the recording tells it.
+    """
+
+    error: float
+    standard_error: float
+
+
+class Tilt(NamedTuple):
+    """How the track stands, as the constant of a sensor of three axes tells it.
+
+    Attributes
+    ----------
+    climb, lean : float
+        Angles [rad] by which the track rises in transport direction, and to its left.
+    gravity : float
+        Size of the constant [m s-2].
+    """
+
+    climb: float
+    lean: float
+    gravity: float
+
+
+class Fold(NamedTuple):
+    """All samples within one period.
+
+    Attributes
+    ----------
+    phase : ndarray, shape (n,)
+        w t, from 0 to 2 pi [rad], in the order of the samples.
+    accelerations, residual : ndarray, shape (axes, n)
+        Without constant and drift, and what is left over [m s-2].
+    """
+
+    phase: Array
+    accelerations: Array
+    residual: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A drive of harmonics, and what the recording tells of its errors.
+
+    Displacement of the track along an axis: sum_k A_k sin(k w t + phi_k). Its acceleration, which
+    a sensor on the track shows beside a constant and a drift, is
+    -sum_k A_k (k w)^2 sin(k w t + phi_k).
+
+    The time origin is free: it is chosen near the middle of the recording such that the phase of
+    the lowest order told, order 1 unless it is absent, is 0 in the axis where it is largest.
+
+    Attributes
+    ----------
+    axes : tuple of str
+        Which of along, across, normal.
+    orders : tuple of int
+        Orders fitted.
+    frequency, frequency_error : float
+        Fundamental and its standard error [Hz]; the error of a given line frequency is 0.
+    clock : Clock, optional
+        If a line frequency is given.
+    amplitudes, phases : ndarray, shape (axes, orders)
+        A_k >= 0 [m] and phi_k in [-pi, pi) [rad].
+    told : ndarray of bool, shape (axes, orders)
+        Which the recording tells from zero; if their number was given, all are stated.
+    covariance : ndarray, shape (1 + 2 axes orders, 1 + 2 axes orders)
+        Of the frequency [Hz], then A_k cos(phi_k) and A_k sin(phi_k) [m] by axis and order.
+    constant : ndarray, shape (axes,)
+        Mean acceleration [m s-2]: gravity, if the sensor shows it, and its offset.
+    drift : ndarray, shape (axes, degree)
+        Coefficients of the Legendre polynomials 1, 2, ... over the recording [m s-2].
+    left_over, drifting : ndarray, shape (axes,)
+        Rms of the residual and of the drift as shares of the rms of all harmonics of all axes.
+    effective_samples : ndarray, shape (axes,)
+        Number of samples with white noise of the residual's size that would tell as much.
+    tilt : Tilt, optional
+        If there are three axes, and their constant has the size of gravity.
+    origin : float
+        Time by the recorder's clock at which t is 0, from the first sample [s].
+    signal : Signal
+        What was fitted.
+    """
+
+    axes: tuple[str, ...]
+    orders: tuple[int, ...]
+    frequency: float
+    frequency_error: float
+    clock: Clock | None
+    amplitudes: Array
+    phases: Array
+    told: NDArray[np.bool_]
+    covariance: Array = field(repr=False)
+    constant: Array
+    drift: Array
+    left_over: Array
+    drifting: Array
+    effective_samples: Array
+    tilt: Tilt | None
+    origin: float
+    signal: Signal = field(repr=False)
+
+    @property
+    def samples(self) -> int:
+        """Number of samples."""
+        return self.signal.times.size
+
+    @property
+    def recorded_frequency(self) -> float:
+        """Fundamental by the recorder's clock [Hz]."""
+        return self.frequency * (1.0 + (self.clock.error if self.clock else 0.0))
+
+    @property
+    def periods(self) -> float:
+        """Number of periods recorded."""
+        return self.recorded_frequency * float(np.ptp(self.signal.times))
+
+    @property
+    def amplitude_errors(self) -> Array:
+        """Standard errors of the amplitudes [m], shape (axes, orders)."""
+        return np.sqrt(self._turned(0))
+
+    @property
+    def phase_errors(self) -> Array:
+        """Standard errors of the phases [rad], shape (axes, orders); infinite without amplitude."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            errors = np.sqrt(self._turned(1)) / self.amplitudes
+        return np.where(self.amplitudes > 0.0, errors, np.inf)
+
+    def _turned(self, part: int) -> Array:
+        """Return the variance of a displacement's part in phase (0) or a quarter ahead (1)."""
+        blocks = self.covariance[1:, 1:].reshape(*self.phases.shape, 2, *self.phases.shape, 2)
+        own = np.einsum("jkajkb->jkab", blocks)
+        cosine, sine = np.cos(self.phases), np.sin(self.phases)
+        unit = np.stack([cosine, sine] if part == 0 else [-sine, cosine], axis=-1)
+        return np.maximum(np.einsum("jka,jkab,jkb->jk", unit, own, unit), 0.0)
+
+    def parameters(self) -> dict[str, float]:
+        """Return the parameters of a study: SI, phases in degrees; without what is not told."""
+        return self._named(self.frequency, self.amplitudes * np.exp(1j * self.phases))
+
+    def draw(self, rng: np.random.Generator, count: int) -> list[dict[str, float]]:
+        """Return parameters of `count` drives that the recording cannot tell from the fitted one.
+
+        They are normal about it with its covariance; `parameters` of each.
+        """
+        displacement = self.amplitudes * np.exp(1j * self.phases)
+        parts = np.stack([displacement.real, displacement.imag], axis=-1)
+        # Scaled, since a frequency and a displacement differ by many powers of ten.
+        scale = np.sqrt(np.maximum(np.diag(self.covariance), np.finfo(float).tiny))
+        values, vectors = np.linalg.eigh(self.covariance / np.outer(scale, scale))
+        root = scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
+        drawn = rng.standard_normal((count, scale.size)) @ root.T
+        drawn += np.concatenate([[self.frequency], parts.ravel()])
+        pairs = drawn[:, 1:].reshape(count, *parts.shape)
+        return [
+            self._named(float(frequency), pair[..., 0] + 1j * pair[..., 1])
+            for frequency, pair in zip(drawn[:, 0], pairs, strict=True)
+        ]
+
+    def _named(self, frequency: float, displacement: NDArray[np.complex128]) -> dict[str, float]:
+        named = {"frequency": frequency}
+        for axis, row, kept in zip(self.axes, displacement, self.told, strict=True):
+            for order, wave, told in zip(self.orders, row, kept, strict=True):
+                if told:
+                    named[f"amplitude_{axis}_{order}"] = float(np.abs(wave))
+                    named[f"phase_{axis}_{order}"] = float(
+                        np.degrees(wrapped(float(np.angle(wave))))
+                    )
+        return named
+
+    def model(self, times: Array) -> Array:
+        """Return the fitted accelerations at times of the recording, shape (axes, n) [m s-2]."""
+        first, last = self.signal.times[[0, -1]]
+        place = 2.0 * (np.asarray(times) - first) / (last - first) - 1.0
+        series = np.hstack([self.constant[:, None], self.drift])
+        return np.asarray(legval(place, series.T)) + self.periodic(self._phase(times))
+
+    def periodic(self, phase: Array) -> Array:
+        """Return the accelerations of the harmonics at phases w t [rad], shape (axes, n)."""
+        orders = np.array(self.orders)
+        peaks = self.amplitudes * (2.0 * np.pi * self.frequency * orders) ** 2
+        angles = orders[:, None] * phase + self.phases[..., None]
+        return -np.einsum("jk,jkn->jn", peaks, np.sin(angles))
+
+    def displacement(self, phase: Array) -> Array:
+        """Return the displacements of the track at phases w t [rad], shape (axes, n) [m]."""
+        angles = np.array(self.orders)[:, None] * phase + self.phases[..., None]
+        return np.einsum("jk,jkn->jn", self.amplitudes, np.sin(angles))
+
+    def fold(self) -> Fold:
+        """Return all samples within one period."""
+        phase = np.mod(self._phase(self.signal.times), 2.0 * np.pi)
+        residual = self.signal.accelerations - self.model(self.signal.times)
+        return Fold(phase, self.periodic(phase) + residual, residual)
+
+    def _phase(self, times: Array) -> Array:
+        since = np.asarray(times) - self.signal.times[0] - self.origin
+        return 2.0 * np.pi * self.recorded_frequency * since
+
+
+def wrapped(angle: float | Array) -> Array:
+    """Return an angle in [-pi, pi)."""
+    return np.mod(np.asarray(angle) + np.pi, 2.0 * np.pi) - np.pi

@@ -1,0 +1,173 @@
+"""The harmonics of a drive, fitted to measured accelerations, with their errors."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.measured.drive import Clock, Fit, Tilt, wrapped
+from core.measured.fundamental import DRIFT, fundamental, orders_below
+from core.measured.harmonics import Array, Samples, Solution, solved
+from core.measured.noise import Noise, covariance_of, hurdle, noise_of
+from core.measured.read import Table
+from core.measured.recording import AXES, STANDARD_GRAVITY, Recording, Signal, read_signal
+from core.measured.sound import check_before, check_fit, check_orders
+
+SIZE = 0.1  # by which a constant may miss gravity and still be taken for it
+
+
+def fit_drive(source: str | Path | Table, recording: Recording) -> Fit:
+    """Return the drive that a recording shows; `read_signal`, then `fit_signal`."""
+    return fit_signal(read_signal(source, recording))
+
+
+def fit_signal(signal: Signal) -> Fit:
+    """Return the harmonics of a signal: least squares of all axes, with one frequency.
+
+    An order of an axis is told, and a term of the drift kept, if it lowers Schwarz's information
+    criterion: if its square over its variance, as the coloured residual states it, exceeds
+    `hurdle` for each of its coefficients. Noise passes for a given order once in n recordings of n
+    samples. Orders that no axis tells and higher terms of the drift are left out, and the rest is
+    fitted again.
+
+    Raises
+    ------
+    StudyError
+        With everything that is wrong: too short, too slow, not periodic, not steady, a clock that
+        is off by more than 5 %.
+    """
+    check_before(signal)
+    middle = (signal.times[0] + signal.times[-1]) / 2.0
+    samples = Samples(signal.times - middle, signal.accelerations)
+    start = fundamental(samples, signal.frequency, signal.line_frequency)
+    orders = orders_below(samples, start)
+    check_orders(signal, samples, start)
+    if signal.harmonics is not None:
+        orders = orders[: signal.harmonics]
+    found, noise = _weighted(samples, start, orders, DRIFT, signal.resolution)
+    told, degree = _told(samples, found, noise)
+    if signal.harmonics is None:
+        orders = tuple(np.array(orders)[told.any(axis=0)].tolist()) or (1,)
+    found, noise = _weighted(samples, found.frequency, orders, degree, signal.resolution)
+    told, _ = _told(samples, found, noise)
+    check_fit(signal, samples, found, noise, bool(told.any()))
+    fit = _stated(signal, samples, found, noise, told)
+    return fit if signal.harmonics is None else replace(fit, told=np.ones_like(told))
+
+
+def _weighted(
+    samples: Samples, start: float, orders: tuple[int, ...], degree: int, resolution: Array
+) -> tuple[Solution, Noise]:
+    """Return the solution with each axis weighted by its own noise, and the noise."""
+    even = solved(samples, start, orders, degree)
+    weights = noise_of(samples, even, resolution).weights
+    found = solved(samples, even.frequency, orders, degree, weights)
+    # The weights that were used, not those that would be next: the errors are those of this fit.
+    return found, noise_of(samples, found, resolution)._replace(weights=weights)
+
+
+def _told(samples: Samples, found: Solution, noise: Noise) -> tuple[NDArray[np.bool_], int]:
+    """Return which orders of each axis are told from zero, and the degree of the drift that is."""
+    covariance = covariance_of(samples, found, noise)
+    axes, size = found.coefficients.shape
+    first, fine = found.degree + 1, hurdle(samples.size)
+    own = np.einsum("jajb->jab", covariance[1:, 1:].reshape(axes, size, axes, size))
+    pairs = own[:, first:, first:].reshape(axes, len(found.orders), 2, len(found.orders), 2)
+    waves = np.stack([found.waves.real, found.waves.imag], axis=-1)
+    inverse = np.linalg.pinv(np.einsum("jkakb->jkab", pairs), hermitian=True)
+    told = np.einsum("jka,jkab,jkb->jk", waves, inverse, waves) > 2.0 * fine
+    variance = np.diagonal(own, axis1=1, axis2=2)[:, :first]
+    degree = int(np.flatnonzero((found.drift**2 > fine * variance).any(axis=0)).max(initial=0))
+    return told, degree
+
+
+def _stated(
+    signal: Signal, samples: Samples, found: Solution, noise: Noise, told: NDArray[np.bool_]
+) -> Fit:
+    """Return the fit in terms of displacements, with the origin of time chosen."""
+    covariance = covariance_of(samples, found, noise)
+    error = float(np.sqrt(covariance[0, 0]))
+    line = signal.line_frequency
+    frequency = found.frequency if line is None else line
+    orders = np.array(found.orders)
+    strength = np.abs(found.waves)
+    lowest = int(np.flatnonzero(told.any(axis=0))[0])
+    largest = int(strength[:, lowest].argmax())
+    # -c/(k w)^2 is the displacement; turned by k theta, the reference has phase 0.
+    displacement = -found.waves / (2.0 * np.pi * frequency * orders) ** 2
+    theta = -float(np.angle(displacement[largest, lowest])) / found.orders[lowest]
+    displacement = displacement * np.exp(1j * orders * theta)
+    displacement[largest, lowest] = np.abs(displacement[largest, lowest])
+    periodic = np.sqrt((strength**2).sum() / 2.0)
+    drift = found.drift[:, 1:]
+    drift_squares = (drift**2 / (2.0 * np.arange(1, found.degree + 1) + 1.0)).sum(axis=1)
+    density = noise.densities[1 + lowest].diagonal()
+    return Fit(
+        axes=signal.axes,
+        orders=found.orders,
+        frequency=frequency,
+        frequency_error=error if line is None else 0.0,
+        clock=None if line is None else Clock(found.frequency / line - 1.0, error / line),
+        amplitudes=np.abs(displacement),
+        phases=wrapped(np.angle(displacement)),
+        told=told,
+        covariance=_turned(covariance, found, displacement, theta, (largest, lowest), line),
+        constant=found.drift[:, 0],
+        drift=drift,
+        left_over=np.sqrt(np.mean(found.residual**2, axis=1)) / periodic,
+        drifting=np.sqrt(drift_squares) / periodic,
+        effective_samples=samples.size * np.minimum(1.0 / (noise.weights * density), 1.0),
+        tilt=_tilt(signal.axes, found.drift[:, 0]),
+        origin=samples.half + theta / (2.0 * np.pi * found.frequency),
+        signal=signal,
+    )
+
+
+def _turned(
+    covariance: Array,
+    found: Solution,
+    displacement: NDArray[np.complex128],
+    theta: float,
+    reference: tuple[int, int],
+    line: float | None,
+) -> Array:
+    """Return the covariance of frequency and displacements from that of accelerations.
+
+    With z = -c exp(i k theta)/(k w)^2 and theta = -arg(-c_ref)/k_ref:
+    dz = -dc exp(i k theta)/(k w)^2 - i k z Im(dc_ref/c_ref)/k_ref - 2 z df/f.
+    """
+    axes, size = found.coefficients.shape
+    first = found.degree + 1
+    orders, waves = np.array(found.orders), found.waves
+    pairs = 1 + np.arange(axes)[:, None] * size + first + 2 * np.arange(orders.size)
+    frequency = found.frequency if line is None else line
+    change = np.zeros((*waves.shape, len(covariance)), dtype=np.complex128)
+    scale = -np.exp(1j * orders * theta) / (2.0 * np.pi * frequency * orders) ** 2
+    for axis in range(axes):
+        for place in range(orders.size):
+            own = pairs[axis, place]
+            change[axis, place, own : own + 2] = scale[place], 1j * scale[place]
+    if line is None:
+        change[..., 0] = -2.0 * displacement / frequency
+    own = pairs[reference]
+    turn = np.array([1.0, 1j]) / waves[reference]
+    share = orders / orders[reference[1]]
+    change[..., own : own + 2] -= 1j * (displacement * share)[..., None] * turn.imag
+    change[reference] = change[reference].real  # its phase is 0 by choice, without error
+    rows = np.zeros((1 + 2 * waves.size, len(covariance)))
+    rows[0, 0] = 1.0 if line is None else 0.0
+    rows[1::2] = change.real.reshape(waves.size, -1)
+    rows[2::2] = change.imag.reshape(waves.size, -1)
+    return rows @ covariance @ rows.T
+
+
+def _tilt(axes: tuple[str, ...], constant: Array) -> Tilt | None:
+    """Return how the track stands, if the constant can be gravity."""
+    size = float(np.linalg.norm(constant))
+    if axes != AXES or abs(size / STANDARD_GRAVITY - 1.0) > SIZE:
+        return None
+    along, across, normal = constant.tolist()
+    return Tilt(float(np.arctan2(along, normal)), float(np.arctan2(across, normal)), size)

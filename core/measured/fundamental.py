@@ -1,0 +1,136 @@
+"""The frequency with which a recording repeats itself, wherever its strongest line stands."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial.legendre import legvander
+from scipy.fft import next_fast_len
+
+from core.measured.harmonics import Array, Samples, Solution, solved
+from core.measured.noise import density_near, hurdle
+from core.measured.recording import MOST_ORDERS
+
+LEAST_PERIODS = 10
+MOST_LEFT = 0.5  # rms of what is left over, of that of the harmonics
+SLOWEST = 2.0  # turns over a recording; what is slower is drift
+NYQUIST_SHARE = 0.45  # of the sampling rate: the highest order lies below
+GUESS = 0.1  # how far a guessed frequency may be off
+DRIFT = 3  # degree of the drift that is tried
+PADDING = 4  # of the spectrum, to find a peak between bins
+LEAST_SHARE = 1e-4  # of the drive's power: a weaker line is not looked at as its fundamental
+LEAKAGE = 0.03  # bins by which other lines may shift one
+
+
+class Line(NamedTuple):
+    """A wave that stands out.
+
+    Attributes
+    ----------
+    frequency : float
+        [Hz].
+    power : float
+        Its mean square, in all axes together [m2 s-4].
+    contrast : float
+        Half of its square over its variance, in the axis where it stands out most.
+    """
+
+    frequency: float
+    power: float
+    contrast: float
+
+
+def orders_below(samples: Samples, frequency: float) -> tuple[int, ...]:
+    """Return the orders that the samples can tell apart, at most ten."""
+    rate = samples.size / samples.duration
+    return tuple(range(1, min(MOST_ORDERS, int(NYQUIST_SHARE * rate / frequency)) + 1))
+
+
+def fundamental(samples: Samples, guess: float | None, line: float | None) -> float:
+    """Return the frequency of which all strong lines are multiples [Hz].
+
+    From the strongest line downwards: if what its harmonics leave over has a line that stands out
+    and is a multiple of a whole part of the frequency, that part is the fundamental. Lines with
+    less than a hundredth of the drive's acceleration are taken for something else.
+
+    With a guess it is the whole part of the strongest line that lies within a tenth of the guess;
+    if none does, the strongest line there. A known frequency of the line settles it likewise, if
+    its orders hold most of the recording: the drive may run at a part of it.
+    """
+    start = samples._replace(values=_without_drift(samples))
+    frequency = strongest_line(start).frequency
+    if guess is not None:
+        near = _part_near(frequency, guess)
+        lowest, highest = guess * (1.0 - GUESS), guess * (1.0 + GUESS)
+        return near or strongest_line(start, lowest, highest).frequency
+    if line is not None and (near := _part_near(frequency, line)) is not None:
+        found = solved(samples, near, orders_below(samples, near), DRIFT)
+        left = np.mean(found.residual**2, axis=1).sum()
+        if left <= MOST_LEFT**2 * (np.abs(found.waves) ** 2).sum() / 2.0:
+            return found.frequency
+    found = solved(samples, frequency, orders_below(samples, frequency), DRIFT)
+    while (lower := _lower(samples, found)) is not None:
+        found = lower
+    return found.frequency
+
+
+def _part_near(frequency: float, expected: float) -> float | None:
+    """Return the whole part of a frequency that lies near what is expected."""
+    part = frequency / max(round(frequency / expected), 1)
+    return part if abs(part / expected - 1.0) <= GUESS else None
+
+
+def strongest_line(samples: Samples, lowest: float = 0.0, highest: float = np.inf) -> Line:
+    """Return the strongest line of values without drift, between two frequencies [Hz]."""
+    count, rate = samples.size, samples.size / samples.duration
+    size = next_fast_len(PADDING * count, real=True)
+    spectrum = np.fft.rfft(samples.values * np.hanning(count), size)
+    power = (np.abs(spectrum) ** 2).sum(axis=0)
+    places = np.fft.rfftfreq(size, 1.0 / rate)
+    lowest = max(lowest, SLOWEST / samples.duration)
+    allowed = (places >= lowest) & (places <= min(highest, NYQUIST_SHARE * rate))
+    peak = int(np.argmax(np.where(allowed, power, -1.0)))
+    wave = solved(samples, float(places[peak]), (1,), 0)
+    strength = np.abs(wave.waves[:, 0]) ** 2 / 2.0
+    spectrum = np.fft.rfft(wave.residual) / np.sqrt(count)
+    place = np.array([wave.frequency * samples.duration])
+    noise = np.diag(density_near(spectrum, float(place[0]), place, DRIFT))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        contrast = np.nan_to_num(count * strength / (2.0 * noise), posinf=np.inf)
+    return Line(wave.frequency, float(strength.sum()), float(contrast.max()))
+
+
+def stands_out(line: Line, count: int) -> bool:
+    """Return whether noise of `count` samples, anywhere in its spectrum, hardly has such a line."""
+    return line.contrast > hurdle(count**2)
+
+
+def _lower(samples: Samples, found: Solution) -> Solution | None:
+    """Return the solution at a whole part of the frequency that takes in a line left over."""
+    left = samples._replace(values=found.residual)
+    line = strongest_line(left)
+    power = (np.abs(found.waves) ** 2).sum() / 2.0
+    if not stands_out(line, samples.size) or line.power < LEAST_SHARE * power:
+        return None
+    ratio = line.frequency / found.frequency
+    # Three standard errors of a line's place, in bins: sqrt(6/contrast)/(2 pi) each.
+    error = LEAKAGE + 3.0 * np.sqrt(6.0 / line.contrast) / (2.0 * np.pi)
+    error /= found.frequency * samples.duration
+    for part in range(2, MOST_ORDERS + 1):
+        frequency = found.frequency / part
+        whole = round(part * ratio)
+        if frequency * samples.duration < LEAST_PERIODS / 2.0 or whole > MOST_ORDERS:
+            return None
+        if abs(part * ratio - whole) > part * error:
+            continue
+        lower = solved(samples, frequency, orders_below(samples, frequency), DRIFT)
+        gained = np.mean(found.residual**2, axis=1).sum() - np.mean(lower.residual**2, axis=1).sum()
+        if gained > line.power / 2.0:
+            return lower
+    return None
+
+
+def _without_drift(samples: Samples) -> Array:
+    drift = legvander(samples.times / samples.half, DRIFT)
+    return samples.values - np.linalg.lstsq(drift, samples.values.T, rcond=None)[0].T @ drift.T

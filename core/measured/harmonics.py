@@ -1,0 +1,144 @@
+"""Least squares of harmonics with a drift, the frequency among the unknowns."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial.legendre import legvander
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+MOST_STEPS = 50
+CONVERGED = 1e-6  # turns over the recording; without noise, the next step is its square
+LONGEST_STEP = 0.25  # turns of the highest order over the recording; more could change the minimum
+
+
+class Samples(NamedTuple):
+    """Accelerations at times about the middle of the recording.
+
+    Attributes
+    ----------
+    times : ndarray, shape (n,)
+        From ``-half`` to ``half`` [s].
+    values : ndarray, shape (axes, n)
+        [m s-2].
+    """
+
+    times: Array
+    values: Array
+
+    @property
+    def size(self) -> int:
+        """Number of times."""
+        return self.times.size
+
+    @property
+    def half(self) -> float:
+        """Half of the recording [s]."""
+        return float(self.times[-1])
+
+    @property
+    def duration(self) -> float:
+        """Duration [s], each sample standing for one step."""
+        return 2.0 * self.half * self.size / (self.size - 1)
+
+
+class Solution(NamedTuple):
+    """Harmonics and drift that leave least over.
+
+    Attributes
+    ----------
+    frequency : float
+        [Hz].
+    orders : tuple of int
+    degree : int
+        Of the drift, a series of Legendre polynomials over the recording.
+    coefficients : ndarray, shape (axes, degree + 1 + 2 orders)
+        Of the columns that `columns` gives [m s-2].
+    residual : ndarray, shape (axes, n)
+        [m s-2].
+    """
+
+    frequency: float
+    orders: tuple[int, ...]
+    degree: int
+    coefficients: Array
+    residual: Array
+
+    @property
+    def drift(self) -> Array:
+        """Coefficients of the drift, the constant first, shape (axes, degree + 1)."""
+        return self.coefficients[:, : self.degree + 1]
+
+    @property
+    def waves(self) -> NDArray[np.complex128]:
+        """Orders as complex numbers c, shape (axes, orders): each is Im(c exp(i k w t))."""
+        pairs = self.coefficients[:, self.degree + 1 :]
+        return pairs[:, 0::2] + 1j * pairs[:, 1::2]
+
+
+def columns(samples: Samples, frequency: float, orders: tuple[int, ...], degree: int) -> Array:
+    """Return what is fitted: the drift's polynomials, then sine and cosine of each order."""
+    phase = np.outer(samples.times, 2.0 * np.pi * frequency * np.array(orders))
+    waves = np.stack([np.sin(phase), np.cos(phase)], axis=-1).reshape(samples.size, -1)
+    return np.hstack([legvander(samples.times / samples.half, degree), waves])
+
+
+def solved(
+    samples: Samples,
+    frequency: float,
+    orders: tuple[int, ...],
+    degree: int,
+    weights: Array | None = None,
+    *,
+    free: bool = True,
+) -> Solution:
+    """Return the least squares of all axes at once, from a frequency that is nearly right.
+
+    Minimises sum_j w_j |y_j - C(f) b_j|^2 by variable projection: the coefficients b follow from
+    the frequency f, and f moves by Gauss-Newton steps along what C cannot imitate of the change
+    of C(f) b (Golub and Pereyra 2003, doi 10.1088/0266-5611/19/2/201; Kaufman's step). Waves and
+    Legendre polynomials are nearly orthogonal, so that normal equations lose no digits.
+
+    Parameters
+    ----------
+    samples : Samples
+    frequency : float
+        [Hz], within about a tenth of a turn over the recording, for the highest order.
+    orders : tuple of int
+    degree : int
+    weights : ndarray, shape (axes,), optional
+        One over the variance of each axis; equal if left out.
+    free : bool
+        False keeps the frequency.
+    """
+    weights = np.ones(len(samples.values)) if weights is None else weights
+    limit = LONGEST_STEP / (samples.duration * max(orders))
+    last = not free
+    for _ in range(MOST_STEPS):
+        basis = columns(samples, frequency, orders, degree)
+        gram = basis.T @ basis
+        coefficients = np.asarray(np.linalg.solve(gram, basis.T @ samples.values.T).T, np.float64)
+        residual = samples.values - coefficients @ basis.T
+        found = Solution(frequency, orders, degree, coefficients, residual)
+        if last:
+            break
+        change = _by_frequency(samples, basis, found)
+        change -= np.linalg.solve(gram, basis.T @ change.T).T @ basis.T
+        size = weights @ (change * change).sum(axis=1)
+        if size <= 0.0:  # nothing moves at this frequency
+            break
+        step = float(weights @ (change * residual).sum(axis=1) / size)
+        frequency += float(np.clip(step, -limit, limit))
+        last = abs(step) * samples.duration < CONVERGED
+    return found
+
+
+def _by_frequency(samples: Samples, basis: Array, found: Solution) -> Array:
+    """Return the derivative of the model by the frequency, shape (axes, n)."""
+    waves = basis[:, found.degree + 1 :]
+    sine, cosine = waves[:, 0::2], waves[:, 1::2]
+    turned = 2.0 * np.pi * np.array(found.orders) * found.waves
+    return (turned.real @ cosine.T - turned.imag @ sine.T) * samples.times

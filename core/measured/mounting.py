@@ -1,0 +1,65 @@
+"""How a sensor of three axes stands on the track."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from core.errors import Problem
+from core.quantities.quantity import angle
+from core.study.units import UnitError, problem, read_number
+
+Angles = tuple[float | str, float | str, float | str]
+
+ORTHONORMAL = 1e-3  # of a matrix as a user copies it
+ANGLES = {
+    name: angle(name, name.capitalize(), f"{name.capitalize()} of the sensor.", 360.0, "90 deg")
+    for name in ("yaw", "pitch", "roll")
+}
+FIX = (
+    "Give yaw, pitch and roll in degrees, such as [0, 0, 90], or a 3x3 rotation whose columns are "
+    "the sensor's x, y and z in components along, across and normal"
+)
+
+
+def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] | None:
+    """Return the rotation R, shape (3, 3), of a mounting; None, with problems, if it is none.
+
+    Components in the track's axes are R times those in the sensor's; of angles it is
+    R_z(yaw) R_y(pitch) R_x(roll), of a matrix the rotation nearest to it.
+    """
+    if mounting is None:
+        return np.eye(3)
+    parts = list(mounting) if isinstance(mounting, list | tuple | np.ndarray) else []
+    if len(parts) != 3:
+        problems.append(Problem("mounting", "it holds neither three angles nor a matrix", FIX))
+        return None
+    if all(np.ndim(part) == 0 for part in parts):
+        return _turned(parts, problems)
+    try:
+        matrix = np.array(parts, dtype=np.float64)
+    except (TypeError, ValueError):
+        matrix = np.full((1, 1), np.nan)
+    near = matrix.shape == (3, 3) and np.allclose(matrix @ matrix.T, np.eye(3), atol=ORTHONORMAL)
+    if not near:
+        problems.append(Problem("mounting", "its matrix is no rotation", FIX))
+        return None
+    if np.linalg.det(matrix) < 0:
+        fix = 'Turn one channel round with a minus sign: sensor = ["ax", "-ay", "az"]'
+        problems.append(Problem("mounting", "its matrix mirrors, which no mounting does", fix))
+        return None
+    return Rotation.from_matrix(matrix).as_matrix()
+
+
+def _turned(parts: list[object], problems: list[Problem]) -> NDArray[np.float64] | None:
+    angles = []
+    for (name, quantity), raw in zip(ANGLES.items(), parts, strict=True):
+        raw = raw.item() if isinstance(raw, np.generic) else raw
+        try:
+            angles.append(read_number(name, quantity, raw))
+        except UnitError as error:
+            problems.append(problem(f"mounting.{name}", error))
+    if len(angles) < len(parts):
+        return None
+    return Rotation.from_euler("ZYX", angles, degrees=True).as_matrix()

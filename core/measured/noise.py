@@ -1,0 +1,136 @@
+"""What the residual says of the errors of a fit, whatever its colour.
+
+A wave hears only the noise about its own frequency: the errors of a harmonic depend on the
+residual's spectral density there (Grenander and Rosenblatt, Statistical Analysis of Stationary
+Time Series, 1957, chapter 7; Quinn and Hannan, The Estimation and Tracking of Frequency, 2001,
+chapter 3). It is estimated by the mean of the periodogram over the bins nearest to the harmonic
+that no fitted wave touches, for all axes and pairs of axes.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.measured.harmonics import Array, Samples, Solution, columns
+
+BINS = 20  # whose mean estimates a density, within a fifth: more would reach too far in red noise
+LOWEST_BINS = 12  # about zero, where noise is steep and the drift hears the lowest bins only
+TOUCHED = 1.0  # bins about a fitted wave from which the fit has taken something
+ROUNDING = 1e-10  # of the values' rms: no less is believed of any noise
+
+
+class Noise(NamedTuple):
+    """Noise of the drift and of each order.
+
+    Attributes
+    ----------
+    densities : ndarray, shape (1 + orders, axes, axes)
+        Spectral density of the residual about zero and about each order, scaled so that white
+        noise has its variance in it [m2 s-4].
+    weights : ndarray, shape (axes,)
+        One over the variance of the residual.
+    """
+
+    densities: Array
+    weights: Array
+
+
+def noise_of(samples: Samples, found: Solution, resolution: Array) -> Noise:
+    """Return the noise of a fit, which is never below the rounding of its values."""
+    count = samples.size
+    # Rounding to the recorder's steps, or of numbers: a mounting mixes that of all axes.
+    floor = np.maximum(resolution**2 / 12.0, np.mean(samples.values**2) * ROUNDING**2)
+    variance = np.maximum(np.mean(found.residual**2, axis=1), floor)
+    variance[variance == 0.0] = 1.0  # of a recording that is nothing but zeros
+    centres = np.array([0, *found.orders]) * found.frequency * samples.duration
+    densities = []
+    spectrum = np.fft.rfft(found.residual) / np.sqrt(count)
+    for centre in centres:
+        density = density_near(spectrum, centre, centres, found.degree)
+        lacking = np.maximum(floor - np.diag(density), 0.0)
+        densities.append(density + np.diag(lacking))
+    return Noise(np.array(densities), 1.0 / variance)
+
+
+def density_near(
+    spectrum: NDArray[np.complex128], centre: float, fitted: Array, degree: int
+) -> Array:
+    """Return the spectral density about a place, shape (axes, axes).
+
+    Parameters
+    ----------
+    spectrum : ndarray, shape (axes, bins)
+        Fourier transform of the residual over the root of the number of samples.
+    centre : float
+        Place, in bins.
+    fitted : ndarray, shape (k,)
+        Places of what has been fitted.
+    degree : int
+        Of the fitted drift, which reaches up to half as many bins.
+    """
+    bins = np.arange(spectrum.shape[1])
+    free = (np.abs(bins[:, None] - fitted) > TOUCHED).all(axis=1) & (bins > degree / 2.0)
+    places = bins[free]
+    near = places[
+        np.argsort(np.abs(places - centre), kind="stable")[: BINS if centre > 0.0 else LOWEST_BINS]
+    ]
+    part = spectrum[:, near]
+    return (part @ part.conj().T).real / max(near.size, 1)
+
+
+def hurdle(count: int) -> float:
+    """Return half of what a wave's square over its variance must exceed to be told from noise.
+
+    m (n^(1/m) - 1), which noise exceeds with the probability 1/n: the square of a wave is
+    exponential, and its variance the mean of m such squares. For many bins m it is ln(n), the
+    price of a coefficient in Schwarz's criterion (1978, doi 10.1214/aos/1176344136).
+    """
+    return float(BINS * (count ** (1.0 / BINS) - 1.0))
+
+
+def covariance_of(samples: Samples, found: Solution, noise: Noise) -> Array:
+    """Return the covariance of the frequency [Hz] and of the coefficients, axis after axis.
+
+    H^-1 M H^-1 with H = sum_j w_j J_j' J_j and M = sum_g sum_jl w_j w_l S_jl(g) J_jg' J_lg, where
+    J_jg is the derivative of the model of axis j by all unknowns, of which g takes the drift or
+    one order, and S(g) is the density there.
+    """
+    axes, size = found.coefficients.shape
+    first = found.degree + 1
+    basis = columns(samples, found.frequency, found.orders, found.degree)
+    slanted = basis[:, first:] * (samples.times / samples.half)[:, None]
+    gram = np.hstack([basis, slanted])
+    gram = gram.T @ gram
+    order = np.repeat(np.arange(1, len(found.orders) + 1), 2)
+    group = np.concatenate([np.zeros(first, dtype=np.int64), order, order])
+
+    # Column by unknown: the first unknown is the frequency, in turns over half of the recording.
+    derivative = np.zeros((axes, group.size, 1 + axes * size))
+    turned = 2.0 * np.pi * np.array(found.orders) * found.waves
+    for axis in range(axes):
+        derivative[axis, np.arange(size), 1 + axis * size + np.arange(size)] = 1.0
+        derivative[axis, size::2, 0] = -turned[axis].imag
+        derivative[axis, size + 1 :: 2, 0] = turned[axis].real
+
+    weighted = noise.weights[:, None, None] * derivative
+    bread = _summed(weighted, gram @ derivative)
+    meat = np.zeros_like(bread)
+    for index, density in enumerate(noise.densities):
+        own = group == index
+        part = weighted[:, own]
+        meat += _summed(np.tensordot(density, part, 1), gram[np.ix_(own, own)] @ part)
+    # Weights and waves differ by many powers of ten: a scaled matrix is inverted.
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(bread), np.finfo(float).tiny))
+    inverse = np.linalg.pinv(bread * np.outer(scale, scale), hermitian=True)
+    inverse *= np.outer(scale, scale)
+    inverse[0] /= samples.half
+    covariance = inverse @ meat @ inverse.T
+    return (covariance + covariance.T) / 2.0
+
+
+def _summed(one: Array, other: Array) -> Array:
+    """Return sum_j A_j' B_j of two stacks of matrices."""
+    return one.reshape(-1, one.shape[-1]).T @ other.reshape(-1, other.shape[-1])

@@ -1,0 +1,158 @@
+"""The picture of a fit: one period, what is left over, the spectrum, and the path of the track."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from core.measured.drive import Fit
+from core.measured.harmonics import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SIZE = (10.0, 7.0)  # inches
+COLOURS = {"along": "#1f3b73", "across": "#b3560f", "normal": "#2f7d32"}
+INK, QUIET = "#333333", "#444444"
+MOST_POINTS = 3000  # of one axis; more hide one another
+FINE = 721  # points of a smooth curve
+DISPLAYED = 1.3  # times the highest order, the end of the spectrum
+EXACT = 1e-9  # of the frequency: an error below is not worth its digits
+MICRO = 1e6
+DOT = " \N{MIDDLE DOT} "
+
+
+def draw_fit(fit: Fit) -> Figure:
+    """Return the picture of a fit, a figure with a canvas of its own.
+
+    Left the samples of one period with the fitted drive, an axis below the other, and what is left
+    over; right the spectrum, in which dots mark what has been fitted, and the path of the track.
+    """
+    # Loaded here: fits are made where no picture is wanted.
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=SIZE, layout="constrained", facecolor="white")
+    FigureCanvasAgg(figure)
+    left, right = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), squeeze=False)[0]
+    count = len(fit.axes)
+    periods = left.subplots(count + 1, 1, sharex=True, height_ratios=(*(1.0,) * count, 0.8))
+    _draw_period(periods, fit)
+    spectrum, path = right.subplots(2, 1, height_ratios=(1.0, 1.2))
+    _draw_spectrum(spectrum, fit)
+    _draw_path(path, fit)
+    for axes in (*periods, spectrum, path):
+        axes.grid(visible=True, color="#000000", alpha=0.12, linewidth=0.6)
+        axes.set_axisbelow(True)
+    left.align_ylabels(periods)
+    heading = figure.suptitle(
+        "Drive of a recording", x=0.02, ha="left", fontsize=13, fontweight="bold"
+    )
+    subtitle = periods[0].set_title(
+        _facts(fit), loc="left", fontsize=8.5, color=QUIET, linespacing=1.4
+    )
+    figure.draw_without_rendering()
+    heading.set_x(subtitle.get_window_extent().x0 / figure.bbox.width)
+    return figure
+
+
+def _facts(fit: Fit) -> str:
+    """Return what the fit found, in two lines."""
+    frequency = f"{fit.frequency:.8g} Hz"
+    if fit.frequency_error > EXACT * fit.frequency:
+        digits = max(0, 1 - int(np.floor(np.log10(fit.frequency_error))))
+        frequency = f"{fit.frequency:.{digits}f} ± {fit.frequency_error:.{digits}f} Hz"
+    facts = [frequency]
+    if fit.clock is not None:
+        pace = "slow" if fit.clock.error > 0.0 else "fast"
+        facts.append(f"clock {100 * abs(fit.clock.error):.2g} % {pace}")
+    facts.append(f"{fit.periods:.0f} periods, {fit.samples:,} samples")
+    left = f"left over {_percent(fit.left_over)}, drift {_percent(fit.drifting)} of the drive"
+    return DOT.join(facts) + "\n" + left
+
+
+def _percent(shares: Array) -> str:
+    return f"{100 * np.linalg.norm(shares):.2g} %"
+
+
+def _draw_period(panels: list[Axes], fit: Fit) -> None:
+    """Draw the samples of each axis over one period, the fit, and the residual below."""
+    fold = fit.fold()
+    milliseconds = 1e3 / (2.0 * np.pi * fit.frequency)
+    smooth = np.linspace(0.0, 2.0 * np.pi, FINE)
+    curves = fit.periodic(smooth)
+    some = slice(None, None, -(-fit.samples // MOST_POINTS))
+    times = milliseconds * fold.phase[some]
+    last = panels[-1]
+    for panel, axis, values, curve, residual in zip(
+        panels[:-1], fit.axes, fold.accelerations, curves, fold.residual, strict=True
+    ):
+        colour = COLOURS[axis]
+        panel.plot(times, values[some], ".", color=colour, markersize=2.0, alpha=0.3, zorder=2)
+        panel.plot(milliseconds * smooth, curve, color=INK, linewidth=1.2, zorder=3)
+        panel.set_ylabel(f"{axis.capitalize()} (m/s²)")
+        last.plot(times, residual[some], ".", color=colour, markersize=2.0, alpha=0.3)
+    last.axhline(0.0, color=INK, linewidth=0.8)
+    last.set_ylabel("Left over (m/s²)")
+    last.set_xlabel("Time in the period (ms)")
+    last.set_xlim(0.0, 1e3 / fit.frequency)
+
+
+def _draw_spectrum(axes: Axes, fit: Fit) -> None:
+    """Draw amplitudes of acceleration over frequency, and what has been fitted."""
+    from matplotlib.lines import Line2D
+
+    fold = fit.fold()
+    window = np.hanning(fit.samples)
+    amplitude = 2.0 * np.abs(np.fft.rfft(fold.accelerations * window)) / window.sum()
+    places = np.arange(amplitude.shape[1]) * fit.frequency / fit.periods * (1 - 1 / fit.samples)
+    shown = places <= max(DISPLAYED * fit.orders[-1], fit.orders[-1] + 1) * fit.frequency
+    orders = np.array(fit.orders)
+    peaks = fit.amplitudes * (2.0 * np.pi * fit.frequency * orders) ** 2
+    for axis, curve, row, told in zip(fit.axes, amplitude, peaks, fit.told, strict=True):
+        colour = COLOURS[axis]
+        axes.plot(places[shown], curve[shown], color=colour, linewidth=0.7, alpha=0.8)
+        axes.plot(fit.frequency * orders[told], row[told], "o", color=colour, markersize=5.0)
+    axes.set_yscale("log")
+    axes.set_ylim(bottom=max(float(np.median(amplitude[:, shown])) / 10.0, 1e-9 * peaks.max()))
+    axes.set_xlim(0.0, float(places[shown][-1]))
+    axes.set_xlabel("Frequency (Hz)")
+    axes.set_ylabel("Amplitude (m/s²)")
+    handles = [Line2D([], [], color=COLOURS[axis], label=axis) for axis in fit.axes]
+    handles.append(Line2D([], [], color=INK, marker="o", linewidth=0.0, label="fitted"))
+    axes.legend(
+        handles=handles,
+        loc="lower center",
+        bbox_to_anchor=(0.5, 1.0),
+        ncols=len(handles),
+        frameon=False,
+        fontsize=9,
+        handlelength=1.2,
+    )
+
+
+def _draw_path(axes: Axes, fit: Fit) -> None:
+    """Draw the path of the track seen from its side; displacements over time without two axes."""
+    phase = np.linspace(0.0, 2.0 * np.pi, FINE)
+    moved = dict(zip(fit.axes, MICRO * fit.displacement(phase), strict=True))
+    if "along" not in moved or "normal" not in moved:
+        for axis, curve in moved.items():
+            axes.plot(1e3 * phase / (2.0 * np.pi * fit.frequency), curve, color=COLOURS[axis])
+        axes.set_xlabel("Time in the period (ms)")
+        axes.set_ylabel("Displacement (µm)")
+        return
+    along, normal = moved["along"], moved["normal"]
+    axes.plot(along, normal, color=INK, linewidth=1.6)
+    axes.plot(along[0], normal[0], "o", color=INK, markersize=5.0)
+    quarter = FINE // 8
+    axes.annotate(
+        "",
+        xy=(along[quarter + 4], normal[quarter + 4]),
+        xytext=(along[quarter], normal[quarter]),
+        arrowprops={"arrowstyle": "-|>", "color": INK, "mutation_scale": 16},
+    )
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("Along (µm); the dot is at t = 0")
+    axes.set_ylabel("Normal (µm)")

@@ -1,0 +1,237 @@
+"""A table of measured channels, read from CSV as recorders and spreadsheets write it.
+
+What is wrong in a column is kept with it and told only if the column is used: a recorder's column
+of remarks does not spoil its accelerations.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from io import StringIO
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import Problem, StudyError, suggestion
+
+MOST_BYTES = 50_000_000
+MOST_ROWS = 500_000  # whose fit in three axes takes half a gigabyte and some ten seconds
+MOST_COLUMNS = 256
+MOST_LETTERS = 20_000  # of a line
+SHOWN = 3  # faults of a column that are told one by one
+
+_UNIT = re.compile(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*")
+_UNITS_ONLY = re.compile(r"\s*([\[(][^\[\]]*[\])])?\s*")
+_ENCODINGS = ("utf-8-sig", "cp1252")  # the second is what a spreadsheet in Europe writes
+
+
+class Fault(NamedTuple):
+    """A cell that is no finite number: its line in the file and its text."""
+
+    line: int
+    text: str
+
+
+@dataclass(frozen=True)
+class Column:
+    """One channel.
+
+    Attributes
+    ----------
+    values : ndarray, shape (n,)
+        As written in the file; NaN where a cell is faulty.
+    unit : str
+        What the header says in brackets; empty if it says nothing.
+    faults : tuple of Fault
+        The first faulty cells.
+    faulty : int
+        How many there are.
+    """
+
+    values: NDArray[np.float64]
+    unit: str
+    faults: tuple[Fault, ...] = ()
+    faulty: int = 0
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns of equal length, by name, and the line of the file on which each row stands."""
+
+    columns: Mapping[str, Column]
+    lines: NDArray[np.int64]
+
+    def column(self, name: str, place: str, problems: list[Problem]) -> Column | None:
+        """Return a sound column; else say at `place` what is wrong with it, and return None."""
+        column = self.columns.get(name)
+        if column is None:
+            message = f"the recording has no column '{name[:60]}'"
+            problems.append(Problem(place, message, suggestion(name, self.columns), name))
+            return None
+        for fault in column.faults:
+            message = f"line {fault.line} of column '{name}' holds {fault.text[:40]!r}, no number"
+            problems.append(Problem(place, message, "Correct the line, or leave it out", name))
+        if column.faulty > SHOWN:
+            message = f"{column.faulty:,} cells of column '{name}' are no finite numbers"
+            problems.append(Problem(place, message, "Export the recording anew", name))
+        return None if column.faulty else column
+
+
+def read_table(source: str | Path) -> Table:
+    """Return the columns of a CSV file, or of its text.
+
+    Comma, semicolon or tab part the cells; beside the last two a comma is a decimal comma. The
+    first row holds names, with units in brackets if need be (``ax [g]``); a row of units alone
+    may follow it. Blank lines and lines that begin with ``#`` are passed over.
+
+    Parameters
+    ----------
+    source : str or Path
+        A text is the content itself, a Path the file that holds it.
+
+    Raises
+    ------
+    StudyError
+        If it is no table, or larger than 50 MB, 500,000 rows or 256 columns.
+    OSError
+        If the file cannot be read.
+    """
+    text = _text_of(source)
+    rows = _rows(text)
+    _, header = next(rows, (0, []))
+    if not header:
+        raise _refused("the recording is empty", "Give a row of names, and rows of numbers below")
+    if len(header) > MOST_COLUMNS:
+        raise _refused(
+            f"it has {len(header):,} columns", f"Keep the {MOST_COLUMNS} that are used at most"
+        )
+    if all(_is_number(cell) for cell in header):
+        raise _refused("its first row holds numbers", "Put a row with the names of columns on top")
+    names, units = _names(header)
+    body = list(islice(rows, MOST_ROWS + 2))
+    if body and all(_UNITS_ONLY.fullmatch(cell) for cell in body[0][1]):
+        below = (cell.strip(" []()") for cell in body.pop(0)[1])
+        units = [unit or other for unit, other in zip(units, below, strict=False)]
+    if not body:
+        raise _refused("the recording holds no numbers", "Give rows of numbers below the names")
+    if len(body) > MOST_ROWS:
+        raise _refused(
+            f"it has more than {MOST_ROWS:,} rows",
+            "Cut it: a second of recording states a drive well",
+        )
+    _check_rows(body, names)
+    lines = np.array([line for line, _ in body])
+    cells = list(zip(*(row for _, row in body), strict=True))
+    columns = {
+        name: _column(texts, unit, lines)
+        for name, unit, texts in zip(names, units, cells, strict=True)
+    }
+    return Table(columns, lines)
+
+
+def _text_of(source: str | Path) -> str:
+    if isinstance(source, str):
+        if len(source) > MOST_BYTES:
+            raise _too_long(len(source))
+        return source.removeprefix("\ufeff")
+    with source.open("rb") as file:  # no more is read than is allowed, whatever the file is
+        raw = file.read(MOST_BYTES + 1)
+    if len(raw) > MOST_BYTES:
+        raise _too_long(source.stat().st_size)
+    if b"\0" not in raw:
+        for encoding in _ENCODINGS:
+            try:
+                return raw.decode(encoding)
+            except UnicodeDecodeError:
+                continue
+    raise _refused("the file holds no text", "Export the recording as CSV, in UTF-8")
+
+
+def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield line number and cells of each row that is neither blank nor a comment."""
+    delimiter = ""
+    # A cell of several lines is no number; each line is a row of its own, and keeps its number.
+    for number, line in enumerate(StringIO(text, newline=None), start=1):
+        line = line.rstrip("\n")
+        if line.lstrip().startswith("#") or not line.strip(" \t;,"):
+            continue
+        if len(line) > MOST_LETTERS:
+            raise _refused(f"line {number} has {len(line):,} letters", "Keep the columns in use")
+        if not delimiter:
+            delimiter = next((mark for mark in "\t;" if mark in line), ",")
+        row = _quoted(number, line, delimiter) if '"' in line else line.split(delimiter)
+        while len(row) > 1 and not row[-1].strip():  # a recorder may end its lines with a delimiter
+            row.pop()
+        yield number, row if delimiter == "," else [cell.replace(",", ".") for cell in row]
+
+
+def _quoted(number: int, line: str, delimiter: str) -> list[str]:
+    try:
+        return next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+    except csv.Error as error:
+        raise _refused(f"line {number} is no row of cells", "Correct the line") from error
+
+
+def _names(header: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Return names and units of the columns."""
+    names, units = [], []
+    for cell in header:
+        match = _UNIT.fullmatch(cell)
+        names.append(match[1].strip() if match and match[1].strip() else cell.strip())
+        units.append(match[2].strip() if match and match[1].strip() else "")
+    twice = sorted({name for name in names if names.count(name) > 1 and name})
+    if twice:
+        raise _refused(f"two columns have the name '{twice[0]}'", "Rename one")
+    return names, units
+
+
+def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str]) -> None:
+    odd = [(line, len(row)) for line, row in body if len(row) != len(names)]
+    problems = [
+        Problem(
+            "recording",
+            f"line {line} has {count} cell{'s' * (count != 1)}, the header has {len(names)}",
+            "Correct the line, or leave it out",
+        )
+        for line, count in odd[:SHOWN]
+    ]
+    if len(odd) > SHOWN:
+        fix = "Export it anew; where a comma is a decimal comma, part the cells by semicolons"
+        problems.append(Problem("recording", f"{len(odd):,} lines are not whole", fix))
+    if problems:
+        raise StudyError(problems)
+
+
+def _column(texts: Sequence[str], unit: str, lines: NDArray[np.int64]) -> Column:
+    try:
+        values = np.fromiter(map(float, texts), np.float64, len(texts))
+    except ValueError:
+        values = np.array([float(text) if _is_number(text) else np.nan for text in texts])
+    wrong = np.flatnonzero(~np.isfinite(values))
+    faults = tuple(Fault(int(lines[row]), texts[row].strip()) for row in wrong[:SHOWN])
+    return Column(values, unit, faults, wrong.size)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _refused(message: str, fix: str) -> StudyError:
+    return StudyError([Problem("recording", message, fix)])
+
+
+def _too_long(size: int) -> StudyError:
+    return _refused(
+        f"the recording has {size / 1e6:,.0f} MB, the limit is {MOST_BYTES / 1e6:.0f} MB",
+        "Cut it: a second of recording states a drive well",
+    )

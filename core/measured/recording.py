@@ -1,0 +1,244 @@
+"""What a user says of a recording, and the accelerations of the track that it then holds."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import Problem, StudyError
+from core.measured.clipped import clipped
+from core.measured.mounting import Angles, direction
+from core.measured.read import Column, Table, read_table
+from core.measured.times import read_times
+from core.quantities import QUANTITIES
+from core.study.units import UnitError, problem, read_number
+
+AXES = ("along", "across", "normal")
+MOST_ORDERS = 10
+LEAST_SAMPLES = 100
+STANDARD_GRAVITY = 9.80665  # [m s-2], what a sensor's "g" means, wherever it stands
+FREQUENCY = replace(QUANTITIES["frequency"], strict=True)  # a drive at rest has no harmonics
+
+# Spaces and signs of powers are taken out before a unit is looked up.
+ACCELERATIONS = {
+    "m/s2": 1.0,
+    "ms-2": 1.0,
+    "mm/s2": 1e-3,
+    "mms-2": 1e-3,
+    "cm/s2": 1e-2,
+    "g": STANDARD_GRAVITY,
+    "gn": STANDARD_GRAVITY,
+    "mg": 1e-3 * STANDARD_GRAVITY,
+}
+UNITS = ("m s-2", "mm s-2", "cm/s2", "g", "mg")  # as messages list them
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What is to be known of a recording beside its file.
+
+    Attributes
+    ----------
+    along, across, normal : str, optional
+        Columns with the acceleration along the track, across it (to the left of the transport) and
+        normal to it (upwards). A minus sign in front turns a channel round: ``"-ay"``.
+    sensor : tuple of str, optional
+        Instead: columns of the sensor's own right-handed axes x, y, z.
+    mounting : three angles or 3x3 matrix, optional
+        How `sensor` stands on the track: yaw, pitch and roll (numbers in degrees, or text), which
+        turn the track's axes into the sensor's by R_z(yaw) R_y(pitch) R_x(roll); or that matrix,
+        whose columns are the sensor's axes in components along, across, normal. In line with the
+        track if left out.
+    unit : str, optional
+        Of the channels, where their headers do not name it: ``m s-2``, ``mm s-2``, ``g``, ``mg``.
+    rate : float or str, optional
+        Samples a second, if there is no column of times.
+    time : str, optional
+        Column of times; a column called ``time`` or ``t`` is found by itself.
+    line_frequency : float or str, optional
+        What the drive truly runs at, if that is known better than the recorder's clock is.
+    frequency : float or str, optional
+        About what the recording's fundamental is, within a tenth; found if left out.
+    harmonics : int, optional
+        How many orders to fit; as many as the data tell if left out.
+    """
+
+    along: str | None = None
+    across: str | None = None
+    normal: str | None = None
+    sensor: tuple[str, str, str] | None = None
+    mounting: Angles | Sequence[Sequence[float]] | None = None
+    unit: str | None = None
+    rate: float | str | None = None
+    time: str | None = None
+    line_frequency: float | str | None = None
+    frequency: float | str | None = None
+    harmonics: int | None = None
+
+
+class Signal(NamedTuple):
+    """Sound accelerations of the track, and what is known of their drive beforehand.
+
+    Attributes
+    ----------
+    times : ndarray, shape (n,)
+        By the recorder's clock [s], ascending.
+    accelerations : ndarray, shape (axes, n)
+        [m s-2], as a sensor at rest shows them: +g upwards.
+    axes : tuple of str
+        Which of along, across, normal.
+    resolution : ndarray, shape (axes,)
+        Smallest step between two values [m s-2]; 0 if nothing is known of it.
+    line_frequency, frequency : float, optional
+        [Hz], as in `Recording`.
+    harmonics : int, optional
+    """
+
+    times: NDArray[np.float64]
+    accelerations: NDArray[np.float64]
+    axes: tuple[str, ...]
+    resolution: NDArray[np.float64]
+    line_frequency: float | None = None
+    frequency: float | None = None
+    harmonics: int | None = None
+
+
+def read_signal(source: str | Path | Table, recording: Recording) -> Signal:
+    """Return the track's accelerations that a recording holds.
+
+    Parameters
+    ----------
+    source : str, Path or Table
+        The CSV: its text, its file, or as it has been read.
+    recording : Recording
+
+    Raises
+    ------
+    StudyError
+        With everything that is wrong: columns, cells, units, times, numbers, clipped channels.
+    """
+    table = source if isinstance(source, Table) else read_table(source)
+    problems: list[Problem] = []
+    times = read_times(table, recording.rate, recording.time, problems)
+    names = _channels(recording, problems)
+    channels = [_channel(table, place, name, recording.unit, problems) for place, name in names]
+    turned = direction(recording.mounting, problems)
+    line, guess = (
+        _number(name, getattr(recording, name), problems)
+        for name in ("line_frequency", "frequency")
+    )
+    _check_orders(recording.harmonics, problems)
+    if len(table.lines) < LEAST_SAMPLES:
+        problems.append(
+            Problem(
+                "recording",
+                f"it has {len(table.lines)} samples",
+                f"Record {LEAST_SAMPLES} at least, over ten periods or more",
+            )
+        )
+    held = [channel for channel in channels if channel is not None]
+    if problems or times is None or turned is None or len(held) < len(names):
+        raise StudyError(problems)
+    accelerations = np.array([channel.accelerations for channel in held])
+    resolution = np.array([channel.step for channel in held])
+    axes = tuple(place for place, _ in names)
+    if recording.sensor is not None:
+        accelerations, axes = turned @ accelerations, AXES
+        resolution = np.sqrt(turned**2 @ resolution**2)
+    return Signal(times, accelerations, axes, resolution, line, guess, recording.harmonics)
+
+
+class _Channel(NamedTuple):
+    accelerations: NDArray[np.float64]
+    step: float
+
+
+def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, str]]:
+    """Return place and name of each column of accelerations."""
+    own = [(axis, name) for axis in AXES if (name := getattr(recording, axis)) is not None]
+    sensor = recording.sensor
+    if sensor is None:
+        if not own:
+            fix = "Name the columns: along = ..., normal = ..., or sensor = three columns"
+            problems.append(Problem("along", "no channel is named", fix))
+        elif recording.mounting is not None:
+            fix = "Give sensor = three columns instead of along, across and normal"
+            problems.append(Problem("mounting", "it turns a sensor of three axes only", fix))
+        return own
+    if own:
+        fix = "Give the one or the other"
+        problems.append(Problem("sensor", f"both sensor and {own[0][0]} are given", fix))
+    if isinstance(sensor, str) or len(sensor) != 3:
+        fix = 'Name the columns of x, y and z: sensor = ["ax", "ay", "az"]'
+        problems.append(Problem("sensor", "it does not name three columns", fix))
+        return []
+    return [(f"sensor.{axis}", name) for axis, name in zip("xyz", sensor, strict=True)]
+
+
+def _channel(
+    table: Table, place: str, name: str, unit: str | None, problems: list[Problem]
+) -> _Channel | None:
+    """Return a channel in m s-2; None if something is wrong with it."""
+    sign = -1.0 if name.startswith("-") and name not in table.columns else 1.0
+    column = table.column(name if sign > 0 else name[1:].strip(), place, problems)
+    if column is None:
+        return None
+    factor = _factor(place, name, column, unit, problems)
+    problems += clipped(place, name, column.values, table.lines)
+    if factor is None:
+        return None
+    gaps = np.diff(np.unique(column.values))
+    step = float(gaps.min()) if gaps.size else 0.0
+    return _Channel(sign * factor * column.values, factor * step)
+
+
+def _factor(
+    place: str, name: str, column: Column, unit: str | None, problems: list[Problem]
+) -> float | None:
+    """Return what one unit of a channel is in m s-2."""
+    said = {text for text in (column.unit, unit) if text}
+    factors = {text: ACCELERATIONS.get(_plain(text)) for text in said}
+    listed = ", ".join(UNITS)
+    if not said:
+        fix = f"Give unit = one of {listed}, or write it in the header: '{name} [g]'"
+        problems.append(Problem("unit", f"nothing says the unit of column '{name}'", fix))
+        return None
+    for text, factor in factors.items():
+        if factor is None:
+            message = f"'{text[:40]}' is no unit of acceleration"
+            problems.append(Problem("unit" if text == unit else place, message, f"Known: {listed}"))
+            return None
+    if len(set(factors.values())) > 1:
+        message = f"the header says {column.unit} for column '{name}', unit says {unit}"
+        problems.append(Problem("unit", message, "Leave unit out, or correct the header"))
+        return None
+    return next(iter(factors.values()))
+
+
+def _plain(unit: str) -> str:
+    return re.sub(r"[\s^*·]", "", unit.replace("²", "2"))
+
+
+def _number(name: str, raw: float | str | None, problems: list[Problem]) -> float | None:
+    if raw is None:
+        return None
+    try:
+        return read_number(name, FREQUENCY, raw)
+    except UnitError as error:
+        problems.append(problem(name, error))
+        return None
+
+
+def _check_orders(harmonics: object, problems: list[Problem]) -> None:
+    if harmonics is None:
+        return
+    whole = isinstance(harmonics, int) and not isinstance(harmonics, bool)
+    if not whole or harmonics not in range(1, MOST_ORDERS + 1):
+        fix = f"Give a whole number from 1 to {MOST_ORDERS}, or leave it out"
+        problems.append(Problem("harmonics", f"{str(harmonics)[:40]} orders cannot be fitted", fix))

@@ -1,0 +1,179 @@
+"""Whether a recording can state a drive: long and fast enough, periodic, steady."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from core.errors import Problem, StudyError
+from core.measured.fundamental import (
+    LEAST_PERIODS,
+    MOST_LEFT,
+    NYQUIST_SHARE,
+    orders_below,
+    stands_out,
+    strongest_line,
+)
+from core.measured.harmonics import Samples, Solution, solved
+from core.measured.noise import Noise
+from core.measured.recording import LEAST_SAMPLES, Signal
+
+MOST_CHANGE = 0.05  # of the drive's rms, from the first third of a recording to the last
+CHANGE_ERRORS = 4.0  # standard errors that the change must exceed as well
+MOST_CLOCK = 0.05
+TWICE = 0.1  # a ratio so near a whole number, or a whole part, tells of another drive
+
+
+def check_before(signal: Signal) -> None:
+    """Refuse what no fit can be made of.
+
+    Raises
+    ------
+    StudyError
+        If a value is not finite, samples are too few, or a frequency is out of reach.
+    """
+    problems = []
+    count = signal.times.size
+    if not (np.isfinite(signal.accelerations).all() and np.isfinite(signal.times).all()):
+        problems.append(
+            Problem("recording", "it holds values that are not finite", "Leave them out")
+        )
+    if count < LEAST_SAMPLES:
+        fix = f"Record {LEAST_SAMPLES} at least, over {LEAST_PERIODS} periods or more"
+        raise StudyError([*problems, Problem("recording", f"it has {count} samples", fix)])
+    if not np.ptp(signal.accelerations, axis=1).any():
+        fix = "Look whether the sensor was connected"
+        problems.append(Problem("recording", "all its channels are constant", fix))
+    duration = float(np.ptp(signal.times)) * count / (count - 1)
+    lowest, highest = LEAST_PERIODS / duration, NYQUIST_SHARE * count / duration
+    for place in ("frequency", "line_frequency"):
+        asked = getattr(signal, place)
+        if asked is None:
+            continue
+        if asked < lowest:
+            problems.append(_too_short(place, asked, duration))
+        elif asked > highest:
+            problems.append(
+                Problem(
+                    place,
+                    f"{count / duration:,.4g} samples a second do not tell {asked:g} Hz",
+                    f"Record {asked / NYQUIST_SHARE:,.4g} a second or more",
+                )
+            )
+    if problems:
+        raise StudyError(problems)
+
+
+def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:
+    """Refuse orders that the samples cannot tell apart, and recordings of few periods."""
+    able = orders_below(samples, frequency)
+    wanted = signal.harmonics or 1
+    rate = samples.size / samples.duration
+    if len(able) < wanted:
+        message = (
+            f"order {wanted} of {frequency:.4g} Hz needs "
+            f"{wanted * frequency / NYQUIST_SHARE:,.0f} samples a second, the recording has "
+            f"{rate:,.0f}"
+        )
+        fix = f"Ask for {len(able)} at most, or record faster" if able else "Record faster"
+        raise StudyError([Problem("harmonics", message, fix)])
+    if frequency * samples.duration < LEAST_PERIODS:
+        raise StudyError([_too_short("recording", frequency, samples.duration)])
+
+
+def check_fit(signal: Signal, samples: Samples, found: Solution, noise: Noise, told: bool) -> None:
+    """Refuse a fit that does not state a drive.
+
+    Raises
+    ------
+    StudyError
+        If no order is told, too much is left over, the drive changes from the first third to the
+        last, or the clock is too far off.
+    """
+    problems = []
+    periodic = np.sqrt((np.abs(found.waves) ** 2).sum() / 2.0)
+    left = np.sqrt(np.mean(found.residual**2, axis=1).sum())
+    if not told or left > MOST_LEFT * periodic:
+        problems.append(_not_periodic(samples, found, left, periodic))
+    else:
+        problems += _unsteady(signal, samples, found, noise, periodic)
+        problems += _off(signal.line_frequency, found.frequency)
+    if problems:
+        raise StudyError(problems)
+
+
+def _too_short(place: str, frequency: float, duration: float) -> Problem:
+    another = ", or give frequency, if it is another" if place == "recording" else ""
+    return Problem(
+        place,
+        f"{duration:.4g} s hold {frequency * duration:.3g} periods of {frequency:.4g} Hz",
+        f"Record {LEAST_PERIODS} periods at least, {LEAST_PERIODS / frequency:.3g} s{another}",
+    )
+
+
+def _not_periodic(samples: Samples, found: Solution, left: float, periodic: float) -> Problem:
+    line = strongest_line(samples._replace(values=found.residual))
+    if stands_out(line, samples.size) and line.frequency * samples.duration < LEAST_PERIODS:
+        return _too_short("recording", line.frequency, samples.duration)
+    share = f"{100 * left / periodic:.0f} % of" if left < periodic else "more than"
+    strongest = f", most at {line.frequency:.4g} Hz" if stands_out(line, samples.size) else ""
+    return Problem(
+        "recording",
+        f"it is not periodic: {found.frequency:.4g} Hz and its orders leave {share} their own rms "
+        f"over{strongest}",
+        f"Record the empty feeder at a steady drive (at most {100 * MOST_LEFT:.0f} % may be left), "
+        "or correct frequency or harmonics",
+    )
+
+
+class _Third(NamedTuple):
+    """Rms of the harmonics of one axis, and its variance."""
+
+    rms: float
+    variance: float
+
+
+def _unsteady(
+    signal: Signal, samples: Samples, found: Solution, noise: Noise, periodic: float
+) -> list[Problem]:
+    """Return a problem for each axis whose harmonics grow or fade."""
+    third = samples.size // 3
+    thirds = [_of_part(samples, part, found, noise) for part in (slice(third), slice(-third, None))]
+    problems = []
+    for axis, first, last in zip(signal.axes, *thirds, strict=True):
+        change = last.rms - first.rms
+        allowed = CHANGE_ERRORS * np.sqrt(first.variance + last.variance)
+        if abs(change) > max(MOST_CHANGE * periodic, float(allowed)):
+            message = (
+                f"the drive is not steady: its rms {axis} is {first.rms:.4g} m/s2 in the first "
+                f"third, {last.rms:.4g} in the last"
+            )
+            fix = "Record when it has settled, or cut out a piece in which it is steady"
+            problems.append(Problem("recording", message, fix))
+    return problems
+
+
+def _of_part(samples: Samples, part: slice, found: Solution, noise: Noise) -> list[_Third]:
+    times = samples.times[part]
+    piece = Samples(times - (times[0] + times[-1]) / 2.0, samples.values[:, part])
+    fit = solved(piece, found.frequency, found.orders, found.degree, free=False)
+    squares = np.abs(fit.waves) ** 2
+    rms = np.sqrt(squares.sum(axis=1) / 2.0)
+    # rms^2 = sum(p^2 + q^2)/2, and p and q have the variance 2 S/n.
+    density = np.einsum("kjj->jk", noise.densities[1:])
+    above = (squares * 2.0 * density / piece.size).sum(axis=1)
+    variance = above / np.maximum(4.0 * rms**2, np.finfo(float).tiny)
+    return [_Third(*pair) for pair in zip(rms.tolist(), variance.tolist(), strict=True)]
+
+
+def _off(line: float | None, frequency: float) -> list[Problem]:
+    """Return a problem if the frequencies differ by more than clocks do."""
+    if line is None or abs(frequency / line - 1.0) <= MOST_CLOCK:
+        return []
+    ratio = max(frequency / line, line / frequency)
+    fix = f"Clocks are trusted within {100 * MOST_CLOCK:.0f} %: correct rate or line_frequency"
+    if abs(ratio - round(ratio)) < TWICE:
+        fix = "Give what the drive runs at: it may be a multiple of the mains"
+    message = f"the recording repeats with {frequency:.4g} Hz, the line has {line:g} Hz"
+    return [Problem("line_frequency", message, fix)]

@@ -1,0 +1,99 @@
+"""The times of samples: a rate, or a column that ascends in steps that are nearly equal."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import Problem
+from core.measured.read import Table
+from core.quantities import Quantity
+from core.study.units import UnitError, problem, read_number
+
+RATE = Quantity(
+    "Hz", "f_s", "Sampling rate", "Samples a second.", 0.0, strict=True, parameter=True,
+    examples=("5 kHz",),
+)  # fmt: skip
+SECONDS = {"": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "min": 60}
+USUAL_NAMES = ("time", "t")
+UNEVEN = 0.5  # of a step; what is less is fitted at its true times
+ROUNDED = 0.75  # of the unit that times are rounded to: half of it, and a little
+
+
+def read_times(
+    table: Table, rate: float | str | None, time: str | None, problems: list[Problem]
+) -> NDArray[np.float64] | None:
+    """Return the times [s] of a table's rows; None, with problems, if they cannot be told.
+
+    Times that differ from even ones by no more than their own rounding are made even; others are
+    kept, since least squares needs no even times.
+    """
+    found = next((name for name in table.columns if name.casefold() in USUAL_NAMES), None)
+    if rate is not None:
+        if time is not None:
+            fix = "Give the one that the recorder is to be trusted with"
+            problems.append(Problem("rate", "both rate and time are given", fix))
+            return None
+        try:
+            return np.arange(len(table.lines)) / read_number("rate", RATE, rate)
+        except UnitError as error:
+            problems.append(problem("rate", error))
+            return None
+    name = time or found
+    if name is None:
+        fix = "Give rate = samples a second, or time = the name of a column of times"
+        problems.append(Problem("rate", "neither a rate nor a column of times is given", fix))
+        return None
+    column = table.column(name, "time", problems)
+    if column is None:
+        return None
+    factor = SECONDS.get(column.unit)
+    if factor is None:
+        fix = "Write s, ms, us or min in the header, or give rate and leave time out"
+        problems.append(Problem("time", f"'{column.unit[:40]}' is no unit of time", fix))
+        return None
+    times = factor * (column.values - column.values[0])
+    wrong = _uneven(name, times, table.lines)
+    if wrong:
+        problems.append(wrong)
+        return None
+    return _even_if_rounded(times)
+
+
+def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> Problem | None:
+    """Return what is wrong with the steps between times."""
+    steps = np.diff(times)
+    if not steps.size:
+        return None
+    backward = np.flatnonzero(steps <= 0)
+    if backward.size:
+        return Problem(
+            "time",
+            f"column '{name}' does not ascend in {backward.size} "
+            f"place{'s' * (backward.size > 1)}, first in line {lines[backward[0] + 1]}",
+            "Write times with more digits, or give rate and leave time out",
+        )
+    usual = float(np.median(steps))
+    away = np.abs(steps / usual - 1.0)
+    if away.max() <= UNEVEN:
+        return None
+    worst = int(away.argmax())
+    return Problem(
+        "time",
+        f"column '{name}' is not evenly spaced: steps are {1e3 * steps.min():.4g} to "
+        f"{1e3 * steps.max():.4g} ms about {1e3 * usual:.4g} ms; the worst is before line "
+        f"{lines[worst + 1]}",
+        f"Steps may differ by {100 * UNEVEN:.0f} %; cut out a piece without gaps, or record again",
+    )
+
+
+def _even_if_rounded(times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return even times in place of such as are even but for their rounding."""
+    place = np.arange(times.size, dtype=np.float64)
+    slope, start = np.polyfit(place, times, 1) if times.size > 1 else (0.0, 0.0)
+    even = start + slope * place
+    steps = np.unique(np.diff(times))
+    noise = 1e-9 * times[-1]  # of differences of numbers in floating point
+    distinct = steps[np.flatnonzero(np.diff(steps, prepend=-np.inf) > noise)]
+    unit = float(np.diff(distinct).min()) if distinct.size > 1 else noise
+    return even if np.abs(times - even).max() <= ROUNDED * unit else times

@@ -1,0 +1,354 @@
+"""Recordings as users have them: what is read, and what they are told of what is not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from core.errors import StudyError
+from core.measured import Recording, fit_drive, read_signal, read_table
+from recordings import DRIVE, csv_of, signal_of
+
+PLAIN = "time [s],ax [g],ay\n0,1,2\n0.1,3,-4e-1\n"
+TEXT = csv_of(signal_of(DRIVE, count=400))
+CHANNELS = Recording(along="ax", normal="az")
+
+
+def refused(source, recording=CHANNELS):
+    """Return the problems, as a user reads them."""
+    with pytest.raises(StudyError) as caught:
+        read_signal(source, recording)
+    return str(caught.value).split("\n")
+
+
+def changed(line, cells):
+    """Return the recording with another line."""
+    lines = TEXT.split("\n")
+    lines[line - 1] = cells
+    return "\n".join(lines)
+
+
+# --- what is read
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        PLAIN,
+        "\ufeff" + PLAIN,
+        "# made by hand\n\n" + PLAIN.replace("\n", "\n\n"),
+        PLAIN.replace("\n", "\r\n"),
+        PLAIN.replace(",", "\t"),
+        PLAIN.replace(",", ";").replace(".", ","),
+        PLAIN.replace("\n", ",\n"),
+        PLAIN.replace("time [s]", '"time (s)"').replace("0.1", '"0.1"'),
+        "time,ax,ay\n[s],[g],[]\n0,1,2\n0.1,3,-4e-1",
+    ],
+)
+def test_the_ways_to_write_a_table(text):
+    table = read_table(text)
+    assert list(table.columns) == ["time", "ax", "ay"]
+    assert [column.unit for column in table.columns.values()] == ["s", "g", ""]
+    np.testing.assert_array_equal(table.columns["time"].values, [0, 0.1])
+    np.testing.assert_array_equal(table.columns["ay"].values, [2, -0.4])
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp1252"])
+def test_files_of_spreadsheets_are_read(tmp_path, encoding):
+    file = tmp_path / "recording.csv"
+    file.write_bytes("t (ms);ax [m/s²]\n0;1,5\n1;2,5\n".encode(encoding))
+    table = read_table(file)
+    assert table.columns["ax"].unit == "m/s²"
+    np.testing.assert_array_equal(table.columns["ax"].values, [1.5, 2.5])
+
+
+@settings(max_examples=50)
+@given(
+    st.lists(st.tuples(*[st.floats(allow_nan=False, allow_infinity=False)] * 2), min_size=1),
+    st.sampled_from([",", ";", "\t"]),
+)
+def test_numbers_come_back_as_they_were(rows, delimiter):
+    comma = delimiter != ","
+    lines = [delimiter.join(map(repr, row)) for row in rows]
+    text = "\n".join(
+        [delimiter.join("ab"), *(line.replace(".", ",") if comma else line for line in lines)]
+    )
+    table = read_table(text)
+    read = zip(table.columns["a"].values, table.columns["b"].values, strict=True)
+    assert [tuple(map(float, row)) for row in read] == rows
+
+
+def test_columns_that_are_not_used_may_hold_anything():
+    text = "\n".join(
+        line + (",remark" if number == 0 else ",it hums")
+        for number, line in enumerate(TEXT.splitlines())
+    )
+    np.testing.assert_array_equal(
+        read_signal(text, CHANNELS).accelerations, read_signal(TEXT, CHANNELS).accelerations
+    )
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor"),
+    [("m s-2", 1), ("m/s^2", 1), ("m/s²", 1), ("mm s-2", 1e-3), ("g", 9.80665), ("mg", 9.80665e-3)],
+)
+def test_a_unit_stands_in_the_header_or_beside_it(unit, factor):
+    plain = read_signal(TEXT, CHANNELS).accelerations
+    headed = read_signal(TEXT.replace("m s-2", unit), CHANNELS).accelerations
+    beside = read_signal(
+        TEXT.replace(" [m s-2]", ""), Recording(along="ax", normal="az", unit=unit)
+    ).accelerations
+    np.testing.assert_allclose(headed, factor * plain)
+    np.testing.assert_array_equal(headed, beside)
+
+
+def test_a_rate_takes_the_place_of_times():
+    timed = read_signal(TEXT, CHANNELS)
+    rated = read_signal(TEXT, Recording(along="ax", normal="az", rate="2 kHz"))
+    np.testing.assert_allclose(timed.times, rated.times, atol=1e-12)
+
+
+def test_times_rounded_by_the_recorder_are_made_even():
+    signal = signal_of(DRIVE, rate=3000.0, count=600)
+    rounded = read_signal(csv_of(signal._replace(times=np.round(signal.times, 4))), CHANNELS)
+    np.testing.assert_allclose(np.diff(rounded.times), 1 / 3000, rtol=1e-3)
+    jitter = np.random.default_rng(1).uniform(-0.05, 0.05, 600) / 3000
+    kept = read_signal(csv_of(signal._replace(times=signal.times + jitter)), CHANNELS)
+    np.testing.assert_allclose(kept.times, signal.times + jitter - jitter[0], atol=1e-12)
+
+
+# --- mounting
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.tuples(*[st.floats(-180, 180)] * 3))
+def test_a_turned_sensor_shows_the_same_drive(angles):
+    three = signal_of({**DRIVE, "across": [(3e-5, 1.0)]}, count=400)
+    along, normal, across = three.accelerations
+    track = np.array([along, across, normal])
+    yaw, pitch, roll = np.radians(angles)
+    matrix = (
+        Rotation.from_rotvec([0, 0, yaw])
+        * Rotation.from_rotvec([0, pitch, 0])
+        * Rotation.from_rotvec([roll, 0, 0])
+    ).as_matrix()
+    sensor = three._replace(accelerations=matrix.T @ track)
+    text = csv_of(sensor, names=("x", "y", "z"))
+    for mounting in (angles, matrix.tolist()):
+        read = read_signal(text, Recording(sensor=("x", "y", "z"), mounting=mounting))
+        assert read.axes == ("along", "across", "normal")
+        np.testing.assert_allclose(read.accelerations, track, atol=1e-9)
+
+
+def test_yaw_turns_the_sensor_from_along_to_across():
+    signal = signal_of({"along": [(1e-4, 0.0)], "across": [(0.0, 0.0)], "normal": [(0.0, 0.0)]})
+    text = csv_of(signal, names=("x", "y", "z"))
+    fit = fit_drive(text, Recording(sensor=("x", "y", "z"), mounting=(90, 0, 0)))
+    # The sensor's x points to the left of the transport.
+    assert fit.parameters()["amplitude_across_1"] == pytest.approx(1e-4)
+    assert "amplitude_along_1" not in fit.parameters()
+
+
+# --- what is refused
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "the recording is empty. Give a row of names, and rows of numbers below."),
+        (
+            "# nothing\n\n",
+            "the recording is empty. Give a row of names, and rows of numbers below.",
+        ),
+        ("ax,az\n", "the recording holds no numbers. Give rows of numbers below the names."),
+        ("1,2\n3,4", "its first row holds numbers. Put a row with the names of columns on top."),
+        ("ax,ax\n1,2", "two columns have the name 'ax'. Rename one."),
+        (
+            "ax,az\n1,2\n1",
+            "line 3 has 1 cell, the header has 2. Correct the line, or leave it out.",
+        ),
+        ('ax,az\n"1,2', "line 2 has 1 cell, the header has 2. Correct the line, or leave it out."),
+        (",".join(map(str, range(300))) + "x\n1", "it has 300 columns. Keep the 256 that are used"),
+    ],
+)
+def test_what_is_no_table(text, message):
+    (line,) = refused(text)
+    assert line.startswith(f"recording: {message}")
+
+
+def test_endless_lines_are_not_taken_apart():
+    assert refused(30_000 * "a,") == [
+        "recording: line 1 has 60,000 letters. Keep the columns in use."
+    ]
+
+
+def test_decimal_commas_between_commas_are_guessed():
+    lines = refused("ax,az\n" + 5 * "1,5,2,5\n")
+    assert lines[-1] == (
+        "recording: 5 lines are not whole. Export it anew; where a comma is a decimal comma, part "
+        "the cells by semicolons."
+    )
+
+
+def test_files_that_are_too_large_or_no_text_are_refused(tmp_path, monkeypatch):
+    file = tmp_path / "recording.bin"
+    file.write_bytes(b"ax\0az")
+    assert refused(file) == [
+        "recording: the file holds no text. Export the recording as CSV, in UTF-8."
+    ]
+    monkeypatch.setattr("core.measured.read.MOST_BYTES", 1000)
+    file.write_bytes(TEXT.encode())
+    for source in (file, TEXT):
+        assert "MB, the limit is 0 MB. Cut it" in refused(source)[0]
+    monkeypatch.undo()
+    monkeypatch.setattr("core.measured.read.MOST_ROWS", 100)
+    assert refused(TEXT)[0].startswith("recording: it has more than 100 rows. Cut it")
+
+
+def test_unknown_columns_are_named_with_what_is_there():
+    assert refused(TEXT, Recording(along="ay", normal="acceleration")) == [
+        "along: the recording has no column 'ay'. Known: ax, az, time.",
+        "normal: the recording has no column 'acceleration'. Known: ax, az, time.",
+    ]
+    text = TEXT.replace("ax", "track_x")
+    assert refused(text, Recording(along="trackx")) == [
+        "along: the recording has no column 'trackx'. Did you mean 'track_x'?"
+    ]
+
+
+@pytest.mark.parametrize("cell", ["", "nan", "inf", "-", "1e999", "0x10"])
+def test_cells_that_are_no_numbers_are_told_by_line(cell):
+    (line,) = refused(changed(17, f"0.0075,{cell},1.5"))
+    assert line == (
+        f"along: line 17 of column 'ax' holds {cell!r}, no number. Correct the line, or leave it "
+        "out."
+    )
+
+
+def test_of_many_faulty_cells_three_are_shown():
+    lines = refused(TEXT.replace(".0,", ".0x,").replace("-", "--"))
+    assert sum("of column 'ax' holds" in line for line in lines) == 3
+    assert any("cells of column 'ax' are no finite numbers. Export" in line for line in lines)
+
+
+def test_everything_that_is_wrong_is_told_at_once():
+    recording = Recording(
+        sensor=("ax", "az", "none"), mounting=(0, "up", 0), unit="V", rate="5 m", harmonics=11,
+        line_frequency="3 mm", frequency=-1,
+    )  # fmt: skip
+    text = "\n".join(TEXT.splitlines()[:50]).replace(" [m s-2]", "")
+    places = [line.split(":")[0] for line in refused(text, recording)]
+    assert sorted(places) == sorted(
+        [
+            "rate",
+            "unit",
+            "sensor.z",
+            "mounting.pitch",
+            "line_frequency",
+            "frequency",
+            "harmonics",
+            "recording",
+        ]
+    )
+
+
+def test_times_that_are_none():
+    assert refused(TEXT.replace("time [s]", "second")) == [
+        "rate: neither a rate nor a column of times is given. Give rate = samples a second, or "
+        "time = the name of a column of times."
+    ]
+    assert refused(TEXT.replace("time [s]", "time [h]"))[0].startswith(
+        "time: 'h' is no unit of time. Write s, ms, us or min"
+    )
+    both = Recording(along="ax", time="time", rate=2000)
+    assert refused(TEXT, both)[0].startswith("rate: both rate and time are given")
+    signal = signal_of(DRIVE, count=400)
+    back = signal.times.copy()
+    back[100] = back[99]
+    assert refused(csv_of(signal._replace(times=back))) == [
+        "time: column 'time' does not ascend in 1 place, first in line 102. Write times with more "
+        "digits, or give rate and leave time out."
+    ]
+    gap = signal.times + 0.0015 * (np.arange(400) > 99)
+    assert refused(csv_of(signal._replace(times=gap))) == [
+        "time: column 'time' is not evenly spaced: steps are 0.5 to 2 ms about 0.5 ms; the worst "
+        "is before line 102. Steps may differ by 50 %; cut out a piece without gaps, or record "
+        "again."
+    ]
+
+
+def test_a_clipped_channel_is_told():
+    signal = signal_of(DRIVE, count=400)
+    held = signal._replace(accelerations=np.minimum(signal.accelerations, 10.0))
+    lines = refused(csv_of(held))
+    assert [line.split(":")[0] for line in lines] == ["along", "normal"]
+    assert "column 'ax' is clipped: " in lines[0]
+    assert lines[0].endswith(
+        "samples hold its highest value 10, first in line 31. Record again with a wider range of "
+        "the sensor."
+    )
+
+
+@pytest.mark.parametrize("steps", [3, 10, 30, 100, 1000])
+@pytest.mark.parametrize("rate", [500.0, 2000.0, 20_000.0])
+def test_a_crest_that_is_rounded_is_not_clipped(steps, rate):
+    signal = signal_of({"along": [(1e-4, 0.2)]}, frequency=49.9, rate=rate, count=int(rate))
+    step = np.abs(signal.accelerations).max() / steps
+    rounded = signal._replace(accelerations=step * np.round(signal.accelerations / step))
+    assert read_signal(csv_of(rounded, names=["ax"]), Recording(along="ax")).axes == ("along",)
+
+
+@pytest.mark.parametrize(
+    ("recording", "message"),
+    [
+        (Recording(), "along: no channel is named. Name the columns: along = ..., normal = ..."),
+        (Recording(along="ax", mounting=(0, 0, 90)), "mounting: it turns a sensor of three axes"),
+        (
+            Recording(sensor=("ax", "az")),
+            "sensor: it does not name three columns. Name the columns",
+        ),
+        (Recording(sensor="axy"), "sensor: it does not name three columns. Name the columns"),
+        (
+            Recording(along="ax", sensor=("ax", "ax", "ax")),
+            "sensor: both sensor and along are given",
+        ),
+        (
+            Recording(along="ax", unit="furlong"),
+            "unit: 'furlong' is no unit of acceleration. Known:",
+        ),
+        (
+            Recording(along="ax", unit="g"),
+            "unit: the header says m s-2 for column 'ax', unit says g",
+        ),
+    ],
+)
+def test_channels_that_cannot_be_told(recording, message):
+    assert refused(TEXT, recording)[0].startswith(message)
+
+
+def test_a_channel_without_a_unit_is_told_where_to_write_it():
+    assert refused(TEXT.replace("ax [m s-2]", "ax")) == [
+        "unit: nothing says the unit of column 'ax'. Give unit = one of m s-2, mm s-2, cm/s2, g, "
+        "mg, or write it in the header: 'ax [g]'."
+    ]
+    assert refused(TEXT.replace("ax [m s-2]", "ax [V]"))[0].startswith(
+        "along: 'V' is no unit of acceleration. Known: m s-2"
+    )
+
+
+@pytest.mark.parametrize(
+    ("mounting", "message"),
+    [
+        ((0, 0), "it holds neither three angles nor a matrix"),
+        ("level", "it holds neither three angles nor a matrix"),
+        (((1, 0, 0), (0, 1, 0), (0, 0, 2)), "its matrix is no rotation"),
+        (((1,), (0, 1, 0), (0, 0, 2)), "its matrix is no rotation"),
+        (((1, 0, 0), (0, 1, 0), (0, 0, -1)), "its matrix mirrors, which no mounting does"),
+    ],
+)
+def test_mountings_that_are_none(mounting, message):
+    three = Recording(sensor=("ax", "az", "-ax"), mounting=mounting)
+    assert refused(TEXT, three)[0].startswith(f"mounting: {message}")
