@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.arrays import Array
 from core.motion.cells import run_cells
-from core.motion.course import Course, CourseAsked, track_of
+from core.motion.course import Course, CourseAsked
 from core.motion.groups import Contacts, Groups, cells_of, groups_of
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.methods.spatial_events import spatial_course, spatial_motion
@@ -188,7 +188,7 @@ def _course(contacts: Contacts) -> FollowCourse:
             "height_above_floor": path.height * length,
             "relative_velocity_along": path.velocity_along * speed,
             "relative_velocity_normal": path.velocity_normal * speed,
-            **track_of(asked.groups, length * np.sin(phases)),
+            **asked.track(),
         }
         if contacts.wall:
             values["distance_from_wall"] = np.zeros_like(path.along)

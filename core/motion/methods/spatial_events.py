@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.arrays import Array
 from core.motion.cells import run_cells
-from core.motion.course import Course, CourseAsked, track_of
+from core.motion.course import Course, CourseAsked
 from core.motion.groups import Contacts, Groups, cells_of
 from core.motion.path import Path
 from core.motion.result import Motion, motion_of
@@ -99,7 +99,7 @@ def spatial_course(
         "height_above_floor": position[:, 2] * length,
         "relative_velocity_along": velocity[:, 0] * speed,
         "relative_velocity_normal": velocity[:, 2] * speed,
-        **track_of(asked.groups, length * np.sin(phases)),
+        **asked.track(),
     }
     if contacts.wall:
         values["distance_from_wall"] = position[:, 1] * length
