@@ -8,21 +8,23 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
 
 from core.errors import Problem
+from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, ratio
 from core.motion import waves
 from core.motion.groups import Groups, floor_groups, track_groups
-from core.motion.result import Motion
+from core.motion.result import STATUS, Motion
 from core.motion.waves import TURN, Wave
-from core.quantities.drive import AXES
+from core.quantities.drive import AXES, DRIVE
 from core.scenes import Scene
 from core.scenes.scene import Equation
+from core.watch import Watch
 
 CLOSED = 1e-9
 """Of the mean size of a step's acceleration: a mean no larger is rounding of what was written."""
@@ -41,6 +43,10 @@ class Shape(Protocol):
     @property
     def defaults(self) -> dict[str, float]:
         """Values of those that a study may leave out, SI units."""
+
+    @property
+    def orders(self) -> int:
+        """Its highest order, 1 for steps: what its motion costs goes with that."""
 
     def wave(self, **given: Array) -> Wave:
         """Return the wave of these quantities, SI units, arrays that broadcast."""
@@ -72,17 +78,22 @@ class Harmonics:
         """As in `Shape`."""
         return {"drive_factor": 1.0, **{f"phase_{axis}_{k}": 0.0 for axis, k in self.terms}}
 
+    @property
+    def orders(self) -> int:
+        """As in `Shape`."""
+        return max(k for _, k in self.terms)
+
     def wave(self, **given: Array) -> Wave:
         """As in `Shape`: the push has k^2 w^2 A_k sin(k tau + phi_k)/g."""
         given = _aligned(given)
         shape = np.broadcast_shapes(*(value.shape for value in given.values()))
-        harmonics = np.zeros((3, 2, max(k for _, k in self.terms), *shape))
+        harmonics = np.zeros((3, 2, self.orders, *shape))
         unit = given["drive_factor"] * np.square(TURN * given["frequency"]) / given["gravity"]
         for axis, k in self.terms:
             size = k * k * given[f"amplitude_{axis}_{k}"] * unit
             phase = given[f"phase_{axis}_{k}"]
-            harmonics[AXES.index(axis), 0, k - 1] = size * np.cos(phase)
-            harmonics[AXES.index(axis), 1, k - 1] = size * np.sin(phase)
+            harmonics[AXES.index(axis), 0, k - 1] = size * cosine(phase)
+            harmonics[AXES.index(axis), 1, k - 1] = size * sine(phase)
         return Wave(harmonics, np.zeros((4, 0, *shape)))
 
 
@@ -100,6 +111,7 @@ class Steps:
 
     count: int
     levels: tuple[tuple[str, int], ...]
+    orders = 1
 
     @property
     def closing(self) -> dict[str, int]:
@@ -161,26 +173,50 @@ def _aligned(given: dict[str, Array]) -> dict[str, Array]:
     return {name: np.asarray(value, dtype=float) for name, value in given.items()}
 
 
+def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
+    """Return why no value of a drive's numbers, SI units, is a drive; nothing if some are."""
+    given = {name: values.get(name, shape.defaults.get(name, 1.0)) for name in shape.inputs}
+    wave = shape.wave(**{name: np.asarray(value) for name, value in given.items()})
+    if not np.all(np.isnan(waves.size(wave))):
+        return []
+    if np.all(np.isnan(wave.steps[waves.ENDS])):
+        message = "the steps of the drive take no time"
+        return [Problem("parameters.duration_1", message, "Give one of the durations above 0")]
+    axis = next(axis for i, axis in enumerate(AXES) if np.all(np.isnan(wave.steps[i]).any(axis=0)))
+    message = f"the acceleration {axis} has a mean: the track would run away"
+    fix = (
+        "Leave one of its steps out, which then closes the wave, or change durations so that the "
+        "sum of acceleration times duration is 0"
+    )
+    return [Problem(f"parameters.acceleration_{axis}_1", message, fix)]
+
+
 def shape_of(given: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
     """Return which drive the names of a study's parameters give, None for the plain sine.
 
-    The second is what is wrong with them: two kinds at once.
+    The second is what is wrong with them.
     """
-    names = list(given)
-    terms = sorted({(m[1], int(m[2])) for m in map(_HARMONIC.fullmatch, names) if m},
-                   key=lambda term: (AXES.index(term[0]), term[1]))  # fmt: skip
-    found = [m for m in map(_STEP.fullmatch, names) if m]
-    if terms and found:
-        place = f"parameters.{found[0][0]}"
-        message = "it is of a drive in steps, and the study gives harmonics, too"
-        return None, [Problem(place, message, "Give one kind of drive")]
+    names = [name for name in given if name in DRIVE]
+    found = [match for match in map(_STEP.fullmatch, names) if match]
+    terms = {(m[1], int(m[2])) for m in map(_HARMONIC.fullmatch, names) if m}
     if terms:
-        return Harmonics(tuple(terms)), []
-    if found:
-        levels = {(m[1], int(m[2])) for m in found if m[1]}
-        count = max(int(m[2]) for m in found)
-        return Steps(count, tuple(sorted(levels))), []
-    return None, []
+        place = f"parameters.{found[0][0]}" if found else ""
+        message = "it is of a drive in steps, and the study gives harmonics, too"
+        mixed = [Problem(place, message, "Give one kind of drive")] if found else []
+        return Harmonics(tuple(sorted(terms, key=_by_axis))), mixed
+    if not found:
+        return None, []
+    levels = {(m[1], int(m[2])) for m in found if m[1]}
+    if not levels:
+        message = "steps that have no acceleration are no drive"
+        fix = "Add, for example, acceleration_along_1 and acceleration_along_2"
+        return None, [Problem(f"parameters.{found[0][0]}", message, fix)]
+    count = max(int(m[2]) for m in found)
+    return Steps(count, tuple(sorted(levels, key=_by_axis))), []
+
+
+def _by_axis(term: tuple[str, int]) -> tuple[int, int]:
+    return AXES.index(term[0]), term[1]
 
 
 # --- the system of a drive
@@ -242,6 +278,21 @@ def efficiency(*, motion: Motion, wave: Wave) -> Array:
     return np.where(v != 0, ratio(v, fastest, beyond), 0.0)
 
 
+def _where_driven(follow: Any) -> Any:
+    """Return the equation of a motion that has the status `no_drive` where the wave is none."""
+
+    def driven_motion(*, groups: Groups, watch: Watch | None = None, **settings: Array) -> Motion:
+        found: Motion = follow(groups=groups, watch=watch, **settings)
+        assert groups.wave is not None
+        none = np.isnan(waves.size(groups.wave))
+        status = np.where(none, np.int8(STATUS["no_drive"]), found.status)
+        return found._replace(status=status)
+
+    driven_motion.__signature__ = inspect.signature(follow)  # type: ignore[attr-defined]
+    driven_motion.__doc__ = follow.__doc__
+    return driven_motion
+
+
 def _with_wave(groups: Any) -> Any:
     """Return the equation of the groups of a part under a wave."""
 
@@ -275,6 +326,8 @@ def driven(system: Scene, shape: Shape) -> Scene:
         for one in known:
             if one.gives == "groups":
                 one = replace(one, function=_GROUPS[id(one.function)])
+            if one.gives == "motion":
+                one = replace(one, function=_where_driven(one.function))
             if one.gives != "vibration_acceleration":
                 changed.append(_OTHERS.get(one.gives, one))
         return (wave, *changed)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from core.errors import Problem, StudyError
-from core.motion.drives import driven, shape_of
+from core.motion.drives import driven, shape_of, what_is_open
 from core.motion.method import Method
 from core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from core.plan.grid import Grid
@@ -23,6 +23,8 @@ DEFAULT_OUTPUTS = ("conveying_velocity",)
 SCALES = ("velocity_scale", "length_scale")
 ERROR = "conveying_velocity_error"
 BOUNCES = frozenset(("restitution", "wall_restitution"))
+PER_ORDER = 0.5
+"""What each order of a wave adds to the time of a cell, as a share of that of a sine."""
 ACROSS = frozenset(
     (
         *("alpha", "delta", "radius", "curvature_number"),
@@ -77,7 +79,9 @@ def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method |
 def seconds_a_cell(method: Method, grid: Grid, free: Collection[str] = ()) -> float:
     """Return roughly what a cell of a grid takes; `free` are parameters that take any value."""
     given = {*grid.axes, *free, *(name for name, value in grid.fixed.items() if value)}
-    return method.seconds(bool(given & BOUNCES), bool(given & ACROSS))
+    seconds = method.seconds(bool(given & BOUNCES), bool(given & ACROSS))
+    shape, _ = shape_of(given)
+    return seconds * (1.0 + PER_ORDER * shape.orders) if shape else seconds
 
 
 def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen:
@@ -121,6 +125,9 @@ def prepare(study: SimulateStudy) -> Simulation:
         plan, grid = plan_study(study, asked, chosen)
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
+    shape, _ = shape_of(study.values())
+    if shape is not None and len(grid.axes) == 0:
+        problems += what_is_open(shape, grid.si())
     if problems:
         raise StudyError(problems)
     plan = replace(plan, defaults={**plan.defaults, **settings})

@@ -108,7 +108,7 @@ ANY_RESULT = frozenset(equation.gives for equation in RESULTS) | {"regime"}
 CONDITIONS = (
     Condition(
         "unresolved",
-        _has_status("not_computed", "limit_reached", "no_solution"),
+        _has_status("not_computed", "limit_reached", "no_solution", "no_drive"),
         ANY_RESULT,
         otherwise="slip",
     ),

@@ -86,6 +86,7 @@ MOTION_STATUSES: dict[str, Flag] = {
     "sensitive": Flag(
         10, "the motion repeats in the end, but rounding decides in which way; mean over starts"
     ),
+    "no_drive": Flag(11, "the steps are no drive: their mean acceleration is not 0", valid=False),
 }
 
 OPTIMUM_STATUSES: dict[str, Flag] = {
