@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.motion.systems import SYSTEMS
+from core.motion.systems import CONTACTS, SYSTEMS
 from core.optimise.methods import METHODS
 from core.plan.plan import find_scene, scene_parameters
 from core.quantities import QUANTITIES, REGIMES
+from core.quantities.drive import DRIVE
 from core.scenes import ALIASES, SCENES, Equation, Scene
 from core.scenes.graph import behind
 from core.study.models import STUDIES
@@ -43,6 +44,8 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
     if method is not None:
         scene, chosen = find_scene(name, method, SYSTEMS)
         line |= {"title": scene.title}
+        if name in CONTACTS:
+            line |= {"other_drives": _other_drives()}
     return {
         **line,
         scene.choice: chosen,
@@ -66,6 +69,22 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
             for regime in scene_regimes(scene, chosen)
         ],
     }
+
+
+def _other_drives() -> list[dict[str, Any]]:
+    """Return the drives that may stand in the place of the plain sine, and their parameters."""
+    kinds = {
+        "harmonics": ("amplitude_", "phase_", "drive_factor"),
+        "steps": ("acceleration_", "duration_", "drive_factor"),
+    }
+    return [
+        {
+            "kind": kind,
+            "parameters": [n for n in DRIVE if n.startswith(stems)],
+            "instead_of": ["amplitude", "alpha", "beta"],
+        }
+        for kind, stems in kinds.items()
+    ]
 
 
 def scene_regimes(scene: Scene, variant: str) -> tuple[str, ...]:

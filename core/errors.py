@@ -90,8 +90,27 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
     return near[0] if near else None
 
 
+FEWEST_OF_A_FAMILY = 3
+
+
 def suggestion(name: str, known: Iterable[str]) -> str:
     """Return ``Did you mean ...?`` for the nearest known name, or the whole choice."""
     choice = sorted(known)
     meant = nearest(name, choice)
-    return f"Did you mean '{meant}'?" if meant else "Known: " + ", ".join(choice)
+    return f"Did you mean '{meant}'?" if meant else "Known: " + ", ".join(_in_families(choice))
+
+
+def _in_families(names: Iterable[str]) -> list[str]:
+    """Return names, sorted, those that differ by a last number alone as one: `spin_1 to _3`."""
+    families: dict[str, list[str]] = {}
+    for name in names:
+        stem, _, number = name.rpartition("_")
+        families.setdefault(f"{stem}_" if number.isdecimal() else name, []).append(name)
+    told = []
+    for stem, family in families.items():
+        if len(family) >= FEWEST_OF_A_FAMILY:
+            numbers = [int(name.removeprefix(stem)) for name in family]
+            told.append(f"{stem}{min(numbers)} to _{max(numbers)}")
+        else:
+            told += family
+    return told

@@ -122,6 +122,9 @@ def show_scene(scene: dict[str, Any]) -> None:
             p["name"], p["symbol"], p["unit"], f"{least} {most}".strip(), default, p["description"]
         )
     stdout.print(grid)
+    for drive in scene.get("other_drives", ()):
+        first = [name for name in drive["parameters"] if name.endswith(("_1", "factor"))]
+        say(f"  or a drive of {drive['kind']}: {', '.join(first)} and so on (docs/drives.md)")
     grid = new_grid("output", "symbol", "unit", "source", "needs", "equation")
     for o in scene["outputs"]:
         grid.add_row(

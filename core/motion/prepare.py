@@ -12,7 +12,14 @@ from core.motion.method import Method
 from core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from core.plan.grid import Grid
 from core.plan.plan import Plan, choose_scene
-from core.plan.prepared import Chosen, Prepared, broken_constraints, further_problems, plan_study
+from core.plan.prepared import (
+    Chosen,
+    Prepared,
+    broken_constraints,
+    further_problems,
+    names_meant,
+    plan_study,
+)
 from core.quantities import QUANTITIES
 from core.quantities.drive import DRIVE
 from core.scenes import Scene
@@ -141,7 +148,7 @@ def further(content: Mapping[str, Any], known: StudyError) -> list[Problem]:
 
 def _chosen(content: Mapping[str, Any]) -> Chosen:
     method = content.get("method")
-    given = map(str, content["parameters"])
+    given = names_meant(content["parameters"])
     return choose_system(content["scene"], method if isinstance(method, str) else None, given)
 
 

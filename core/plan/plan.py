@@ -8,6 +8,7 @@ from functools import cached_property
 
 from core.errors import Problem, StudyError, suggestion
 from core.quantities import QUANTITIES, REGIMES
+from core.quantities.drive import DRIVE
 from core.scenes import ALIASES, SCENES, Condition, Equation, Scene
 from core.scenes.graph import behind
 
@@ -270,6 +271,10 @@ def _missing(scene: Scene, name: str, user: str) -> Problem:
 
 
 def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> Problem:
+    if name in DRIVE and "wave" not in scene.producers(variant):
+        fix = "Give amplitude, alpha and beta instead, or ask for the conveying_velocity of a part"
+        message = f"{scene.name} knows the plain sine only here, and {name} is of another drive"
+        return Problem(f"parameters.{name}", message, fix)
     takes_part = name in scene_parameters(scene, variant)
     what = f"{', '.join(outputs)} of {scene.name}" if takes_part else scene.name
     return Problem(f"parameters.{name}", f"{name} is not used by {what}", "Remove it")

@@ -153,6 +153,12 @@ def plan_study(
     return plan, grid
 
 
+def names_meant(parameters: Iterable[object]) -> list[str]:
+    """Return the parameters that a user means, who may have misspelt some; unknown ones go."""
+    names = (n if n in PARAMETERS else nearest(n, PARAMETERS) for n in map(str, parameters))
+    return [name for name in names if name]
+
+
 def further_problems(
     content: object,
     known: StudyError,
@@ -182,13 +188,11 @@ def further_problems(
         and isinstance(parameters, Mapping)
     ):
         return []
-    given = [
-        name if name in PARAMETERS else nearest(name, PARAMETERS) for name in map(str, parameters)
-    ]
+    given = names_meant(parameters)
     found: list[Problem] = []
     try:
         scene, variant, found = chosen(content)
-        plan_scene(scene, variant, asked, [name for name in given if name])
+        plan_scene(scene, variant, asked, given)
     except StudyError as error:
         found = [*found, *error.problems]
     places = {problem.place for problem in known.problems}
