@@ -16,7 +16,7 @@ from core.motion.kernels.arrays import Floats
 TURN = 2.0 * math.pi
 FINEST = 1e-11
 """Of phase: two passages nearer to each other than this may be taken for none."""
-LAST_STEP = 1e-6
+LAST_STEP = 3e-5
 """Of Halley's iteration, over the piece: the next would be of the order of its cube."""
 POINTS = 128
 """Phases of a period at which sums are looked at first: four to each change of the highest."""

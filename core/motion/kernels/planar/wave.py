@@ -34,7 +34,7 @@ RISES = WIDTH - 1
 INVERSE = np.array([math.inf, *(1.0 / k for k in range(1, WIDTH))])
 NEAR = 0.7
 """Of the phase of the highest order: a flow so short is computed from series."""
-LAST_STEP = 1e-7
+LAST_STEP = 1e-5
 """Of Halley's iteration, relative: the next would be of the order of its cube."""
 SLACK = 1e-13
 """Of a phase: what is so little behind counts as now."""
