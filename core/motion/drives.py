@@ -16,7 +16,7 @@ import numpy as np
 
 from core.errors import Problem
 from core.mechanics.arrays import Array, ratio
-from core.motion import waves
+from core.motion import limits, waves
 from core.motion.groups import Groups, floor_groups, track_groups
 from core.motion.result import Motion
 from core.motion.waves import TURN, Wave
@@ -256,7 +256,7 @@ def _with_wave(groups: Any) -> Any:
     return waved
 
 
-_OTHERS = {
+_OTHERS = {one.gives: one for one in limits.equations("wave")} | {
     function.__name__: Equation(function.__name__, function, "theory 13.14")
     for function in (
         drive_number, drive_number_along, drive_number_across, drive_number_normal, throw_number,
