@@ -83,16 +83,18 @@ def seconds_a_cell(method: Method, grid: Grid, free: Collection[str] = ()) -> fl
 def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen:
     """Return a system with the drive that the given parameters tell, and the method in force.
 
-    The third is what is wrong with method and drive.
+    The third is what is wrong with the method.
 
     Raises
     ------
     StudyError
-        If there is no such system.
+        If there is no such system, or the parameters are those of two kinds of drive.
     """
     scene, method, problems = choose_scene(name, method, SYSTEMS)
     shape, wrong = shape_of(given) if name in CONTACTS else (None, [])
-    return (driven(scene, shape) if shape else scene), method, [*problems, *wrong]
+    if wrong:  # of which drive the others are missing, or too many, nobody knows
+        raise StudyError([*problems, *wrong])
+    return (driven(scene, shape) if shape else scene), method, problems
 
 
 def prepare(study: SimulateStudy) -> Simulation:

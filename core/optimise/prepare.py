@@ -16,7 +16,14 @@ from core.optimise.optimisation import Optimisation
 from core.optimise.problem import CONTACTS, LIMIT, Kept, Problem, Variable
 from core.optimise.search import MOST_VARIABLES
 from core.optimise.slopes import MOST_SENSITIVE
-from core.optimise.wrong import criterion_outputs, ends_of, misplaced, placed, wrong_intervals
+from core.optimise.wrong import (
+    criterion_outputs,
+    ends_of,
+    misplaced,
+    of_other_drive,
+    placed,
+    wrong_intervals,
+)
 from core.plan.grid import Grid, to_si
 from core.plan.plan import choose_scene, scene_parameters
 from core.plan.prepared import Chosen, further_problems, plan_study
@@ -48,7 +55,12 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     asked = tuple(dict.fromkeys((*criterion_outputs(study), *study.outputs)))
     intervals = study.intervals()
     given = (*values, *study.bounds(), *intervals)
-    scene, variant, wrong_variant = choose_problem_scene(study.scene, study.variant, asked, given)
+    try:
+        chosen = choose_problem_scene(study.scene, study.variant, asked, given)
+    except StudyError as error:
+        found = [placed(one, study, study.bounds()) for one in error.problems]
+        raise StudyError(found) from None
+    scene, variant, _ = chosen
     kept = tuple(_kept(study, scene, variant))
     outputs = tuple(dict.fromkeys((*asked, *(one.output for one in kept))))
     outputs = tuple(name for name in outputs if name != "regime")
@@ -68,9 +80,10 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         if name not in values
     }
     try:
-        plan, _ = plan_study(study, outputs, (scene, variant, wrong_variant), spans)
+        plan, _ = plan_study(study, outputs, chosen, spans)
     except StudyError as error:
-        problems += [placed(one, study, bounds) for one in error.problems]
+        found = [of_other_drive(one, scene) for one in error.problems]
+        problems += [placed(one, study, bounds) for one in found]
     if study.method is not None and study.method not in METHODS:
         message = f"'{study.method[:60]}' is not a method"
         problems.append(Wrong("method", message, suggestion(study.method, METHODS)))
@@ -117,25 +130,22 @@ def choose_problem_scene(
 
     So does a drive that is no plain sine, of which the closed forms know nothing: `given` are the
     names of all parameters, variables among them. The third is what is wrong with the variant,
-    which then gives way to the default, and with the drive.
+    which then gives way to the default.
 
     Raises
     ------
     StudyError
-        If there is no such scene.
+        If there is no such scene, or the names are those of two kinds of drive.
     """
     scene, chosen, problems = choose_scene(name, variant)
     closed = {output for one in scene.variants for output in scene.outputs(one)}
     if name in SYSTEMS:
-        system, method, wrong = choose_system(name, None, given)
-        other_drive = system is not SYSTEMS[name] or bool(wrong)
-        moving = [o for o in outputs if o not in closed and o in system.outputs(method)]
-        if moving or other_drive:
-            if variant:
-                fix = "Remove it, or ask for outputs of the closed forms alone"
-                fix = "Remove it" if other_drive else fix
-                wrong = [*wrong, Wrong("variant", "motion in time has no variants", fix)]
-            return system, method, wrong
+        system, method, _ = choose_system(name, None, given)
+        sine = system is SYSTEMS[name]
+        if not sine or any(o not in closed and o in system.outputs(method) for o in outputs):
+            fix = "Remove it, or ask for outputs of the closed forms alone" if sine else "Remove it"
+            told = [Wrong("variant", "motion in time has no variants", fix)] if variant else []
+            return system, method, told
     return scene, chosen, problems
 
 
