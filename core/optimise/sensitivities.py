@@ -260,6 +260,7 @@ def motion_sensitivities(
             none = _none("aperiodic, or no motion that repeats")
             found |= {(output, parameter): none for output in outputs}
             continue
+        same = np.broadcast_to(same, 1 + 2 * HALVINGS)
         inside = same[1 : 1 + HALVINGS] & same[1 + HALVINGS :]
         for output in outputs:
             results = np.broadcast_to(known[output], same.shape)
