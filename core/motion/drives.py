@@ -17,7 +17,7 @@ import numpy as np
 from core.errors import Problem
 from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, ratio
-from core.motion import waves
+from core.motion import limits, waves
 from core.motion.groups import Groups, floor_groups, track_groups
 from core.motion.result import STATUS, Motion
 from core.motion.waves import TURN, Wave
@@ -28,6 +28,9 @@ from core.watch import Watch
 
 CLOSED = 1e-9
 """Of the mean size of a step's acceleration: a mean no larger is rounding of what was written."""
+
+SHORTEST = 1e-12
+"""Of a period: a step that is shorter is none."""
 
 _HARMONIC = re.compile(r"(?:amplitude|phase)_(along|across|normal)_(\d+)")
 _STEP = re.compile(r"(?:acceleration_(along|across|normal)|duration)_(\d+)")
@@ -145,6 +148,8 @@ class Steps:
         last = np.stack([np.broadcast_to(given[f"duration_{n}"], shape)
                          for n in range(1, self.count + 1)])  # fmt: skip
         last = ratio(last, last.sum(axis=0), np.nan)
+        last = np.where(last < SHORTEST, 0.0, last)
+        last = last / last.sum(axis=0)
         steps = np.zeros((4, self.count, *shape))
         for axis in dict.fromkeys(axis for axis, _ in self.levels):
             steps[AXES.index(axis)] = self._levels(axis, given, last)
@@ -160,12 +165,15 @@ class Steps:
         for n in range(1, self.count + 1):
             if n != closing:
                 levels[n - 1] = given[f"acceleration_{axis}_{n}"]
-        mean = (levels * last).sum(axis=0)
         if closing:
-            levels[closing - 1] = ratio(-mean, last[closing - 1], np.nan)
-        else:
-            open_by = np.abs(mean) > CLOSED * (np.abs(levels) * last).sum(axis=0)
-            levels = np.where(open_by, np.nan, levels - mean)
+            levels[closing - 1] = ratio(-(levels * last).sum(axis=0), last[closing - 1], 0.0)
+        mean = (levels * last).sum(axis=0)
+        open_by = np.abs(mean) > CLOSED * (np.abs(levels) * last).sum(axis=0)
+        levels = np.where(open_by, np.nan, levels - mean)
+        for n in range(1, self.count):  # a step of no length is one with a step beside it
+            levels[n] = np.where(last[n] == 0.0, levels[n - 1], levels[n])
+        for n in range(self.count - 2, -1, -1):
+            levels[n] = np.where(last[n] == 0.0, levels[n + 1], levels[n])
         return -levels * given["drive_factor"] / given["gravity"]
 
 
@@ -307,7 +315,7 @@ def _with_wave(groups: Any) -> Any:
     return waved
 
 
-_OTHERS = {
+_OTHERS = {one.gives: one for one in limits.equations("wave")} | {
     function.__name__: Equation(function.__name__, function, "theory 13.14")
     for function in (
         drive_number, drive_number_along, drive_number_across, drive_number_normal, throw_number,

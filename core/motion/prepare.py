@@ -94,16 +94,18 @@ def seconds_a_cell(method: Method, grid: Grid, free: Collection[str] = ()) -> fl
 def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen:
     """Return a system with the drive that the given parameters tell, and the method in force.
 
-    The third is what is wrong with method and drive.
+    The third is what is wrong with the method.
 
     Raises
     ------
     StudyError
-        If there is no such system.
+        If there is no such system, or the parameters are those of two kinds of drive.
     """
     scene, method, problems = choose_scene(name, method, SYSTEMS)
     shape, wrong = shape_of(given) if name in CONTACTS else (None, [])
-    return (driven(scene, shape) if shape else scene), method, [*problems, *wrong]
+    if wrong:  # of which drive the others are missing, or too many, nobody knows
+        raise StudyError([*problems, *wrong])
+    return (driven(scene, shape) if shape else scene), method, problems
 
 
 def prepare(study: SimulateStudy) -> Simulation:
@@ -133,7 +135,7 @@ def prepare(study: SimulateStudy) -> Simulation:
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
     shape, _ = shape_of(study.values())
-    if shape is not None and len(grid.axes) == 0:
+    if shape is not None and not set(shape.inputs) & set(grid.axes):
         problems += what_is_open(shape, grid.si())
     if problems:
         raise StudyError(problems)

@@ -14,7 +14,7 @@ import numpy as np
 
 from core.mechanics import vibration
 from core.mechanics.arrays import Mask
-from core.motion import groups, scales
+from core.motion import best_wave, groups, limits, scales
 from core.motion.groups import SOLID_CYLINDER, Contacts
 from core.motion.method import Method
 from core.motion.methods import METHODS
@@ -71,6 +71,7 @@ RESULTS = (
     Equation("conveying_velocity_spread", scales.conveying_velocity_spread, "theory 13.8"),
     Equation("conveying_velocity_error", scales.conveying_velocity_error, "theory 13.8"),
     Equation("efficiency", scales.efficiency, "theory 13.10"),
+    Equation("share_of_fastest", best_wave.share_of_fastest, "docs/best-wave.md"),
     *fields(
         "motion",
         "theory 13.2",
@@ -137,6 +138,8 @@ PLANAR_SCALES = (
 SPATIAL_SCALES = (
     *PLANAR_SCALES,
     Equation("drive_number_across", scales.drive_number_across, "theory 13.1"),
+    *limits.equations("sine"),
+    Equation("fastest_velocity", best_wave.fastest_velocity, "docs/best-wave.md"),
 )
 TRACK_SCALES = (
     *(e for e in SPATIAL_SCALES if e.gives != "gravity_number_normal"),

@@ -10,19 +10,23 @@ then has the velocity and the displacement whose second derivative is minus that
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from core.mechanics.arrays import Array
+from core.mechanics.arrays import Array, ratio
 
 TURN = 2 * np.pi
 ALONG, ACROSS, NORMAL, ENDS = range(4)
 """Rows of `Wave.steps`; the first three are axes of both fields."""
 
-LOOKS = 16
-"""At a wave's values, a period of its highest order, before the largest is closed in on."""
+TINY = 1e-14
+"""Of the largest sine of a slope: no higher order, less than this, moves an extreme."""
+
+AT_ONCE, NEAR = 4096, 0.01
+"""Cells whose extremes are looked for together, and how far a step of Newton may go."""
 
 
 class Wave(NamedTuple):
@@ -47,12 +51,18 @@ class Wave(NamedTuple):
 
     def columns(self, shape: tuple[int, ...]) -> NDArray[np.float64]:
         """Return one row a cell of a shape: the two counts, then harmonics and steps."""
-        parts = [np.broadcast_to(part, (*part.shape[: 3 - i], *shape)) for i, part in
-                 enumerate(self)]  # fmt: skip
+        parts = [_widened(part, own, shape) for part, own in zip(self, (3, 2), strict=True)]
         counts = np.empty((2, *shape))
         counts[0], counts[1] = self.harmonics.shape[2], self.steps.shape[1]
         flat = [part.reshape(-1, np.prod(shape, dtype=int)) for part in (counts, *parts)]
         return np.concatenate(flat).T
+
+
+def _widened(part: Array, own: int, shape: tuple[int, ...]) -> Array:
+    """Return an array whose axes behind its own are broadcast from the right to a shape."""
+    axes, cells = part.shape[:own], part.shape[own:]
+    missing = (1,) * (len(shape) - len(cells))
+    return np.broadcast_to(part.reshape(*axes, *missing, *cells), (*axes, *shape))
 
 
 def of_columns(rows: NDArray[np.float64]) -> Wave:
@@ -160,31 +170,92 @@ def step_speeds(wave: Wave, axis: int) -> Array:
 
 
 def largest(wave: Wave, axis: int, of: str) -> Array:
-    """Return the largest value over a period of the ``"push"``, or of the ``"speed"`` either way.
+    """Return the largest value over a period of a key of `COURSES`, to rounding.
 
-    To some 1e-12 of it: the best of many looks, closed in on by parabolas.
+    Exact as every extreme is looked at: of sines those where the derivative, a polynomial in
+    exp(i tau), is 0; of steps their ends, and where the track turns between them. Not so of a wave
+    that has both.
     """
-    function = {"push": push, "speed": lambda *at: np.abs(speed(*at))}[of]
-    looks = max(64, LOOKS * max(1, wave.harmonics.shape[2]))
-    best, at = np.full(wave.cells, -np.inf), np.zeros(wave.cells)
-    for number in range(looks):
-        phase = TURN * number / looks
-        value = function(wave, axis, phase)
-        at = np.where(value > best, phase, at)
-        best = np.maximum(best, value)
-    width = TURN / looks
-    for _ in range(6):
-        left, right = function(wave, axis, at - width), function(wave, axis, at + width)
-        bend = left - 2 * best + right
-        shift = np.where(bend < 0, 0.5 * width * (left - right) / np.where(bend < 0, bend, 1), 0.0)
-        tried = at + np.clip(shift, -width, width)
-        value = function(wave, axis, tried)
-        at, best = np.where(value > best, tried, at), np.maximum(best, value)
-        width = width / 8
-    for step in range(wave.steps.shape[1]):  # its extremes are at its ends
-        start = wave.steps[ENDS][step - 1] if step else np.zeros_like(best)
-        best = np.maximum(best, function(wave, axis, start))
-    return best
+    function, _ = COURSES[of]
+    best = np.full(wave.cells, -np.inf)
+    for phase in _extremes(wave, axis, of):
+        best = np.fmax(best, function(wave, axis, phase))
+    return np.where(best > -np.inf, best, np.nan)
+
+
+def stroke(wave: Wave, axis: int) -> Array:
+    """Return how far the track moves along an axis, peak to peak, in g/w^2."""
+    return largest(wave, axis, "place") + largest(wave, axis, "place back")
+
+
+def jerk(wave: Wave, axis: int) -> Array:
+    """Return the largest size of the derivative of the push; infinite where it jumps."""
+    if wave.steps.shape[1]:
+        jumps = largest(wave, axis, "push") + largest(wave, axis, "push back")
+        return np.where(jumps > 0.0, np.inf, jumps)
+    return largest(wave, axis, "jerk size")
+
+
+COURSES: dict[str, tuple[Callable[[Wave, int, ArrayLike], Array], int]] = {
+    "push": (push, 0),
+    "push back": (lambda *at: -push(*at), 0),
+    "push size": (lambda *at: np.abs(push(*at)), 0),
+    "speed": (lambda *at: np.abs(speed(*at)), 1),
+    "place": (place, 2),
+    "place back": (lambda *at: -place(*at), 2),
+    "jerk size": (lambda wave, axis, at: np.abs(_harmonic(wave, axis, np.asarray(at), -1)), -1),
+}
+"""What has a largest value: a function of wave, axis and phase, and how often it integrates."""
+
+
+def _extremes(wave: Wave, axis: int, of: str) -> Iterator[Array]:
+    """Yield phases among which those of all extremes are."""
+    if wave.harmonics.shape[2]:
+        yield from _turns(wave, axis, COURSES[of][1])
+    start = np.zeros(())
+    for number, end in enumerate(wave.steps[ENDS]):
+        yield start
+        if of.startswith("place"):  # the track turns where its speed is 0
+            since = ratio(step_speeds(wave, axis)[number], wave.steps[axis][number], 0.0)
+            yield start + np.clip(since, 0.0, end - start)
+        start = end
+
+
+def _turns(wave: Wave, axis: int, integrals: int) -> Array:
+    """Return phases where sines integrated so many times turn, shape (roots, cells)."""
+    sines, cosines = wave.harmonics[axis]
+    orders = np.arange(1, len(sines) + 1).reshape(-1, *(1,) * (sines.ndim - 1))
+    shape = wave.cells
+    slopes = (cosines - 1j * sines) * (-1j) ** (integrals - 1) * orders ** (1.0 - integrals)
+    slopes = np.broadcast_to(slopes, (len(sines), *shape)).reshape(len(sines), -1).T
+    sizes = np.abs(slopes)
+    counts = (sizes > TINY * sizes.max(axis=1, keepdims=True)) * orders.ravel()
+    highest = counts.max(axis=1)
+    phases = np.zeros((len(slopes), 2 * len(sines)))
+    for order in set(highest[highest > 0].tolist()):
+        (cells,) = np.nonzero(highest == order)
+        for some in np.array_split(cells, len(cells) // AT_ONCE + 1):
+            phases[some, : 2 * order] = _angles(slopes[some, :order])
+    return phases.T.reshape(-1, *shape)
+
+
+def _angles(slopes: NDArray[np.complex128]) -> Array:
+    """Return the phases of the roots of Re sum of b_k exp(i k tau), b of shape (n, orders).
+
+    The eigenvalues of companion matrices, then Newton's steps.
+    """
+    count, order = slopes.shape
+    rows = np.concatenate([slopes[:, ::-1], np.zeros((count, 1)), slopes.conj()], axis=1)
+    matrices = np.zeros((count, 2 * order, 2 * order), dtype=np.complex128)
+    matrices[:, np.arange(1, 2 * order), np.arange(2 * order - 1)] = 1.0
+    matrices[:, 0] = -rows[:, 1:] / rows[:, :1]
+    at = np.angle(np.linalg.eigvals(matrices))
+    k = np.arange(1, order + 1)
+    for _ in range(2):
+        turning = slopes[:, np.newaxis] * np.exp(1j * k * at[..., np.newaxis])
+        value, slope = turning.real.sum(axis=-1), -(k * turning.imag).sum(axis=-1)
+        at = at - np.clip(ratio(value, slope, 0.0), -NEAR, NEAR)
+    return at
 
 
 def bound(wave: Wave, axis: int) -> Array:

@@ -11,11 +11,13 @@ from core.mechanics.arrays import Array
 from core.optimise.codes import STATUS
 from core.optimise.found import Found, status_of
 from core.optimise.problem import Problem, cells_of, chosen_cells
+from core.optimise.single import spread
 from core.optimise.standing import standing
 from core.watch import Watch
 
 FIRST_POINTS = 40_000  # of the first grid of a design
 LATER_WIDTH = 9  # points of each variable of a later one
+MOST_GRIDDED = 4  # variables
 ROUNDS = 40
 SHRINKS = 0.5
 MOST_POINTS = 8_000_000  # of all designs together
@@ -63,12 +65,25 @@ def dense_width(variables: int, cells: int, points: int) -> int:
     return max(5, min(201, int(min(points, MOST_POINTS / cells) ** (1 / variables))))
 
 
+def _filled(variables: int, cells: int, points: int) -> Array:
+    """Return a grid over the unit box, shape (variables, n); points of a sequence, if it is coarse.
+
+    In many variables a grid of so few points holds little but edges.
+    """
+    width = dense_width(variables, cells, points)
+    if variables > MOST_GRIDDED:
+        return spread(points, variables)
+    grid = np.stack(np.meshgrid(*[np.linspace(0, 1, width)] * variables, indexing="ij"))
+    return grid.reshape(variables, -1)
+
+
 def _top(
     problem: Problem, unit: Array, design: Mapping[str, Array], scales: Mapping[str, Array]
 ) -> tuple[Any, Array, Array]:
     """Return the place of the best of points (variables, cells, n), its violation and value."""
     cells = unit.shape[1]
-    step = max(1, BLOCK // unit.shape[2])
+    nodes = 1 if problem.uncertain is None else problem.nodes()[0].size
+    step = max(1, BLOCK // (unit.shape[2] * nodes))
     place = np.zeros(cells, dtype=np.intp)
     beyond, value = np.empty(cells), np.empty(cells)
     span = (problem.upper - problem.lower)[:, None, None]
@@ -91,9 +106,7 @@ def standing_grid(
 ) -> Array:
     """Return the same for motions: the objective that stands once chance has been asked again."""
     count, cells = len(problem.names), cells_of(design)
-    width = dense_width(count, cells, points)
-    unit = np.stack(np.meshgrid(*[np.linspace(0, 1, width)] * count, indexing="ij"))
-    unit = unit.reshape(count, -1)
+    unit = _filled(count, cells, points)
     x = problem.lower[:, None] + (problem.upper - problem.lower)[:, None] * unit
     best = np.full(cells, -np.inf)
     for cell in range(cells):
@@ -110,8 +123,7 @@ def dense_grid(
 ) -> Array:
     """Return the best objective on a grid of at most so many points a design; -inf without one."""
     count, cells = len(problem.names), cells_of(design)
-    width = dense_width(count, cells, points)
-    shares = np.stack(np.meshgrid(*[np.linspace(0, 1, width)] * count, indexing="ij"))
-    unit = np.broadcast_to(shares.reshape(count, 1, -1), (count, cells, width**count))
+    shares = _filled(count, cells, points)[:, np.newaxis]
+    unit = np.broadcast_to(shares, (count, cells, shares.shape[2]))
     _, beyond, value = _top(problem, unit, design, scales)
     return np.where(beyond <= 0, value, -np.inf)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from core.mechanics.arrays import Array
 from core.optimise import known_answers, scipy_methods
 from core.optimise.found import Found, Solver
-from core.optimise.grid import by_grid
+from core.optimise.grid import MOST_GRIDDED, by_grid
 from core.optimise.population import by_population
 from core.optimise.problem import Problem
 from core.watch import Watch
@@ -110,6 +110,8 @@ def refusal(name: str, problem: Problem) -> tuple[str, str] | None:
         return "the batch solver does not know this problem", "Leave method out"
     if name == "minimize_scalar" and len(problem.names) != 1:
         return f"it takes one variable, not {len(problem.names)}", "Leave method out"
+    if name == "grid" and len(problem.names) > MOST_GRIDDED:
+        return f"it takes at most {MOST_GRIDDED} variables", "Leave method out"
     return None
 
 

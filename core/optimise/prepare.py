@@ -9,14 +9,23 @@ import numpy as np
 
 from core.errors import Problem as Wrong
 from core.errors import StudyError, suggestion
+from core.motion.prepare import choose_system
 from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS, default_method, refusal
 from core.optimise.optimisation import Optimisation
 from core.optimise.problem import CONTACTS, LIMIT, Kept, Problem, Variable
+from core.optimise.search import MOST_VARIABLES
 from core.optimise.slopes import MOST_SENSITIVE
-from core.optimise.wrong import criterion_outputs, ends_of, misplaced, placed, wrong_intervals
+from core.optimise.wrong import (
+    criterion_outputs,
+    ends_of,
+    misplaced,
+    of_other_drive,
+    placed,
+    wrong_intervals,
+)
 from core.plan.grid import Grid, to_si
-from core.plan.plan import choose_scene, find_scene, scene_parameters
+from core.plan.plan import choose_scene, scene_parameters
 from core.plan.prepared import Chosen, further_problems, plan_study
 from core.scenes import Scene
 from core.scenes.graph import behind
@@ -30,7 +39,6 @@ from core.study.values import Between, Fixed, Span, Values
 ANGLES = {"alpha": Between(0.0, 90.0), "beta": Between(0.0, 90.0)}
 """The variables of a study that names none."""
 
-MOST_VARIABLES = 4
 FRONT = "front"
 
 
@@ -45,7 +53,14 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     values = study.values()
     problems: list[Wrong] = []
     asked = tuple(dict.fromkeys((*criterion_outputs(study), *study.outputs)))
-    scene, variant, wrong_variant = choose_problem_scene(study.scene, study.variant, asked)
+    intervals = study.intervals()
+    given = (*values, *study.bounds(), *intervals)
+    try:
+        chosen = choose_problem_scene(study.scene, study.variant, asked, given)
+    except StudyError as error:
+        found = [placed(one, study, study.bounds()) for one in error.problems]
+        raise StudyError(found) from None
+    scene, variant, _ = chosen
     kept = tuple(_kept(study, scene, variant))
     outputs = tuple(dict.fromkeys((*asked, *(one.output for one in kept))))
     outputs = tuple(name for name in outputs if name != "regime")
@@ -58,7 +73,6 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     if len(bounds) > MOST_VARIABLES:
         message = f"there are {len(bounds)} of them"
         problems.append(Wrong("variables", message, f"Choose at most {MOST_VARIABLES}"))
-    intervals = study.intervals()
     problems += wrong_intervals(study, intervals, values, bounds)
     spans = {
         name: Span(one.lower, one.upper, 2)
@@ -66,9 +80,10 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         if name not in values
     }
     try:
-        plan, _ = plan_study(study, outputs, (scene, variant, wrong_variant), spans)
+        plan, _ = plan_study(study, outputs, chosen, spans)
     except StudyError as error:
-        problems += [placed(one, study, bounds) for one in error.problems]
+        found = [of_other_drive(one, scene) for one in error.problems]
+        problems += [placed(one, study, bounds) for one in found]
     if study.method is not None and study.method not in METHODS:
         message = f"'{study.method[:60]}' is not a method"
         problems.append(Wrong("method", message, suggestion(study.method, METHODS)))
@@ -108,22 +123,27 @@ def _variable(name: str, between: Between) -> Variable:
     return Variable(name, *(float(to_si(name, np.asarray(end))) for end in ends))
 
 
-def choose_problem_scene(name: str, variant: str | None, outputs: Iterable[str]) -> Chosen:
-    """Return the closed-form scene with its variant; or, if an output asks for it, the system.
+def choose_problem_scene(
+    name: str, variant: str | None, outputs: Iterable[str], given: Iterable[str] = ()
+) -> Chosen:
+    """Return the closed-form scene with its variant; or the system, if an output asks for it.
 
-    The third is what is wrong with the variant, which then gives way to the default.
+    So does a drive that is no plain sine, of which the closed forms know nothing: `given` are the
+    names of all parameters, variables among them. The third is what is wrong with the variant,
+    which then gives way to the default.
 
     Raises
     ------
     StudyError
-        If there is no such scene.
+        If there is no such scene, or the names are those of two kinds of drive.
     """
     scene, chosen, problems = choose_scene(name, variant)
     closed = {output for one in scene.variants for output in scene.outputs(one)}
     if name in SYSTEMS:
-        system, method = find_scene(name, None, SYSTEMS)
-        if any(o not in closed and o in system.outputs(method) for o in outputs):
-            fix = "Remove it, or ask for outputs of the closed forms alone"
+        system, method, _ = choose_system(name, None, given)
+        sine = system is SYSTEMS[name]
+        if not sine or any(o not in closed and o in system.outputs(method) for o in outputs):
+            fix = "Remove it, or ask for outputs of the closed forms alone" if sine else "Remove it"
             told = [Wrong("variant", "motion in time has no variants", fix)] if variant else []
             return system, method, told
     return scene, chosen, problems
@@ -163,7 +183,8 @@ def further(content: Mapping[str, Any], known: StudyError) -> list[Wrong]:
         return []
     criterion, variables = content.get("criterion"), content.get("variables")
     criterion = criterion if isinstance(criterion, Mapping) else {}
-    parameters = {**content["parameters"]}
+    uncertain = content.get("uncertain")
+    parameters = {**content["parameters"], **(uncertain if isinstance(uncertain, Mapping) else {})}
     outputs = tuple(
         name
         for name in (criterion.get("output", "acceleration_x"), criterion.get("against"))
@@ -172,9 +193,8 @@ def further(content: Mapping[str, Any], known: StudyError) -> list[Wrong]:
 
     def chosen(content: Mapping[str, Any]) -> Chosen:
         variant = content.get("variant")
-        return choose_problem_scene(
-            content["scene"], variant if isinstance(variant, str) else None, outputs
-        )
+        variant = variant if isinstance(variant, str) else None
+        return choose_problem_scene(content["scene"], variant, outputs, map(str, parameters))
 
     if isinstance(variables, Mapping):
         parameters |= variables

@@ -123,10 +123,28 @@ class Problem:
         """Whether the outputs are those of a motion in time, which jump."""
         return any(equation.takes_long for equation in self.plan.equations)
 
-    def known(self, x: Array, design: Mapping[str, Array], watch: Watch | None = None) -> Arrays:
+    @cached_property
+    def concerned(self) -> tuple[str, ...]:
+        """The outputs that candidates are judged by."""
+        names = (self.criterion.output, self.against, *(kept.output for kept in self.kept))
+        return tuple(dict.fromkeys(name for name in names if name))
+
+    @cached_property
+    def bare(self) -> Plan:
+        """The plan without outputs that are only told, and without regimes."""
+        return self.plan.part(self.concerned, ())
+
+    def known(
+        self,
+        x: Array,
+        design: Mapping[str, Array],
+        watch: Watch | None = None,
+        plan: Plan | None = None,
+    ) -> Arrays:
         """Return every quantity of the plan at candidates x, shape (variables, ...); SI units."""
-        given = {name: design[name] for name in self.plan.parameters if name in design}
-        return run_equations(self.plan, {**given, **dict(zip(self.names, x, strict=True))}, watch)
+        plan = plan or self.plan
+        given = {name: design[name] for name in plan.parameters if name in design}
+        return run_equations(plan, {**given, **dict(zip(self.names, x, strict=True))}, watch)
 
     def output(self, name: str, known: Arrays) -> Array:
         """Return an output in the unit of studies."""
@@ -191,9 +209,8 @@ class Problem:
         """
         if self.uncertain is None:
             return self._judged(x, design, scales, watch)
-        places, weights = self.nodes()
-        found = [self._judged(x, self.at(design, place), scales, watch) for place in places]
-        values, beyond, doubt = (np.stack(parts) for parts in zip(*found, strict=True))
+        values, beyond, doubt = self._judged(x, self.over(design, x), scales, watch)
+        weights = self.nodes()[1]
         lost = np.isinf(values).any(axis=0)
         value = over_nodes(np.where(lost, 0.0, values), weights)
         return np.where(lost, -np.inf, value), beyond.max(axis=0), doubt.max(axis=0)
@@ -229,19 +246,23 @@ class Problem:
         assert self.uncertain is not None
         return nodes_over((self.uncertain.lower, self.uncertain.upper), self.robust)
 
-    def at(self, design: Mapping[str, Array], place: float) -> dict[str, Array]:
-        """Return designs with a value of the uncertain parameter."""
+    def over(self, design: Mapping[str, Array], x: Array) -> dict[str, Array]:
+        """Return designs over the interval of the uncertain parameter, along a first axis more.
+
+        What candidates x give without that parameter then is computed once.
+        """
         assert self.uncertain is not None
-        name = self.uncertain.name
-        return {**design, name: np.full_like(design[name], place)}
+        axes = max(x.ndim - 1, *(values.ndim for values in design.values()))
+        return {**design, self.uncertain.name: self.nodes()[0].reshape(-1, *(1,) * axes)}
 
     def safe_margin(self, kept: Kept, x: Array, design: Mapping[str, Array]) -> Array:
         """Return the least margin over the interval of the uncertain parameter, if there is one."""
         if self.uncertain is None:
             return self.margin(kept, self.known(x, design), design)
-        designs = (self.at(design, place) for place in self.nodes()[0])
-        margins = [self.margin(kept, self.known(x, one), one) for one in designs]
-        return np.asarray(np.min(np.broadcast_arrays(*margins), axis=0))
+        over = self.over(design, x)
+        margins = self.margin(kept, self.known(x, over), over)
+        depends = margins.ndim == over[self.uncertain.name].ndim
+        return np.asarray(margins.min(axis=0) if depends else margins)
 
     def _judged(
         self,
@@ -250,7 +271,7 @@ class Problem:
         scales: Mapping[str, Array],
         watch: Watch | None,
     ) -> tuple[Array, Array, Array]:
-        known = self.known(x, design, watch)
+        known = self.known(x, design, watch, self.bare)
         shape = np.broadcast_shapes(*(part.shape for part in (*x, *design.values())))
         value = np.broadcast_to(self.objective(known), shape)
         beyond = np.zeros(shape)
@@ -269,10 +290,9 @@ class Problem:
         ways = np.array(list(product((0.0, 0.5, 1.0), repeat=len(self.names)))).T[:, None, :]
         x = self.lower[:, None, None] + (self.upper - self.lower)[:, None, None] * ways
         cells = cells_of(design)
-        known = self.known(x, columns(design), watch)
-        concerned = (self.criterion.output, self.against, *(kept.output for kept in self.kept))
+        known = self.known(x, columns(design), watch, self.bare)
         scales = {}
-        for name in dict.fromkeys(name for name in concerned if name):
+        for name in self.concerned:
             sizes = np.abs(self.output(name, known))
             sizes = np.broadcast_to(sizes, np.broadcast_shapes(sizes.shape, (cells, 1)))
             largest = np.where(np.isfinite(sizes), sizes, 0.0).max(axis=1)

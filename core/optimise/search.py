@@ -1,4 +1,4 @@
-"""The global maximum of a function of one to four variables over a box, without derivatives.
+"""The global maximum of a function of one to eight variables over a box, without derivatives.
 
 For mean velocities of a motion in time and the like: piecewise smooth with jumps, several hills,
 and points without a value (theory 12.4). scipy's differential evolution from a population that
@@ -14,6 +14,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -35,7 +36,8 @@ MESSAGES: dict[SearchStatus, str] = {
     "stopped": "the search was stopped early",
 }
 
-MOST_VARIABLES = 4
+MOST_VARIABLES = 8
+MOST_AROUND = 4  # variables of which all the corners of a neighbourhood are looked at
 FEWEST_EVALUATIONS = 400
 MEMBERS = 64  # of a population: a power of 2, as Sobol's points that fill the box come in these
 BEYOND = 0.05  # of the box, by which it is widened on each side
@@ -103,7 +105,7 @@ def search_maximum(
     status: SearchStatus = "converged"
     try:
         if search.free.size:
-            status = _evolve(search, budget - 3**search.free.size, tolerance, seed)
+            status = _evolve(search, budget - len(search.around), tolerance, seed)
         search.look_around()
     except _StoppedError:
         status = "stopped"
@@ -164,10 +166,17 @@ class _Search:
         points[:, self.free] = np.where(unit == 1, high, low + unit * (high - low))
         return points
 
+    @cached_property
+    def around(self) -> Array:
+        """The directions to look: all corners, sides and the middle; of many variables the axes."""
+        if self.free.size > MOST_AROUND:
+            axes = np.eye(self.free.size)
+            return np.concatenate([np.zeros_like(axes[:1]), axes, -axes])
+        return np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=self.free.size)))
+
     def look_around(self) -> None:
         """Set what is lost at worst next to the best point; in a box of one point, look there."""
-        offsets = np.array(list(itertools.product((-NEARBY, 0.0, NEARBY), repeat=self.free.size)))
-        nearby = self.values(np.clip(np.nan_to_num(self.point) + offsets, 0.0, 1.0))
+        nearby = self.values(np.clip(np.nan_to_num(self.point) + NEARBY * self.around, 0.0, 1.0))
         self.drop = self.value - float(nearby.min())
 
     def found(self, status: SearchStatus) -> Found:

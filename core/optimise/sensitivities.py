@@ -16,10 +16,10 @@ from core.errors import Problem, StudyError
 from core.mechanics import yawing
 from core.mechanics.arrays import Array
 from core.mechanics.screws import Reduction, ScrewKind, Wrench, cross, dot
-from core.motion.systems import SYSTEMS
+from core.motion.prepare import choose_system
 from core.optimise.duals import Dual, NotDifferentiableError, slope_of, unboxed, value_of
 from core.plan.equations import regimes
-from core.plan.plan import Plan, find_scene, make_plan, plan_scene
+from core.plan.plan import Plan, make_plan, plan_scene
 from core.scenes import Equation
 
 SIDE = 1e-6  # step to either side of a switch, relative
@@ -243,7 +243,9 @@ def motion_sensitivities(
     value, or where the estimate of the error exceeds a thousandth: next to a jump, or in motion
     that hangs on its parameters too roughly.
     """
-    system, chosen = find_scene(scene, method, SYSTEMS)
+    system, chosen, problems = choose_system(scene, method, point)
+    if problems:
+        raise StudyError(problems)
     asked = tuple(dict.fromkeys((*outputs, "period_multiple", "impacts_per_period")))
     plan = plan_scene(system, chosen, asked, point)
     values = _values(plan, point, parameters)
@@ -258,6 +260,7 @@ def motion_sensitivities(
             none = _none("aperiodic, or no motion that repeats")
             found |= {(output, parameter): none for output in outputs}
             continue
+        same = np.broadcast_to(same, 1 + 2 * HALVINGS)
         inside = same[1 : 1 + HALVINGS] & same[1 + HALVINGS :]
         for output in outputs:
             results = np.broadcast_to(known[output], same.shape)

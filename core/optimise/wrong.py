@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from core.errors import Problem as Wrong
+from core.scenes import SCENES, Scene
 from core.study.models import (
     Limited,
     OptimiseStudy,
@@ -87,6 +88,19 @@ def placed(problem: Wrong, study: OptimiseStudy, bounds: Mapping[str, Between]) 
             if problem.about and getattr(study.criterion, key, None) == problem.about:
                 return replace(problem, place=f"criterion.{key}")
     return problem
+
+
+def of_other_drive(problem: Wrong, scene: Scene) -> Wrong:
+    """Return a problem of the plan, in words that say why if only the plain sine has the output."""
+    producers = scene.producers(scene.default_variant)
+    closed = SCENES.get(scene.name)
+    if "wave" not in producers or closed is None or not problem.about:
+        return problem
+    if not any(problem.about in closed.outputs(variant) for variant in closed.variants):
+        return problem
+    message = f"'{problem.about}' is a closed form of the plain sine, and the drive is another"
+    fix = "Take an output of the motion, such as conveying_velocity"
+    return replace(problem, message=message, fix=fix)
 
 
 def criterion_outputs(study: OptimiseStudy) -> tuple[str, ...]:

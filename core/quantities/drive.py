@@ -53,6 +53,24 @@ def _duration(step: int) -> Quantity:
     )  # fmt: skip
 
 
+def _limits(axis: str) -> dict[str, Quantity]:
+    letter, where = _LETTERS[axis], _WHERE[axis]
+    return {
+        f"largest_acceleration_{axis}": Quantity(
+            "m s-2", f"max |a_{letter}|", f"Largest acceleration {axis}",
+            f"Largest size of the track's acceleration {where} over a period.",
+        ),
+        f"stroke_{axis}": Quantity(
+            "m", f"s_{letter}", f"Stroke {axis}",
+            f"How far the track moves {where}, peak to peak.",
+        ),
+        f"largest_jerk_{axis}": Quantity(
+            "m s-3", f"max |j_{letter}|", f"Largest jerk {axis}",
+            f"Largest size of the track's jerk {where}; infinite where its acceleration jumps.",
+        ),
+    }  # fmt: skip
+
+
 DRIVE: dict[str, Quantity] = {
     "drive_factor": Quantity(
         "1", "q", "Factor of the drive",
@@ -66,4 +84,5 @@ DRIVE: dict[str, Quantity] = {
        for axis in AXES for n in range(1, MOST_STEPS + 1)},
     **{f"duration_{n}": _duration(n) for n in range(1, MOST_STEPS + 1)},
     "wave": Quantity("1", "", "Wave", "The push of the drive on a part, per weight.", bundle=True),
+    **{name: limit for axis in AXES for name, limit in _limits(axis).items()},
 }  # fmt: skip

@@ -76,6 +76,16 @@ RESULTS: dict[str, Quantity] = {
         "v/v_b", "Transport efficiency",
         "Conveying velocity over the largest speed of the track along x.",
     ),
+    "fastest_velocity": velocity(
+        "v_O", "Fastest velocity",
+        "Largest mean velocity that a drive along the track gives with this largest acceleration, "
+        "of whatever form; NaN where something drives the part off the floor or across, or the "
+        "track falls.",
+    ),
+    "share_of_fastest": number(
+        "v/v_O", "Share of the fastest velocity",
+        "Conveying velocity over the largest that such an acceleration of the track allows.",
+    ),
     "stick_fraction": _fraction("Sticking share", "friction holds the part"),
     "forward_fraction": _fraction("Forward sliding share", "the part slides forward"),
     "backward_fraction": _fraction("Backward sliding share", "the part slides backward"),

@@ -262,7 +262,7 @@ def test_a_search_can_be_stopped():
 
 @pytest.mark.parametrize(("lower", "upper", "more"), [
     ([0.0], [1.0, 2.0], {}), ([1.0], [0.0], {}), ([0.0], [math.nan], {}),
-    ([0.0] * 5, [1.0] * 5, {}),
+    ([0.0] * 9, [1.0] * 9, {}),
     ([0.0], [1.0], {"budget": 10}), ([0.0], [1.0], {"tolerance": 0.0}),
 ])  # fmt: skip
 def test_wrong_requests_are_refused(lower, upper, more):

@@ -1,0 +1,53 @@
+"""The fastest that any drive along the track conveys a part under a limit of its acceleration.
+
+A part on a track that is level or climbs, which nothing pushes off the floor or across: friction
+holds it while the track gains less than h, and b brakes it while it slides forward,
+
+    h = mu_s g cos(gamma) - g sin(gamma),    b = mu_k g cos(gamma) + g sin(gamma).
+
+With |a| <= a_m over the period T no mean velocity is above
+
+    v = T h^2 (a_m^2 - b^2)/(4 a_m (h + b)^2),
+
+and one wave comes as near as one likes: +h over b T/(h + b), which carries the part, then -a_m,
+then +a_m until the part is caught at the end of the period. That there is a best wave, and its
+three phases, were found by Umbanhowar and Lynch (2008); value and proof (docs/best-wave.md) are our
+own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanics.arrays import Array, ratio
+from core.motion.groups import Groups
+
+
+def fastest_velocity(
+    *, groups: Groups, largest_acceleration_along: Array, frequency: Array, gravity: Array
+) -> Array:
+    """Return the largest mean velocity under any drive of that largest acceleration [m s-1].
+
+    0 where no such drive frees the part forward. NaN where the bound does not hold: something
+    drives the part off the floor or across, the track falls, or it is too steep for the part to lie
+    on.
+    """
+    along, onto = (
+        np.asarray(groups.gravity_number_along),
+        np.asarray(groups.gravity_number_normal),
+    )
+    most = largest_acceleration_along / gravity
+    holding, braking = groups.friction_static * onto - along, groups.friction_kinetic * onto + along
+    share = ratio(holding, holding + braking, 0.0)
+    best = share**2 * ratio(most**2 - braking**2, 4 * most, 0.0) * gravity / frequency
+    freed = most > groups.friction_static * onto + along
+    across = (groups.drive_number_across, groups.gravity_number_across, groups.curvature_number)
+    holds = (along >= 0.0) & (holding >= 0.0) & (np.asarray(groups.drive_number_normal) == 0.0)
+    for number in across:
+        holds = holds & (np.asarray(number) == 0.0)
+    return np.where(holds & ~np.isnan(most), np.where(freed, best, 0.0), np.nan)
+
+
+def share_of_fastest(*, conveying_velocity: Array, fastest_velocity: Array) -> Array:
+    """Return the conveying velocity over the largest that such an acceleration allows [1]."""
+    return ratio(conveying_velocity, fastest_velocity, np.nan)

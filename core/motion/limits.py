@@ -1,0 +1,89 @@
+"""What a drive asks of the machine on each axis: largest acceleration, stroke, largest jerk.
+
+Of the plain sine in closed form; of any other wave as `core.motion.waves` finds it.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.motion import waves
+from core.motion.waves import Wave
+from core.quantities.drive import AXES
+from core.scenes.scene import Equation
+
+
+@dataclass(frozen=True)
+class Limit:
+    """One of the limits.
+
+    Attributes
+    ----------
+    says : str
+        What it is.
+    scale : callable
+        Its scale, from quantities by name.
+    of_sine : float
+        Its value in that scale, over the drive number of the axis.
+    of_wave : callable
+        The same of a wave and an axis.
+    """
+
+    says: str
+    scale: Callable[..., Array]
+    of_sine: float
+    of_wave: Callable[[Wave, int], Array]
+
+
+LIMITS = {
+    "largest_acceleration": Limit(
+        "largest size of the track's acceleration {} [m s-2]",
+        lambda *, gravity: gravity,
+        1.0,
+        lambda wave, axis: waves.largest(wave, axis, "push size"),
+    ),
+    "stroke": Limit(
+        "way of the track {}, peak to peak [m]",
+        lambda *, length_scale: length_scale,
+        2.0,
+        waves.stroke,
+    ),
+    "largest_jerk": Limit(
+        "largest size of the track's jerk {}, infinite where its acceleration jumps [m s-3]",
+        lambda *, gravity, frequency: gravity * (waves.TURN * frequency),
+        1.0,
+        waves.jerk,
+    ),
+}
+
+
+def equations(drive: str, axes: tuple[str, ...] = AXES) -> tuple[Equation, ...]:
+    """Return the equations of all limits: of the ``"sine"``, or of a ``"wave"``."""
+    return tuple(
+        Equation(f"{name}_{axis}", _function(limit, axis, drive), "theory 13.14")
+        for name, limit in LIMITS.items()
+        for axis in axes
+    )
+
+
+def _function(limit: Limit, axis: str, drive: str) -> Callable[..., Array]:
+    number, place = f"drive_number_{axis}", AXES.index(axis)
+    given = "wave" if drive == "wave" else number
+
+    def value(**known: Array) -> Array:
+        one = known.pop(given)
+        scale = limit.scale(**known)
+        if isinstance(one, Wave):
+            return limit.of_wave(one, place) * scale
+        return limit.of_sine * np.abs(one) * scale
+
+    scale = inspect.signature(limit.scale).parameters
+    named = inspect.Parameter(given, inspect.Parameter.KEYWORD_ONLY)
+    value.__signature__ = inspect.Signature([named, *scale.values()])  # type: ignore[attr-defined]
+    value.__doc__ = f"Return the {limit.says.format(axis)}."
+    return value
