@@ -9,7 +9,7 @@ from core.motion.method import Method
 from core.motion.prepare import other_method, seconds_a_cell
 from core.motion.systems import methods_of
 from core.optimise.problem import Problem
-from core.optimise.scipy_methods import SEARCH_BUDGET
+from core.optimise.scipy_methods import search_budget
 from core.optimise.slopes import sensitive
 from core.plan.grid import Grid
 from core.plan.prepared import Box, Prepared
@@ -81,7 +81,7 @@ class Optimisation(Prepared):
         if self.problem.is_motion:
             method = methods_of(self.plan.scene.name)[self.plan.variant]
             seconds = seconds_a_cell(method, self.designs, self.problem.names)
-            return MOTION_SECONDS + SEARCH_BUDGET * seconds
+            return MOTION_SECONDS + search_budget(len(self.problem.names)) * seconds
         return QUICK_SECONDS if self.method in QUICK else OTHER_SECONDS
 
     @property

@@ -16,7 +16,7 @@ from core.mechanics.arrays import Array
 from core.optimise.codes import STATUS
 from core.optimise.found import Found, Solver, status_of
 from core.optimise.problem import Problem, cells_of, chosen_cells
-from core.optimise.search import search_maximum
+from core.optimise.search import parts_of, search_maximum
 from core.optimise.single import NO_VALUE, Single, spread
 from core.watch import Watch
 
@@ -26,7 +26,8 @@ One = Callable[[Single], tuple[Array, str]]
 STARTS = 8  # of the optimisers that follow slopes
 SAMPLES = 256  # of which the best are the starts
 DENSE = 129  # points of the search over one variable
-SEARCH_BUDGET = 12_000  # points of a design that the search for outputs that jump may take
+SEARCH_BUDGET = 12_000
+"""Points of a design that the search for outputs that jump may take, of one or two variables."""
 
 
 class StoppedError(Exception):
@@ -183,8 +184,14 @@ def differential_evolution(single: Single) -> tuple[Array, str]:
     return np.asarray(answer.x), str(answer.message)
 
 
-def search(single: Single, budget: int = SEARCH_BUDGET) -> tuple[Array, str]:
+def search_budget(variables: int) -> int:
+    """Return the points that the search may take: of more variables three, five, seven times."""
+    return SEARCH_BUDGET * parts_of(variables)
+
+
+def search(single: Single, budget: int | None = None) -> tuple[Array, str]:
     """Return the end of the global search for outputs that jump."""
+    budget = budget or search_budget(single.variables)
     seen: list[tuple[Array, ...]] = []
 
     def ranked(points: Array) -> Array:

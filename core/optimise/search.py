@@ -37,9 +37,10 @@ MESSAGES: dict[SearchStatus, str] = {
 }
 
 MOST_VARIABLES = 8
-MOST_AROUND = 4  # variables of which all the corners of a neighbourhood are looked at
+FEW = 4  # variables of which all the corners of a neighbourhood are looked at
 FEWEST_EVALUATIONS = 400
 MEMBERS = 64  # of a population: a power of 2, as Sobol's points that fill the box come in these
+CLOSE = 0.05  # of the box, within which the last population of many variables starts
 BEYOND = 0.05  # of the box, by which it is widened on each side
 NEARBY = 1e-3  # of the width of the box: where `drop` looks
 
@@ -169,7 +170,7 @@ class _Search:
     @cached_property
     def around(self) -> Array:
         """The directions to look: all corners, sides and the middle; of many variables the axes."""
-        if self.free.size > MOST_AROUND:
+        if self.free.size > FEW:
             axes = np.eye(self.free.size)
             return np.concatenate([np.zeros_like(axes[:1]), axes, -axes])
         return np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=self.free.size)))
@@ -189,6 +190,22 @@ class _Search:
         return Found(point, value, self.drop, self.used, status, MESSAGES[status])
 
 
+def parts_of(variables: int) -> int:
+    """Return into how many populations the evaluations of so many variables are parted.
+
+    Of one or two variables one closes in. Of more some set out from all over the box, since one
+    alone may end on a lower hill, and the last starts around the best point.
+    """
+    return 2 * math.ceil(variables / 2) - 1
+
+
+def _around(point: Array, random: np.random.Generator) -> Array:
+    """Return a population around a point of the unit box; the point is one of it."""
+    away = CLOSE * random.uniform(-1, 1, (MEMBERS, point.size))
+    away[0] = 0.0
+    return np.clip(np.nan_to_num(point, nan=0.5) + away, -BEYOND, 1 + BEYOND)
+
+
 def _evolve(search: _Search, budget: int, tolerance: float, seed: int) -> SearchStatus:
     """Let populations evolve, one after the other, until the evaluations are spent."""
     from scipy import optimize
@@ -198,28 +215,35 @@ def _evolve(search: _Search, budget: int, tolerance: float, seed: int) -> Search
             raise _SpentError
         return -search.values(np.clip(wide.T, 0.0, 1.0))
 
-    def narrow(intermediate_result: Any) -> bool:
-        members = np.clip(intermediate_result.population, 0.0, 1.0)
-        return bool(np.ptp(members, axis=0).max() < tolerance)
+    def narrow(result: Any) -> bool:
+        return bool(np.ptp(np.clip(result.population, 0.0, 1.0), axis=0).max() < tolerance)
 
+    def over(intermediate_result: Any) -> bool:
+        late = search.used - begun >= each and each < budget
+        return late or narrow(intermediate_result)
+
+    each = budget / parts_of(search.free.size)
     random, top = np.random.default_rng(seed), -math.inf
     try:
         while True:
+            begun = search.used
+            last = each < budget and budget - begun <= 1.5 * each
             ended = optimize.differential_evolution(
                 lost,
                 [(-BEYOND, 1 + BEYOND)] * search.free.size,
                 strategy="best1bin",
                 popsize=MEMBERS // search.free.size,  # a variable; scipy goes up to a power of 2
                 maxiter=budget,
-                init="sobol",
+                init=_around(search.point, random) if last else "sobol",
                 tol=0.0,  # of values: those of a flat stretch are equal
-                callback=narrow,
+                callback=over,
                 polish=False,
                 vectorized=True,
                 updating="deferred",
                 rng=random,
             )
-            top = max(top, -float(ended.fun))
+            if narrow(ended):
+                top = max(top, -float(ended.fun))
     except _SpentError:
         return "converged" if top == search.value else "budget_spent"
     except RuntimeError as error:

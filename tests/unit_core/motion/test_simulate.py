@@ -267,7 +267,8 @@ class TestDatasets:
             found = simulate(parse_study(content))
             for name in system.outputs(method):
                 assert name in found
-                if name != "settling_time":
+                # No bound is known of a drive off the floor.
+                if name not in ("settling_time", "fastest_velocity", "share_of_fastest"):
                     assert np.isfinite(found[name]).all(), (method, name)
 
 
