@@ -102,3 +102,15 @@ def test_cells_that_do_not_close_have_a_status() -> None:
     statuses = [MOTION_STATUSES[name].value for name in ("periodic", "no_drive")]
     assert found.motion_status.values.tolist() == statuses
     assert np.isnan(found[SPEED].values).tolist() == [False, True]
+
+
+def test_along_once_and_normal_twice_has_no_speed_of_its_own_if_it_hops() -> None:
+    given = {"frequency": 50, "friction": 0.2, "amplitude_along_1": "0.3 mm"}
+    hops = run(given, amplitude_normal_2="0.04 mm")
+    assert int(hops.motion_status) == MOTION_STATUSES["limit_reached"].value
+    # The slightest slope takes it to one end of the range, the other one to the other end.
+    ends = [float(run(given, amplitude_normal_2="0.04 mm", gamma=g)[SPEED]) for g in (-1e-6, 1e-6)]
+    assert ends[0] == pytest.approx(-ends[1], rel=1e-6)
+    assert ends[0] > 0.06
+    stays = run(given, amplitude_normal_2="0.02 mm")
+    assert abs(float(stays[SPEED])) < 1e-15
