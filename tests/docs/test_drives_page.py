@@ -1,0 +1,116 @@
+"""What the page on drives shows is run: its studies, its speeds, its messages."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from core.errors import StudyError
+from core.kinds import prepare_content
+from core.motion import simulate
+from core.quantities import MOTION_STATUSES
+from core.study import parse_study
+
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "docs" / "drives.md").read_text(encoding="utf-8")
+BLOCKS = [tomllib.loads(block) for block in re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)]
+HEAD = {name: value for name, value in BLOCKS[0].items() if name != "parameters"}
+ELLIPSE, TWO, THREE, STEPPED, PRESSED = (block["parameters"] for block in BLOCKS)
+FRICTION = {"frequency": 50, "friction": 0.3}
+SPEED = "conveying_velocity"
+
+
+def run(given: dict[str, Any], **changes: Any) -> Any:
+    return simulate(parse_study({**HEAD, "parameters": {**given, **changes}}))
+
+
+@pytest.mark.parametrize("given", [block["parameters"] for block in BLOCKS])
+def test_every_study_of_the_page_moves_a_part(given: dict[str, Any]) -> None:
+    found = run(given)
+    assert (found.motion_status == MOTION_STATUSES["periodic"].value).all()
+    assert (np.abs(found[SPEED]) > 1e-3).all()
+
+
+@pytest.mark.parametrize(
+    ("given", "changes", "says"),
+    [
+        (ELLIPSE, {}, "speed is {:.2f} mm/s"),
+        (ELLIPSE, {"phase_normal_1": 0}, "it is {:.2f} mm/s"),
+        (ELLIPSE, {"phase_normal_1": 110}, "degrees {:.2f} mm/s"),
+        (ELLIPSE, {"phase_normal_1": 0, "amplitude_normal_1": "0.095 mm"}, "travels {:.1f} mm/s"),
+        (ELLIPSE, {"amplitude_normal_1": "0.095 mm"}, "{:.1f} mm/s at -70 degrees"),
+        (TWO, {}, "moves at {:.2f} mm/s"),
+        (STEPPED, {}, "{:.6f} mm/s"),
+        (PRESSED, {}, "{:.3f} mm/s"),
+    ],
+)
+def test_speeds_are_those_that_the_page_tells(given, changes, says) -> None:
+    assert says.format(1e3 * float(run(given, **changes)[SPEED])) in TEXT
+
+
+def test_what_the_page_says_of_the_ellipse() -> None:
+    given = {
+        **ELLIPSE,
+        "amplitude_normal_1": ["0.02 mm", "0.08 mm", "0.15 mm"],
+        "phase_normal_1": list(range(-180, 181, 5)),
+    }
+    found = run(given)[SPEED]
+    best = found.idxmax("phase_normal_1")
+    assert ((best >= -80) & (best <= -70)).all()
+    back = found.idxmin("phase_normal_1")
+    assert ((back >= 100) & (back <= 110)).all()
+    assert (np.abs(found.max("phase_normal_1") + found.min("phase_normal_1")) < 1e-12).all()
+    values = run(ELLIPSE, phase_normal_1=[-5, 0, 5, 8, 9])[SPEED].values
+    assert np.abs(values[[0, 2]] / values[1] - 1) == pytest.approx(0.6, abs=0.03)
+    assert values[3] > 0 > values[4]
+
+
+def test_a_wave_that_one_level_closes_is_the_one_that_gives_it() -> None:
+    whole = run(STEPPED, acceleration_along_2="-19.62 m/s^2")
+    assert float(whole[SPEED]) == pytest.approx(float(run(STEPPED)[SPEED]), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"acceleration_along_1": 4, "acceleration_along_2": -3}, "has a mean"),
+        ({"acceleration_along_1": 4, "duration_1": 0}, "take no time"),
+        ({"acceleration_along_1": 4, "amplitude_along_1": 1e-4}, "harmonics, too"),
+        ({"amplitude": 1e-4, "amplitude_along_1": 1e-4}, "amplitude is not used"),
+        ({"beta": 20, "amplitude_along_1": 1e-4}, "beta is not used"),
+        ({"phase_along_1": 20}, "it is missing"),
+        ({"acceleration_along_1": 4, "acceleration_along_4": -4}, "it is missing"),
+        ({"duration_1": 1}, "steps that have no acceleration are no drive"),
+        ({"kind": "sweep", "amplitude_along_1": 1e-4}, "knows the plain sine only"),
+    ],
+)
+def test_messages_are_those_of_the_page(given: dict[str, Any], message: str) -> None:
+    sweep = {"kind": "sweep", "outputs": ["acceleration_x"]} if given.pop("kind", "") else {}
+    with pytest.raises(StudyError) as refused:
+        prepare_content({**HEAD, **sweep, "parameters": {**FRICTION, **given}})
+    assert message in " ".join(problem.message for problem in refused.value.problems)
+    assert message in TEXT
+
+
+def test_cells_that_do_not_close_have_a_status() -> None:
+    found = run({**FRICTION, "acceleration_along_1": 4, "acceleration_along_2": [-4, -3]})
+    statuses = [MOTION_STATUSES[name].value for name in ("periodic", "no_drive")]
+    assert found.motion_status.values.tolist() == statuses
+    assert np.isnan(found[SPEED].values).tolist() == [False, True]
+
+
+def test_along_once_and_normal_twice_has_no_speed_of_its_own_if_it_hops() -> None:
+    given = {"frequency": 50, "friction": 0.2, "amplitude_along_1": "0.3 mm"}
+    hops = run(given, amplitude_normal_2="0.04 mm")
+    assert int(hops.motion_status) == MOTION_STATUSES["limit_reached"].value
+    # The slightest slope takes it to one end of the range, the other one to the other end.
+    ends = [float(run(given, amplitude_normal_2="0.04 mm", gamma=g)[SPEED]) for g in (-1e-6, 1e-6)]
+    assert ends[0] == pytest.approx(-ends[1], rel=1e-6)
+    assert ends[0] > 0.06
+    stays = run(given, amplitude_normal_2="0.02 mm")
+    assert abs(float(stays[SPEED])) < 1e-15
