@@ -129,6 +129,8 @@ PLANAR_SCALES = (
     Equation("drive_number_normal", scales.drive_number_normal, "theory 13.2"),
     Equation("gravity_number_along", scales.gravity_number_along, "theory 13.2"),
     Equation("gravity_number_normal", scales.gravity_number_normal, "theory 13.2"),
+    Equation("hold_down_number", scales.hold_down_number, "theory 13.1"),
+    Equation("load_number", scales.load_number, "theory 13.1"),
     Equation("throw_number", scales.throw_number, "theory 13.10"),
     Equation("velocity_scale", scales.velocity_scale, "theory 13.8"),
     Equation("length_scale", scales.length_scale, "theory 13.8"),
@@ -156,7 +158,13 @@ DRIVEN = Constraint(
     "there is no period to take a mean over, or one that floating numbers do not hold",
     "Give a frequency from 1e-9 Hz to 1e12 Hz",
 )
-DEFAULTS = {"alpha": 0.0, "gamma": 0.0, "gravity": STANDARD_GRAVITY, "restitution": 0.0}
+DEFAULTS = {
+    "alpha": 0.0,
+    "gamma": 0.0,
+    "gravity": STANDARD_GRAVITY,
+    "hold_down_number": 0.0,
+    "restitution": 0.0,
+}
 VALIDITY = (
     "The part is a point with contact conditions: it does not tip. It starts at rest on the floor. "
     "Mean values are those of the motion that it falls into."

@@ -31,6 +31,18 @@ SCALES: dict[str, Quantity] = {
     "gravity_number_normal": number(
         "cg cd", "Share of gravity onto the floor", "Gravity along -z over gravity."
     ),
+    "hold_down": Quantity(
+        "m s-2", "F/m", "Hold-down",
+        "Force per mass that presses the part onto the floor at all times, of a magnet or a vacuum.",
+        0.0, parameter=True, examples=("20 m/s^2",),
+    ),
+    "hold_down_number": number(
+        "F/(m g)", "Hold-down number", "Force that holds the part down, over its weight."
+    ),
+    "load_number": number(
+        "cg cd + F/(m g)", "Load number",
+        "Mean load on the floor over the weight: gravity's share, and what holds the part down.",
+    ),
     "curvature_number": number(
         "g/(w^2 R)", "Curvature number", "Length scale g/w^2 over the bowl radius."
     ),
@@ -42,7 +54,7 @@ SCALES: dict[str, Quantity] = {
     "motion": Quantity(
         "1", "", "Motion", "Motion over a period, in the scales of the drive.", bundle=True
     ),
-}
+}  # fmt: skip
 SETTINGS: dict[str, Quantity] = {
     "tolerance": number(
         "tol", "Tolerance", "Largest error of a periodic state, as a share of the drive."
