@@ -14,7 +14,7 @@ import numpy as np
 
 from core.mechanics import vibration
 from core.mechanics.arrays import Mask
-from core.motion import groups, scales
+from core.motion import groups, scales, spending
 from core.motion.groups import SOLID_CYLINDER, Contacts
 from core.motion.method import Method
 from core.motion.methods import METHODS
@@ -103,7 +103,7 @@ RESULTS = (
         motion_status=("status", "how the motion ended, a `MOTION_STATUSES` value"),
     ),
 )
-ANY_RESULT = frozenset(equation.gives for equation in RESULTS) | {"regime"}
+ANY_RESULT = frozenset(equation.gives for equation in (*RESULTS, *spending.RESULTS)) | {"regime"}
 
 CONDITIONS = (
     Condition(
@@ -184,8 +184,18 @@ def _conveying(
     methods = [one for one in METHODS["conveying"].values() if one.follows(contacts)]
 
     def equations(method: Method) -> tuple[Equation, ...]:
-        motion = Equation("motion", method.follow(contacts), method.source)
-        return (*in_space, motion, *RESULTS)
+        found = [Equation("motion", method.follow(contacts), method.source), *RESULTS]
+        if method.energy is not None:
+            energy = Equation("energy", method.energy(contacts), spending.SOURCE)
+            found += [energy, *spending.RESULTS]
+        return (*in_space, *found)
+
+    def conditions(method: Method) -> tuple[Condition, ...]:
+        if method.energy is None:
+            return CONDITIONS
+        # It gives way to what has no answer, as that of the efficiency does.
+        place = [one.regime for one in CONDITIONS].index("unbounded")
+        return (*CONDITIONS[:place], spending.UNBOUNDED, *CONDITIONS[place:])
 
     return Scene(
         name=name,
@@ -194,7 +204,7 @@ def _conveying(
         validity=VALIDITY + more,
         variants={method.name: equations(method) for method in methods},
         default_variant="events",
-        conditions={method.name: CONDITIONS for method in methods},
+        conditions={method.name: conditions(method) for method in methods},
         defaults={**DEFAULTS, **defaults},
         constraints=(
             STATIC_ABOVE_KINETIC,
