@@ -41,7 +41,7 @@ OUTPUTS = (
 ENGINE_STEPS = (200, 2000)  # a period
 ENGINE_INPUTS = (
     "frequency", "amplitude", "beta", "gamma", "friction_static", "friction_kinetic", "gravity",
-    "restitution",
+    "restitution", "hold_down_number",
 )  # fmt: skip
 SHARES = {"both": 0.59, "events": 0.06, "regularised": 0.35}
 """Of the progress: candidates, reference and time stepping; and what not every scene has."""
@@ -410,6 +410,8 @@ def _engines(
     ):
         return [], ["Engines: left out; what they make of bouncing parts and of two coefficients "
                     "of friction differs in kind."]  # fmt: skip
+    if np.any(known["hold_down_number"]):
+        return [], ["Engines: left out; they are not told of a force that holds the part down."]
     curves = []
     for name in names:
         points = []

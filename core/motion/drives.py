@@ -270,10 +270,10 @@ def drive_number_normal(*, wave: Wave) -> Array:
     return waves.bound(wave, waves.NORMAL)
 
 
-def throw_number(*, wave: Wave, gravity_number_normal: Array) -> Array:
-    """Return the throw number, the largest push off the floor over gravity onto it [1]."""
+def throw_number(*, wave: Wave, load_number: Array) -> Array:
+    """Return the throw number, the largest push off the floor over the load onto it [1]."""
     most = np.maximum(waves.largest(wave, waves.NORMAL, "push"), 0.0)
-    return ratio(most, gravity_number_normal, np.where(most > 0.0, np.inf, 0.0))
+    return ratio(most, load_number, np.where(most > 0.0, np.inf, 0.0))
 
 
 def efficiency(*, motion: Motion, wave: Wave) -> Array:

@@ -30,7 +30,8 @@ class Groups(NamedTuple):
         Components of the drive's acceleration over g: A0 w^2/g times (cos(beta) cos(alpha),
         cos(beta) sin(alpha), sin(beta)).
     gravity_number_along, gravity_number_across, gravity_number_normal : array_like
-        sin(gamma), cos(gamma) sin(delta), cos(gamma) cos(delta).
+        sin(gamma), cos(gamma) sin(delta), cos(gamma) cos(delta); the last with all that presses the
+        part onto the floor at all times, as a magnet does.
     curvature_number : array_like
         g/(w^2 R); 0 for a straight track.
     friction_static, friction_kinetic : array_like
@@ -145,7 +146,7 @@ def floor_groups(
     drive_number_across: Array,
     drive_number_normal: Array,
     gravity_number_along: Array,
-    gravity_number_normal: Array,
+    load_number: Array,
     friction_static: Array,
     friction_kinetic: Array,
     restitution: Array,
@@ -155,7 +156,7 @@ def floor_groups(
         drive_number_along=drive_number_along,
         drive_number_normal=drive_number_normal,
         gravity_number_along=gravity_number_along,
-        gravity_number_normal=gravity_number_normal,
+        gravity_number_normal=load_number,
         friction_static=friction_static,
         friction_kinetic=friction_kinetic,
         restitution=restitution,
@@ -170,7 +171,7 @@ def track_groups(
     drive_number_normal: Array,
     gravity_number_along: Array,
     gravity_number_across: Array,
-    gravity_number_normal: Array,
+    load_number: Array,
     curvature_number: Array,
     friction_static: Array,
     friction_kinetic: Array,
@@ -183,7 +184,7 @@ def track_groups(
         drive_number_along=drive_number_along,
         drive_number_normal=drive_number_normal,
         gravity_number_along=gravity_number_along,
-        gravity_number_normal=gravity_number_normal,
+        gravity_number_normal=load_number,
         friction_static=friction_static,
         friction_kinetic=friction_kinetic,
         restitution=restitution,

@@ -13,7 +13,7 @@ from core.scenes import Constraint
 
 Follow = Callable[..., Any]
 """An equation: takes by keyword a part's numbers, the settings that it needs and a `watch`; returns
-a `Motion`, or a `Tumble` of a part that tumbles."""
+a `Motion`, or a `Tumble` of a part that tumbles, or the `Energy` of a motion."""
 
 FollowCourse = Callable[[CourseAsked], Course]
 
@@ -48,6 +48,9 @@ class Method:
     course : callable or None
         Takes the `Contacts` of a system; returns what follows one part in time. None if the method
         gives means only.
+    energy : callable or None
+        Takes the `Contacts` of a system; returns the equation of its `Energy`, which takes the
+        `Motion`, too. None if the method does not tell it.
     checked_by : tuple of str
         The methods by which it is verified, the most exact first.
     refuses : tuple of Constraint
@@ -65,6 +68,7 @@ class Method:
     seconds_in_space: float | None = None
     defaults: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     course: Callable[[Contacts], FollowCourse] | None = None
+    energy: Callable[[Contacts], Follow] | None = None
     checked_by: tuple[str, ...] = ()
     refuses: tuple[Constraint, ...] = ()
     follows: Callable[[Contacts], bool] = everything

@@ -60,6 +60,26 @@ class Motion(NamedTuple):
         return np.logical_and.reduce([moves, *(other == 0 for other in others)])
 
 
+class Energy(NamedTuple):
+    """Means over the cycle of a motion that repeats, per mass, in g^2/w; NaN of any other motion.
+
+    All arrays have the shape of the arguments broadcast.
+
+    Attributes
+    ----------
+    friction : ndarray
+        What friction takes while contacts slip.
+    impact : ndarray
+        What impacts take, the friction in them included.
+    drive : ndarray
+        The work of the track: friction, impacts, and what lifts the part.
+    """
+
+    friction: Array
+    impact: Array
+    drive: Array
+
+
 STATUS: Mapping[str, int] = {name: flag.value for name, flag in MOTION_STATUSES.items()}
 
 ANSWERED = ("periodic", "at_rest", "aperiodic", "sensitive", "neutral")

@@ -64,9 +64,19 @@ def wall_restitution(*, restitution: Array) -> Array:
     return restitution
 
 
-def throw_number(*, drive_number_normal: Array, gravity_number_normal: Array) -> Array:
-    """Return the throw number, drive over gravity normal to the floor [1]."""
-    return throw(drive_number_normal, gravity_number_normal)
+def hold_down_number(*, hold_down: Array, gravity: Array) -> Array:
+    """Return the force per mass that holds the part down, over gravity [1]."""
+    return hold_down / gravity
+
+
+def load_number(*, gravity_number_normal: Array, hold_down_number: Array) -> Array:
+    """Return the mean load on the floor: gravity's, and what holds the part down, over m g [1]."""
+    return gravity_number_normal + hold_down_number
+
+
+def throw_number(*, drive_number_normal: Array, load_number: Array) -> Array:
+    """Return the throw number, drive over load normal to the floor [1]."""
+    return throw(drive_number_normal, load_number)
 
 
 def velocity_scale(*, gravity: Array, frequency: Array) -> Array:

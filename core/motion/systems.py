@@ -14,7 +14,7 @@ import numpy as np
 
 from core.mechanics import vibration
 from core.mechanics.arrays import Mask
-from core.motion import best_wave, groups, limits, scales
+from core.motion import best_wave, groups, limits, scales, spending
 from core.motion.groups import SOLID_CYLINDER, Contacts
 from core.motion.method import Method
 from core.motion.methods import METHODS
@@ -104,7 +104,7 @@ RESULTS = (
         motion_status=("status", "how the motion ended, a `MOTION_STATUSES` value"),
     ),
 )
-ANY_RESULT = frozenset(equation.gives for equation in RESULTS) | {"regime"}
+ANY_RESULT = frozenset(equation.gives for equation in (*RESULTS, *spending.RESULTS)) | {"regime"}
 
 CONDITIONS = (
     Condition(
@@ -130,6 +130,8 @@ PLANAR_SCALES = (
     Equation("drive_number_normal", scales.drive_number_normal, "theory 13.2"),
     Equation("gravity_number_along", scales.gravity_number_along, "theory 13.2"),
     Equation("gravity_number_normal", scales.gravity_number_normal, "theory 13.2"),
+    Equation("hold_down_number", scales.hold_down_number, "theory 13.1"),
+    Equation("load_number", scales.load_number, "theory 13.1"),
     Equation("throw_number", scales.throw_number, "theory 13.10"),
     Equation("velocity_scale", scales.velocity_scale, "theory 13.8"),
     Equation("length_scale", scales.length_scale, "theory 13.8"),
@@ -159,7 +161,13 @@ DRIVEN = Constraint(
     "there is no period to take a mean over, or one that floating numbers do not hold",
     "Give a frequency from 1e-9 Hz to 1e12 Hz",
 )
-DEFAULTS = {"alpha": 0.0, "gamma": 0.0, "gravity": STANDARD_GRAVITY, "restitution": 0.0}
+DEFAULTS = {
+    "alpha": 0.0,
+    "gamma": 0.0,
+    "gravity": STANDARD_GRAVITY,
+    "hold_down_number": 0.0,
+    "restitution": 0.0,
+}
 VALIDITY = (
     "The part is a point with contact conditions: it does not tip. It starts at rest on the floor. "
     "Mean values are those of the motion that it falls into."
@@ -179,8 +187,18 @@ def _conveying(
     methods = [one for one in METHODS["conveying"].values() if one.follows(contacts)]
 
     def equations(method: Method) -> tuple[Equation, ...]:
-        motion = Equation("motion", method.follow(contacts), method.source)
-        return (*in_space, motion, *RESULTS)
+        found = [Equation("motion", method.follow(contacts), method.source), *RESULTS]
+        if method.energy is not None:
+            energy = Equation("energy", method.energy(contacts), spending.SOURCE)
+            found += [energy, *spending.RESULTS]
+        return (*in_space, *found)
+
+    def conditions(method: Method) -> tuple[Condition, ...]:
+        if method.energy is None:
+            return CONDITIONS
+        # It gives way to what has no answer, as that of the efficiency does.
+        place = [one.regime for one in CONDITIONS].index("unbounded")
+        return (*CONDITIONS[:place], spending.UNBOUNDED, *CONDITIONS[place:])
 
     return Scene(
         name=name,
@@ -189,7 +207,7 @@ def _conveying(
         validity=VALIDITY + more,
         variants={method.name: equations(method) for method in methods},
         default_variant="events",
-        conditions={method.name: CONDITIONS for method in methods},
+        conditions={method.name: conditions(method) for method in methods},
         defaults={**DEFAULTS, **defaults},
         constraints=(
             STATIC_ABOVE_KINETIC,

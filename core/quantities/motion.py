@@ -9,6 +9,17 @@ def _fraction(label: str, description: str) -> Quantity:
     return Quantity("1", "", label, f"Part of the period in which {description}.")
 
 
+_SPENT = {
+    "friction": ("Friction", "What friction takes while contacts slip"),
+    "impact": ("Impact", "What impacts take, with the friction in them"),
+    "drive": ("Drive", "Work of the track on the part"),
+}
+_SPENT_PER = {
+    "{}_power": ("W kg-1", "{} power per mass", "{}, per mass, mean over the cycle."),
+    "{}_work": ("J kg-1 m-1", "{} work per mass and metre", "{}, per mass and metre travelled."),
+    "part_{}_power": ("W", "{} power of a part", "{}, mean over the cycle."),
+}
+
 SCALES: dict[str, Quantity] = {
     "drive_number": number(
         "p", "Drive number", "Amplitude of the drive acceleration over gravity."
@@ -31,6 +42,18 @@ SCALES: dict[str, Quantity] = {
     "gravity_number_normal": number(
         "cg cd", "Share of gravity onto the floor", "Gravity along -z over gravity."
     ),
+    "hold_down": Quantity(
+        "m s-2", "F/m", "Hold-down",
+        "Force per mass that presses the part onto the floor, of a magnet or a vacuum.",
+        0.0, parameter=True, examples=("20 m/s^2",),
+    ),
+    "hold_down_number": number(
+        "F/(m g)", "Hold-down number", "Force that holds the part down, over its weight."
+    ),
+    "load_number": number(
+        "cg cd + F/(m g)", "Load number",
+        "Mean load on the floor over the weight: gravity's share, and what holds the part down.",
+    ),
     "curvature_number": number(
         "g/(w^2 R)", "Curvature number", "Length scale g/w^2 over the bowl radius."
     ),
@@ -39,10 +62,13 @@ SCALES: dict[str, Quantity] = {
         "m", "g/w^2", "Length scale", "Gravity over circular frequency squared."
     ),
     "groups": Quantity("1", "", "Groups", "The dimensionless numbers of a part.", bundle=True),
+    "energy": Quantity(
+        "1", "", "Energy", "What friction, impacts and the drive do over a cycle.", bundle=True
+    ),
     "motion": Quantity(
         "1", "", "Motion", "Motion over a period, in the scales of the drive.", bundle=True
     ),
-}
+}  # fmt: skip
 SETTINGS: dict[str, Quantity] = {
     "tolerance": number(
         "tol", "Tolerance", "Largest error of a periodic state, as a share of the drive."
@@ -103,6 +129,11 @@ RESULTS: dict[str, Quantity] = {
         "u_N", "Landing speed", "Largest speed normal to the floor before an impact."
     ),
     "hop_height": Quantity("m", "z", "Hop height", "Largest distance from the floor."),
+    **{
+        name.format(kind): Quantity(unit, "", label.format(title), says.format(what))
+        for name, (unit, label, says) in _SPENT_PER.items()
+        for kind, (title, what) in _SPENT.items()
+    },
     "motion_status": number("", "Status of the motion", "How the motion ended."),
 }  # fmt: skip
 TUMBLING: dict[str, Quantity] = {

@@ -1,4 +1,4 @@
-"""The columns of a table of results of motion along the track."""
+"""The columns of tables of results of motion along the track."""
 
 from __future__ import annotations
 
@@ -26,3 +26,14 @@ class Columns(NamedTuple):
 
 RESULTS = len(Columns._fields)
 COLUMN = Columns(*range(RESULTS))
+
+
+class Spending(NamedTuple):
+    """One column a field of `Energy`, in its order."""
+
+    friction: int
+    impact: int
+    drive: int
+
+
+SPENT = Spending(*range(len(Spending._fields)))

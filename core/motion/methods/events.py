@@ -10,6 +10,7 @@ whose ends (lift-off, landing, stop, start of a slip) are isolated roots: exact 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +22,7 @@ from core.motion.course import Course, CourseAsked
 from core.motion.groups import Contacts, Groups, cells_of, groups_of
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.methods.spatial_events import spatial_course, spatial_motion
-from core.motion.result import Motion, motion_of
+from core.motion.result import Energy, Motion, motion_of
 from core.quantities import MOTION_MODES
 from core.watch import Watch
 
@@ -159,6 +160,48 @@ def motion_by_events(
     return Motion._make(fields)
 
 
+def energy_by_events(
+    groups: Groups,
+    contacts: Contacts,
+    motion: Motion,
+    *,
+    tolerance: ArrayLike,
+    most_periods: ArrayLike,
+    watch: Watch | None = None,
+) -> Energy:
+    """Return what friction, impacts and the drive do in motions that repeat; NaN in others.
+
+    `motion` is that of the same groups and settings. Its cycle is followed once more: in the plane
+    exactly, in space to some 1e-10 of the drive's work.
+    """
+    from core.motion.kernels import planar, track
+
+    def in_space(
+        piece: NDArray[np.float64], rows: NDArray[np.float64], status: NDArray[np.int8]
+    ) -> None:
+        track.spend_cells(contacts.wall, float(contacts.rolling), piece, rows, status)
+
+    settings = {"tolerance": tolerance, "most_periods": most_periods}
+    plane = in_plane(groups, contacts)
+    names = (*Groups._fields[:-1], *settings, "plane", "repeats")
+    told = {"plane": plane, "repeats": motion.multiple > 0}
+    rows, shape = cells_of(names, groups, **settings, **told)
+    some, (*columns, plane, repeats) = groups_of(rows, groups.wave is not None, 4)
+    table = np.full((len(rows), len(Energy._fields)), np.nan)
+    for fields, kernel, piece, here in (
+        (planar.Cell._fields, planar.spend_cells, 256, plane),
+        (track.Cell._fields, in_space, 32, 1.0 - plane),
+    ):
+        which = (here * repeats) > 0.0
+        if which.any():
+            given = dict(zip(settings, columns, strict=True))
+            cells, _ = cells_of(fields, some, **given)
+            table[which], _ = run_cells(
+                kernel, cells[which], columns=table.shape[1], piece=piece, watch=watch
+            )
+    return Energy(*(np.ascontiguousarray(column).reshape(shape) for column in table.T))
+
+
 def _follow(contacts: Contacts) -> Follow:
     """Return the equation."""
 
@@ -171,6 +214,26 @@ def _follow(contacts: Contacts) -> Follow:
         )
 
     return motion
+
+
+def _energy(contacts: Contacts) -> Follow:
+    """Return the equation of the energies."""
+
+    def energy(
+        *,
+        groups: Groups,
+        motion: Motion,
+        tolerance: Array,
+        most_periods: Array,
+        watch: Watch | None = None,
+    ) -> Energy:
+        """Return what friction, impacts and the drive do over a cycle, theory 13.15."""
+        silent = None if watch is None else replace(watch, progress=None)
+        return energy_by_events(
+            groups, contacts, motion, tolerance=tolerance, most_periods=most_periods, watch=silent
+        )
+
+    return energy
 
 
 def _course(contacts: Contacts) -> FollowCourse:
@@ -207,6 +270,7 @@ EVENTS = Method(
     seconds_in_space=1e-3,
     defaults={"tolerance": 1e-12, "most_periods": 1000.0},
     course=_course,
+    energy=_energy,
     checked_by=("reference", "time-stepping"),
     follows=lambda contacts: not (contacts.wall and contacts.rolling),
 )

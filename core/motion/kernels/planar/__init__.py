@@ -13,11 +13,13 @@ never stretches distances, so its fixed point is bracketed by every evaluation.
 
 `flow`: the motion in one mode; `flight`: where it lands; `cycle`: the chain of segments; `slide`:
 the motion along the track over a chain; `settle`: the velocity at which that repeats; `chaos`:
-means of motion that does not; `solve`: one cell, and many; `path`: the course of one part.
+means of motion that does not; `solve`: one cell, and many; `path`: the course of one part;
+`energy`: what friction, impacts and the drive do over a cycle.
 """
 
+from core.motion.kernels.planar.energy import spend_cells
 from core.motion.kernels.planar.path import follow, sample
 from core.motion.kernels.planar.solve import solve_cells
 from core.motion.kernels.planar.tables import Cell
 
-__all__ = ["Cell", "follow", "sample", "solve_cells"]
+__all__ = ["Cell", "follow", "sample", "solve_cells", "spend_cells"]

@@ -49,6 +49,18 @@ def rounded(drive: Drive) -> Drive:
     raise NotImplementedError
 
 
+@_by_drive(sine_flight.push, wave_flight.push)
+def push(drive: Drive, tau: float) -> tuple[float, float]:
+    """Return the push of the drive on a part, along and normal to the floor."""
+    raise NotImplementedError
+
+
+@_by_drive(sine_flight.smooth_span, wave_flight.smooth_span)
+def smooth_span(drive: Drive, tau: float) -> float:
+    """Return a phase from tau on over which the push is a polynomial, but for rounding."""
+    raise NotImplementedError
+
+
 # --- off the floor
 
 

@@ -13,6 +13,8 @@ TURN = 2 * math.pi
 MOST_ITERATIONS = 200  # of a bracketed search
 MOST_PIECES = 20_000  # of one flow
 LAST_STEP = 1e-10  # of Newton's iteration, relative: the next would be of the order of its square
+SMOOTH = 1.5
+"""Of phase: a sine over so much is a polynomial of order ten but for rounding."""
 EPSILON = 2e-15  # rounding of the change over a cycle, per unit of the drive
 KEPT_BITS = 2.0**32
 """Cells that agree in so many bits have the same runs: an answer that hangs on the last bit of a

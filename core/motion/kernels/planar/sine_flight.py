@@ -9,6 +9,7 @@ from core.motion.kernels.planar.flow import (
     LAST_STEP,
     MOST_ITERATIONS,
     MOST_PIECES,
+    SMOOTH,
     TURN,
     Sine,
     distance_after,
@@ -28,6 +29,19 @@ def sizes(drive: Sine) -> tuple[float, float]:
 def track_speed(drive: Sine, tau: float) -> float:
     """Return the velocity of the track along itself."""
     return drive.c * math.cos(tau)
+
+
+@compiled
+def push(drive: Sine, tau: float) -> tuple[float, float]:
+    """Return the push along and normal to the floor."""
+    sine = math.sin(tau)
+    return drive.c * sine, drive.s * sine
+
+
+@compiled
+def smooth_span(drive: Sine, tau: float) -> float:
+    """Return a phase over which the push is nearly a polynomial."""
+    return SMOOTH
 
 
 @compiled

@@ -5,21 +5,24 @@ from __future__ import annotations
 import math
 
 from core.compiled import borrowing
-from core.motion.kernels.planar.flow import MOST_ITERATIONS, MOST_PIECES, TURN
+from core.motion.kernels.planar.flow import MOST_ITERATIONS, MOST_PIECES, SMOOTH, TURN
 from core.motion.kernels.planar.wave import (
     AIR,
     ENDS,
     LAST_STEP,
     NORMAL,
     ROOTS,
+    SLACK,
     Wave,
     acceleration,
     flow,
+    folded,
     later_passage,
     next_of_way,
     next_passage,
     speed_from,
     speed_start,
+    step_at,
     zero_of_velocity,
 )
 from core.motion.kernels.waves import halley
@@ -48,6 +51,21 @@ def track_speed(drive: Wave, tau: float) -> float:
         mean += (now - 0.5 * level * (end - at)) * (end - at) / TURN
         now, at = now - level * (end - at), end
     return found - mean
+
+
+@borrowing
+def push(drive: Wave, tau: float) -> tuple[float, float]:
+    """Return the push along and normal to the floor."""
+    return acceleration(drive, AIR, tau) + drive.gs, acceleration(drive, NORMAL, tau) + drive.gn
+
+
+@borrowing
+def smooth_span(drive: Wave, tau: float) -> float:
+    """Return a phase over which the push is nearly a polynomial: of steps, that to the next one."""
+    if drive.steps == 0:
+        return SMOOTH / drive.orders
+    within = folded(tau)
+    return max(SLACK, drive.table[ENDS, step_at(drive, within)] - within)
 
 
 @borrowing

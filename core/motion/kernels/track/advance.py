@@ -6,12 +6,14 @@ import math
 
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Flags, Floats
+from core.motion.kernels.results import SPENT
 from core.motion.kernels.statuses import MODE
 from core.motion.kernels.track import modes
 from core.motion.kernels.track.contacts import begin_slip, change_contacts
 from core.motion.kernels.track.drive import fill_push, jumps, next_jump, to_lift_off
 from core.motion.kernels.track.modes import Begin, Step, fill_multiple, fill_place
 from core.motion.kernels.track.polynomials import first_fall, value
+from core.motion.kernels.track.spend import kinetic, spend
 from core.motion.kernels.track.tables import (
     BOTH,
     EVENT,
@@ -40,11 +42,12 @@ STEP_OVER = 1e-14
 def advance(
     cell: Cell, wall: bool, rolling: float, order: int, tolerance: float,
     state: Floats, hold: Flags, tally: Floats, work: Work, phases: Floats, samples: Floats,
+    spent: Floats,
 ) -> bool:  # fmt: skip
     """Advance state and hold by one period of the drive and tally it; False if it takes too long.
 
     `samples` get a row for each of the `phases` within the period, ascending: place, velocity and
-    mode.
+    mode. `spent` gets the energies of the period added, columns as in `SPENT`, if it has any.
     """
     tally[:] = 0.0
     tau, at_once, given = 0.0, 0, 0
@@ -62,7 +65,7 @@ def advance(
         work[ROW.free + 1, 0] -= cell.gravity_number_across
         work[ROW.free + 2, 0] -= cell.gravity_number_normal
         if hold[HOLD.event] != EVENT.nothing:
-            change_contacts(step, cell, state, hold, work)
+            meet(step, cell, state, hold, work, spent)
         contacts = hold[HOLD.contacts]
         begin = Begin(0.0, 0.0, 0.0, 0.0, False, False, 0.0)
         if contacts == FREE:
@@ -84,6 +87,7 @@ def advance(
             at_once = 0
         for axis in range(3):
             fill_place(work, axis, state[STATE.x + axis], used)
+        spend(cell, span, used, contacts, slips, work, spent)
         while given < phases.size and phases[given] < tau + span:
             sample(phases[given] - tau, used, contacts, slips, work, samples[given])
             given += 1
@@ -101,6 +105,15 @@ def advance(
         hold[HOLD.event] = after_jump(event) if span >= even else event
         tau = jump if span >= rest else tau + span
     return False
+
+
+@borrowing
+def meet(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work, spent: Floats) -> None:
+    """Change contacts at an event; count what an impact takes, if that is asked for."""
+    before = kinetic(state, step.rolling)
+    change_contacts(step, cell, state, hold, work)
+    if spent.size > 0:
+        spent[SPENT.impact] += before - kinetic(state, step.rolling)
 
 
 @borrowing

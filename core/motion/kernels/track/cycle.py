@@ -160,7 +160,7 @@ def follow_period(
     history.starts[period], history.holds[period] = state, hold
     fine = advance(
         cell, wall, rolling, series.order, series.tolerance * drive.size(work), state, hold,
-        history.tallies[period], work, NO_PHASES, history.starts[:0],
+        history.tallies[period], work, NO_PHASES, history.starts[:0], state[:0],
     )  # fmt: skip
     history.ends[period] = state
     return fine and bool(np.all(np.isfinite(state)))

@@ -47,7 +47,7 @@ def follow(wall: bool, rolling: float, group: Floats, phases: Floats) -> Floats:
             end += 1
         fine = advance(
             cell, wall, rolling, FINE.order, FINE.tolerance * drive.size(work), state, hold,
-            tally, work, phases[given:end] - before, samples[given:end],
+            tally, work, phases[given:end] - before, samples[given:end], tally[:0],
         )  # fmt: skip
         if not fine:
             return samples

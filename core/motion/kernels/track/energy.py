@@ -1,0 +1,57 @@
+"""What friction, impacts and the drive do over a cycle, per mass (theory 13.15)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from core.compiled import compiled
+from core.motion.kernels.arrays import Floats, Statuses
+from core.motion.kernels.track import drive
+from core.motion.kernels.track.advance import advance
+from core.motion.kernels.track.cycle import NO_PHASES, new_history, settle
+from core.motion.kernels.track.solve import FINE
+from core.motion.kernels.track.tables import (
+    GROUPS,
+    TALLY,
+    TURN,
+    at_rest,
+    cell_of,
+    new_work,
+)
+
+
+@compiled
+def spend_cells(
+    wall: bool, rolling: float, groups: Floats, table: Floats, status: Statuses
+) -> None:
+    """Fill table, columns as in `SPENT`, and status of cells; NaN where a motion has no cycle.
+
+    The cycle is followed once more, from where the run to it found its start.
+    """
+    if groups.shape[0] == 0:
+        return
+    history, work = new_history(max(1, int(groups[:, GROUPS - 1].max()))), new_work()
+    tally = np.zeros(len(TALLY))
+    for number in range(groups.shape[0]):
+        row, spent = groups[number], table[number]
+        cell = cell_of(row)
+        drive.set_drive(cell, row, work)
+        state, hold = at_rest()
+        most = int(cell.most_periods)
+        found = settle(cell, wall, rolling, FINE, most, state, hold, history, work)
+        status[number] = found.status
+        spent[:] = math.nan
+        if found.multiple == 0:
+            continue
+        first = found.done - found.multiple
+        state, hold = history.starts[first].copy(), history.holds[first].copy()
+        tolerance, fine = FINE.tolerance * drive.size(work), True
+        spent[:] = 0.0
+        for _ in range(found.multiple):
+            fine = fine and advance(
+                cell, wall, rolling, FINE.order, tolerance, state, hold, tally, work,
+                NO_PHASES, history.ends[:0], spent,
+            )  # fmt: skip
+        spent /= found.multiple * TURN if fine else math.nan

@@ -1,0 +1,57 @@
+"""What friction and the drive do over a step, and the kinetic energy of a part (theory 13.15)."""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import borrowing
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.quadrature import PLACES, WEIGHTS
+from core.motion.kernels.results import SPENT
+from core.motion.kernels.track.polynomials import value
+from core.motion.kernels.track.tables import BOTH, FLOOR, FREE, ROW, STATE, Cell, Work
+
+
+@borrowing
+def kinetic(state: Floats, rolling: float) -> float:
+    """Return the kinetic energy per mass, relative to the track, of a cylinder with its spin."""
+    square = state[STATE.ux] ** 2 + state[STATE.uy] ** 2 + state[STATE.uz] ** 2
+    if rolling > 0.0:
+        square += state[STATE.spin] ** 2 / rolling
+    return 0.5 * square
+
+
+@borrowing
+def spend(
+    cell: Cell, span: float, order: int, contacts: int, slips: bool, work: Work, spent: Floats
+) -> None:
+    """Add what the drive and friction do over a step whose series are filled up to an order.
+
+    Where `spent` has no columns nothing is asked. The accelerations without contacts hold gravity,
+    and what a curve does.
+    """
+    if spent.size == 0:
+        return
+    gravity = (cell.gravity_number_along, cell.gravity_number_across, cell.gravity_number_normal)
+    half = 0.5 * span
+    for number in range(PLACES.size):
+        for side in (-PLACES[number], PLACES[number]):
+            at = half * (1.0 + side)
+            power, weight = 0.0, half * WEIGHTS[number]
+            for axis in range(3):
+                push = value(work, ROW.free + axis, order - 1, at) + gravity[axis]
+                power += push * value(work, ROW.velocity + axis, order, at)
+            spent[SPENT.drive] += weight * power
+            if slips and contacts != FREE:
+                spent[SPENT.friction] += weight * rubbing(cell, contacts, order, at, work)
+
+
+@borrowing
+def rubbing(cell: Cell, contacts: int, order: int, at: float, work: Work) -> float:
+    """Return the power of friction at the contacts that slip, some phase after a step began."""
+    floor = -cell.friction_kinetic * value(work, ROW.free + 2, order - 1, at)
+    wall = -cell.wall_friction * value(work, ROW.free + 1, order - 1, at)
+    if contacts == BOTH:
+        return (floor + wall) * abs(value(work, ROW.velocity, order, at))
+    slip_1, slip_2 = value(work, ROW.slip, order, at), value(work, ROW.slip + 1, order, at)
+    return (floor if contacts == FLOOR else wall) * math.hypot(slip_1, slip_2)

@@ -1,0 +1,80 @@
+"""What a motion costs: energies per second, per metre travelled, and per part (theory 13.15)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from core.mechanics.arrays import Array, Mask, ratio
+from core.motion.result import Energy, Motion
+from core.scenes.scene import Condition, Equation
+
+SOURCE = "theory 13.15"
+
+KINDS = {
+    "friction": "what friction takes while contacts slip",
+    "impact": "what impacts take, with the friction in them",
+    "drive": "the work of the track",
+}
+"""Fields of `Energy`, and what they are."""
+
+
+def _power(kind: str) -> Callable[..., Array]:
+    def power(*, energy: Energy, gravity: Array, velocity_scale: Array) -> Array:
+        found: Array = getattr(energy, kind) * (gravity * velocity_scale)
+        return found
+
+    power.__doc__ = f"Return {KINDS[kind]}, mean over the cycle, per mass [W kg-1]."
+    return power
+
+
+def _work(kind: str) -> Callable[..., Array]:
+    def work(*, energy: Energy, motion: Motion, gravity: Array) -> Array:
+        return _a_metre(getattr(energy, kind), motion) * gravity
+
+    work.__doc__ = f"""Return {KINDS[kind]}, per mass and metre travelled [J kg-1 m-1].
+
+    Either way along the track. Infinite (regime `unbounded`) where it is done without travel; NaN
+    where neither is.
+    """
+    return work
+
+
+def _a_metre(energy: Array, motion: Motion) -> Array:
+    beyond = np.where(energy > 0, np.inf, np.nan)
+    with np.errstate(over="ignore"):
+        return ratio(energy, np.abs(motion.velocity), beyond)
+
+
+def part_drive_power(*, drive_power: Array, mass: Array) -> Array:
+    """Return the work of the track on a part, mean over the cycle [W]."""
+    return drive_power * mass
+
+
+def part_friction_power(*, friction_power: Array, mass: Array) -> Array:
+    """Return what friction takes from a part while contacts slip, mean over the cycle [W]."""
+    return friction_power * mass
+
+
+def part_impact_power(*, impact_power: Array, mass: Array) -> Array:
+    """Return what impacts take from a part, mean over the cycle [W]."""
+    return impact_power * mass
+
+
+def work_is_unbounded(*, energy: Energy, motion: Motion) -> Mask:
+    """Return where the drive works on a part that does not travel."""
+    return np.isinf(_a_metre(energy.drive, motion))
+
+
+RESULTS = (
+    *(Equation(f"{kind}_power", _power(kind), SOURCE) for kind in KINDS),
+    *(Equation(f"{kind}_work", _work(kind), SOURCE) for kind in KINDS),
+    *(
+        Equation(function.__name__, function, SOURCE)
+        for function in (part_friction_power, part_impact_power, part_drive_power)
+    ),
+)
+"""What a method tells that tells the energy."""
+
+UNBOUNDED = Condition("unbounded", work_is_unbounded, frozenset(f"{kind}_work" for kind in KINDS))
