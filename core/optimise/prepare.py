@@ -9,6 +9,8 @@ import numpy as np
 
 from core.errors import Problem as Wrong
 from core.errors import StudyError, suggestion
+from core.motion.prepare import choose_system
+from core.motion.systems import CONTACTS as DRIVEN
 from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS, default_method, refusal
 from core.optimise.optimisation import Optimisation
@@ -16,7 +18,7 @@ from core.optimise.problem import CONTACTS, LIMIT, Kept, Problem, Variable
 from core.optimise.slopes import MOST_SENSITIVE
 from core.optimise.wrong import criterion_outputs, ends_of, misplaced, placed, wrong_intervals
 from core.plan.grid import Grid, to_si
-from core.plan.plan import choose_scene, find_scene, scene_parameters
+from core.plan.plan import choose_scene, scene_parameters
 from core.plan.prepared import Chosen, further_problems, plan_study
 from core.scenes import Scene
 from core.scenes.graph import behind
@@ -45,7 +47,12 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     values = study.values()
     problems: list[Wrong] = []
     asked = tuple(dict.fromkeys((*criterion_outputs(study), *study.outputs)))
-    scene, variant, wrong_variant = choose_problem_scene(study.scene, study.variant, asked)
+    given = {*values, *study.bounds(), *study.intervals()}
+    scene, variant, wrong_variant = choose_problem_scene(study.scene, study.variant, asked, given)
+    if study.drive is not None and (scene.choice != "method" or scene.name not in DRIVEN):
+        message = "closed forms know the plain sine of amplitude, alpha and beta only"
+        fix = f"Ask for conveying_velocity of {', '.join(DRIVEN)}, or give these"
+        raise StudyError([Wrong("drive", message, fix)])
     kept = tuple(_kept(study, scene, variant))
     outputs = tuple(dict.fromkeys((*asked, *(one.output for one in kept))))
     outputs = tuple(name for name in outputs if name != "regime")
@@ -108,8 +115,12 @@ def _variable(name: str, between: Between) -> Variable:
     return Variable(name, *(float(to_si(name, np.asarray(end))) for end in ends))
 
 
-def choose_problem_scene(name: str, variant: str | None, outputs: Iterable[str]) -> Chosen:
+def choose_problem_scene(
+    name: str, variant: str | None, outputs: Iterable[str], given: Iterable[str] = ()
+) -> Chosen:
     """Return the closed-form scene with its variant; or, if an output asks for it, the system.
+
+    The system has the drive that the names of the given parameters tell.
 
     The third is what is wrong with the variant, which then gives way to the default.
 
@@ -121,11 +132,11 @@ def choose_problem_scene(name: str, variant: str | None, outputs: Iterable[str])
     scene, chosen, problems = choose_scene(name, variant)
     closed = {output for one in scene.variants for output in scene.outputs(one)}
     if name in SYSTEMS:
-        system, method = find_scene(name, None, SYSTEMS)
+        system, method, wrong = choose_system(name, None, given)
         if any(o not in closed and o in system.outputs(method) for o in outputs):
             fix = "Remove it, or ask for outputs of the closed forms alone"
             told = [Wrong("variant", "motion in time has no variants", fix)] if variant else []
-            return system, method, told
+            return system, method, [*told, *wrong]
     return scene, chosen, problems
 
 
@@ -173,7 +184,10 @@ def further(content: Mapping[str, Any], known: StudyError) -> list[Wrong]:
     def chosen(content: Mapping[str, Any]) -> Chosen:
         variant = content.get("variant")
         return choose_problem_scene(
-            content["scene"], variant if isinstance(variant, str) else None, outputs
+            content["scene"],
+            variant if isinstance(variant, str) else None,
+            outputs,
+            map(str, parameters),
         )
 
     if isinstance(variables, Mapping):
