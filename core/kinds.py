@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, overload
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
@@ -15,9 +17,13 @@ from core.plan.pieces import Computed, carry_out
 from core.plan.prepared import Prepared
 from core.plan.sample import FAILED, LEFT_OUT
 from core.quantities import MOTION_STATUSES, OPTIMUM_STATUSES
-from core.study.load import parse_study
-from core.study.models import Study
+from core.study.drive import names_recording
+from core.study.load import parse_study, read_content
+from core.study.models import SimulateStudy, Study
 from core.watch import Watch
+
+if TYPE_CHECKING:
+    from core.measured import Fit
 
 
 @dataclass(frozen=True)
@@ -60,14 +66,87 @@ STATUSES = {
 """Variables that tell of each cell whether it was computed, and their value where it was not."""
 
 
+def load_study(path: str | os.PathLike[str]) -> Study:
+    """Return the study in the TOML or JSON file at `path`; its recording, if any, is fitted.
+
+    Raises
+    ------
+    StudyError
+        With every problem of the file.
+    """
+    return study_of(read_content(Path(path)))
+
+
+def study_of(content: object) -> Study:
+    """Return the study that a mapping describes; its recording, if any, is fitted.
+
+    Raises
+    ------
+    StudyError
+        With every problem.
+    """
+    return _parsed(*_fitted(content, files=True)[:2])
+
+
+def study_and_fit(content: object) -> tuple[SimulateStudy, Fit]:
+    """Return a study of motion, and the fit of the recording that it names.
+
+    Raises
+    ------
+    StudyError
+        With every problem, also if it names no recording.
+    """
+    content, problems, fit = _fitted(content, files=True)
+    if fit is None and not problems:
+        fix = "Give the file of a study, or a mapping, whose drive has file or data"
+        problems.append(Problem("drive", "it names no recording that can be fitted", fix))
+    study = _parsed(content, problems)
+    assert fit is not None
+    assert isinstance(study, SimulateStudy)
+    return study, fit
+
+
+def _parsed(content: object, problems: list[Problem]) -> Study:
+    """Return the study of some content; raise if there is a problem in it, or another one."""
+    try:
+        study = parse_study(content)
+    except StudyError as error:
+        raise StudyError([*error.problems, *problems]) from None
+    if problems:
+        raise StudyError(problems)
+    return study
+
+
+def _fitted(content: object, *, files: bool) -> tuple[object, list[Problem], Fit | None]:
+    """Return content with the numbers of its recording, what is wrong with that, and its fit.
+
+    Content whose recording is no sound one has no drive.
+    """
+    if not (isinstance(content, Mapping) and names_recording(content)):
+        return content, [], None
+    from core.measured.study import with_drive  # few studies need its libraries
+
+    try:
+        content, fit = with_drive(content, files=files)
+    except StudyError as error:
+        without = {name: value for name, value in content.items() if name != "drive"}
+        return without, list(error.problems), None
+    return content, [], fit
+
+
 @overload
-def prepare_content(content: object, only: Literal["sweep"]) -> sweep.Sweep: ...
+def prepare_content(
+    content: object, only: Literal["sweep"], *, files: bool = False
+) -> sweep.Sweep: ...
 @overload
-def prepare_content(content: object, only: str | None = None) -> Prepared: ...
-def prepare_content(content: object, only: str | None = None) -> Prepared:
+def prepare_content(
+    content: object, only: str | None = None, *, files: bool = False
+) -> Prepared: ...
+def prepare_content(content: object, only: str | None = None, *, files: bool = False) -> Prepared:
     """Return the study that the content of a file or request describes, ready to be carried out.
 
-    `only` is the one kind that is wanted; by default any will do.
+    `only` is the one kind that is wanted; by default any will do. `files` lets it name files of
+    this machine: never what comes over the network.
 
     Raises
     ------
@@ -79,10 +158,13 @@ def prepare_content(content: object, only: str | None = None) -> Prepared:
     problems: list[Problem] = []
     if only is not None and kind is not None and named != only:
         problems = [Problem("kind", f"'{named}' is not what belongs here", f"Set kind = '{only}'")]
+    content, unsound, _ = _fitted(content, files=files)
+    problems += unsound
     try:
         study = parse_study(content)
     except StudyError as error:
-        if kind is not None and isinstance(content, Mapping):
+        # Without the numbers of the drive a plan would miss what is not missing.
+        if kind is not None and isinstance(content, Mapping) and not unsound:
             problems += kind.further(content, error)
         raise StudyError([*error.problems, *problems]) from None
     if problems:

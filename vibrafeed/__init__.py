@@ -12,6 +12,7 @@ What there is:
 - `scenes` tells the systems, their parameters, outputs and equations;
 - `sweep`, `simulate` and `optimise` carry out a study and return an xarray dataset; `open_lazily`
   opens a sweep of any size, and computes what is read of it;
+- `drive_error` tells how far the errors of a measured drive move a velocity;
 - `study` and `load_study` make a study without carrying it out; `plot` draws a dataset;
 - `QUANTITIES` and `REGIMES` describe every name and flag of a dataset;
 - `parts_per_minute`, `velocity_for` and `effective_distance` turn velocities into rates.
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from core.errors import LimitError, Problem, StudyError, VibrafeedError
+    from core.motion.drive_error import DriveError
     from core.motion.rates import effective_distance, parts_per_minute, velocity_for
     from core.quantities import QUANTITIES, REGIMES
     from core.study import OptimiseStudy, SimulateStudy, Study, SweepStudy
@@ -61,6 +63,7 @@ __version__: str = core.__version__
 
 _ELSEWHERE = {
     "core.errors": ("LimitError", "Problem", "StudyError", "VibrafeedError"),
+    "core.motion.drive_error": ("DriveError",),
     "core.motion.rates": ("effective_distance", "parts_per_minute", "velocity_for"),
     "core.quantities": ("QUANTITIES", "REGIMES"),
     "core.study": ("OptimiseStudy", "SimulateStudy", "Study", "SweepStudy"),
@@ -70,6 +73,7 @@ _HOMES = {name: module for module, names in _ELSEWHERE.items() for name in names
 __all__ = [
     "QUANTITIES",
     "REGIMES",
+    "DriveError",
     "ForeignPackageError",
     "LimitError",
     "OptimiseStudy",
@@ -80,6 +84,7 @@ __all__ = [
     "SweepStudy",
     "VibrafeedError",
     "__version__",
+    "drive_error",
     "effective_distance",
     "load_study",
     "open_lazily",
@@ -123,7 +128,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     >>> study.kind, study.scene
     ('sweep', 'cylinder-on-plane')
     """
-    from core.study import load_study
+    from core.kinds import load_study
 
     return load_study(path)
 
@@ -154,11 +159,11 @@ def study(given: Given | None = None, /, **keywords: Any) -> Study:
     >>> dict(vibrafeed.sweep(drive, beta=20).sizes)
     {'frequency': 101}
     """
-    from core.study import parse_study
+    from core.kinds import study_of
     from core.study.gather import gather
 
     found = gather(given, keywords)
-    return parse_study(found) if isinstance(found, dict) else found
+    return study_of(found) if isinstance(found, dict) else found
 
 
 def sweep(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
@@ -231,6 +236,52 @@ def optimise(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
     'degree'
     """
     return _carry_out("optimise", study, keywords)
+
+
+def drive_error(
+    study: Given | None = None, /, *, draws: int = 200, seed: int = 0, **keywords: Any
+) -> DriveError:
+    """Return how far the errors of a measured drive move the conveying velocity of one part.
+
+    The part is followed under drives that the recording cannot tell from the fitted one. Errors of
+    friction and other parameters, of the model and of the sensor's scale are not among them.
+
+    Parameters
+    ----------
+    study : mapping or path, optional
+        A study to simulate, of one cell, whose `drive` names a recording.
+    draws : int
+        How many such drives.
+    seed : int
+        Of the random numbers; equal ones give equal results.
+    **keywords
+        Keys and parameters that the study has too, or has instead.
+
+    Returns
+    -------
+    DriveError
+        velocity, standard_deviation, lower and upper (of 95 %), draws, without [m s-1].
+
+    Raises
+    ------
+    StudyError
+        With every problem.
+
+    Examples
+    --------
+    >>> told = vibrafeed.drive_error("configs/measured-drive.toml", drive_factor=1, friction=0.3)
+    >>> told.lower < told.velocity < told.upper
+    True
+    """
+    import numpy as np
+
+    from core.kinds import study_and_fit
+    from core.motion.drive_error import drive_error
+    from core.study.gather import gather
+
+    found = gather(study, keywords, "simulate")
+    asked, fit = study_and_fit(found if isinstance(found, dict) else found.content())
+    return drive_error(asked, fit, draws, np.random.default_rng(seed))
 
 
 def open_lazily(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
@@ -329,7 +380,7 @@ def _prepared(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> An
     from core.study.gather import gather
 
     found = gather(given, keywords, kind)
-    return prepare_content(found) if isinstance(found, dict) else prepare(found)
+    return prepare_content(found, files=True) if isinstance(found, dict) else prepare(found)
 
 
 def _carry_out(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> xarray.Dataset:

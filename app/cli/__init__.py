@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import typer
 
-from app.cli import key, plot, report, run, scenes, schema, serve
+from app.cli import drive, key, plot, report, run, scenes, schema, serve
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -15,9 +15,11 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Sweeps, motion in time and best drives of parts on vibratory feeder tracks.",
 )
-for _command in (run.run, plot.plot, report.report, scenes.scenes, schema.schema, serve.serve):
+for _command in (
+    run.run, plot.plot, drive.drive, report.report, scenes.scenes, schema.schema, serve.serve,
+    key.key,
+):  # fmt: skip
     app.command()(_command)
-app.command()(key.key)
 
 
 def main() -> None:

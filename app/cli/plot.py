@@ -15,7 +15,9 @@ def plot(
     file: Annotated[Path, typer.Argument(help="A NetCDF file that `run` wrote.")],
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="PNG or SVG; both beside the file if left out."),
+        typer.Option(
+            "-o", "--output", help="PNG, SVG or PDF; the first two beside the file if left out."
+        ),
     ] = None,
     variable: Annotated[
         str | None,

@@ -29,7 +29,7 @@ def prepare_all(files: Sequence[Path], *, cells: int, bytes_: int) -> dict[Path,
     wrong: dict[Path, Sequence[Problem]] = {}
     for path in files:
         try:
-            prepared[path] = prepare_content(read_content(path))
+            prepared[path] = prepare_content(read_content(path), files=True)
             prepared[path].check_limits(cells=cells, bytes_=bytes_)
         except StudyError as error:
             wrong[path] = error.problems

@@ -10,6 +10,7 @@ import numpy as np
 from core.errors import Problem as Wrong
 from core.errors import StudyError, suggestion
 from core.motion.prepare import choose_system
+from core.motion.systems import CONTACTS as DRIVEN
 from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS, default_method, refusal
 from core.optimise.optimisation import Optimisation
@@ -61,6 +62,10 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         found = [placed(one, study, study.bounds()) for one in error.problems]
         raise StudyError(found) from None
     scene, variant, _ = chosen
+    if study.drive is not None and (scene.choice != "method" or scene.name not in DRIVEN):
+        message = "closed forms know the plain sine of amplitude, alpha and beta only"
+        fix = f"Ask for conveying_velocity of {', '.join(DRIVEN)}, or give these"
+        raise StudyError([Wrong("drive", message, fix)])
     kept = tuple(_kept(study, scene, variant))
     outputs = tuple(dict.fromkeys((*asked, *(one.output for one in kept))))
     outputs = tuple(name for name in outputs if name != "regime")

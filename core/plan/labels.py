@@ -14,6 +14,9 @@ from core.plan.grid import Grid, from_si
 from core.plan.plan import Plan
 from core.plan.prepared import Prepared
 from core.quantities import QUANTITIES
+from core.study.drive import MeasuredDrive
+from core.study.models import DrivenStudy
+from core.study.values import Fixed, Values
 
 
 def coordinates_of(plan: Plan, grid: Grid) -> dict[str, Variable]:
@@ -66,6 +69,18 @@ def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
         "study": study.canonical(),
         "study_sha256": study.key(),
     }
+    if isinstance(study, DrivenStudy) and study.drive is not None:
+        attributes["drive"] = _origin(study.drive, study.values())
     if study.notes:
         attributes["notes"] = study.notes
     return attributes
+
+
+def _origin(drive: MeasuredDrive, values: Mapping[str, Values]) -> str:
+    """Return where the numbers of a measured drive come from, in words."""
+    left = ", ".join(f"{axis} {100 * share:.2g} %" for axis, share in drive.left_over.items())
+    told = f"fitted to {drive.name} (SHA-256 {drive.sha256}); left over {left}"
+    if drive.clock_error is not None:
+        told += f"; clock error {100 * drive.clock_error:.3g} %"
+    others = [name for name, number in drive.numbers.items() if values.get(name) != Fixed(number)]
+    return told + (f"; not from it {', '.join(others)}" if others else "")

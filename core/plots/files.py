@@ -15,8 +15,12 @@ from core.plots.fixed import read_fixed
 from core.plots.problem import PlotError
 
 DPI = 150
-FORMATS = {".png": "png", ".svg": "svg"}
-METADATA = {"png": {"Software": "vibrafeed"}, "svg": {"Creator": "vibrafeed", "Date": None}}
+FORMATS = {".png": "png", ".svg": "svg", ".pdf": "pdf"}
+METADATA = {
+    "png": {"Software": "vibrafeed"},
+    "svg": {"Creator": "vibrafeed", "Date": None},
+    "pdf": {"Creator": "vibrafeed", "CreationDate": None},
+}
 
 
 def draw_file(
@@ -35,7 +39,7 @@ def draw_file(
     file : Path
         The NetCDF file.
     targets : sequence of Path
-        The pictures, PNG or SVG by their suffix; existing ones are replaced.
+        The pictures, PNG, SVG or PDF by their suffix; existing ones are replaced.
     variable, axes, kind
         As for `draw`.
     at : mapping of str to str, optional
@@ -49,17 +53,22 @@ def draw_file(
         If the file cannot be read or a picture cannot be written; no part of one is left behind.
     """
     for target in targets:
-        if target.suffix.lower() not in FORMATS:
-            message = f"'{target.suffix}' is no format for pictures"
-            raise PlotError("output", message, "End the name in .png or .svg")
+        check_format(target)
     held = read_fixed(at or {})
     figure = draw(_read(file), variable=variable, axes=axes, at=held, kind=kind)
     for target in targets:
         save(figure, target)
 
 
+def check_format(target: Path) -> None:
+    """Raise `PlotError` if pictures are not written in the format of a file's name."""
+    if target.suffix.lower() not in FORMATS:
+        message = f"'{target.suffix}' is no format for pictures"
+        raise PlotError("output", message, "End the name in .png, .svg or .pdf")
+
+
 def save(figure: Figure, target: Path) -> None:
-    """Write a figure as PNG or SVG, by the suffix of its name; all of it or nothing."""
+    """Write a figure as PNG, SVG or PDF, by the suffix of its name; all of it or nothing."""
     name = FORMATS[target.suffix.lower()]
     picture = io.BytesIO()
     figure.savefig(picture, format=name, dpi=DPI, metadata=METADATA[name])

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from pydantic import ValidationError
 
 from core.errors import Problem, StudyError, suggestion
+from core.study.drive import RecordedDrive
 from core.study.models import CRITERIA, PARAMETERS, STUDIES, Study
 
 if TYPE_CHECKING:
@@ -37,14 +38,21 @@ def load_study(path: str | os.PathLike[str]) -> Study:
 
 
 def read_content(path: Path) -> object:
-    """Return what stands in the TOML or JSON file at `path`; raise `StudyError` if it cannot."""
+    """Return what stands in the TOML or JSON file at `path`; raise `StudyError` if it cannot.
+
+    The file of a recording is named beside that of the study.
+    """
     try:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         _fail("file", "it is not UTF-8 text", "Save it as UTF-8", error)
     except OSError as error:
         _fail("file", f"it cannot be read: {error.strerror}", "Name a TOML or JSON study", error)
-    return read_json(text) if path.suffix.lower() == ".json" else read_toml(text)
+    content = read_json(text) if path.suffix.lower() == ".json" else read_toml(text)
+    drive = content.get("drive") if isinstance(content, dict) else None
+    if isinstance(drive, dict) and isinstance(drive.get("file"), str):
+        drive["file"] = str(path.parent / drive["file"])
+    return content
 
 
 def read_toml(text: str) -> object:
@@ -103,6 +111,17 @@ def parse_study(content: object) -> Study:
         raise StudyError(_problems(kind, error.errors(include_url=False))) from None
 
 
+def parse_recorded(drive: Mapping[str, Any]) -> RecordedDrive:
+    """Return the recording that a study names; raise `StudyError` with every problem of it."""
+    try:
+        return RecordedDrive.model_validate(drive)
+    except ValidationError as error:
+        found = error.errors(include_url=False)
+        for one in found:
+            one["loc"] = ("drive", *one["loc"])
+        raise StudyError(_problems("drive", found)) from None
+
+
 def _problems_of(content: dict[str, Any]) -> Iterable[Problem]:
     try:
         STUDIES[content["kind"]].model_validate(content)
@@ -134,10 +153,16 @@ def _problem(kind: str, error: ErrorDetails) -> Problem:
         within = path[0] if len(path) > 1 else ""
         if within in ("parameters", "variables"):
             return Problem(place, f"'{name}' is not a parameter", suggestion(name, PARAMETERS))
+        if within == "drive":
+            fix = suggestion(name, RecordedDrive.model_fields)
+            return Problem(place, f"'{name}' is not a key of the drive", fix)
         if within:
             which = f" '{error['loc'][1]}'" if within == "criterion" else ""
             one = str(within).removesuffix("s")
             return Problem(place, f"'{name}' is not a key of the {one}{which}", "Remove it")
+        if name == "drive":
+            message = "closed forms know the plain sine of amplitude, alpha and beta only"
+            return Problem(place, message, 'Write kind = "simulate", or give these')
         known = tuple(STUDIES[kind].model_fields)
         return Problem(place, f"'{name}' is not a key of kind '{kind}'", suggestion(name, known))
     if error["type"] == "union_tag_invalid":

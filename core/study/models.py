@@ -21,6 +21,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from core.quantities import QUANTITIES, Quantity
+from core.study.drive import Drive
 from core.study.units import UnitError, read_number
 from core.study.values import Between, Values, read_between, read_values
 
@@ -187,6 +188,16 @@ class GridStudy(_Frozen):
         return hashlib.sha256(self.canonical().encode()).hexdigest()
 
 
+class DrivenStudy(GridStudy):
+    """What studies of motion in time have besides: a drive that may have been measured."""
+
+    drive: Drive = Field(
+        None,
+        description="A measured drive: the recording of an accelerometer. Its harmonics are "
+        "parameters, as far as the study does not give them itself.",
+    )
+
+
 MOST_SAMPLES = 100_000
 LATEST = 1e9  # s, of a course in time
 _TRAJECTORY_SCHEMA = {
@@ -243,7 +254,7 @@ class SweepStudy(GridStudy):
 SETTINGS = ("tolerance", "most_periods", "steps_per_period", "slip_speed", "contact_stiffness")
 
 
-class SimulateStudy(GridStudy):
+class SimulateStudy(DrivenStudy):
     """Motion in time of one scene over a grid of parameters."""
 
     kind: Literal["simulate"] = Field(description="The kind of study.")
@@ -379,7 +390,7 @@ class OutputLimit(_Frozen):
     absolute: bool = Field(False, description="Whether the bounds are those of its absolute value.")
 
 
-class OptimiseStudy(GridStudy):
+class OptimiseStudy(DrivenStudy):
     """The best values of some parameters, over a grid of the others."""
 
     kind: Literal["optimise"] = Field(description="The kind of study.")

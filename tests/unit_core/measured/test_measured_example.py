@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from core.measured import Recording, fit_drive, fit_signal
-from core.measured.picture import draw_fit
+from core.plots.measured import draw_fit
 from recordings import DRIVE, signal_of
 
 EXAMPLES = Path(__file__).parents[3] / "examples"

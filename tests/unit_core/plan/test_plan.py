@@ -12,9 +12,11 @@ from core.catalogue import describe, study_schema
 from core.errors import LimitError, Problem, SceneError, StudyError
 from core.kinds import prepare_content
 from core.motion import SYSTEMS, simulate
+from core.motion.drives import shape_of
 from core.optimise import optimise
 from core.plan.plan import make_plan, scene_parameters
 from core.quantities import FAMILIES, QUANTITIES, REGIMES
+from core.quantities.drive import DRIVE as NUMBERS_OF_DRIVES
 from core.scenes import ALIASES, SCENES, Condition, Equation
 from core.scenes.scene import Scene
 from core.study import load_study, parse_study
@@ -317,6 +319,9 @@ class TestScenes:
         used = {name for scene in (*SCENES.values(), *SYSTEMS.values()) for v in scene.variants
                 for eq in scene.variants[v] for name in (eq.gives, *eq.inputs)}  # fmt: skip
         used |= {name for alias in ALIASES for name in alias.inputs}
+        for kind in ("amplitude", "acceleration"):
+            shape, _ = shape_of(name for name in NUMBERS_OF_DRIVES if name.startswith(kind))
+            used |= {*shape.inputs, "wave"}
         configs = Path(__file__).parents[3] / "configs"
         for study in ("trajectory.toml", "tumbling-course.toml", "track-course.toml"):
             used |= set(simulate(load_study(configs / study)).variables)

@@ -290,7 +290,7 @@ def test_other_files_are_refused(file: Path, tmp_path: Path):
         draw_file(tmp_path / "missing.nc", [picture])
     assert caught.value.filename == str(tmp_path / "missing.nc")
     with pytest.raises(PlotError) as refused:
-        draw_file(file, [tmp_path / "picture.pdf"])
+        draw_file(file, [tmp_path / "picture.bmp"])
     assert refused.value.problem.place == "output"
     with pytest.raises(PlotError) as refused:
         draw_file(file, [picture], at={"frequency": "50 kg"})

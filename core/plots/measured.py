@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from core.measured.drive import Fit
 from core.measured.harmonics import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from core.plots.draw import DOT, QUIET
 
 SIZE = (10.0, 7.0)  # inches
 COLOURS = {"along": "#1f3b73", "across": "#b3560f", "normal": "#2f7d32"}
-INK, QUIET = "#333333", "#444444"
+INK = "#333333"
 MOST_POINTS = 3000  # of one axis; more hide one another
 FINE = 721  # points of a smooth curve
 DISPLAYED = 1.3  # times the highest order, the end of the spectrum
 EXACT = 1e-9  # of the frequency: an error below is not worth its digits
 MICRO = 1e6
-DOT = " \N{MIDDLE DOT} "
 
 
 def draw_fit(fit: Fit) -> Figure:
@@ -30,10 +28,6 @@ def draw_fit(fit: Fit) -> Figure:
     Left the samples of one period with the fitted drive, an axis below the other, and what is left
     over; right the spectrum, in which dots mark what has been fitted, and the path of the track.
     """
-    # Loaded here: fits are made where no picture is wanted.
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     figure = Figure(figsize=SIZE, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     left, right = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), squeeze=False)[0]
@@ -102,8 +96,6 @@ def _draw_period(panels: list[Axes], fit: Fit) -> None:
 
 def _draw_spectrum(axes: Axes, fit: Fit) -> None:
     """Draw amplitudes of acceleration over frequency, and what has been fitted."""
-    from matplotlib.lines import Line2D
-
     fold = fit.fold()
     window = np.hanning(fit.samples)
     amplitude = 2.0 * np.abs(np.fft.rfft(fold.accelerations * window)) / window.sum()

@@ -1,0 +1,143 @@
+"""`vibrafeed drive`: the drive that a recording of an accelerometer shows."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from app.cli.studies import FAILED, refuse
+from core.errors import Problem, StudyError
+
+if TYPE_CHECKING:
+    from core.measured import Fit, Recording
+
+COLUMN = "Column of the acceleration {}; a minus sign in front turns it round."
+
+
+def drive(
+    recording: Annotated[Path, typer.Argument(help="CSV of the recording.", show_default=False)],
+    along: Annotated[str | None, typer.Option(help=COLUMN.format("along the track"))] = None,
+    normal: Annotated[str | None, typer.Option(help=COLUMN.format("normal to it, upwards"))] = None,
+    across: Annotated[
+        str | None, typer.Option(help=COLUMN.format("across it, to the left"))
+    ] = None,
+    sensor: Annotated[
+        str | None,
+        typer.Option(help="Instead: columns of the sensor's own axes x, y, z, as in ax,ay,az."),
+    ] = None,
+    mounting: Annotated[
+        str | None, typer.Option(help="Yaw, pitch, roll of the sensor in degrees, as in 0,0,90.")
+    ] = None,
+    unit: Annotated[
+        str | None,
+        typer.Option(help="Of the columns, where headers do not say: g, mg, m s-2, mm s-2."),
+    ] = None,
+    rate: Annotated[
+        str | None, typer.Option(help="Samples a second, without a column of times.")
+    ] = None,
+    time: Annotated[
+        str | None, typer.Option(help="Column of times; `time` or `t` is found by itself.")
+    ] = None,
+    line_frequency: Annotated[
+        str | None,
+        typer.Option(help="What the drive truly runs at; tells the error of the recorder's clock."),
+    ] = None,
+    frequency: Annotated[
+        str | None, typer.Option(help="About what it repeats with; found if left out.")
+    ] = None,
+    harmonics: Annotated[
+        int | None, typer.Option(help="Orders to fit; as many as the data tell if left out.")
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(help="Also draw the fit, as PNG, SVG or PDF.")
+    ] = None,
+    toml: Annotated[
+        bool, typer.Option("--toml", help="Print the parameters of a study, and nothing else.")
+    ] = False,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Write them to this TOML file.")
+    ] = None,
+) -> None:
+    """Fit the harmonics of a drive to the recording of an accelerometer, and tell their errors.
+
+    Exit code 2 means that the recording or an option is wrong, 1 that a file could not be written.
+    """
+    from app.cli import console
+    from core.measured import Recording
+
+    asked = Recording(
+        along=along,
+        across=across,
+        normal=normal,
+        sensor=_parts(sensor),  # type: ignore[arg-type] # their number is checked by the reader
+        mounting=_parts(mounting),  # type: ignore[arg-type]
+        unit=unit,
+        rate=rate,
+        time=time,
+        line_frequency=line_frequency,
+        frequency=frequency,
+        harmonics=harmonics,
+    )
+    fit = _fitted(recording, asked, plot)
+    from app.cli.drives import show_fit, toml_of
+
+    lines = toml_of(fit, recording)
+    if toml:
+        typer.echo(lines)
+    else:
+        show_fit(fit, recording)
+    try:
+        if output is not None:
+            output.write_text(lines + "\n", encoding="utf-8")
+            typer.echo(f"wrote {output}", err=toml)
+        if plot is not None:
+            from core.plots.files import save
+            from core.plots.measured import draw_fit
+
+            save(draw_fit(fit), plot)
+            typer.echo(f"wrote {plot}", err=toml)
+    except OSError as error:
+        console.fail(f"{error.filename or recording}: {error.strerror or error}.")
+        raise typer.Exit(FAILED) from None
+
+
+def _parts(text: str | None) -> tuple[str, ...] | None:
+    return None if text is None else tuple(part.strip() for part in text.split(","))
+
+
+def _fitted(recording: Path, asked: Recording, plot: Path | None) -> Fit:
+    """Return the fit; report every problem of recording and options, and exit."""
+    from core.measured import fit_drive
+
+    problems = _wrong_picture(plot)
+    try:
+        fit = fit_drive(recording, asked)
+    except StudyError as error:
+        problems += error.problems
+    except OSError as error:
+        message = f"it cannot be read: {error.strerror or error}"
+        problems.append(Problem("recording", message, "Name a CSV"))
+    if problems:
+        refuse({recording: problems})
+    return fit
+
+
+def _wrong_picture(plot: Path | None) -> list[Problem]:
+    """Return what is wrong with the name of a picture; exit if nothing can draw it."""
+    if plot is None:
+        return []
+    from app.cli import console
+
+    try:
+        from core.plots.files import check_format
+        from core.plots.problem import PlotError
+    except ModuleNotFoundError as error:
+        console.fail(f"{error.name} is missing. Install it: pip install 'vibrafeed[plot]'.")
+        raise typer.Exit(FAILED) from None
+    try:
+        check_format(plot)
+    except PlotError as error:
+        return [Problem("plot", error.problem.message, error.problem.fix)]
+    return []

@@ -1,0 +1,88 @@
+"""What the command line tells of a measured drive: a table, and the parameters of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+import core
+from app.cli.console import new_grid, say, stdout
+from core.measured import Fit
+
+MICRO = 1e6
+PERCENT = 100.0
+PLUS_MINUS = "\N{PLUS-MINUS SIGN}"
+
+
+def show_fit(fit: Fit, recording: Path) -> None:
+    """Print what a recording tells of its drive."""
+    say(f"{recording}: {fit.samples:,} samples, {fit.periods:.1f} periods")
+    for name, text in facts(fit):
+        say(f"  {name}: {text}")
+    grid = new_grid("axis", "order", "amplitude (µm)", PLUS_MINUS, "phase (degree)", PLUS_MINUS)
+    for column in grid.columns[1:]:
+        column.justify, column.min_width = "right", None
+    for row, axis in enumerate(fit.axes):
+        for place, order in enumerate(fit.orders):
+            grid.add_row(axis, str(order), *_cells(fit, row, place))
+    stdout.print(grid)
+    if not fit.told.all():
+        say("  -: not told from zero, and no parameter of a study")
+
+
+def facts(fit: Fit) -> Iterator[tuple[str, str]]:
+    """Yield names and values of what is known of a whole fit."""
+    frequency, error = _rounded(fit.frequency, fit.frequency_error)
+    yield "frequency", f"{frequency} Hz" + (f" {PLUS_MINUS} {error} Hz" if error else ", as given")
+    if fit.clock is not None:
+        clock, error = _rounded(PERCENT * fit.clock.error, PERCENT * fit.clock.standard_error)
+        pace = "slow" if fit.clock.error > 0 else "fast"
+        yield "clock", f"{clock.lstrip('-')} % {PLUS_MINUS} {error or 0} % {pace}"
+    for name, shares in (("left over", fit.left_over), ("drift", fit.drifting)):
+        each = zip(fit.axes, PERCENT * shares, strict=True)
+        told = ", ".join(f"{axis} {share:.2g} %" for axis, share in each)
+        yield name, f"{told} of the drive"
+    if fit.tilt is not None:
+        climb, lean = np.degrees(fit.tilt.climb), np.degrees(fit.tilt.lean)
+        yield "tilt", f"climbs by {climb:.2f} degrees, rises to its left by {lean:.2f} degrees"
+
+
+def toml_of(fit: Fit, recording: Path) -> str:
+    """Return the parameters of a study, with errors as comments."""
+    lines = [f"# Fitted to {recording.name!a} by vibrafeed {core.__version__}"]
+    lines += [f"# {name}: {text}" for name, text in facts(fit)]
+    frequency, error = _rounded(fit.frequency, fit.frequency_error)
+    lines += ["[parameters]", _line("frequency", f"{frequency} Hz", f"{error} Hz" if error else "")]
+    for row, axis in enumerate(fit.axes):
+        for place, order in enumerate(fit.orders):
+            if fit.told[row, place]:
+                amplitude, off, phase, away = _cells(fit, row, place)
+                end = f"{axis}_{order}"
+                lines.append(_line(f"amplitude_{end}", f"{amplitude} um", f"{off} um"))
+                why = f"{away} deg" if away else ""
+                lines.append(_line(f"phase_{end}", f"{phase} deg", why))
+    return "\n".join(lines)
+
+
+def _line(name: str, value: str, error: str) -> str:
+    return f'{name} = "{value}"' + (f"  # +- {error}" if error else "  # exact")
+
+
+def _cells(fit: Fit, row: int, place: int) -> tuple[str, str, str, str]:
+    """Return amplitude and phase with their errors; dashes where they are not told."""
+    if not fit.told[row, place]:
+        return "-", "", "-", ""
+    one = row, place
+    amplitude = _rounded(MICRO * fit.amplitudes[one], MICRO * fit.amplitude_errors[one])
+    phase = _rounded(np.degrees(fit.phases[one]), np.degrees(fit.phase_errors[one]))
+    return *amplitude, *phase
+
+
+def _rounded(value: float, error: float) -> tuple[str, str]:
+    """Return a value and its error, which has two digits; empty if there is none to tell."""
+    if not (np.isfinite(error) and error > 1e-12 * abs(value)):
+        return f"{value:.10g}", ""
+    digits = max(0, 1 - int(np.floor(np.log10(error))))
+    return f"{value:.{digits}f}", f"{error:.{digits}f}"

@@ -1,0 +1,103 @@
+"""How far the errors of a measured drive move the velocity of a part."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import Problem, StudyError
+from core.measured import Fit
+from core.motion.prepare import Simulation, prepare
+from core.plan.equations import run_equations
+from core.plan.grid import parameter_to_si
+from core.study.models import SimulateStudy
+from core.study.values import Fixed
+
+LEAST_DRAWS, MOST_DRAWS = 20, 10_000
+SAME = 1e-9  # of a number of the fit, by which a study may miss it and still have it from there
+ENDS = (2.5, 97.5)  # percent
+VELOCITY = "conveying_velocity"
+
+
+class DriveError(NamedTuple):
+    """A velocity, and what the errors of a measured drive make of it.
+
+    Attributes
+    ----------
+    velocity : float
+        Of the drive as it was fitted [m s-1].
+    standard_deviation : float
+        Of the velocities of the draws [m s-1].
+    lower, upper : float
+        Between which 95 % of them lie [m s-1].
+    draws : int
+        How many have a velocity.
+    without : int
+        How many have none.
+    """
+
+    velocity: float
+    standard_deviation: float
+    lower: float
+    upper: float
+    draws: int
+    without: int
+
+
+def drive_error(
+    study: SimulateStudy, fit: Fit, draws: int = 200, rng: np.random.Generator | None = None
+) -> DriveError:
+    """Return how far the errors of a fit move the conveying velocity of a study of one cell.
+
+    The part is followed under drives that the recording cannot tell from the fitted one
+    (`Fit.draw`). What the study gives itself in the place of a number of the fit has no error.
+    Errors of other parameters, of the model and of the sensor's scale are not among them.
+
+    Raises
+    ------
+    StudyError
+        With every problem of the study; if it has more than one cell, or nothing of the fit.
+    """
+    outputs = tuple(dict.fromkeys((VELOCITY, *study.outputs)))
+    prepared = prepare(study.model_copy(update={"outputs": outputs}))
+    values, fitted = study.values(), fit.parameters()
+    names = [name for name in fitted if _is_from(values.get(name), fitted[name])]
+    _check(prepared, names, draws)
+    drawn = fit.draw(rng or np.random.default_rng(0), draws)
+    found = velocities(prepared, [{}, *({name: one[name] for name in names} for one in drawn)])
+    sound = found[1:][np.isfinite(found[1:])]
+    lower, upper = np.percentile(sound, ENDS).tolist() if sound.size else (np.nan, np.nan)
+    spread = float(sound.std(ddof=1)) if sound.size > 1 else np.nan
+    return DriveError(float(found[0]), spread, lower, upper, sound.size, draws - sound.size)
+
+
+def velocities(prepared: Simulation, changes: Sequence[Mapping[str, float]]) -> NDArray[np.float64]:
+    """Return the conveying velocity of a study's one cell after each of some changes [m s-1]."""
+    plan, fixed = prepared.plan, prepared.grid.fixed
+    given = {
+        name: parameter_to_si(name, np.array([one.get(name, fixed[name]) for one in changes]))
+        for name in plan.parameters
+    }
+    return np.broadcast_to(run_equations(plan, given)[VELOCITY], len(changes))
+
+
+def _is_from(value: object, number: float) -> bool:
+    return isinstance(value, Fixed) and abs(value.value - number) <= SAME * max(abs(number), 1e-30)
+
+
+def _check(prepared: Simulation, names: Sequence[str], draws: int) -> None:
+    problems = []
+    for axis in prepared.grid.axes:
+        message = "it ranges, and the error is that of one cell"
+        problems.append(Problem(f"parameters.{axis}", message, "Give one value"))
+    if not names:
+        message = "the study has no number of the recording"
+        problems.append(Problem("drive", message, "Leave out what it gives itself"))
+    if not LEAST_DRAWS <= draws <= MOST_DRAWS:
+        fix = f"Give {LEAST_DRAWS} to {MOST_DRAWS:,}"
+        problems.append(Problem("draws", f"{draws:,} are too few or too many", fix))
+    if problems:
+        raise StudyError(problems)

@@ -1,0 +1,100 @@
+"""`vibrafeed drive`, as a user runs it, and studies with a recording from file to dataset."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import pytest
+import xarray
+from typer.testing import CliRunner
+
+from app.cli import app
+from core.measured import Recording, fit_drive
+from core.study import parse_study
+
+RECORDING = Path(__file__).parents[3] / "examples" / "accelerometer.csv"
+AXES = ("--sensor", "ax,ay,az", "--line-frequency", "50 Hz")
+
+
+def run(*arguments: object):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def test_the_table_tells_numbers_and_errors():
+    result = run("drive", RECORDING, *AXES)
+    assert result.exit_code == 0, result.output
+    for words in (
+        "5,000 samples, 50.1 periods", "frequency: 50 Hz, as given", "% slow",
+        "left over: along 2.5 %, across 2.5 %, normal 2.6 % of the drive", "climbs by 3.38 degrees",
+        "200.072", "-74.70", "not told from zero",
+    ):  # fmt: skip
+        assert words in result.output
+
+
+def test_the_toml_is_the_parameters_of_a_study(tmp_path):
+    part = tmp_path / "part.toml"
+    result = run("drive", RECORDING, *AXES, "--toml", "-o", part)
+    assert result.exit_code == 0, result.output
+    assert result.stdout == part.read_text()
+    parameters = tomllib.loads(result.stdout)["parameters"]
+    content = {"kind": "simulate", "scene": "rectangle-on-plane", "parameters": parameters}
+    values = parse_study(content).values()
+    fit = fit_drive(RECORDING, Recording(sensor=("ax", "ay", "az"), line_frequency=50))
+    assert values.keys() == fit.parameters().keys()
+    for name, number in fit.parameters().items():
+        assert values[name].value == pytest.approx(number, rel=1e-3), name
+
+
+@pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
+def test_a_picture_is_drawn(kind, tmp_path):
+    target = tmp_path / f"fit.{kind}"
+    result = run("drive", RECORDING, "--along", "ax", "--normal", "-az", "--plot", target)
+    assert result.exit_code == 0, result.output
+    assert target.stat().st_size > 10_000
+
+
+def test_every_problem_is_told_at_once(tmp_path):
+    result = run(
+        "drive", RECORDING, "--along", "bx", "--normal", "az", "--rate", "3 x", "--unit", "kg",
+        "--mounting", "1,2,3", "--harmonics", 12, "--plot", tmp_path / "fit.bmp",
+    )  # fmt: skip
+    assert result.exit_code == 2
+    assert result.output.splitlines() == [
+        f"{RECORDING}: 6 problems",
+        "  plot: '.bmp' is no format for pictures. End the name in .png, .svg or .pdf.",
+        "  rate: 'x' is not a unit. Write rate = \"5 kHz\" (a bare number is in Hz).",
+        "  mounting: it turns a sensor of three axes only. Give sensor = three columns instead of "
+        "along, across and normal.",
+        "  along: the recording has no column 'bx'. Known: ax, ay, az, time.",
+        "  unit: 'kg' is no unit of acceleration. Known: m s-2, mm s-2, cm/s2, g, mg.",
+        "  harmonics: 12 orders cannot be fitted. Give a whole number from 1 to 10, or leave it "
+        "out.",
+    ]
+    absent = run("drive", tmp_path / "absent.csv", "--along", "ax")
+    assert absent.exit_code == 2
+    assert "recording: it cannot be read: No such file or directory." in absent.output
+
+
+def test_what_cannot_be_written_is_told(tmp_path):
+    result = run("drive", RECORDING, "--along", "ax", "-o", tmp_path / "no" / "part.toml")
+    assert result.exit_code == 1
+    assert "No such file or directory" in result.output
+
+
+def test_a_study_finds_its_recording_beside_itself(tmp_path):
+    (tmp_path / "recording.csv").write_bytes(RECORDING.read_bytes())
+    study = tmp_path / "study.toml"
+    study.write_text(
+        'kind = "simulate"\nscene = "rectangle-on-plane"\n[parameters]\nfriction = 0.3\n'
+        '[drive]\nfile = "recording.csv"\nalong = "ax"\nnormal = "az"\n'
+    )
+    result = run("run", study)
+    assert result.exit_code == 0, result.output
+    with xarray.open_dataset(study.with_suffix(".nc"), engine="netcdf4") as dataset:
+        assert dataset.attrs["drive"].startswith("fitted to recording.csv (SHA-256 ")
+        assert str(tmp_path) not in str(dataset.attrs)
+    (tmp_path / "recording.csv").unlink()
+    gone = run("run", study)
+    assert gone.exit_code == 2
+    assert "drive.file: it cannot be read: No such file or directory." in gone.output
