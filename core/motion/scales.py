@@ -64,9 +64,14 @@ def wall_restitution(*, restitution: Array) -> Array:
     return restitution
 
 
-def hold_down_number(*, hold_down: Array, gravity: Array) -> Array:
+def acceleration_scale(*, gravity: Array) -> Array:
+    """Return g [m s-2]."""
+    return gravity
+
+
+def hold_down_number(*, hold_down: Array, acceleration_scale: Array) -> Array:
     """Return the force per mass that holds the part down, over gravity [1]."""
-    return hold_down / gravity
+    return hold_down / acceleration_scale
 
 
 def load_number(*, gravity_number_normal: Array, hold_down_number: Array) -> Array:

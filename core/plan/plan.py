@@ -219,9 +219,7 @@ class _Walk:
         equation = self.producers.get(name)
         if equation is not None and name in self.scene_defaults:
             # A default of a derived quantity: the equation runs only if the study speaks of it.
-            # What has a default of its own is no word about it.
-            telling = set(equation.inputs) - set(self.scene_defaults)
-            spoken_of = name in self.outputs or telling & set(self.given)
+            spoken_of = name in self.outputs or set(equation.inputs) & set(self.given)
             return equation if spoken_of else None
         return equation
 

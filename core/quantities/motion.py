@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.quantities.quantity import Quantity, number, velocity
+from core.quantities.quantity import Quantity, acceleration, number, velocity
 
 
 def _fraction(label: str, description: str) -> Quantity:
@@ -57,6 +57,7 @@ SCALES: dict[str, Quantity] = {
     "curvature_number": number(
         "g/(w^2 R)", "Curvature number", "Length scale g/w^2 over the bowl radius."
     ),
+    "acceleration_scale": acceleration("g", "Acceleration scale", "Gravity."),
     "velocity_scale": velocity("g/w", "Velocity scale", "Gravity over circular frequency."),
     "length_scale": Quantity(
         "m", "g/w^2", "Length scale", "Gravity over circular frequency squared."

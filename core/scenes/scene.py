@@ -207,8 +207,7 @@ class Scene:
         The conditions of each variant, most serious first.
     defaults : mapping of str to float
         Values of quantities that a study may leave out, SI units. A default of a quantity that an
-        equation gives stands only where the study gives no parameter of that equation, but for
-        those that have defaults.
+        equation gives stands only where the study gives no parameter of that equation.
     constraints : tuple of Constraint
         Relations between parameters, beyond the bounds of each.
     choice : str
