@@ -40,9 +40,12 @@ def test_the_readme_shows_a_study_that_runs():
 
 
 def test_the_page_on_motion_shows_a_study_and_rates_that_run():
-    (study,) = blocks("docs/motion.md", "toml")
+    study, measured = blocks("docs/motion.md", "toml")
     found = simulate(parse_study(tomllib.loads(study)))
     assert found.sizes == {"cycle_time": 401}
+    driven = tomllib.loads(measured)
+    driven["drive"]["file"] = str(ROOT / "examples" / driven["drive"]["file"])
+    assert prepare_content(driven, files=True).cells == 21
     namespace: dict[str, object] = {}
     exec(blocks("docs/motion.md", "python")[0], namespace)
     text = (ROOT / "docs/motion.md").read_text()

@@ -7,9 +7,8 @@ import pytest
 
 from benchmarks.figures.studies import data as figure
 from benchmarks.figures.studies import path_of
-from core.kinds import prepare, tabulate
+from core.kinds import load_study, prepare, tabulate
 from core.quantities import REGIMES
-from core.study import load_study
 from core.sweep import sweep
 
 CONFIGS = Path(__file__).parents[3] / "configs"
