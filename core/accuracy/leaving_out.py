@@ -38,7 +38,7 @@ TYPICAL: dict[str, Any] = {
     "diameter": 0.008, "mass": 0.01, "speed": 0.1, "distance": 2e-4, "time": 1e-3, "axis_yaw": 5.0,
     "spin_rate": 40.0, "yaw_rate": 2.0, "drilling_moment": 1e-4, "pitch": [10.0, 25.0, 40.0],
     "pitch_rate": 2.0, "centre_along": 0.01, "centre_height": 0.02, "velocity_along": 0.1,
-    "velocity_upward": 0.0, "duration": 0.05, "drop_height": 0.002,
+    "velocity_upward": 0.0, "duration": 0.05, "drop_height": 0.002, "hold_down": 1.0,
     # two bodies that touch, nearly, and approach
     "position_x_1": 0.005, "position_y_1": 0.02097, "angle_1": 30.0, "velocity_x_1": 0.1,
     "velocity_y_1": -0.2, "spin_1": 3.0, "length_1": 0.05, "width_1": 0.008, "mass_1": 0.01,
