@@ -1,4 +1,4 @@
-"""From the numbers of a drive to its wave: which kind a study gives, and the equations of it.
+"""From the numbers of a drive to its wave: which kind a study gives, and what its wave is.
 
 A study that gives numbers of no other drive has the plain sine of `amplitude`, `alpha` and `beta`,
 and its system carries nothing of what stands here.
@@ -6,25 +6,19 @@ and its system carries nothing of what stands here.
 
 from __future__ import annotations
 
-import inspect
 import re
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from core.errors import Problem
 from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, ratio
-from core.motion import limits, waves
-from core.motion.groups import Groups, floor_groups, track_groups
-from core.motion.result import STATUS, Motion
+from core.motion import waves
 from core.motion.waves import TURN, Wave
 from core.quantities.drive import AXES, DRIVE
-from core.scenes import Scene
-from core.scenes.scene import Equation
-from core.watch import Watch
 
 CLOSED = 1e-9
 """Of the mean size of a step's acceleration: a mean no larger is rounding of what was written."""
@@ -225,123 +219,3 @@ def shape_of(given: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
 
 def _by_axis(term: tuple[str, int]) -> tuple[int, int]:
     return AXES.index(term[0]), term[1]
-
-
-# --- the system of a drive
-
-
-@dataclass(frozen=True)
-class _WaveOf:
-    """The function of the equation that gives the wave; its arguments are those of the shape."""
-
-    shape: Shape
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "__doc__", "Return the push of the drive on a part, per weight.")
-
-    @property
-    def __signature__(self) -> inspect.Signature:
-        """One argument a quantity."""
-        keyword = inspect.Parameter.KEYWORD_ONLY
-        return inspect.Signature([inspect.Parameter(name, keyword) for name in self.shape.inputs])
-
-    def __call__(self, **given: Any) -> Wave:
-        """Return the wave."""
-        return self.shape.wave(**given)
-
-
-def drive_number(*, wave: Wave) -> Array:
-    """Return what the speed of the track does not exceed, over g/w [1]."""
-    return waves.size(wave)
-
-
-def drive_number_along(*, wave: Wave) -> Array:
-    """Return what the push along the track does not exceed, over gravity [1]."""
-    return waves.bound(wave, waves.ALONG)
-
-
-def drive_number_across(*, wave: Wave) -> Array:
-    """Return what the push across the track does not exceed, over gravity [1]."""
-    return waves.bound(wave, waves.ACROSS)
-
-
-def drive_number_normal(*, wave: Wave) -> Array:
-    """Return what the push normal to the floor does not exceed, over gravity [1]."""
-    return waves.bound(wave, waves.NORMAL)
-
-
-def throw_number(*, wave: Wave, load_number: Array) -> Array:
-    """Return the throw number, the largest push off the floor over the load onto it [1]."""
-    most = np.maximum(waves.largest(wave, waves.NORMAL, "push"), 0.0)
-    return ratio(most, load_number, np.where(most > 0.0, np.inf, 0.0))
-
-
-def efficiency(*, motion: Motion, wave: Wave) -> Array:
-    """Return the conveying velocity over the largest speed of the track along x; 0 at rest [1].
-
-    Infinite (regime `unbounded`) for a part that moves though the track does not move along x.
-    """
-    v, fastest = motion.velocity, waves.largest(wave, waves.ALONG, "speed")
-    beyond = np.where(np.isnan(v), np.nan, np.copysign(np.inf, v))
-    return np.where(v != 0, ratio(v, fastest, beyond), 0.0)
-
-
-def _where_driven(follow: Any) -> Any:
-    """Return the equation of a motion that has the status `no_drive` where the wave is none."""
-
-    def driven_motion(*, groups: Groups, watch: Watch | None = None, **settings: Array) -> Motion:
-        found: Motion = follow(groups=groups, watch=watch, **settings)
-        assert groups.wave is not None
-        none = np.isnan(waves.size(groups.wave))
-        status = np.where(none, np.int8(STATUS["no_drive"]), found.status)
-        return found._replace(status=status)
-
-    driven_motion.__signature__ = inspect.signature(follow)  # type: ignore[attr-defined]
-    driven_motion.__doc__ = follow.__doc__
-    return driven_motion
-
-
-def _with_wave(groups: Any) -> Any:
-    """Return the equation of the groups of a part under a wave."""
-
-    def waved(*, wave: Wave, **numbers: Array) -> Groups:
-        found: Groups = groups(**numbers)
-        return found._replace(wave=wave)
-
-    needed = inspect.signature(groups).parameters.values()
-    wave = inspect.Parameter("wave", inspect.Parameter.KEYWORD_ONLY)
-    waved.__signature__ = inspect.Signature([wave, *needed])  # type: ignore[attr-defined]
-    waved.__doc__ = groups.__doc__
-    return waved
-
-
-_OTHERS = {one.gives: one for one in limits.equations("wave")} | {
-    function.__name__: Equation(function.__name__, function, "theory 13.14")
-    for function in (
-        drive_number, drive_number_along, drive_number_across, drive_number_normal, throw_number,
-        efficiency,
-    )
-}  # fmt: skip
-_GROUPS = {id(groups): _with_wave(groups) for groups in (floor_groups, track_groups)}
-
-
-def driven(system: Scene, shape: Shape) -> Scene:
-    """Return a system with another drive in the place of the plain sine."""
-    wave = Equation("wave", _WaveOf(shape), "theory 13.14")
-
-    def equations(known: Collection[Equation]) -> tuple[Equation, ...]:
-        changed = []
-        for one in known:
-            if one.gives == "groups":
-                one = replace(one, function=_GROUPS[id(one.function)])
-            if one.gives == "motion":
-                one = replace(one, function=_where_driven(one.function))
-            if one.gives != "vibration_acceleration":
-                changed.append(_OTHERS.get(one.gives, one))
-        return (wave, *changed)
-
-    return replace(
-        system,
-        variants={name: equations(known) for name, known in system.variants.items()},
-        defaults={**{n: v for n, v in system.defaults.items() if n != "alpha"}, **shape.defaults},
-    )

@@ -7,7 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from core.errors import Problem, StudyError
-from core.motion.drives import driven, shape_of, what_is_open
+from core.motion.driven import driven
+from core.motion.drives import shape_of, what_is_open
 from core.motion.method import Method
 from core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from core.plan.grid import Grid
