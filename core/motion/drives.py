@@ -26,6 +26,9 @@ CLOSED = 1e-9
 SHORTEST = 1e-12
 """Of a period: a step that is shorter is none."""
 
+SINE = ("amplitude", "peak_to_peak", "alpha", "beta")
+"""Parameters of the plain sine."""
+
 _HARMONIC = re.compile(r"(?:amplitude|phase)_(along|across|normal)_(\d+)")
 _STEP = re.compile(r"(?:acceleration_(along|across|normal)|duration)_(\d+)")
 
@@ -198,23 +201,36 @@ def shape_of(given: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
 
     The second is what is wrong with them.
     """
-    names = [name for name in given if name in DRIVE]
-    found = [match for match in map(_STEP.fullmatch, names) if match]
+    names = [name for name in given if name in DRIVE or name in SINE]
     terms = {(m[1], int(m[2])) for m in map(_HARMONIC.fullmatch, names) if m}
+    found = [match for match in map(_STEP.fullmatch, names) if match]
+    steps = [match[0] for match in found]
+    if terms and steps:
+        return None, [_mixed(steps[0], "a drive in steps", "harmonics", "Give one kind of drive")]
+    sines = [name for name in SINE if name in names]
+    if terms and sines:
+        fix = (
+            "Remove it, and write amplitude_along_1 = A cos(beta), amplitude_normal_1 = A sin(beta)"
+        )
+        return None, [_mixed(name, "the plain sine", "harmonics", fix) for name in sines]
+    if steps and sines:
+        fix = "Remove it, or the steps"
+        return None, [_mixed(name, "the plain sine", "steps", fix) for name in sines]
     if terms:
-        place = f"parameters.{found[0][0]}" if found else ""
-        message = "it is of a drive in steps, and the study gives harmonics, too"
-        mixed = [Problem(place, message, "Give one kind of drive")] if found else []
-        return Harmonics(tuple(sorted(terms, key=_by_axis))), mixed
-    if not found:
+        return Harmonics(tuple(sorted(terms, key=_by_axis))), []
+    if not steps:
         return None, []
     levels = {(m[1], int(m[2])) for m in found if m[1]}
-    if not levels:
-        message = "steps that have no acceleration are no drive"
-        fix = "Add, for example, acceleration_along_1 and acceleration_along_2"
-        return None, [Problem(f"parameters.{found[0][0]}", message, fix)]
     count = max(int(m[2]) for m in found)
+    if not levels or count == 1:
+        message = "one step alone is no drive" if levels else "steps need an acceleration"
+        fix = "Add, for example, acceleration_along_1, duration_1 and duration_2"
+        return None, [Problem(f"parameters.{steps[0]}", message, fix)]
     return Steps(count, tuple(sorted(levels, key=_by_axis))), []
+
+
+def _mixed(name: str, kind: str, other: str, fix: str) -> Problem:
+    return Problem(f"parameters.{name}", f"it is of {kind}, and the study gives {other}, too", fix)
 
 
 def _by_axis(term: tuple[str, int]) -> tuple[int, int]:

@@ -79,13 +79,14 @@ def test_a_wave_that_one_level_closes_is_the_one_that_gives_it() -> None:
     ("given", "message"),
     [
         ({"acceleration_along_1": 4, "acceleration_along_2": -3}, "has a mean"),
-        ({"acceleration_along_1": 4, "duration_1": 0}, "take no time"),
+        ({"acceleration_along_1": 4, "duration_1": 0}, "one step alone is no drive"),
+        ({"acceleration_along_1": 4, "duration_1": 0, "duration_2": 0}, "take no time"),
         ({"acceleration_along_1": 4, "amplitude_along_1": 1e-4}, "harmonics, too"),
-        ({"amplitude": 1e-4, "amplitude_along_1": 1e-4}, "amplitude is not used"),
-        ({"beta": 20, "amplitude_along_1": 1e-4}, "beta is not used"),
+        ({"amplitude": 1e-4, "amplitude_along_1": 1e-4}, "it is of the plain sine"),
+        ({"beta": 20, "amplitude_along_1": 1e-4}, "it is of the plain sine"),
         ({"phase_along_1": 20}, "it is missing"),
         ({"acceleration_along_1": 4, "acceleration_along_4": -4}, "it is missing"),
-        ({"duration_1": 1}, "steps that have no acceleration are no drive"),
+        ({"duration_1": 1}, "steps need an acceleration"),
         ({"kind": "sweep", "amplitude_along_1": 1e-4}, "knows the plain sine only"),
     ],
 )
