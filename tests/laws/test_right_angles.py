@@ -181,7 +181,7 @@ def test_the_groups_of_a_motion_are_exact():
     assert scales.drive_number_normal(drive_number=p, beta=2 * right) == 0
     assert scales.gravity_number_normal(gamma=right) == 0
     assert scales.leaning_gravity_number_normal(gamma=zero, delta=-right) == 0
-    assert scales.throw_number(drive_number_normal=one, gravity_number_normal=zero) == math.inf
+    assert scales.throw_number(drive_number_normal=one, load_number=zero) == math.inf
 
 
 def test_a_drive_whose_square_is_no_float_has_its_acceleration():

@@ -129,7 +129,7 @@ def test_shares_add_up_and_a_course_closes():
     shares = found.stick + found.forward + found.backward + found.flight
     for number in np.flatnonzero(found.status == STATUS["periodic"]):
         assert shares[number] == pytest.approx(1.0, abs=1e-12)
-        one = Groups._make(np.broadcast_to(field, 5)[number].item() for field in given)
+        one = Groups(*(np.broadcast_to(field, 5)[number].item() for field in given.numbers))
         cycle = 2 * math.pi * found.multiple[number]
         phases = np.linspace(0.0, cycle, 400)
         path, modes = spatial_path(one, TRACK, **SETTINGS, phases=phases)
