@@ -14,7 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from core.motion.drives import driven, shape_of
+from core.motion.driven import driven
+from core.motion.drives import shape_of
 from core.motion.methods.events import planar_path
 from core.motion.systems import SYSTEMS
 from core.motion.waves import ALONG, speed
