@@ -1,8 +1,8 @@
 """Event-driven motion in a vertical plane along the track (theory 13.2 to 13.8), compiled.
 
 Scales: phase tau = w t, lengths g/w^2, velocities g/w, accelerations g. The drive accelerates the
-part, in the frame of the track, by (c, s) sin(tau); gravity by -(gs, gn). In every mode the flow is
-closed, so a motion is a chain of events: lift-off, landing, stop, start of slip. Each is isolated
+part, in the frame of the track, by (c, s) sin(tau) or another wave; gravity by -(gs, gn). All flows
+are closed, so a motion is a chain of events: lift-off, landing, stop, start of slip. Each is isolated
 on a piece of its flow that bends one way only, where Newton's iteration runs to the root from one
 side: none can be missed.
 
@@ -11,10 +11,12 @@ of segments (contact, flight) that repeats after whole periods; what is left is 
 the sliding velocity at the start of the chain, onto itself. Under one coefficient of friction it
 never stretches distances, so its fixed point is bracketed by every evaluation.
 
-`flow`: the motion in one mode; `flight`: where it lands; `cycle`: the chain of segments; `slide`:
-the motion along the track over a chain; `settle`: the velocity at which that repeats; `chaos`:
-means of motion that does not; `solve`: one cell, and many; `path`: the course of one part;
-`energy`: what friction, impacts and the drive do over a cycle.
+`drive`: what a drive has to tell; `flow`, `sine_flight` and `sine_slip` tell it of a sine, `wave`,
+`wave_flight` and `wave_slip` of any other; `cycle`: the chain of segments, and `growth`, how far
+roundings grow along it; `slide`: the motion along the track over a chain; `settle`: the velocity at
+which that repeats; `repeating`: its means; `chaos`: means of motion that does not; `solve`: one
+cell, and many; `path`: the course of one part; `energy`: what friction, impacts and the drive do
+over a cycle.
 """
 
 from core.motion.kernels.planar.energy import spend_cells
