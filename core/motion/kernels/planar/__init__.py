@@ -1,10 +1,10 @@
 """Event-driven motion in a vertical plane along the track (theory 13.2 to 13.8), compiled.
 
 Scales: phase tau = w t, lengths g/w^2, velocities g/w, accelerations g. The drive accelerates the
-part, in the frame of the track, by (c, s) sin(tau) or another wave; gravity by -(gs, gn). All flows
-are closed, so a motion is a chain of events: lift-off, landing, stop, start of slip. Each is isolated
-on a piece of its flow that bends one way only, where Newton's iteration runs to the root from one
-side: none can be missed.
+part, in the frame of the track, by (c, s) sin(tau) or another wave; gravity by -(gs, gn). In every
+mode the flow is closed, so a motion is a chain of events: lift-off, landing, stop, start of slip.
+Each is isolated on a piece of its flow that bends one way only, where Newton's or Halley's
+iteration runs to the root: none can be missed.
 
 The motion normal to the floor knows nothing of friction. Its attractor is found first, as a chain
 of segments (contact, flight) that repeats after whole periods; what is left is a map of one number,
