@@ -19,6 +19,9 @@ from core.scenes import Scene
 from core.scenes.scene import Equation
 from core.watch import Watch
 
+AT_LIMIT = 1e-13
+"""Of the limit of static friction: a step of a drive that is so little beyond it is at it."""
+
 
 @dataclass(frozen=True)
 class _WaveOf:
@@ -91,12 +94,24 @@ def _where_driven(follow: Any) -> Any:
     return driven_motion
 
 
+def _held_at_its_limit(groups: Groups, wave: Wave) -> Array:
+    """Return the static friction, which holds a step that is at its limit but for rounding.
+
+    A sine passes the limit at a phase, but a step may lie on it as long as it lasts, as the best
+    ones do; where kinetic friction is the smaller, the last bit of a sum would decide the motion.
+    """
+    static: Array = groups.friction_static
+    if not wave.steps.shape[1]:
+        return static
+    return np.where(static > groups.friction_kinetic, static * (1.0 + AT_LIMIT), static)
+
+
 def _with_wave(groups: Any) -> Any:
     """Return the equation of the groups of a part under a wave."""
 
     def waved(*, wave: Wave, **numbers: Array) -> Groups:
         found: Groups = groups(**numbers)
-        return found._replace(wave=wave)
+        return found._replace(wave=wave, friction_static=_held_at_its_limit(found, wave))
 
     needed = inspect.signature(groups).parameters.values()
     wave = inspect.Parameter("wave", inspect.Parameter.KEYWORD_ONLY)

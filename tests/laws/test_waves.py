@@ -66,6 +66,26 @@ def test_two_levels(slow, fast, frequency, static, kinetic, expected, scene):
     assert found == pytest.approx(expected, rel=1e-6 if "track" in scene else 1e-12)
 
 
+@pytest.mark.parametrize(("static", "kinetic"), [(0.5, 0.3), (0.37, 0.1), (0.3, 0.1)])
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("ulps", [-3, 0, 1, 3])
+def test_a_step_at_the_limit_of_friction_holds_whatever_its_last_bit(static, kinetic, way, ulps):
+    """Q at a_s = mu_s g, where a slip would be half as fast: forward and in its mirror image."""
+    slow, fast = static * (1 + ulps * np.finfo(float).eps), 2.0
+    exact = G / 100 * slow**2 * (fast - kinetic) / ((slow + fast) * (slow + kinetic))
+    drive = {
+        "acceleration_along_1": way * slow * G,
+        "acceleration_along_2": -way * fast * G,
+        "duration_1": fast,
+        "duration_2": slow,
+    }
+    friction = {"friction_static": static, "friction_kinetic": kinetic}
+    for scene in ("rectangle-on-plane", "rectangle-on-track"):
+        curve = {"radius": 1e12} if "track" in scene else {}
+        found = velocity(scene, frequency=50, **friction, **drive, **curve)
+        assert found == pytest.approx(way * exact, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("along", "normal", "friction", "expected"),
     [(0.4, 0.3, 0.4, 3.32687e-3), (0.3, 0.9, 0.25, 9.1376e-3)],
