@@ -70,14 +70,8 @@ class CourseAsked(NamedTuple):
         """Return the displacement of the track at these times, quantities by name [m]."""
         (_, phases), length, groups = self.times(), self.scale("length_scale"), self.groups
         if groups.wave is None:
-            return track_of(groups, length * np.sin(phases))
-        along, normal = (length * place(groups.wave, axis, phases) for axis in (ALONG, NORMAL))
+            swing = length * np.sin(phases)
+            along, normal = groups.drive_number_along * swing, groups.drive_number_normal * swing
+        else:
+            along, normal = (length * place(groups.wave, axis, phases) for axis in (ALONG, NORMAL))
         return {"track_along": along, "track_normal": normal}
-
-
-def track_of(groups: Groups, swing: Array) -> dict[str, Array]:
-    """Return the displacement of the track of a plain sine, from that of a drive number of 1."""
-    return {
-        "track_along": groups.drive_number_along * swing,
-        "track_normal": groups.drive_number_normal * swing,
-    }

@@ -1,4 +1,4 @@
-"""Random drives: sums of sines with phases, and steps, along, across and normal to the floor."""
+"""Random parts under random drives, and the same drive later."""
 
 from __future__ import annotations
 
@@ -6,31 +6,7 @@ import numpy as np
 
 from core.motion import waves
 from core.motion.groups import Groups
-from core.motion.waves import TURN, Wave
-
-
-def harmonics(pick: np.random.Generator, cells: int, orders: int, across: float = 0.0) -> Wave:
-    """Return waves of so many orders on each axis; `across` is how strong they are there."""
-    found = np.zeros((3, 2, orders, cells))
-    for axis, most in enumerate((1.0, across, 1.0)):
-        size = most * np.exp(pick.uniform(np.log(0.3), np.log(3.0), cells))
-        share = pick.dirichlet(np.ones(orders), cells).T * size
-        phase = pick.uniform(0.0, TURN, (orders, cells))
-        found[axis] = share * np.cos(phase), share * np.sin(phase)
-    return Wave(found, np.zeros((4, 0, cells)))
-
-
-def steps(pick: np.random.Generator, cells: int, count: int, across: float = 0.0) -> Wave:
-    """Return waves of so many steps, of the same sizes."""
-    last = pick.dirichlet(np.full(count, 2.0), cells).T
-    found = np.zeros((4, count, cells))
-    for axis, most in enumerate((1.0, across, 1.0)):
-        size = most * np.exp(pick.uniform(np.log(0.3), np.log(3.0), cells))
-        levels = size * pick.normal(size=(count, cells))
-        found[axis] = levels - (levels * last).sum(axis=0)
-    found[waves.ENDS] = TURN * np.cumsum(last, axis=0)
-    found[waves.ENDS, -1] = TURN
-    return Wave(np.zeros((3, 2, 0, cells)), found)
+from core.motion.waves import Wave
 
 
 def parts(pick: np.random.Generator, wave: Wave, *, rebounds: bool = False) -> Groups:

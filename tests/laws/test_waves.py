@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.waves import harmonics, steps
 from core.motion import simulate, waves
 from core.motion.groups import Contacts, Groups
 from core.motion.kernels.waves import passages
@@ -13,7 +14,7 @@ from core.motion.methods.spatial_events import spatial_motion
 from core.motion.result import STATUS
 from core.motion.waves import ALONG, NORMAL, TURN, Wave
 from core.study import parse_study
-from random_waves import harmonics, parts, shifted, steps
+from random_waves import parts, shifted
 
 G = 9.81
 PLANAR = {"tolerance": 1e-12, "most_periods": 1000.0}
