@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.arrays import Array
-from core.motion.waves import Wave, of_columns
+from core.motion.waves import Wave, of_columns, of_row
 
 Numbers: TypeAlias = Any
 """An array of many parts, or the plain number of one."""
@@ -129,10 +129,11 @@ def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
     """Return the groups of every cell as plain numbers, and the shape of the cells."""
     rows, shape = cells_of(Groups._fields[:-1], groups)
 
+    numbers = len(groups.numbers)
+
     def one(row: NDArray[np.float64]) -> Groups:
-        found, _ = groups_of(row[np.newaxis], groups.wave is not None)
-        wave = found.wave and Wave(found.wave.harmonics[..., 0], found.wave.steps[..., 0])
-        return Groups._make((*(number.item() for number in found.numbers), wave))
+        wave = None if groups.wave is None else of_row(row[numbers:])
+        return Groups._make((*row[:numbers].tolist(), wave))
 
     return map(one, rows), shape
 

@@ -75,12 +75,10 @@ def of_columns(rows: NDArray[np.float64]) -> Wave:
     )
 
 
-def is_still(wave: Wave, axis: int) -> NDArray[np.bool_]:
-    """Return in which cells the track does not move along an axis."""
-    moves = np.any(wave.harmonics[axis] != 0.0, axis=(0, 1)) | np.any(
-        wave.steps[axis] != 0.0, axis=0
-    )
-    return np.asarray(~moves)
+def of_row(row: NDArray[np.float64]) -> Wave:
+    """Return the wave of one row, its cells of no dimension."""
+    harmonics, steps = of_columns(row[np.newaxis])
+    return Wave(harmonics[..., 0], steps[..., 0])
 
 
 # --- how the track moves

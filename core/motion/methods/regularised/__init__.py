@@ -20,7 +20,7 @@ from core.motion.method import Follow, Method
 from core.motion.methods.regularised.laws import Cell, laws
 from core.motion.methods.regularised.orbit import Orbit, Run, SpentError, measures_of, orbit_of
 from core.motion.result import STATUS, Motion, with_whole_shares
-from core.motion.waves import Wave, of_columns
+from core.motion.waves import of_row
 from core.watch import Watch
 
 SOLVERS = ("Radau", "BDF", "LSODA")
@@ -213,9 +213,7 @@ def regularised_motion(
         usable = bool(np.isfinite(row).all()) and min(slip, stiffness, error, periods) > 0
         if not (usable and kinetic >= 0 and 0 <= rebound <= 1):
             continue
-        wave = None
-        if groups.wave is not None:
-            wave = Wave(*(part[..., 0] for part in of_columns(row[np.newaxis, len(FIELDS) :])))
+        wave = None if groups.wave is None else of_row(row[len(FIELDS) :])
         cell = Cell(laws(kinetic, static, rebound, slip, stiffness), drive, gravity, wave)
         once, twice = (
             replace(
