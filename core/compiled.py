@@ -81,7 +81,7 @@ def compiled_source(source: str) -> Any:
     Its arrays may not overlap. It may call `choose` (a selection, never a branch) and the functions
     of `math`. The code is cached as that of `compiled` is; a name tells the text.
     """
-    file = LOOP + hashlib.sha256(source.encode()).hexdigest()[:32]
+    file = _loop_name(source)
     names: dict[str, Any] = {"choose": _choose, "int8": np.int8, "int64": np.int64}
     names |= {name: getattr(math, name) for name in ("copysign", "inf", "nan", "sqrt")}
     names |= {"__name__": __name__, "__builtins__": __builtins__}
@@ -98,6 +98,16 @@ def compiled_source(source: str) -> Any:
     return dispatcher
 
 
+def is_on_disk(source: str) -> bool:
+    """Return whether the code of a source text has been compiled before, and kept."""
+    path = folder()
+    return path is not None and any(path.glob(f"{_loop_name(source)}.*"))
+
+
+def _loop_name(source: str) -> str:
+    return LOOP + hashlib.sha256(source.encode()).hexdigest()[:32]
+
+
 @intrinsic
 def _choose(context: Any, condition: Any, one: Any, other: Any) -> Any:
     """Return one of two values; both are at hand, so that a row of cells needs no branch."""
@@ -108,7 +118,8 @@ def _choose(context: Any, condition: Any, one: Any, other: Any) -> Any:
     elif all(isinstance(kind, types.Boolean) for kind in kinds):
         result = types.boolean
     else:
-        result = max((k for k in kinds if isinstance(k, types.Integer)), key=lambda k: k.bitwidth)
+        integers: Any = [kind for kind in kinds if isinstance(kind, types.Integer)]
+        result = max(integers, key=lambda kind: kind.bitwidth)
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         condition, *values = arguments

@@ -40,15 +40,18 @@ Array = NDArray[Any]
 Progress = Callable[[float], object]
 Shape = tuple[tuple[str, int], ...]
 
+_compiled: set[str] = set()  # the sources of loops that have run in this process
+
 
 @dataclass(frozen=True)
 class _Stage:
     """A loop, and the functions of numpy that follow it; none after the last loop.
 
-    The loop fills `columns` and then the results of `functions` are columns of later loops.
+    The loop fills `columns` (there is none where numpy has all that it needs), and then the results
+    of `functions` are columns of later loops.
     """
 
-    loop: Loop
+    loop: Loop | None
     columns: tuple[Node, ...]
     functions: tuple[Node, ...]
 
@@ -63,7 +66,7 @@ class _Program:
     @cached_property
     def sources(self) -> tuple[str, ...]:
         """The sources of all loops."""
-        return tuple(stage.loop.source for stage in self.stages)
+        return tuple(stage.loop.source for stage in self.stages if stage.loop)
 
 
 class Fused:
@@ -83,9 +86,7 @@ class Fused:
         for name in traced.results:
             groups.setdefault(grid.dims(depends[name]), []).append(name)
         # The largest comes last, and tells of progress.
-        self._groups = {
-            dims: tuple(groups[dims]) for dims in sorted(groups, key=grid.size)
-        }
+        self._groups = {dims: tuple(groups[dims]) for dims in sorted(groups, key=grid.size)}
         with np.errstate(all="ignore"):  # equations for arrays compute what a choice leaves out
             self._programs = {
                 dims: self._program(dims, names)
@@ -97,6 +98,11 @@ class Fused:
     def sources(self) -> frozenset[str]:
         """The sources of the loops that it needs."""
         return frozenset().union(*(program.sources for program in self._programs.values()))
+
+    @property
+    def missing(self) -> frozenset[str]:
+        """Those of them that have not run in this process."""
+        return self.sources - _compiled
 
     def run(
         self,
@@ -145,10 +151,10 @@ class Fused:
         from core.compiled import compiled_source  # numba, for those whom it repays
 
         program, grid = self._programs[dims], self._grid
-        loops = [compiled_source(source) for source in program.sources]
         given = {
             node.number: self._laid_out(node, program.order)
             for stage in program.stages
+            if stage.loop
             for node in stage.loop.arrays
         }
         sizes = [grid.shape[name] for name in dims]
@@ -158,24 +164,23 @@ class Fused:
         )
         flat = [array.reshape(-1) for array in results]
         cells = grid.size(dims)
-        most = TASK_CELLS if len(loops) == 1 else COLUMN_CELLS
+        most = TASK_CELLS if len(program.stages) == 1 else COLUMN_CELLS
 
         def run(ends: NDArray[np.int64]) -> None:
             count = int(np.prod(ends[:, 1] - ends[:, 0]))
             columns: dict[int, Array] = {}
-            for stage, loop in zip(program.stages, loops, strict=True):
-                last = stage is program.stages[-1]
-                out = flat if last else [np.empty(count, node.dtype) for node in stage.columns]
-                loop(
-                    ends,
-                    strides,
-                    *(given[node.number] for node in stage.loop.arrays),
-                    *(columns[node.number] for node in stage.loop.columns),
-                    *(np.empty(LONGEST_ROW, node.dtype) for node in stage.loop.rows),
-                    *out,
-                )
-                if not last:
-                    columns |= {n.number: o for n, o in zip(stage.columns, out, strict=True)}
+            for stage in program.stages:
+                if stage.loop is not None:
+                    made = {n.number: np.empty(count, n.dtype) for n in stage.columns}
+                    compiled_source(stage.loop.source)(
+                        ends,
+                        strides,
+                        *(given[node.number] for node in stage.loop.arrays),
+                        *(columns[node.number] for node in stage.loop.columns),
+                        *(np.empty(LONGEST_ROW, node.dtype) for node in stage.loop.rows),
+                        *(made.values() if stage.functions else flat),
+                    )
+                    columns |= made
                 with np.errstate(all="ignore"):  # it is a setting of the thread
                     for node in stage.functions:
                         inputs = (
@@ -186,8 +191,12 @@ class Fused:
             if progress is not None:
                 progress(count / cells)
 
-        tasks = list(_tasks(program.order, grid.shape, min(most, -(-cells // (2 * threads)))))
-        if threads == 1 or len(tasks) == 1:
+        share = max(COLUMN_CELLS, -(-cells // (2 * threads)))
+        tasks = list(_tasks(program.order, grid.shape, min(most, share)))
+        if not _compiled.issuperset(program.sources):
+            run(tasks.pop(0))  # compiling is for one
+            _compiled.update(program.sources)
+        if threads == 1 or len(tasks) <= 1:
             for task in tasks:
                 run(task)
             return
@@ -203,9 +212,7 @@ class Fused:
             return value[()].item()
         shape, kept = self._grid.shape, order.kept(node)
         lengths = [
-            shape[name]
-            if name in kept or (name in order.inner and order.is_row(node))
-            else 1
+            shape[name] if name in kept or (name in order.inner and order.is_row(node)) else 1
             for name in order.axes
         ]
         laid = np.broadcast_to(value, lengths)
@@ -317,8 +324,8 @@ def _program(
             wanted = {one.number: one for node in after for one in node.before}
             known = {one.number for one in before}
             columns = tuple(one for one in wanted.values() if one.number not in known)
-            loop = write_loop(order, leaves, before, columns, in_place=False)
-            stages.append(_Stage(loop, columns, after))
+            write = write_loop(order, leaves, before, columns, in_place=False) if columns else None
+            stages.append(_Stage(write, columns, after))
         else:
             loop = write_loop(order, leaves, before, results, in_place=True)
             stages.append(_Stage(loop, (), ()))
@@ -332,9 +339,7 @@ def _ready(results: Iterable[Any]) -> dict[int, int]:
     def visit(node: Node) -> int:
         if node.number not in ready:
             before = max((visit(one) for one in node.before), default=0)
-            ready[node.number] = before + (
-                node.function is not None and node.function not in STEPS
-            )
+            ready[node.number] = before + (node.function is not None and node.function not in STEPS)
         return ready[node.number]
 
     for one in results:

@@ -53,7 +53,7 @@ STEPS: dict[Any, str] = {
 }
 """The steps that a compiled loop takes in, exact or rounded once, so that bits are numpy's."""
 
-SLOW = {np.divide: 4.0, np.sqrt: 6.0, np.reciprocal: 4.0}
+SLOW: dict[Any, float] = {np.divide: 4.0, np.sqrt: 6.0, np.reciprocal: 4.0}
 """What a step costs, over an addition; 1 if it is not here."""
 
 
@@ -102,14 +102,12 @@ def order_of(axes: Sequence[str], shape: Mapping[str, int], steps: Collection[No
     left, outer = list(axes[:count]), list[str]()
     work = [(SLOW.get(step.function, 1.0), step.axes) for step in steps]
     while left:
-        # Those that stood outside of the loops within already are not counted again: `work` is
-        # what stands within all loops that are left.
-        def repeated(name: str) -> float:
-            return sum(weight for weight, among in work if name in among) * (
-                1.0 if shape[name] > 1 else 0.0
-            )
-
-        least = min(left, key=repeated)
+        # `work` is what stands within all loops that are left. A loop of one turn costs nothing.
+        repeated = {
+            name: sum(weight for weight, among in work if name in among) * (shape[name] > 1)
+            for name in left
+        }
+        least = min(left, key=repeated.__getitem__)
         left.remove(least)
         outer.insert(0, least)
         work = [(weight, among) for weight, among in work if least not in among]
@@ -210,16 +208,13 @@ class _Writer:
 
     def _kept(self) -> dict[int, Node]:
         """Return the rows that a loop makes for the loops within it."""
-        kept = {}
-        for node in self.nodes:
-            for one in node.before:
-                if one.number in self.steps and self._is_row(one):
-                    if self._level(one) < self._level(node):
-                        kept[one.number] = one
-        for result in self.results:
-            if isinstance(result, Node) and result.number in self.steps and self._is_row(result):
-                if self._level(result) < self.deepest:
-                    kept[result.number] = result
+        used = [(one, self._level(node)) for node in self.nodes for one in node.before]
+        used += [(one, self.deepest) for one in self.results if isinstance(one, Node)]
+        kept = {
+            one.number: one
+            for one, level in used
+            if one.number in self.steps and self._is_row(one) and self._level(one) < level
+        }
         return dict(sorted(kept.items()))
 
     def _term(self, one: Node) -> str:
@@ -241,9 +236,7 @@ class _Writer:
         for level in range(self.deepest + 1):
             pad = "    " * (level + 2)
             if level:
-                lines.append(
-                    f"{pad[4:]}for i{level} in range(ends[{level}, 0], ends[{level}, 1]):"
-                )
+                lines.append(f"{pad[4:]}for i{level} in range(ends[{level}, 0], ends[{level}, 1]):")
             lines += self._at_level(level, arrays, pad)
         names = [
             *(f"a{one.number}" for one in arrays),

@@ -100,7 +100,10 @@ class Node(NDArrayOperatorsMixin):
     def __float__(self) -> float:
         raise UntraceableError("it takes a number out of an array")
 
-    __int__ = __index__ = __len__ = __getitem__ = __iter__ = __float__  # type: ignore[assignment]
+    def __getitem__(self, place: Any) -> Any:
+        raise UntraceableError("it takes a part of an array")
+
+    __int__ = __index__ = __len__ = __iter__ = __float__
 
 
 class Graph:
