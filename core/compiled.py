@@ -82,7 +82,7 @@ def compiled_source(source: str) -> Any:
     of `math`. The code is cached as that of `compiled` is; a name tells the text.
     """
     file = _loop_name(source)
-    names: dict[str, Any] = {"choose": _choose, "int8": np.int8, "int64": np.int64}
+    names: dict[str, Any] = {"choose": _choose}
     names |= {name: getattr(math, name) for name in ("copysign", "inf", "nan", "sqrt")}
     names |= {"__name__": __name__, "__builtins__": __builtins__}
     known = set(names)
@@ -112,14 +112,8 @@ def _loop_name(source: str) -> str:
 def _choose(context: Any, condition: Any, one: Any, other: Any) -> Any:
     """Return one of two values; both are at hand, so that a row of cells needs no branch."""
     del context
-    kinds = (one, other)
-    if any(isinstance(kind, types.Float) for kind in kinds):
-        result: Any = types.float64
-    elif all(isinstance(kind, types.Boolean) for kind in kinds):
-        result = types.boolean
-    else:
-        integers: Any = [kind for kind in kinds if isinstance(kind, types.Integer)]
-        result = max(integers, key=lambda kind: kind.bitwidth)
+    truth = isinstance(one, types.Boolean) and isinstance(other, types.Boolean)
+    result = types.boolean if truth else types.float64
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         condition, *values = arguments

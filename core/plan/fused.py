@@ -177,7 +177,7 @@ class Fused:
                         strides,
                         *(given[node.number] for node in stage.loop.arrays),
                         *(columns[node.number] for node in stage.loop.columns),
-                        *(np.empty(LONGEST_ROW, node.dtype) for node in stage.loop.rows),
+                        *(np.empty(LONGEST_ROW) for _ in stage.loop.rows),
                         *(made.values() if stage.functions else flat),
                     )
                     columns |= made
@@ -217,7 +217,8 @@ class Fused:
         ]
         laid = np.broadcast_to(value, lengths)
         row = [math.prod(shape[name] for name in order.inner)] if order.is_row(node) else []
-        return np.ascontiguousarray(laid).reshape([shape[name] for name in kept] + row)
+        laid = np.ascontiguousarray(laid, np.float64 if row else None)
+        return laid.reshape([shape[name] for name in kept] + row)
 
 
 class _Values:

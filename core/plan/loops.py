@@ -4,6 +4,9 @@ The loop goes over the axes of what it gives. The trailing ones are joined until
 is long enough for a processor's wide registers; the others are loops around it, in the order that
 lets most steps stand outside of the last. A step that does not depend on the innermost axes is a
 number, one that does is a row, and a row that an outer loop makes is kept for the loops within.
+
+Within a loop everything but truth is a float, whole numbers too, and truth is a float where it is
+kept: a processor changes the width of its values at the price of many steps.
 """
 
 from __future__ import annotations
@@ -223,10 +226,14 @@ class _Writer:
         if number in self.columns:
             return f"c{number}[done + i]"
         if number in self.used:
-            return f"a{number}_[i]" if self.order.is_row(one) else f"a{number}_"
-        if number in self.kept and number not in self.here:
-            return f"r{number}[i]"
-        return f"t{number}"
+            if not self.order.is_row(one):
+                return f"a{number}_"
+            row = f"a{number}_[i]"
+        elif number in self.kept and number not in self.here:
+            row = f"r{number}[i]"
+        else:
+            return f"t{number}"
+        return f"({row} != 0.0)" if one.dtype == np.bool_ else row
 
     def write(self) -> Loop:
         """Return the loop."""
@@ -289,7 +296,10 @@ class _Writer:
             for node in rows:
                 lines.append(f"{pad}    t{node.number} = {self._step(node)}")
                 if node.number in self.kept:
-                    lines.append(f"{pad}    r{node.number}[i] = t{node.number}")
+                    value = f"t{node.number}"
+                    if node.dtype == np.bool_:
+                        value = f"choose({value}, 1.0, 0.0)"
+                    lines.append(f"{pad}    r{node.number}[i] = {value}")
             if last:
                 lines += [f"{pad}    o{k}_[i] = {term}" for k, term in enumerate(self._terms())]
                 lines.append(f"{pad}done += cells")
@@ -297,23 +307,15 @@ class _Writer:
 
     def _terms(self) -> list[str]:
         """Return how the last loop refers to the results."""
-        return [
-            self._term(one) if isinstance(one, Node) else _literal(one, np.asarray(one).dtype)
-            for one in self.results
-        ]
+        return [self._term(one) if isinstance(one, Node) else _literal(one) for one in self.results]
 
     def _step(self, node: Node) -> str:
-        terms = (
-            self._term(one) if isinstance(one, Node) else _literal(one, node.dtype)
-            for one in node.inputs
-        )
+        terms = (self._term(one) if isinstance(one, Node) else _literal(one) for one in node.inputs)
         return STEPS[node.function].format(*terms)
 
 
-def _literal(value: Any, dtype: np.dtype[Any]) -> str:
-    """Return a number as it is written among values of a type."""
-    if dtype.kind == "i":
-        return f"{dtype.name}({int(value)})"
+def _literal(value: Any) -> str:
+    """Return a number as it is written in a loop."""
     if isinstance(value, bool | np.bool_):
         return str(bool(value))
     number = float(value)
