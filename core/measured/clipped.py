@@ -58,8 +58,6 @@ def _crests_differ(values: NDArray[np.float64], held: NDArray[np.bool_]) -> bool
         return False
     before, at, after = values[places - 1], values[places], values[places + 1]
     bend, lean = 2.0 * at - before - after, after - before
-    if not (bend > 0.0).all():
-        return False
     tenth = places.size // 10
     over = np.sort(lean**2 / (8.0 * bend))[tenth : places.size - tenth]
     # The steps near the top: what is printed with so many digits has finer ones near zero.
