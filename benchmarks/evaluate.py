@@ -34,11 +34,11 @@ from core.errors import StudyError
 from core.kinds import prepare_content
 from core.plan.blocks import evaluate_in_blocks
 from core.plan.evaluate import empty_results
-from core.plan.fused import Fused
 from core.plan.grid import Grid
+from core.plan.loops.fused import Fused
+from core.plan.loops.trace import traced
 from core.plan.plan import Plan, make_plan, scene_parameters
 from core.plan.prepared import Prepared
-from core.plan.trace import traced
 from core.quantities import QUANTITIES
 from core.scenes import SCENES
 from core.study.units import read_number
