@@ -24,6 +24,8 @@ TASK_CELLS = 1 << 20
 """Most cells of one call of a loop: some hundred microseconds."""
 COLUMN_CELLS = 1 << 15
 """The same where numpy works between loops: its arrays stay in the second-level cache."""
+FEWEST_SHARED = 1 << 17
+"""Fewest cells that are worth a thread."""
 SPECIAL = (0.0, 1.0, math.inf)
 """Numbers that make steps superfluous."""
 
@@ -44,13 +46,8 @@ class Fused:
 
     def __init__(self, plan: Plan, traced: Traced, grid: Grid):
         self._grid, self._traced = grid, traced
-        self._values = _Values(traced, plan, grid)
-        depends = plan.depends_on(grid.axes)
-        groups: dict[tuple[str, ...], list[str]] = {}
-        for name in traced.results:
-            groups.setdefault(grid.dims(depends[name]), []).append(name)
-        # The largest comes last, and tells of progress.
-        self._groups = {dims: tuple(groups[dims]) for dims in sorted(groups, key=grid.size)}
+        self._values = Values(traced, plan, grid)
+        self._groups = groups_of(plan, grid)
         with np.errstate(all="ignore"):  # equations for arrays compute what a choice leaves out
             self._programs = {
                 dims: self._program(dims, names)
@@ -97,12 +94,8 @@ class Fused:
 
     def _program(self, dims: tuple[str, ...], names: tuple[str, ...]) -> Program:
         shape = tuple((name, self._grid.shape[name]) for name in dims)
-        special = []
-        for node in edge_of(self._traced, names, shape):
-            value = _special(np.asarray(self._values.of(node)))
-            if value is not None:
-                special.append((node.number, value))
-        return program_of(self._traced, names, shape, tuple(special))
+        special = self._values.special(edge_of(self._traced, names, shape))
+        return program_of(self._traced, names, shape, special)
 
     def _run(
         self,
@@ -155,7 +148,7 @@ class Fused:
             if progress is not None:
                 progress(count / cells)
 
-        share = max(COLUMN_CELLS, -(-cells // (2 * threads)))
+        share = max(FEWEST_SHARED, -(-cells // (2 * threads)))
         tasks = list(_tasks(program.order, grid.shape, min(most, share)))
         if not _compiled.issuperset(program.sources):
             run(tasks.pop(0))  # compiling is for one
@@ -185,7 +178,16 @@ class Fused:
         return laid.reshape([shape[name] for name in kept] + row)
 
 
-class _Values:
+def groups_of(plan: Plan, grid: Grid) -> dict[tuple[str, ...], tuple[str, ...]]:
+    """Return the outputs of a plan and ``regime`` by their axes; the largest come last."""
+    depends = plan.depends_on(grid.axes)
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for name in (*plan.outputs, "regime"):
+        groups.setdefault(grid.dims(depends[name]), []).append(name)
+    return {dims: tuple(groups[dims]) for dims in sorted(groups, key=grid.size)}
+
+
+class Values:
     """Nodes that numpy computes, each once, on its own grid."""
 
     def __init__(self, traced: Traced, plan: Plan, grid: Grid):
@@ -213,15 +215,17 @@ class _Values:
         dropped = tuple(k for k, name in enumerate(self._axes) if name not in kept)
         return value.squeeze(dropped)
 
-
-def _special(value: Array) -> float | bool | None:
-    """Return what an array is everywhere, if that is a number that makes steps superfluous."""
-    first = value.flat[0]
-    if value.dtype.kind == "b":
-        return bool(first) if (value == first).all() else None
-    if first in SPECIAL and not np.signbit(value).any() and (value == first).all():
-        return float(first)
-    return None
+    def special(self, nodes: Iterable[Node]) -> tuple[tuple[int, float | bool], ...]:
+        """Return those of some nodes that make steps superfluous: their numbers and values."""
+        found: list[tuple[int, float | bool]] = []
+        for node in nodes:
+            value = np.asarray(self.of(node))
+            first = value.flat[0]
+            if value.dtype.kind != "b" and (first not in SPECIAL or np.signbit(value).any()):
+                continue
+            if (value == first).all():
+                found.append((node.number, first.item()))
+        return tuple(found)
 
 
 def _tasks(order: Order, shape: Mapping[str, int], most: int) -> Iterator[NDArray[np.int64]]:

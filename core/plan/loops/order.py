@@ -65,7 +65,7 @@ def order_of(axes: Sequence[str], shape: Mapping[str, int], steps: Collection[No
         if not count or row >= LEAST_ROW:
             outer = _outwards(axes[:count], shape, steps)
             orders.append(Order(tuple(axes), outer, tuple(axes[count:])))
-    return min(orders, key=lambda order: _work(order, shape, steps))
+    return min(orders, key=lambda order: work_of(order, shape, steps))
 
 
 def _outwards(
@@ -91,7 +91,7 @@ def _outwards(
     return tuple(outer)
 
 
-def _work(order: Order, shape: Mapping[str, int], steps: Collection[Node]) -> float:
+def work_of(order: Order, shape: Mapping[str, int], steps: Collection[Node]) -> float:
     """Return what the steps cost in some order of the loops, in additions of a row's loop."""
     row = math.prod(shape[name] for name in order.inner)
     # What a row has beyond whole turns of its loop is taken cell by cell.

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from core.plan.loops.order import Order, order_of
+from core.plan.loops.order import Order, order_of, work_of
 from core.plan.loops.source import STEPS, Loop, write_loop
 from core.plan.loops.trace import Graph, Node, Traced
 
@@ -44,10 +44,24 @@ class Stage:
 
 @dataclass(frozen=True)
 class Program:
-    """What fills arrays that have the same axes."""
+    """What fills arrays that have the same axes.
+
+    Attributes
+    ----------
+    order : Order
+        The loops over their axes.
+    stages : tuple of Stage
+        What is done, one after the other.
+    work : float
+        What it takes on the whole, in additions of a row's loop.
+    calls : int
+        Values of each cell that numpy computes between loops.
+    """
 
     order: Order
     stages: tuple[Stage, ...]
+    work: float
+    calls: int
 
     @cached_property
     def sources(self) -> tuple[str, ...]:
@@ -56,10 +70,17 @@ class Program:
 
 
 @lru_cache(maxsize=256)
-def edge_of(traced: Traced, names: tuple[str, ...], shape: Shape) -> tuple[Node, ...]:
+def edge_of(
+    traced: Traced,
+    names: tuple[str, ...],
+    shape: Shape,
+    row: tuple[str, ...] = (),
+) -> tuple[Node, ...]:
     """Return the nodes that numpy computes and loops are given.
 
     numpy computes what has few values, what no loop can and has not too many, and what these need.
+    Of what depends on axes of a row and on others, a loop would be given a row for each of the
+    others: it makes them itself, if it can.
     """
     lengths = dict(shape)
     cells = math.prod(lengths.values())
@@ -67,10 +88,13 @@ def edge_of(traced: Traced, names: tuple[str, ...], shape: Shape) -> tuple[Node,
 
     def by_numpy(node: Node) -> bool:
         size = math.prod(lengths[name] for name in node.axes)
-        if node.function is None or size <= few:
+        if node.function is None:
             return True
-        return node.function not in STEPS and size <= many
+        if node.function not in STEPS:
+            return size <= many
+        return size <= few and (node.axes <= along or not node.axes & along)
 
+    along = frozenset(row)
     edge: dict[int, Node] = {}
     seen = set[int]()
     left = [one for name in names if isinstance(one := traced.results[name], Node)]
@@ -92,24 +116,12 @@ def program_of(
     special: tuple[tuple[int, float | bool], ...],
 ) -> Program:
     """Return the loops that compute some results, simplified by what is special."""
-    graph, edge = Graph(), edge_of(traced, names, shape)
-    new: dict[int, Any] = {
-        node.number: graph.leaf(str(node.number), node.axes, node.dtype) for node in edge
-    } | dict(special)
-
-    def renewed(one: Any) -> Any:
-        if not isinstance(one, Node):
-            return one
-        if one.number not in new:
-            new[one.number] = graph.apply(one.function, [renewed(each) for each in one.inputs])  # type: ignore[arg-type]
-        return new[one.number]
-
-    with np.errstate(all="ignore"):
-        results = [renewed(traced.results[name]) for name in names]
-    ready = _ready(results)
-    needed = [graph.nodes[number] for number in sorted(ready)]
     lengths = dict(shape)
-    order = order_of(tuple(lengths), lengths, [node for node in needed if node.function])
+    _, steps = _renewed(traced, names, edge_of(traced, names, shape), special)
+    order = order_of(tuple(lengths), lengths, [node for node in steps if node.function])
+    edge = edge_of(traced, names, shape, order.inner)
+    results, needed = _renewed(traced, names, edge, special)
+    ready = _ready(results)
     leaves = [node for node in needed if node.function is None]
     called = [node for node in needed if node.function and node.function not in STEPS]
     stages = []
@@ -125,7 +137,33 @@ def program_of(
         else:
             loop = write_loop(order, leaves, before, results, in_place=True)
             stages.append(Stage(loop, (), ()))
-    return Program(order, tuple(stages))
+    steps = [node for node in needed if node.function in STEPS]
+    return Program(order, tuple(stages), work_of(order, lengths, steps), len(called))
+
+
+def _renewed(
+    traced: Traced,
+    names: tuple[str, ...],
+    edge: Iterable[Node],
+    special: tuple[tuple[int, float | bool], ...],
+) -> tuple[list[Any], list[Node]]:
+    """Return results in a graph of its own, whose leaves are an edge, and the nodes they need."""
+    graph = Graph()
+    new: dict[int, Any] = {
+        node.number: graph.leaf(str(node.number), node.axes, node.dtype) for node in edge
+    } | dict(special)
+
+    def renewed(one: Any) -> Any:
+        if not isinstance(one, Node):
+            return one
+        if one.number not in new:
+            assert one.function is not None
+            new[one.number] = graph.apply(one.function, [renewed(each) for each in one.inputs])
+        return new[one.number]
+
+    with np.errstate(all="ignore"):  # of a number that is far from where it is taken
+        results = [renewed(traced.results[name]) for name in names]
+    return results, [graph.nodes[number] for number in sorted(_ready(results))]
 
 
 def _ready(results: Iterable[Any]) -> dict[int, int]:
