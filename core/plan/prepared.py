@@ -85,6 +85,8 @@ class Prepared:
     @property
     def computing_share(self) -> float:
         """Roughly the share of computing in the time that computing and verifying take."""
+        if not self.seconds_to_verify:
+            return 1.0
         seconds = self.cells * self.seconds_a_cell
         return seconds / (seconds + self.seconds_to_verify)
 

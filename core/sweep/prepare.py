@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any
 
 from core.errors import Problem, StudyError
 from core.plan.plan import choose_scene
 from core.plan.prepared import Chosen, Prepared, further_problems, plan_study
+from core.plan.price import evaluation_seconds
 from core.study.models import SweepStudy
 
 
@@ -16,10 +18,10 @@ class Sweep(Prepared):
 
     study: SweepStudy
 
-    @property
+    @cached_property
     def seconds_a_cell(self) -> float:
         """As in `Prepared`."""
-        return self.plan.scene.seconds_a_cell
+        return evaluation_seconds(self.plan, self.grid) / self.cells
 
 
 def prepare(study: SweepStudy) -> Sweep:

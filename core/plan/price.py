@@ -1,0 +1,64 @@
+"""What evaluating a plan takes on this machine, told before it is done.
+
+The steps of a compiled loop are counted, and what a step takes is measured: once a process, by some
+sums of numpy that last a millisecond, beside what they took on the machine on which the rates below
+were found. What goes by numpy has the price of its scene.
+"""
+
+from __future__ import annotations
+
+import time
+from functools import cache
+
+import numpy as np
+
+from core.plan.grid import Grid
+from core.plan.loops.fused import Values, groups_of
+from core.plan.loops.program import edge_of, program_of
+from core.plan.loops.trace import traced
+from core.plan.plan import Plan
+
+COMPILE_SECONDS = 1.0
+"""Before the first cell, of each loop."""
+STEP_SECONDS, BYTE_SECONDS, CALL_SECONDS = 2.0e-11, 7e-11, 2.8e-9
+"""Of an addition in a loop, of a byte written, and of a function that numpy has and no loop."""
+SUM_SECONDS = 2.0e-10
+"""Of an addition in the sums by which a machine is measured, where those rates were found."""
+VALUES = 3  # of each axis, which tell what is the same all over a grid
+
+
+def evaluation_seconds(plan: Plan, grid: Grid) -> float:
+    """Return what evaluating a plan on a grid takes on one core, within a factor of 2 [s].
+
+    The grid may be of any size.
+    """
+    plain = grid.cells * plan.scene.seconds_a_cell * pace()
+    graph = traced(plan, grid.axes) if plain > COMPILE_SECONDS else None
+    if graph is None:
+        return plain
+    few = grid.within({name: (0, min(VALUES, size)) for name, size in grid.shape.items()})
+    seconds = 0.0
+    with np.errstate(all="ignore"):
+        values = Values(graph, plan, few)
+        for dims, names in groups_of(plan, grid).items():
+            shape = tuple((name, grid.shape[name]) for name in dims)
+            special = values.special(edge_of(graph, names, shape))
+            program = program_of(graph, names, shape, special)
+            cells = grid.size(dims)
+            width = sum(1 if name == "regime" else 8 for name in names)
+            each = width * BYTE_SECONDS + program.calls * CALL_SECONDS
+            seconds += program.work * STEP_SECONDS + cells * each
+    return min(plain, COMPILE_SECONDS + seconds * pace())
+
+
+@cache
+def pace() -> float:
+    """Return how much slower this machine is than that of the rates, by its best of some trials."""
+    one, other = np.linspace(1.0, 2.0, 4096), np.linspace(2.0, 3.0, 4096)
+    best = np.inf
+    for _ in range(40):
+        started = time.perf_counter()
+        for _ in range(8):
+            np.add(one, other, out=other)
+        best = min(best, time.perf_counter() - started)
+    return float(np.clip(best / (8 * one.size) / SUM_SECONDS, 0.2, 20.0))
