@@ -62,6 +62,7 @@ CASES = (
     ("rectangle-on-plane", "physical", "acceleration_x"),
     ("cylinder-on-plane", "derived", "acceleration_y"),
     ("cylinder-on-plane", "thesis", "acceleration_x"),
+    ("cylinder-on-plane", "physical", "acceleration_x"),
 )
 """Scene, variant, output; `travel_time` has logarithms in every cell."""
 

@@ -22,7 +22,7 @@ TURN = 250.0
 """What the beginning of a row costs, over an addition in it."""
 LANES, UNROLLED = 4, 16
 """Additions that a processor does at once in a row, and cells that its loop takes at a time."""
-SLOW: dict[Any, float] = {np.divide: 4.0, np.sqrt: 6.0, np.reciprocal: 4.0}
+SLOW: dict[Any, float] = {np.divide: 15.0, np.sqrt: 20.0, np.reciprocal: 15.0}
 """What a step costs, over an addition; 1 if it is not here."""
 
 

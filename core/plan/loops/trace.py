@@ -79,7 +79,13 @@ class Node(NDArrayOperatorsMixin):
         return self.graph.apply(LOGICAL.get(ufunc, ufunc), inputs)
 
     def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
-        """Add a choice; nothing else is elementwise."""
+        """Add a choice; nothing else is elementwise.
+
+        Whether any cell is left to work on, nobody knows before: an iteration that ends when none
+        is goes on to its last step, which changes no cell that had ended.
+        """
+        if func is np.any and len(args) == 1 and not kwargs:
+            return True
         if func is not np.where or len(args) != 3 or kwargs:
             raise UntraceableError(f"{func.__name__} is not elementwise")
         return self.graph.apply(np.where, args)

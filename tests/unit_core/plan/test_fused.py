@@ -22,7 +22,6 @@ UNTRACED = {
     ("cylinder-pair-impact", "frictionless"): "the gap of two cylinders is searched for",
     ("cylinder-pair-impact", "pfeiffer_glocker"): "the same",
     ("cylinder-pair-impact", "moreau"): "the same",
-    ("cylinder-on-plane", "physical"): "the root of the rolling part is iterated",
     ("cylinder-rolling", "thesis"): "screws stand in stacked vectors",
     ("cylinder-rolling", "derived"): "the same",
 }
