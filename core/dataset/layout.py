@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -76,6 +77,89 @@ class Layout:
             for (begin, stop), length in zip(box, self.chunk, strict=True)
         )
         yield from itertools.product(*steps)
+
+
+@dataclass(frozen=True)
+class Field:
+    """Arrays over the same dimensions, which are cut alike.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The arrays.
+    dims : tuple of str
+        Their dimensions, at least one.
+    layout : Layout
+        How each of them is cut.
+    """
+
+    names: tuple[str, ...]
+    dims: tuple[str, ...]
+    layout: Layout
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A tile of all arrays of a field."""
+
+    field: Field
+    box: Box
+
+    @property
+    def cells(self) -> int:
+        """Number of points."""
+        return math.prod(stop - start for start, stop in self.box)
+
+    @property
+    def where(self) -> dict[str, tuple[int, int]]:
+        """Start and stop on each dimension."""
+        return dict(zip(self.field.dims, self.box, strict=True))
+
+
+class Tiles:
+    """The tiles of all arrays of a result, in the order in which files have them.
+
+    What has no dimension is in none: it is known before the first tile.
+
+    Parameters
+    ----------
+    dims : mapping of str to tuple of str
+        The dimensions of each array.
+    sizes : mapping of str to int
+        The length of each dimension.
+    """
+
+    def __init__(self, dims: Mapping[str, tuple[str, ...]], sizes: Mapping[str, int]):
+        together: dict[tuple[str, ...], list[str]] = {}
+        for name, own in dims.items():
+            if own:
+                together.setdefault(own, []).append(name)
+        self.fields = tuple(
+            Field(tuple(names), own, Layout.of([sizes[dim] for dim in own]))
+            for own, names in together.items()
+        )
+        self._ends = list(itertools.accumulate(field.layout.tiles for field in self.fields))
+
+    def __len__(self) -> int:
+        """Return the number of tiles of all fields."""
+        return self._ends[-1] if self._ends else 0
+
+    def __getitem__(self, index: int) -> Tile:
+        """Return a tile by its number."""
+        if not 0 <= index < len(self):
+            raise IndexError(index)
+        at = bisect_right(self._ends, index)
+        layout = self.fields[at].layout
+        return Tile(self.fields[at], layout.box(index - self._ends[at] + layout.tiles))
+
+    @property
+    def cells(self) -> int:
+        """Number of points of all fields together: the work."""
+        return sum(math.prod(field.layout.shape) for field in self.fields)
+
+    def stored(self, widths: Mapping[str, int]) -> int:
+        """Return the bytes of all chunks uncompressed; `widths` are those of one value."""
+        return sum(f.layout.stored * sum(widths[name] for name in f.names) for f in self.fields)
 
 
 def chunk_shape(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
