@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Encode = Callable[[NDArray[Any], Box, tuple[int, ...]], Any]
 
 LEVEL: Final = 1  # of ISA-L: as fast as level 0 or nearly so, and a fifth smaller
-_DEFLATE, _SHUFFLE = 1, 2  # the numbers of HDF5's filters
+DEFLATED: Final = [2, 1]  # the numbers of the filters of HDF5, shuffle first
 
 
 class ChunkFile:
@@ -113,7 +113,7 @@ class ChunkFile:
         """Have the chunks of all arrays of a tile encoded; they come in the order of the file."""
         layout = tile.field.layout
         chunks = list(layout.chunks(tile.box))
-        encoded = {}
+        encoded: dict[str, Iterator[tuple[Box, Any]]] = {}
         for name in tile.field.names:
             encode, values = self._encoder(name), arrays[name]
             boxes = [_inside(chunk, tile.box) for chunk in chunks]
@@ -132,8 +132,8 @@ class ChunkFile:
 def encoder(filters: Sequence[int]) -> Encode:
     """Return what makes the bytes of a chunk, for HDF5's filters of an array."""
     if not filters:
-        return lambda values, box, shape: memoryview(_chunk(values, box, shape)).cast("B")
-    if filters not in ([_DEFLATE], [_SHUFFLE, _DEFLATE]):
+        return lambda values, box, shape: _chunk(values, box, shape).data.cast("B")
+    if filters not in (DEFLATED, DEFLATED[1:]):
         raise NotImplementedError(f"HDF5 filters {filters}")
     from isal import isal_zlib
 

@@ -45,6 +45,8 @@ class GrowingNetcdf:
 
     Attributes
     ----------
+    tiles : Tiles
+        Of all arrays.
     done : int
         Number of the tiles that are written.
     seconds : float
@@ -60,7 +62,7 @@ class GrowingNetcdf:
         *,
         resume: bool = False,
     ):
-        self._path, self._tiles = path, tiles
+        self._path, self.tiles = path, tiles
         self._folder = partial(path)
         self._folder.mkdir(parents=True, exist_ok=True)
         self._journal = Journal(self._folder / "journal")
@@ -79,12 +81,12 @@ class GrowingNetcdf:
     @property
     def missing(self) -> Iterator[int]:
         """The tiles that are not written, in their order."""
-        return iter(range(self.done, len(self._tiles)))
+        return iter(range(self.done, len(self.tiles)))
 
     def write(self, index: int, arrays: Mapping[str, NDArray[Any]], seconds: float) -> None:
         """Write a tile; `seconds` is what all tiles so far cost."""
         assert self._file is not None
-        lengths, checksum = self._file.write(self._tiles[index], arrays)
+        lengths, checksum = self._file.write(self.tiles[index], arrays)
         self._journal.add({"lengths": lengths, "checksum": checksum, "seconds": seconds})
         self.done += 1
         self._waiting += sum(lengths)
@@ -146,7 +148,7 @@ class GrowingNetcdf:
         """Return how many of the tiles stand in the file as they were written."""
         file = self._open()
         for number, record in enumerate(records):
-            if file.pass_over(self._tiles[number], record["lengths"]) != record["checksum"]:
+            if file.pass_over(self.tiles[number], record["lengths"]) != record["checksum"]:
                 return number
         return len(records)
 

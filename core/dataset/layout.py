@@ -144,10 +144,12 @@ class Tiles:
         """Return the number of tiles of all fields."""
         return self._ends[-1] if self._ends else 0
 
+    def __iter__(self) -> Iterator[Tile]:
+        """Yield the tiles in their order."""
+        return map(self.__getitem__, range(len(self)))
+
     def __getitem__(self, index: int) -> Tile:
         """Return a tile by its number."""
-        if not 0 <= index < len(self):
-            raise IndexError(index)
         at = bisect_right(self._ends, index)
         layout = self.fields[at].layout
         return Tile(self.fields[at], layout.box(index - self._ends[at] + layout.tiles))

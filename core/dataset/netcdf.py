@@ -164,7 +164,7 @@ def _add(
     variable: Variable,
     links: Mapping[str, str],
     storage: _Storage,
-) -> netCDF4.Variable:
+) -> netCDF4.Variable[Any]:
     # CF forbids fill values in coordinates, and in flags they would turn integers into floats.
     if variable.values.dtype == object:  # texts, of any length: the library compresses none
         created = file.createVariable(name, str, variable.dims)

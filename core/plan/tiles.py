@@ -80,5 +80,3 @@ class Tiled:
 def in_files(name: str, values: NDArray[Any]) -> NDArray[Any]:
     """Return values of an array in the unit of files; a regime has none."""
     return values if name == "regime" else from_si(name, values)
-
-

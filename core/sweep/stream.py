@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 import core
 from core.dataset.layout import Tile
-from core.dataset.table import Table, Variable
+from core.dataset.table import Table
 from core.errors import VibrafeedError
 from core.mechanics.arrays import Array
 from core.plan.labels import coordinates_of
