@@ -7,6 +7,7 @@ document is written last.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 from collections.abc import Iterator, Mapping
@@ -18,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.dataset.files import partial, settle, sync
-from core.dataset.layout import CHUNK_CELLS, Field, Tile, Tiles, chunk_shape
+from core.dataset.layout import Field, Layout, Tile, Tiles
 from core.dataset.table import Table
 from core.dataset.zarr_metadata import array_document, group_document
 from core.errors import VibrafeedError
@@ -81,9 +82,13 @@ class GrowingZarr:
         self.tiles, self._table, self._history = tiles, table, history
         self._path = None if "://" in where else Path(where)
         self._folder = None if self._path is None else partial(self._path)
-        self._store = _store(where, self._folder)
+        self._store = _store(where if self._folder is None else self._folder)
         self._widths = {name: one.values.dtype.itemsize for name, one in table.variables.items()}
         self.done, self.seconds = 0, 0.0
+        with _told_plainly():
+            self._begin(where, identity, resume=resume)
+
+    def _begin(self, where: str, identity: Mapping[str, str], *, resume: bool) -> None:
         there = self._listed()
         if self._path.exists() if self._path is not None else GROUP in there:
             raise FileExistsError(f"{where} is there already")
@@ -98,8 +103,13 @@ class GrowingZarr:
             self._put(UNFINISHED, _as_json(identity))
             for name, document in self._documents.items():
                 self._put(f"{name}/{GROUP}", _as_json(document))
-        self._missing = [k for k, tile in enumerate(tiles) if not self._is_there(tile, there)]
-        self.done = self._begun = len(tiles) - len(self._missing)
+        self._missing = [k for k, tile in enumerate(self.tiles) if not self._is_there(tile, there)]
+        for key in {
+            _shard(n, self.tiles[k]) for k in self._missing for n in self.tiles[k].field.names
+        }:
+            if key in there:  # torn: the library would put new chunks into it
+                self._store.delete(key)
+        self.done = self._begun = len(self.tiles) - len(self._missing)
         self._arrays = {name: self._opened(name) for name in self._documents}
 
     @property
@@ -112,13 +122,18 @@ class GrowingZarr:
         tile = self.tiles[index]
         place = tuple(slice(*ends) for ends in tile.box)
         for name, values in arrays.items():
-            self._arrays[name][place] = values
+            with _told_plainly():
+                self._arrays[name][place] = values
             if self._folder is not None:
                 sync(self._folder / _shard(name, tile))
         self.done += 1
 
     def finish(self, price: Mapping[str, float]) -> None:
         """Write what is no tile, and let the group appear; `price` is left out after a resume."""
+        with _told_plainly():
+            self._finish(price)
+
+    def _finish(self, price: Mapping[str, float]) -> None:
         table = self._table
         for name, one in {**table.coordinates, **table.variables}.items():
             if name in table.coordinates or not one.dims:
@@ -148,9 +163,7 @@ class GrowingZarr:
                 documents[name] = array_document(table, name, cut.shape, cut.chunk, cut.tile)
             else:
                 shape = one.values.shape
-                documents[name] = array_document(
-                    table, name, shape, chunk_shape(shape, CHUNK_CELLS)
-                )
+                documents[name] = array_document(table, name, shape, Layout.of(shape).chunk)
         return documents
 
     def _opened(self, name: str) -> zarr.Array[Any]:
@@ -198,15 +211,39 @@ class GrowingZarr:
             sync(self._folder / key)
 
 
-def _store(where: str, folder: Path | None) -> ObjectStore:
+def attributes_at(where: str) -> dict[str, Any]:
+    """Return the attributes of a whole group; none if there is no such thing."""
+    if "://" not in where:
+        path = Path(where) / GROUP
+        return dict(json.loads(path.read_bytes())["attributes"]) if path.exists() else {}
+    store = _store(where)
+    with contextlib.suppress(FileNotFoundError), _told_plainly():
+        return dict(json.loads(bytes(store.get(GROUP).bytes()))["attributes"])
+    return {}
+
+
+@contextlib.contextmanager
+def _told_plainly() -> Iterator[None]:
+    """Turn the errors of object stores into those of files."""
+    from obstore.exceptions import BaseError
+
+    try:
+        yield
+    except BaseError as error:
+        raise OSError(str(error).strip().splitlines()[0]) from error
+
+
+def _store(where: str | Path) -> ObjectStore:
+    """Return the store in a folder, which is made, or at a URL."""
     try:
         import zarr.storage  # noqa: F401
         from obstore.store import LocalStore, from_url
     except ImportError:
         raise VibrafeedError(INSTALL) from None
-    if folder is not None:
-        return LocalStore(folder, mkdir=True)
-    return from_url(where)
+    if isinstance(where, Path):
+        return LocalStore(where, mkdir=True)
+    with _told_plainly():
+        return from_url(where)
 
 
 def _shard(name: str, tile: Tile) -> str:
