@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.files import partial, settle, sync
+from core.dataset.files import Behind, partial, settle, sync
 from core.dataset.layout import Field, Layout, Tile, Tiles
 from core.dataset.table import Table
 from core.dataset.zarr_metadata import array_document, group_document
@@ -85,6 +85,7 @@ class GrowingZarr:
         self._store = _store(where if self._folder is None else self._folder)
         self._widths = {name: one.values.dtype.itemsize for name, one in table.variables.items()}
         self.done, self.seconds = 0, 0.0
+        self._behind = Behind()
         with _told_plainly():
             self._begin(where, identity, resume=resume)
 
@@ -125,11 +126,12 @@ class GrowingZarr:
             with _told_plainly():
                 self._arrays[name][place] = values
             if self._folder is not None:
-                sync(self._folder / _shard(name, tile))
+                self._behind.start(sync, self._folder / _shard(name, tile))
         self.done += 1
 
     def finish(self, price: Mapping[str, float]) -> None:
         """Write what is no tile, and let the group appear; `price` is left out after a resume."""
+        self._behind.end()
         with _told_plainly():
             self._finish(price)
 
@@ -151,6 +153,7 @@ class GrowingZarr:
 
     def close(self) -> None:
         """Leave things so that another run can go on."""
+        self._behind.close()
 
     def _described(self) -> dict[str, dict[str, Any]]:
         """Return the documents of all arrays."""
