@@ -14,6 +14,7 @@ import contextlib
 import functools
 import hashlib
 import inspect
+import math
 import os
 import shutil
 from collections.abc import Callable, Mapping
@@ -23,8 +24,8 @@ from typing import Any, TypeVar
 import llvmlite
 import numba
 import numpy as np
-from numba.core import caching
-from numba.extending import overload
+from numba.core import caching, types
+from numba.extending import intrinsic, overload
 from numba.misc.appdirs import AppDirs
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -39,6 +40,9 @@ SETTINGS = (
     "SLP_VECTORIZE",
 )  # fmt: skip
 """Settings of numba that change code and that its own cache does not look at."""
+
+LOOP = "loop-"
+"""What names the text of a function that stands in no file; a digest of it follows."""
 
 KEPT = 8
 """Folders of other digests that stay, the last used: a branch or two, and versions side by side."""
@@ -68,6 +72,58 @@ def borrowing(function: Function) -> Function:
     short kernel.
     """
     return _compiled(function, _nrt=False)
+
+
+@functools.cache
+def compiled_source(source: str) -> Any:
+    """Return the function of a source text, the only one in it, compiled as by `borrowing`.
+
+    Its arrays may not overlap. It may call `choose` (a selection, never a branch) and the functions
+    of `math`. The code is cached as that of `compiled` is; a name tells the text.
+    """
+    file = _loop_name(source)
+    names: dict[str, Any] = {"choose": _choose}
+    names |= {name: getattr(math, name) for name in ("copysign", "inf", "nan", "sqrt")}
+    names |= {"__name__": __name__, "__builtins__": __builtins__}
+    known = set(names)
+    exec(compile(source, file, "exec"), names)  # our own text, from a graph of known steps
+    (name,) = names.keys() - known
+    dispatcher = _compiled(names[name], _nrt=False)
+
+    def without_aliases(flags: Any) -> Any:
+        flags.noalias = True  # else each loop begins with a check of every pair of arrays
+        return flags
+
+    dispatcher._compiler._customize_flags = without_aliases
+    return dispatcher
+
+
+def is_on_disk(source: str) -> bool:
+    """Return whether the code of a source text has been compiled before, and kept."""
+    path = folder()
+    return path is not None and any(path.glob(f"{_loop_name(source)}.*"))
+
+
+def _loop_name(source: str) -> str:
+    return LOOP + hashlib.sha256(source.encode()).hexdigest()[:32]
+
+
+@intrinsic
+def _choose(context: Any, condition: Any, one: Any, other: Any) -> Any:
+    """Return one of two values; both are at hand, so that a row of cells needs no branch."""
+    del context
+    truth = isinstance(one, types.Boolean) and isinstance(other, types.Boolean)
+    result = types.boolean if truth else types.float64
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        condition, *values = arguments
+        taken = (
+            context.cast(builder, value, kind, result)
+            for value, kind in zip(values, signature.args[1:], strict=True)
+        )
+        return builder.select(condition, *taken)
+
+    return result(condition, one, other), generate
 
 
 def by_type(
@@ -161,7 +217,7 @@ class _Place(caching._CacheLocator):
     @classmethod
     def from_function(cls, function: Callable[..., Any], file: str) -> _Place | None:
         """Return the place; None for a function of another file, or if there is no folder."""
-        if Path(file).resolve() not in sources():
+        if not file.startswith(LOOP) and Path(file).resolve() not in sources():
             return None
         path = folder()
         line = function.__code__.co_firstlineno

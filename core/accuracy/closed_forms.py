@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from core.accuracy.cells import REPEATS, median_seconds, random_cells, sample_size
 from core.accuracy.curves import Curve, Measured, Point
 from core.mechanics.arrays import Array
+from core.plan.blocks import BLOCK_CELLS
 from core.plan.equations import run_equations
-from core.plan.evaluate import BLOCK_CELLS
 from core.plan.plan import Plan
 from core.sweep.precise import Errors, errors_of, exact_values, sensitivities
 from core.sweep.prepare import Sweep

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanics.arrays import Array, Mask, ratio
+from core.mechanics.arrays import Array, Mask, hypot, ratio
 
 # Newton's steps for the secular equation converge from below, in six at most over all inputs that
 # the tests try; the rest is reserve. The loop stops as soon as no root moves.
@@ -38,7 +38,7 @@ def is_rolling(
     floor_acceleration: Array,
 ) -> Mask:
     """Return where the contact line does not slip: hypot(D_x, D_y/3) <= mu_s n, n > 0."""
-    held = np.hypot(in_plane_drive_x, in_plane_drive_y / 3) <= friction_static * floor_acceleration
+    held = hypot(in_plane_drive_x, in_plane_drive_y / 3) <= friction_static * floor_acceleration
     return held & (floor_acceleration > 0)
 
 
@@ -81,7 +81,7 @@ def roll_root(
         friction_kinetic * floor_acceleration,
         rolls,
     )
-    magnitude = np.hypot(Dx, Dy)
+    magnitude = hypot(Dx, Dy)
     slips = ~rolls & (magnitude > 0)
     # Unit scale, so that neither squares nor cubes leave the range of floats.
     scale = np.where(slips, magnitude, 1.0)
@@ -90,7 +90,7 @@ def roll_root(
     z = np.where(slips, z, 1.0)
     for _ in range(MOST_STEPS):
         ex, ey = ratio(x, z + s, 0.0), ratio(y, z + 3 * s, 0.0)
-        norm = np.hypot(ex, ey)
+        norm = hypot(ex, ey)
         slope = ratio(ex * ex, z + s, 0.0) + ratio(ey * ey, z + 3 * s, 0.0)
         step = ratio((norm - 1.0) * norm * norm, slope, 0.0)
         ahead = z + step

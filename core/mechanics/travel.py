@@ -19,6 +19,7 @@ from core.mechanics.arrays import (
     Mask,
     arctan_quotient,
     expm1_quotient,
+    hypot,
     log1p_quotient,
     ratio,
     sin_quotient,
@@ -55,12 +56,21 @@ def transport_velocity(
 
     v^2 = v0^2 exp(-s) + 2 K x phi(s). 0 where the part does not start, or stops before.
     """
-    s = _damping(friction_kinetic, radius, distance)
-    carried = speed * np.exp(-s / 2)
-    gained = np.sqrt(2 * np.abs(starting_acceleration) * expm1_quotient(s)) * np.sqrt(distance)
+    carried, gained = _speeds(starting_acceleration, friction_kinetic, radius, distance, speed)
+    from_rest = carried == 0  # nothing to add up: one root instead of four
+    grown = np.where(from_rest, gained, hypot(carried, gained))
     # carried^2 - gained^2 as a product: no cancellation of squares near the stop.
     left = np.sqrt(np.maximum(0.0, carried - gained)) * np.sqrt(carried + gained)
-    return np.where(starting_acceleration > 0, np.hypot(carried, gained), left)
+    return np.where(starting_acceleration > 0, grown, np.where(from_rest, 0.0, left))
+
+
+def _speeds(
+    K: Array, friction: Array, radius: Array, distance: Array, speed: Array
+) -> tuple[Array, Array]:
+    """Return what is left of the starting speed, and what |K| alone gives or takes [m s-1]."""
+    s = _damping(friction, radius, distance)
+    gained = np.sqrt(2 * np.abs(K) * expm1_quotient(s)) * np.sqrt(distance)
+    return speed * np.exp(-s / 2), gained
 
 
 def terminal_velocity(
@@ -152,10 +162,10 @@ def stopping_distance(
     slow = (K < 0) & ~fast
     root = np.where(slow, speed, 0.0) / np.sqrt(np.where(slow, -K, 1.0))
     with np.errstate(over="ignore"):  # beyond the floats it is infinite
-        near = root * root / 2 * log1p_quotient(np.where(fast, 0.0, y) ** 2)
+        near = root * root / 2 * log1p_quotient(np.square(np.where(fast, 0.0, y)))
     large = np.where(fast, y, 1.0)
     scale = ratio(np.where(fast, radius, 0.0), friction_kinetic, 0.0)
-    far = scale * (np.log(large) + np.log1p(large**-2.0) / 2)
+    far = scale * (np.log(large) + np.log1p(np.square(1 / large)) / 2)
     at_rest = (K == 0) & (speed == 0)
     return np.where(K < 0, np.where(fast, far, near), np.where(at_rest, 0.0, np.inf))
 
@@ -270,9 +280,21 @@ def does_not_start(*, starting_acceleration: Array, speed: Array) -> Mask:
     return (starting_acceleration <= 0) & (speed == 0)
 
 
-def stops_before_distance(*, stopping_distance: Array, distance: Array) -> Mask:
-    """Return where the part stops before, or at, the distance."""
-    return stopping_distance <= distance
+def stops_before_distance(
+    *,
+    starting_acceleration: Array,
+    friction_kinetic: Array,
+    radius: Array,
+    distance: Array,
+    speed: Array,
+) -> Mask:
+    """Return where a part in motion stops before, or at, the distance: v^2 <= 0 in (3.18).
+
+    It is the `stopping_distance` compared with the distance, without its logarithm.
+    """
+    K = starting_acceleration
+    carried, gained = _speeds(K, friction_kinetic, radius, distance, speed)
+    return (speed > 0) & (K < 0) & (carried <= gained)
 
 
 def stops_before_time(*, stopping_time: Array, time: Array) -> Mask:

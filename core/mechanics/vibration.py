@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array, Mask, compensated_sum, ratio
+from core.mechanics.arrays import Array, Mask, compensated_sum, hypot, ratio
 
 # Between them a square is a float with all its digits.
 FAR_BELOW, FAR_ABOVE = 1e-150, 1e150
@@ -100,7 +100,7 @@ def in_plane_drive_y(*, drive_across: Array) -> Array:
 
 def in_plane_drive(*, in_plane_drive_x: Array, in_plane_drive_y: Array) -> Array:
     """Return the magnitude |D| of drive less gravity in the floor plane [m s-2]."""
-    return np.hypot(in_plane_drive_x, in_plane_drive_y)
+    return hypot(in_plane_drive_x, in_plane_drive_y)
 
 
 def has_left_floor(*, normal_acceleration: Array) -> Mask:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.mechanics.angles import cosine, sine
-from core.mechanics.arrays import Array, Mask, ratio
+from core.mechanics.arrays import Array, Mask, hypot, ratio
 from core.mechanics.rolling import is_rolling
 from core.mechanics.screws import Reduction, ScrewKind, Wrench, vector
 
@@ -98,7 +98,7 @@ def required_friction(
     *, rolling_drive: Array, axial_friction_acceleration: Array, normal_acceleration: Array
 ) -> Array:
     """Return the least mu_s to roll, hypot(F_eta, F_sigma)/lambda_N; inf in flight [1]."""
-    friction = np.hypot(rolling_drive / 3, axial_friction_acceleration)
+    friction = hypot(rolling_drive / 3, axial_friction_acceleration)
     return _over_normal(friction, normal_acceleration, np.inf)
 
 
@@ -111,7 +111,7 @@ def cone_margin(
     normal_acceleration: Array,
 ) -> Array:
     """Return mu_s lambda_N - hypot(F_eta, F_sigma): below 0 it slips [N]."""
-    friction = np.hypot(rolling_drive / 3, axial_friction_acceleration)
+    friction = hypot(rolling_drive / 3, axial_friction_acceleration)
     return mass * (friction_static * normal_acceleration - friction)
 
 

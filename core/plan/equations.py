@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.plan.plan import Plan
 from core.quantities import REGIMES
-from core.scenes import Equation
+from core.scenes import Condition, Equation
 from core.watch import Watch
 
 Known = dict[str, Any]
@@ -38,8 +38,13 @@ def run(equations: Iterable[Equation], known: Known, watch: Watch | None = None)
 
 def regimes(plan: Plan, known: Mapping[str, Any]) -> NDArray[np.int8]:
     """Return the regime of each cell: the first condition that holds, or what remains."""
-    regime = np.asarray(np.int8(REGIMES[plan.otherwise].value))
-    for condition in reversed(plan.conditions):
+    return np.asarray(regimes_of(plan.conditions, plan.otherwise, known))
+
+
+def regimes_of(conditions: Sequence[Condition], otherwise: str, known: Mapping[str, Any]) -> Any:
+    """Return what `regimes` does, of conditions and the regime where none of them holds."""
+    regime: Any = np.int8(REGIMES[otherwise].value)
+    for condition in reversed(conditions):
         holds = condition.function(**{name: known[name] for name in condition.inputs})
         regime = np.where(holds, np.int8(REGIMES[condition.regime].value), regime)
     return regime

@@ -1,164 +1,111 @@
-"""Evaluation of a plan on a grid: arrays in, arrays out, block by block.
+"""Evaluation of a plan on a grid: arrays in, arrays out.
 
-Each quantity is computed on its own small grid and once only: an equation runs at the level of the
-innermost sliced axis that it depends on. Blocks keep the working set in the processor's cache and
-the memory bounded.
+There is one door and two ways behind it. numpy runs the equations block by block; what is large, or
+comes often, goes through a loop that is compiled from them. Both give the same bits.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+import sys
+import threading
+from collections import defaultdict
+from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.plan.equations import Known, regimes, run
+from core.plan.blocks import Progress, Results, evaluate_in_blocks
 from core.plan.grid import Grid
+from core.plan.loops.fused import Fused
+from core.plan.loops.trace import traced
 from core.plan.plan import Plan
-from core.scenes import Equation
 
-BLOCK_CELLS = 32_768  # 256 KiB an array: a handful of them stay in a second-level cache
+FEW_CELLS = 16_384
+"""What numpy computes in a millisecond needs no loop."""
+LOAD_SECONDS, COMPILE_SECONDS, FIND_SECONDS = 0.5, 1.0, 0.05
+"""What it takes to load the compiler, to compile a loop, and to find it among those on the disk."""
 
-Progress = Callable[[int], object]
-
-
-@dataclass(frozen=True)
-class _Level:
-    """One sliced axis: its name, position, step, and the equations that become computable."""
-
-    axis: str
-    position: int
-    step: int
-    equations: tuple[Equation, ...]
+_spent: defaultdict[str, float] = defaultdict(float)
+"""Seconds that numpy has worked in place of a loop, by its source."""
+_lock = threading.Lock()
 
 
 def evaluate(
     plan: Plan,
     grid: Grid,
     *,
-    block_cells: int = BLOCK_CELLS,
+    into: Results | None = None,
+    threads: int | None = None,
     progress: Progress | None = None,
-) -> dict[str, NDArray[np.float64] | NDArray[np.int8]]:
+) -> dict[str, NDArray[Any]]:
     """Return the outputs of a plan, each with its own dimensions, in the order of the grid's axes.
 
     Parameters
     ----------
     plan, grid
         What to compute, and where; every parameter of the plan is on the grid.
-    block_cells : int
-        Largest number of cells that are computed at a time.
+    into : mapping of str to ndarray, optional
+        Contiguous arrays to fill instead of new ones.
+    threads : int, optional
+        Most threads among which cells are shared out; one a core if left out. What is computed does
+        not depend on it.
     progress : callable, optional
-        Called after each block with the number of cells done since the last call.
+        Called with the share done since the last call, maybe from another thread.
 
     Returns
     -------
     dict of str to ndarray
         The asked outputs and `regime`; SI units.
     """
-    depends = plan.depends_on(grid.axes)
-    used = grid.dims(set().union(*(depends[name] for name in (*plan.outputs, "regime"))))
-    sliced = _sliced_axes(used, grid, block_cells)
-    step = max(1, block_cells // grid.size(used[len(sliced) :]))
-    levels = _levels(plan, grid, depends, sliced, step)
-    results: dict[str, NDArray[np.float64] | NDArray[np.int8]] = {
-        name: np.empty(tuple(grid.shape[axis] for axis in grid.dims(depends[name])))
-        for name in plan.outputs
-    }
-    results["regime"] = np.empty(
-        tuple(grid.shape[axis] for axis in grid.dims(depends["regime"])), dtype=np.int8
-    )
-    known: Known = {name: value for name, value in grid.si().items() if name in plan.parameters}
-    known.update({name: np.asarray(value) for name, value in plan.defaults.items()})
-    at_start = [e for e in plan.equations if not depends[e.gives] & set(sliced)]
-    writer = _Writer(plan, grid, depends, results, progress)
-    _descend(levels, 0, run(at_start, known), {}, writer)
+    results: dict[str, NDArray[Any]] = dict(into or empty_results(plan, grid))
+    fused = _fused(plan, grid)
+    if fused is None:
+        evaluate_in_blocks(plan, grid, results, progress=progress)
+    else:
+        fused.run(results, threads, progress)
     return results
 
 
-def _sliced_axes(used: tuple[str, ...], grid: Grid, block_cells: int) -> tuple[str, ...]:
-    """Return the leading axes to slice so that what remains of the grid fits a block."""
-    for count in range(len(used)):
-        if grid.size(used[count:]) <= block_cells:
-            return used[:count]
-    return used
+def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
+    """Return arrays for the outputs of a plan and `regime`."""
+    depends = plan.depends_on(grid.axes)
+    results: dict[str, NDArray[Any]] = {}
+    for name in (*plan.outputs, "regime"):
+        shape = tuple(grid.shape[axis] for axis in grid.dims(depends[name]))
+        results[name] = np.empty(shape, np.int8 if name == "regime" else np.float64)
+    return results
 
 
-def _levels(
-    plan: Plan,
-    grid: Grid,
-    depends: Mapping[str, frozenset[str]],
-    sliced: tuple[str, ...],
-    last_step: int,
-) -> list[_Level]:
-    positions = {name: position for position, name in enumerate(grid.axes)}
-    levels = []
-    for number, axis in enumerate(sliced):
-        later = set(sliced[number + 1 :])
-        equations = tuple(
-            equation
-            for equation in plan.equations
-            if axis in depends[equation.gives] and not depends[equation.gives] & later
-        )
-        step = 1 if later else last_step
-        levels.append(_Level(axis, positions[axis], step, equations))
-    return levels
+def _fused(plan: Plan, grid: Grid) -> Fused | None:
+    """Return the compiled way if there is one and it repays."""
+    depends = plan.depends_on(grid.axes)
+    cells = max(grid.size(grid.dims(depends[name])) for name in (*plan.outputs, "regime"))
+    if cells <= FEW_CELLS:
+        return None
+    graph = traced(plan, grid.axes)
+    if graph is None:
+        return None
+    fused = Fused(plan, graph, grid)
+    return fused if _repays(fused.missing, cells * plan.scene.seconds_a_cell) else None
 
 
-def _descend(
-    levels: list[_Level], depth: int, known: Known, where: dict[str, slice], writer: _Writer
-) -> None:
-    """Loop over the slices of one axis and hand each to the next level; write at the bottom."""
-    if depth == len(levels):
-        writer.write(known, where)
-        return
-    level = levels[depth]
-    values = known.get(level.axis)
-    size = writer.grid.shape[level.axis]
-    for start in range(0, size, level.step):
-        piece = slice(start, min(start + level.step, size))
-        inner = dict(known)
-        if values is not None:
-            inner[level.axis] = values.take(range(piece.start, piece.stop), axis=level.position)
-        _descend(
-            levels, depth + 1, run(level.equations, inner), {**where, level.axis: piece}, writer
-        )
+def _repays(missing: Iterable[str], seconds: float) -> bool:
+    """Return whether loops are worth being compiled where numpy takes so many seconds.
 
+    They are once numpy has spent as long on the same work as compiling takes: whatever comes after
+    that, nobody has waited more than twice as long as with the better way.
+    """
+    missing = tuple(missing)
+    if not missing:
+        return True
+    with _lock:
+        for source in missing:
+            _spent[source] += seconds
+        spent = max(_spent[source] for source in missing)
+    if spent < LOAD_SECONDS and "numba" not in sys.modules:
+        return False
+    from core.compiled import is_on_disk
 
-class _Writer:
-    """Puts the outputs of a block where they belong."""
-
-    def __init__(
-        self,
-        plan: Plan,
-        grid: Grid,
-        depends: Mapping[str, frozenset[str]],
-        results: Mapping[str, NDArray[np.float64] | NDArray[np.int8]],
-        progress: Progress | None,
-    ):
-        self.plan, self.grid, self.results, self.progress = plan, grid, results, progress
-        self.dims = {name: grid.dims(depends[name]) for name in results}
-        self.positions = {name: position for position, name in enumerate(grid.axes)}
-        self.all_dims = grid.dims(set().union(*self.dims.values()))
-
-    def write(self, known: Known, where: Mapping[str, slice]) -> None:
-        for name in self.plan.outputs:
-            self._put(name, known[name], where)
-        self._put("regime", regimes(self.plan, known), where)
-        if self.progress is not None:
-            done = [
-                where[axis].stop - where[axis].start if axis in where else self.grid.shape[axis]
-                for axis in self.all_dims
-            ]
-            self.progress(int(np.prod(done, dtype=np.int64)))
-
-    def _put(
-        self, name: str, block: NDArray[np.float64] | NDArray[np.int8], where: Mapping[str, slice]
-    ) -> None:
-        dims = self.dims[name]
-        place = tuple(where.get(axis, slice(None)) for axis in dims)
-        if block.ndim:
-            # The block has every axis of the grid; those that it does not depend on have size 1.
-            dropped = tuple(p for axis, p in self.positions.items() if axis not in dims)
-            block = block.squeeze(axis=dropped)
-        self.results[name][place] = block
+    wait = sum(FIND_SECONDS if is_on_disk(source) else COMPILE_SECONDS for source in missing)
+    return spent >= wait

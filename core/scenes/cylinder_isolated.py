@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.mechanics import corner
-from core.mechanics.arrays import Array
+from core.mechanics.arrays import Array, hypot
 from core.mechanics.corner import Direction
 from core.scenes.corner import CONDITIONS, CORNER, CORNER_DEFAULTS, DERIVED, VALIDITY
 from core.scenes.scene import Equation, Scene
@@ -26,7 +26,7 @@ def corner_direction(*, diameter: Array, length: Array) -> Direction:
 
 def half_diagonal(*, diameter: Array, length: Array) -> Array:
     """Return rho = sqrt(d^2 + h^2)/2, from the centre to the rim [m]."""
-    return np.hypot(diameter, length) / 2
+    return hypot(diameter, length) / 2
 
 
 def inertia_ratio(*, corner_direction: Direction) -> Array:

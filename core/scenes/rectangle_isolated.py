@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.mechanics import corner
-from core.mechanics.arrays import Array
+from core.mechanics.arrays import Array, hypot
 from core.mechanics.corner import Direction
 from core.scenes.corner import CONDITIONS, CORNER, CORNER_DEFAULTS, DERIVED, VALIDITY
 from core.scenes.scene import Equation, Scene
@@ -23,7 +23,7 @@ def corner_direction(*, height: Array, length: Array) -> Direction:
 
 def half_diagonal(*, height: Array, length: Array) -> Array:
     """Return rho = sqrt(b^2 + h^2)/2, from the centre to the corner [m]."""
-    return np.hypot(height, length) / 2
+    return hypot(height, length) / 2
 
 
 def inertia_ratio() -> Array:

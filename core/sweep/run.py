@@ -44,9 +44,8 @@ def tabulate(prepared: Sweep, *, watch: Watch | None = None) -> Table:
 
 def compute(prepared: Sweep, watch: Watch) -> Computed:
     """Return outputs and `regime` of a prepared sweep, SI units; it cannot be stopped."""
-    cells = prepared.cells
     return Computed(
-        evaluate(prepared.plan, prepared.grid, progress=lambda done: watch.advance(done / cells))
+        evaluate(prepared.plan, prepared.grid, threads=watch.threads, progress=watch.advance)
     )
 
 

@@ -138,7 +138,8 @@ def test_an_output_keeps_only_the_dimensions_that_it_depends_on():
 
 
 def test_results_do_not_depend_on_blocks_or_on_the_presence_of_other_axes():
-    from core.plan.evaluate import evaluate
+    from core.plan.blocks import evaluate_in_blocks
+    from core.plan.evaluate import empty_results
 
     study = parse_study(
         content(
@@ -154,14 +155,14 @@ def test_results_do_not_depend_on_blocks_or_on_the_presence_of_other_axes():
         )
     )
     prepared = prepare(study)
-    done: list[int] = []
-    whole = evaluate(prepared.plan, prepared.grid, block_cells=10**9)
+    done: list[float] = []
+    plan, grid = prepared.plan, prepared.grid
+    whole, parts = empty_results(plan, grid), empty_results(plan, grid)
+    evaluate_in_blocks(plan, grid, whole, block_cells=10**9)
     for block_cells in (1, 7, 60, 500):
         done.clear()
-        parts = evaluate(
-            prepared.plan, prepared.grid, block_cells=block_cells, progress=done.append
-        )
-        assert sum(done) == prepared.cells
+        evaluate_in_blocks(plan, grid, parts, block_cells=block_cells, progress=done.append)
+        assert sum(done) == pytest.approx(1)
         for name, values in whole.items():
             np.testing.assert_array_equal(parts[name], values)
     dataset = sweep(study)

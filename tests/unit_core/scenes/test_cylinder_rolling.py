@@ -5,7 +5,8 @@ import pytest
 
 from benchmarks.worked_values import DRIVE
 from core.errors import StudyError
-from core.plan.evaluate import evaluate
+from core.plan.blocks import evaluate_in_blocks
+from core.plan.evaluate import empty_results
 from core.quantities import REGIMES
 from core.scenes import SCENES
 from core.study import parse_study
@@ -230,8 +231,9 @@ def test_wrenches_are_handed_on_block_by_block():
         },
     }  # fmt: skip
     prepared = prepare(parse_study(study))
-    whole = evaluate(prepared.plan, prepared.grid, block_cells=10**9)
+    whole, parts = (empty_results(prepared.plan, prepared.grid) for _ in range(2))
+    evaluate_in_blocks(prepared.plan, prepared.grid, whole, block_cells=10**9)
     for block_cells in (1, 4, 50):
-        parts = evaluate(prepared.plan, prepared.grid, block_cells=block_cells)
+        evaluate_in_blocks(prepared.plan, prepared.grid, parts, block_cells=block_cells)
         for name, values in whole.items():
             np.testing.assert_array_equal(parts[name], values)

@@ -1,0 +1,243 @@
+"""Running the loops of a plan on a grid."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.plan.grid import Grid
+from core.plan.loops import program as programs
+from core.plan.loops.order import Order
+from core.plan.loops.program import Program, edge_of, program_of
+from core.plan.loops.source import LONGEST_ROW
+from core.plan.loops.trace import Node, Traced
+from core.plan.plan import Plan
+
+TASK_CELLS = 1 << 20
+"""Most cells of one call of a loop: some hundred microseconds."""
+COLUMN_CELLS = 1 << 15
+"""The same where numpy works between loops: its arrays stay in the second-level cache."""
+SPECIAL = (0.0, 1.0, math.inf)
+"""Numbers that make steps superfluous."""
+
+Array = NDArray[Any]
+Progress = Callable[[float], object]
+
+_compiled: set[str] = set()  # the sources of loops that have run in this process
+
+
+class Fused:
+    """The graph of a plan on a grid, ready to be run.
+
+    Parameters
+    ----------
+    plan, traced, grid
+        What to compute, its graph over the axes of the grid, and where.
+    """
+
+    def __init__(self, plan: Plan, traced: Traced, grid: Grid):
+        self._grid, self._traced = grid, traced
+        self._values = _Values(traced, plan, grid)
+        depends = plan.depends_on(grid.axes)
+        groups: dict[tuple[str, ...], list[str]] = {}
+        for name in traced.results:
+            groups.setdefault(grid.dims(depends[name]), []).append(name)
+        # The largest comes last, and tells of progress.
+        self._groups = {dims: tuple(groups[dims]) for dims in sorted(groups, key=grid.size)}
+        with np.errstate(all="ignore"):  # equations for arrays compute what a choice leaves out
+            self._programs = {
+                dims: self._program(dims, names)
+                for dims, names in self._groups.items()
+                if grid.size(dims) > programs.FEW_CELLS
+            }
+
+    @property
+    def sources(self) -> frozenset[str]:
+        """The sources of the loops that it needs."""
+        return frozenset().union(*(program.sources for program in self._programs.values()))
+
+    @property
+    def missing(self) -> frozenset[str]:
+        """Those of them that have not run in this process."""
+        return self.sources - _compiled
+
+    def run(
+        self,
+        results: Mapping[str, Array],
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> None:
+        """Fill the outputs of the plan and ``regime``.
+
+        Parameters
+        ----------
+        results : mapping of str to ndarray
+            Contiguous arrays over the axes that each output depends on, in the grid's order.
+        threads : int, optional
+            Among which cells are shared out; one a core if left out.
+        progress : callable, optional
+            Called with the share done since the last call, by any thread.
+        """
+        with np.errstate(all="ignore"):
+            for dims, names in self._groups.items():
+                arrays = [results[name] for name in names]
+                if dims in self._programs:
+                    tell = progress if dims == tuple(self._groups)[-1] else None
+                    self._run(dims, arrays, threads or os.cpu_count() or 1, tell)
+                else:
+                    for name, array in zip(names, arrays, strict=True):
+                        array[...] = self._values.over(self._traced.results[name], dims)
+
+    def _program(self, dims: tuple[str, ...], names: tuple[str, ...]) -> Program:
+        shape = tuple((name, self._grid.shape[name]) for name in dims)
+        special = []
+        for node in edge_of(self._traced, names, shape):
+            value = _special(np.asarray(self._values.of(node)))
+            if value is not None:
+                special.append((node.number, value))
+        return program_of(self._traced, names, shape, tuple(special))
+
+    def _run(
+        self,
+        dims: tuple[str, ...],
+        results: Sequence[Array],
+        threads: int,
+        progress: Progress | None,
+    ) -> None:
+        """Fill arrays that have the same axes, task by task."""
+        from core.compiled import compiled_source  # numba, for those whom it repays
+
+        program, grid = self._programs[dims], self._grid
+        given = {
+            node.number: self._laid_out(node, program.order)
+            for stage in program.stages
+            if stage.loop
+            for node in stage.loop.arrays
+        }
+        sizes = [grid.shape[name] for name in dims]
+        strides = np.array(
+            [math.prod(sizes[dims.index(name) + 1 :]) for name in program.order.outer],
+            dtype=np.int64,
+        )
+        flat = [array.reshape(-1) for array in results]
+        cells = grid.size(dims)
+        most = TASK_CELLS if len(program.stages) == 1 else COLUMN_CELLS
+
+        def run(ends: NDArray[np.int64]) -> None:
+            count = int(np.prod(ends[:, 1] - ends[:, 0]))
+            columns: dict[int, Array] = {}
+            for stage in program.stages:
+                if stage.loop is not None:
+                    made = {n.number: np.empty(count, n.dtype) for n in stage.columns}
+                    compiled_source(stage.loop.source)(
+                        ends,
+                        strides,
+                        *(given[node.number] for node in stage.loop.arrays),
+                        *(columns[node.number] for node in stage.loop.columns),
+                        *(np.empty(LONGEST_ROW) for _ in stage.loop.rows),
+                        *(made.values() if stage.functions else flat),
+                    )
+                    columns |= made
+                with np.errstate(all="ignore"):  # it is a setting of the thread
+                    for node in stage.functions:
+                        inputs = (
+                            columns[one.number] if isinstance(one, Node) else one
+                            for one in node.inputs
+                        )
+                        columns[node.number] = node.function(*inputs)  # type: ignore[misc]
+            if progress is not None:
+                progress(count / cells)
+
+        share = max(COLUMN_CELLS, -(-cells // (2 * threads)))
+        tasks = list(_tasks(program.order, grid.shape, min(most, share)))
+        if not _compiled.issuperset(program.sources):
+            run(tasks.pop(0))  # compiling is for one
+            _compiled.update(program.sources)
+        if threads == 1 or len(tasks) <= 1:
+            for task in tasks:
+                run(task)
+            return
+        with ThreadPoolExecutor(min(threads, len(tasks)), thread_name_prefix="sweep") as pool:
+            for _ in pool.map(run, tasks):
+                pass
+
+    def _laid_out(self, leaf: Node, order: Order) -> Any:
+        """Return a value as loops take it: by the axes that are loops, then by row."""
+        node = self._traced.graph.nodes[int(leaf.name)]
+        value = self._values.over(node, order.axes)
+        if not value.ndim:
+            return value[()].item()
+        shape, kept = self._grid.shape, order.kept(node)
+        lengths = [
+            shape[name] if name in kept or (name in order.inner and order.is_row(node)) else 1
+            for name in order.axes
+        ]
+        laid = np.broadcast_to(value, lengths)
+        row = [math.prod(shape[name] for name in order.inner)] if order.is_row(node) else []
+        laid = np.ascontiguousarray(laid, np.float64 if row else None)
+        return laid.reshape([shape[name] for name in kept] + row)
+
+
+class _Values:
+    """Nodes that numpy computes, each once, on its own grid."""
+
+    def __init__(self, traced: Traced, plan: Plan, grid: Grid):
+        self._axes = tuple(grid.axes)
+        self._known: dict[int, Any] = {}
+        given = grid.si()
+        for node in traced.graph.nodes:
+            if node.function is None:
+                value = given[node.name] if node.name in given else plan.defaults[node.name]
+                self._known[node.number] = np.asarray(value)
+
+    def of(self, one: Any) -> Any:
+        """Return the value of a node, over all axes of the grid or none; of a number, itself."""
+        if not isinstance(one, Node):
+            return one
+        if one.number not in self._known:
+            self._known[one.number] = one.function(*map(self.of, one.inputs))  # type: ignore[misc]
+        return self._known[one.number]
+
+    def over(self, one: Any, axes: Iterable[str]) -> Array:
+        """Return the value of a node over some axes that are all of those that it depends on."""
+        value, kept = np.asarray(self.of(one)), set(axes)
+        if not value.ndim:
+            return value
+        dropped = tuple(k for k, name in enumerate(self._axes) if name not in kept)
+        return value.squeeze(dropped)
+
+
+def _special(value: Array) -> float | bool | None:
+    """Return what an array is everywhere, if that is a number that makes steps superfluous."""
+    first = value.flat[0]
+    if value.dtype.kind == "b":
+        return bool(first) if (value == first).all() else None
+    if first in SPECIAL and not np.signbit(value).any() and (value == first).all():
+        return float(first)
+    return None
+
+
+def _tasks(order: Order, shape: Mapping[str, int], most: int) -> Iterator[NDArray[np.int64]]:
+    """Yield where each call of a loop starts and ends: on the row, and on each loop around it."""
+    row = math.prod(shape[name] for name in order.inner)
+    sizes = [row, *(shape[name] for name in order.outer)]
+    steps = [inside := min(row, most)]
+    for size in reversed(sizes[1:]):
+        steps.insert(1, max(1, min(size, most // inside)))
+        inside *= steps[1]
+    starts = (range(0, size, step) for size, step in zip(sizes, steps, strict=True))
+    for at in product(*starts):
+        yield np.array(
+            [
+                (start, min(start + step, size))
+                for start, step, size in zip(at, steps, sizes, strict=True)
+            ],
+            dtype=np.int64,
+        )

@@ -1,0 +1,263 @@
+"""The source of one loop for many steps of a graph.
+
+A step that does not depend on the axes of a row is a number, one that does is a row, and a row that
+an outer loop makes is kept for the loops within.
+
+Within a loop everything but truth is a float, whole numbers too, and truth is a float where it is
+kept: a processor changes the width of its values at the price of many steps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from core.plan.loops.order import Order
+from core.plan.loops.trace import Node
+
+LONGEST_ROW = 1024
+"""Most cells of a piece of it: the rows that are kept stay in the first and second cache."""
+
+STEPS: dict[Any, str] = {
+    np.add: "{} + {}",
+    np.subtract: "{} - {}",
+    np.multiply: "{} * {}",
+    np.divide: "{} / {}",
+    np.negative: "-{}",
+    np.square: "{0} * {0}",
+    np.sqrt: "sqrt({})",
+    np.reciprocal: "1.0 / {}",
+    np.absolute: "abs({})",
+    np.less: "{} < {}",
+    np.less_equal: "{} <= {}",
+    np.greater: "{} > {}",
+    np.greater_equal: "{} >= {}",
+    np.equal: "{} == {}",
+    np.not_equal: "{} != {}",
+    np.bitwise_and: "{} & {}",
+    np.bitwise_or: "{} | {}",
+    np.invert: "{} ^ True",
+    np.isnan: "{0} != {0}",
+    np.isinf: "abs({}) == inf",
+    np.isfinite: "abs({}) < inf",
+    np.where: "choose({}, {}, {})",
+    # As numpy: what is not a number wins.
+    np.maximum: "choose(({0} >= {1}) | ({0} != {0}), {0}, {1})",
+    np.minimum: "choose(({0} <= {1}) | ({0} != {0}), {0}, {1})",
+    np.sign: "choose({0} > 0.0, 1.0, choose({0} < 0.0, -1.0, choose({0} == 0.0, 0.0, {0})))",
+    np.copysign: "copysign({}, {})",
+}
+"""The steps that a compiled loop takes in, exact or rounded once, so that bits are numpy's."""
+
+
+@dataclass(frozen=True)
+class Loop:
+    """The source of a compiled loop, and what it is given, in the order of its arguments.
+
+    Attributes
+    ----------
+    source : str
+        A function ``loop(ends, strides, ...)``.
+    arrays : tuple of Node
+        Arrays that numpy has made, laid out by `Order.kept`, and rows last.
+    columns : tuple of Node
+        Arrays with a value for each cell, in the order in which the loop takes the cells.
+    rows : tuple of Node
+        Places for rows that are kept, of `LONGEST_ROW` cells each.
+    """
+
+    source: str
+    arrays: tuple[Node, ...]
+    columns: tuple[Node, ...]
+    rows: tuple[Node, ...]
+
+
+def write_loop(
+    order: Order,
+    given: Collection[Node],
+    columns: Collection[Node],
+    results: Sequence[Any],
+    *,
+    in_place: bool,
+) -> Loop:
+    """Return the loop that computes some nodes or numbers for each cell.
+
+    Parameters
+    ----------
+    order : Order
+        The loops.
+    given : collection of Node
+        Nodes whose values numpy has made, on their own axes.
+    columns : collection of Node
+        Nodes whose values numpy has made for each cell.
+    results : sequence of Node or number
+        What to compute.
+    in_place : bool
+        Whether results are written where the grid has them, or one after another.
+    """
+    return _Writer(order, given, columns, results, in_place).write()
+
+
+class _Writer:
+    """Puts the steps of a loop where they stand."""
+
+    def __init__(
+        self,
+        order: Order,
+        given: Collection[Node],
+        columns: Collection[Node],
+        results: Sequence[Any],
+        in_place: bool,
+    ):
+        self.order, self.results, self.in_place = order, results, in_place
+        self.given = {one.number for one in given}
+        self.columns = {one.number for one in columns}
+        self.deepest = len(order.outer)
+        self.steps: dict[int, Node] = {}
+        self.used: dict[int, Node] = {}
+        self.deep = set(self.columns)
+        for result in results:
+            if isinstance(result, Node):
+                self._need(result)
+        self.nodes = [self.steps[number] for number in sorted(self.steps)]
+        self.kept = self._kept()
+        self.here: set[int] = set()
+
+    def _need(self, node: Node) -> None:
+        """Collect a node and what it hangs on."""
+        if node.number in self.steps or node.number in self.used:
+            return
+        if node.number in self.given | self.columns:
+            self.used[node.number] = node
+            return
+        for one in node.before:
+            self._need(one)
+        if any(one.number in self.deep for one in node.before):
+            self.deep.add(node.number)
+        self.steps[node.number] = node
+
+    def _level(self, node: Node) -> int:
+        return self.deepest if node.number in self.deep else self.order.level(node)
+
+    def _is_row(self, node: Node) -> bool:
+        return node.number in self.deep or self.order.is_row(node)
+
+    def _kept(self) -> dict[int, Node]:
+        """Return the rows that a loop makes for the loops within it."""
+        used = [(one, self._level(node)) for node in self.nodes for one in node.before]
+        used += [(one, self.deepest) for one in self.results if isinstance(one, Node)]
+        kept = {
+            one.number: one
+            for one, level in used
+            if one.number in self.steps and self._is_row(one) and self._level(one) < level
+        }
+        return dict(sorted(kept.items()))
+
+    def _term(self, one: Node) -> str:
+        """Return how a row's loop refers to a value."""
+        number = one.number
+        if number in self.columns:
+            return f"c{number}[done + i]"
+        if number in self.used:
+            if not self.order.is_row(one):
+                return f"a{number}_"
+            row = f"a{number}_[i]"
+        elif number in self.kept and number not in self.here:
+            row = f"r{number}[i]"
+        else:
+            return f"t{number}"
+        return f"({row} != 0.0)" if one.dtype == np.bool_ else row
+
+    def write(self) -> Loop:
+        """Return the loop."""
+        arrays = [one for one in self.used.values() if one.number in self.given]
+        columns = [one for one in self.used.values() if one.number in self.columns]
+        lines: list[str] = []
+        for level in range(self.deepest + 1):
+            pad = "    " * (level + 2)
+            if level:
+                lines.append(f"{pad[4:]}for i{level} in range(ends[{level}, 0], ends[{level}, 1]):")
+            lines += self._at_level(level, arrays, pad)
+        names = [
+            *(f"a{one.number}" for one in arrays),
+            *(f"c{one.number}" for one in columns),
+            *(f"r{number}" for number in self.kept),
+            *(f"o{k}" for k in range(len(self.results))),
+        ]
+        head = [
+            f"def loop(ends, strides, {', '.join(names)}):",
+            "    done = 0",
+            f"    for at in range(ends[0, 0], ends[0, 1], {LONGEST_ROW}):",
+            f"        stop = min(at + {LONGEST_ROW}, ends[0, 1])",
+            "        cells = stop - at",
+        ]
+        return Loop(
+            "\n".join([*head, *lines]) + "\n",
+            tuple(arrays),
+            tuple(columns),
+            tuple(self.kept.values()),
+        )
+
+    def _at_level(self, level: int, arrays: Sequence[Node], pad: str) -> list[str]:
+        """Return what stands within so many loops, but not within the next."""
+        lines = []
+        place = {name: f"i{k + 1}" for k, name in enumerate(self.order.outer)}
+        for one in arrays:
+            if self.order.level(one) == level:
+                index = ", ".join(place[name] for name in self.order.kept(one))
+                name = f"a{one.number}"
+                taken = f"{name}[{index}]" if index else name
+                if self.order.is_row(one):
+                    taken += "[at:stop]"
+                lines.append(f"{pad}{name}_ = {taken}")
+        here = [node for node in self.nodes if self._level(node) == level]
+        self.here = {node.number for node in here}
+        plain = [node for node in here if not self._is_row(node)]
+        rows = [node for node in here if self._is_row(node)]
+        lines += [f"{pad}t{node.number} = {self._step(node)}" for node in plain]
+        last = level == self.deepest
+        if rows or last:
+            if last and self.in_place:
+                terms = [f"i{k + 1} * strides[{k}]" for k in range(self.deepest)]
+                lines.append(f"{pad}start = {' + '.join([*terms, 'at'])}")
+            if last:
+                start = "start" if self.in_place else "done"
+                lines += [
+                    f"{pad}o{k}_ = o{k}[{start}:{start} + cells]" for k in range(len(self.results))
+                ]
+            lines.append(f"{pad}for i in range(cells):")
+            for node in rows:
+                lines.append(f"{pad}    t{node.number} = {self._step(node)}")
+                if node.number in self.kept:
+                    value = f"t{node.number}"
+                    if node.dtype == np.bool_:
+                        value = f"choose({value}, 1.0, 0.0)"
+                    lines.append(f"{pad}    r{node.number}[i] = {value}")
+            if last:
+                lines += [f"{pad}    o{k}_[i] = {term}" for k, term in enumerate(self._terms())]
+                lines.append(f"{pad}done += cells")
+        return lines
+
+    def _terms(self) -> list[str]:
+        """Return how the last loop refers to the results."""
+        return [self._term(one) if isinstance(one, Node) else _literal(one) for one in self.results]
+
+    def _step(self, node: Node) -> str:
+        terms = (self._term(one) if isinstance(one, Node) else _literal(one) for one in node.inputs)
+        return STEPS[node.function].format(*terms)
+
+
+def _literal(value: Any) -> str:
+    """Return a number as it is written in a loop."""
+    if isinstance(value, bool | np.bool_):
+        return str(bool(value))
+    number = float(value)
+    if math.isnan(number):
+        return "nan"
+    if math.isinf(number):
+        return "inf" if number > 0 else "-inf"
+    return repr(number) if number >= 0 and not np.signbit(number) else f"({number!r})"

@@ -1,0 +1,235 @@
+"""Equations as a graph of elementwise steps: what numpy would compute, without computing it.
+
+The equations of a plan are written for arrays and do not ask what stands in them. Given nodes of a
+graph instead, numpy's own protocols tell which steps they take. What a step cannot be said of (a
+loop over values, an index, a shape) makes the plan untraceable, and numpy runs it as it stands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
+
+from core.errors import VibrafeedError
+from core.plan.equations import regimes_of, run
+from core.plan.plan import Plan
+from core.scenes import Condition, Equation
+
+Function = Callable[..., Any]
+
+LOGICAL = {np.logical_and: np.bitwise_and, np.logical_or: np.bitwise_or, np.logical_not: np.invert}
+"""Functions of truth values, and what they are called among ours."""
+
+
+class UntraceableError(VibrafeedError):
+    """An equation takes a step that is not elementwise, or hangs on the values in an array."""
+
+
+class Node(NDArrayOperatorsMixin):
+    """One value of a graph: a parameter, or a function of other values.
+
+    Attributes
+    ----------
+    number : int
+        Its place among the nodes of its graph, after those of its inputs.
+    function : callable or None
+        The function of numpy that gives it; None of a parameter.
+    inputs : tuple
+        What the function is given: nodes and plain numbers.
+    axes : frozenset of str
+        The axes that it depends on.
+    dtype : numpy.dtype
+        Of its values.
+    name : str
+        The parameter; empty otherwise.
+    """
+
+    __slots__ = ("axes", "dtype", "function", "graph", "inputs", "name", "number")
+
+    def __init__(
+        self,
+        graph: Graph,
+        function: Function | None,
+        inputs: tuple[Any, ...],
+        axes: frozenset[str],
+        dtype: np.dtype[Any],
+        name: str = "",
+    ):
+        self.graph, self.function, self.inputs = graph, function, inputs
+        self.axes, self.dtype, self.name = axes, dtype, name
+        self.number = len(graph.nodes)
+        graph.nodes.append(self)
+
+    @property
+    def before(self) -> Iterator[Node]:
+        """The nodes among its inputs."""
+        return (one for one in self.inputs if isinstance(one, Node))
+
+    def __array_ufunc__(
+        self, ufunc: np.ufunc, method: str, *inputs: Any, out: Any = None, **settings: Any
+    ) -> Any:
+        """Add a step; what is written in place (``a &= b``) is a new value all the same."""
+        if method != "__call__" or settings or ufunc.nout != 1:
+            raise UntraceableError(f"{ufunc.__name__}.{method} is no plain step")
+        return self.graph.apply(LOGICAL.get(ufunc, ufunc), inputs)
+
+    def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:
+        """Add a choice; nothing else is elementwise."""
+        if func is not np.where or len(args) != 3 or kwargs:
+            raise UntraceableError(f"{func.__name__} is not elementwise")
+        return self.graph.apply(np.where, args)
+
+    def __pow__(self, exponent: Any) -> Any:
+        """Refuse: numpy's own power differs in the last bit between numbers and arrays."""
+        raise UntraceableError("a power is not traced: write np.square, or a product")
+
+    def __getattr__(self, name: str) -> Any:
+        raise UntraceableError(f"it asks for .{name} of an array")
+
+    def __array__(self, *_: Any, **__: Any) -> Any:
+        raise UntraceableError("it makes an array of a value")
+
+    def __bool__(self) -> bool:
+        raise UntraceableError("it branches on a value")
+
+    def __float__(self) -> float:
+        raise UntraceableError("it takes a number out of an array")
+
+    def __getitem__(self, place: Any) -> Any:
+        raise UntraceableError("it takes a part of an array")
+
+    __int__ = __index__ = __len__ = __iter__ = __float__
+
+
+class Graph:
+    """Nodes, each after its inputs, and equal ones once only."""
+
+    def __init__(self) -> None:
+        self.nodes: list[Node] = []
+        self._known: dict[Any, Any] = {}
+
+    def leaf(self, name: str, axes: Iterable[str], dtype: Any = np.float64) -> Node:
+        """Return the node of something that is given, over some axes."""
+        key = (None, name)
+        if key not in self._known:
+            self._known[key] = Node(self, None, (), frozenset(axes), np.dtype(dtype), name)
+        return self._known[key]
+
+    def apply(self, function: Function, inputs: Iterable[Any]) -> Any:
+        """Return what a function of numpy gives: a node, or a number if it is given numbers."""
+        given = tuple(one if isinstance(one, Node) else _number(one) for one in inputs)
+        if not any(isinstance(one, Node) for one in given):
+            return function(*given)
+        simpler = _simplified(function, given)
+        if simpler is not None:
+            return simpler[0]
+        key = (function, *map(_identity, given))
+        if key not in self._known:
+            axes = frozenset().union(*(one.axes for one in given if isinstance(one, Node)))
+            self._known[key] = Node(self, function, given, axes, _dtype(function, given))
+        return self._known[key]
+
+
+def _number(value: Any) -> Any:
+    """Return a number as it is, and what stands in an array without axes."""
+    if isinstance(value, np.ndarray):
+        if value.ndim:
+            raise UntraceableError("it makes an array of its own")
+        return value[()]
+    return value
+
+
+def _identity(one: Any) -> Any:
+    if isinstance(one, Node):
+        return one.number
+    array = np.asarray(one)
+    return (type(one), array.tobytes())
+
+
+def _dtype(function: Function, given: Iterable[Any]) -> np.dtype[Any]:
+    """Return the type of what a function gives, asked of numpy with a value of each type."""
+    samples = (np.ones(1, one.dtype) if isinstance(one, Node) else one for one in given)
+    with np.errstate(all="ignore"):
+        try:
+            return np.asarray(function(*samples)).dtype
+        except TypeError as error:
+            raise UntraceableError(str(error)) from None
+
+
+def _simplified(function: Function, given: tuple[Any, ...]) -> tuple[Any] | None:
+    """Return what a step gives without being taken, where that is the same to the last bit."""
+    if function is np.where:
+        condition, one, other = given
+        if not isinstance(condition, Node):
+            return (one if condition else other,)
+        return (one,) if _identity(one) == _identity(other) else None
+    if function is np.positive:
+        return given
+    if function in (np.bitwise_and, np.bitwise_or):
+        for one, other in (given, given[::-1]):
+            if isinstance(one, bool | np.bool_):
+                return (other if bool(one) == (function is np.bitwise_and) else one,)
+        return (given[0],) if _identity(given[0]) == _identity(given[1]) else None
+    if function is np.multiply:
+        for one, other in (given, given[::-1]):
+            if _is(one, 1.0) and isinstance(other, Node) and other.dtype == np.float64:
+                return (other,)
+    if function is np.divide and _is(given[1], 1.0) and given[0].dtype == np.float64:
+        return (given[0],)
+    if function is np.subtract and _is(given[1], 0.0) and given[0].dtype == np.float64:
+        return (given[0],)
+    return None
+
+
+def _is(one: Any, value: float) -> bool:
+    """Return whether something is a number of a value; a zero, one without a sign."""
+    return not isinstance(one, Node) and bool(one == value) and not np.signbit(one)
+
+
+@dataclass(frozen=True, eq=False)
+class Traced:
+    """The graph of a plan, and what it gives: nodes, or numbers that depend on nothing."""
+
+    graph: Graph
+    results: Mapping[str, Any]
+
+
+def traced(plan: Plan, axes: Iterable[str]) -> Traced | None:
+    """Return the graph of a plan over some axes, with outputs and ``regime``; None if it has none.
+
+    It does not depend on values: parameters without an axis are nodes too.
+    """
+    ranged = tuple(name for name in axes if name in plan.parameters)
+    return _traced(
+        plan.equations,
+        plan.conditions,
+        plan.otherwise,
+        plan.outputs,
+        (*plan.parameters, *plan.defaults),
+        ranged,
+    )
+
+
+@lru_cache(maxsize=256)
+def _traced(
+    equations: tuple[Equation, ...],
+    conditions: tuple[Condition, ...],
+    otherwise: str,
+    outputs: tuple[str, ...],
+    parameters: tuple[str, ...],
+    ranged: tuple[str, ...],
+) -> Traced | None:
+    graph = Graph()
+    given = {name: graph.leaf(name, {name} & set(ranged)) for name in parameters}
+    try:
+        known = run(equations, given)
+        results = {name: known[name] for name in outputs}
+        results["regime"] = regimes_of(conditions, otherwise, known)
+    except UntraceableError:
+        return None
+    return Traced(graph, results)
