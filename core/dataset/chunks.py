@@ -116,7 +116,7 @@ class ChunkFile:
         encoded: dict[str, Iterator[tuple[Box, Any]]] = {}
         for name in tile.field.names:
             encode, values = self._encoder(name), arrays[name]
-            boxes = [_inside(chunk, tile.box) for chunk in chunks]
+            boxes = [inside(chunk, tile.box) for chunk in chunks]
             data = self._pool.map(lambda box, e=encode, v=values: e(v, box, layout.chunk), boxes)
             encoded[name] = zip(chunks, data, strict=True)
         return encoded
@@ -132,13 +132,13 @@ class ChunkFile:
 def encoder(filters: Sequence[int]) -> Encode:
     """Return what makes the bytes of a chunk, for HDF5's filters of an array."""
     if not filters:
-        return lambda values, box, shape: _chunk(values, box, shape).data.cast("B")
+        return lambda values, box, shape: chunk_of(values, box, shape).data.cast("B")
     if filters not in (DEFLATED, DEFLATED[1:]):
         raise NotImplementedError(f"HDF5 filters {filters}")
     from isal import isal_zlib
 
     def deflated(values: NDArray[Any], box: Box, shape: tuple[int, ...]) -> Any:
-        chunk = _chunk(values, box, shape)
+        chunk = chunk_of(values, box, shape)
         if chunk.dtype.itemsize > 1:  # shuffled: the first bytes of all values, the second ones ...
             octets = chunk.reshape(-1).view(np.uint8).reshape(-1, chunk.dtype.itemsize)
             chunk = np.ascontiguousarray(octets.T)
@@ -147,7 +147,7 @@ def encoder(filters: Sequence[int]) -> Encode:
     return deflated
 
 
-def _chunk(values: NDArray[Any], box: Box, shape: tuple[int, ...]) -> NDArray[Any]:
+def chunk_of(values: NDArray[Any], box: Box, shape: tuple[int, ...]) -> NDArray[Any]:
     """Return one chunk of a tile; what lies beyond the end of an axis is 0."""
     part = values[tuple(slice(*ends) for ends in box)]
     if part.shape == shape:
@@ -157,7 +157,7 @@ def _chunk(values: NDArray[Any], box: Box, shape: tuple[int, ...]) -> NDArray[An
     return chunk
 
 
-def _inside(chunk: Box, tile: Box) -> Box:
+def inside(chunk: Box, tile: Box) -> Box:
     """Return where a chunk lies in the array of its tile."""
     return tuple((a - start, b - start) for (a, b), (start, _) in zip(chunk, tile, strict=True))
 
