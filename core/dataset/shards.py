@@ -1,0 +1,236 @@
+"""A Zarr group that grows shard by shard, in a folder or on an object store.
+
+Each tile of an array is one shard, which is written at once and appears whole, so that tiles may be
+written in any order and by anybody. The group cannot be opened before it is complete: its own
+document is written last.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import NDArray
+
+from core.dataset.files import Behind, partial, settle, sync
+from core.dataset.layout import Field, Layout, Tile, Tiles
+from core.dataset.packing import index_length, is_whole, pack
+from core.dataset.table import Table
+from core.dataset.zarr_metadata import array_document, group_document
+from core.errors import VibrafeedError
+
+if TYPE_CHECKING:
+    from obstore.store import ObjectStore
+
+GROUP = "zarr.json"
+UNFINISHED = "unfinished.json"  # beside the arrays while some are missing: whose they are
+INSTALL = "Zarr files need zarr and obstore: pip install 'vibrafeed[cluster]'"
+
+
+class GrowingZarr:
+    """A Zarr group under way.
+
+    Parameters
+    ----------
+    where : str
+        A path, or the URL of an object store such as ``s3://bucket/key``, whose keys and address
+        come from the environment as for its other clients.
+    tiles : Tiles
+        Of all arrays.
+    table : Table
+        Coordinates, attributes, and arrays whose values do not count unless they are scalars.
+    identity : mapping of str to str
+        What must be equal for a run to go on with what another has begun.
+    resume : bool
+        Go on with what is there, if it has this identity; otherwise it is begun anew.
+    history : str, optional
+        The CF history attribute; brings the price along.
+
+    Attributes
+    ----------
+    tiles : Tiles
+        Of all arrays.
+    done : int
+        Number of the tiles that are written.
+    seconds : float
+        Zero: nobody knows what they cost.
+
+    Raises
+    ------
+    VibrafeedError
+        If zarr or obstore is not installed.
+    FileExistsError
+        If there is something else, or a whole result.
+    """
+
+    def __init__(
+        self,
+        where: str,
+        tiles: Tiles,
+        table: Table,
+        identity: Mapping[str, str],
+        *,
+        resume: bool = False,
+        history: str | None = None,
+    ):
+        self.tiles, self._table, self._history = tiles, table, history
+        self._path = None if "://" in where else Path(where)
+        self._folder = None if self._path is None else partial(self._path)
+        self._store = _store(where if self._folder is None else self._folder)
+        self.done, self.seconds = 0, 0.0
+        self._behind = Behind()
+        self._pool = ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="chunks")
+        with _told_plainly():
+            self._begin(where, identity, resume=resume)
+
+    def _begin(self, where: str, identity: Mapping[str, str], *, resume: bool) -> None:
+        there = self._listed()
+        if self._path.exists() if self._path is not None else GROUP in there:
+            raise FileExistsError(f"{where} is there already")
+        if UNFINISHED not in there and there:
+            raise FileExistsError(f"{where} holds something else")
+        self._documents = self._described()
+        is_same = UNFINISHED in there and self._get(UNFINISHED) == _as_json(identity)
+        if not (resume and is_same):
+            for key in there.keys() - {UNFINISHED}:  # which says that they are ours
+                self._store.delete(key)
+            there = {}
+            self._put(UNFINISHED, _as_json(identity))
+        for name, document in self._documents.items():
+            self._put(f"{name}/{GROUP}", _as_json(document))
+        self._missing = [k for k, tile in enumerate(self.tiles) if not self._is_there(tile, there)]
+        self.done = self._begun = len(self.tiles) - len(self._missing)
+
+    @property
+    def missing(self) -> Iterator[int]:
+        """The tiles that are not written."""
+        return iter(self._missing)
+
+    def write(self, index: int, arrays: Mapping[str, NDArray[Any]], seconds: float) -> None:
+        """Write a tile; whoever writes it, it has the same bytes."""
+        tile = self.tiles[index]
+        for name in tile.field.names:
+            self._put(_shard(name, tile), pack(tile, arrays[name], self._pool))
+        self.done += 1
+
+    def finish(self, price: Mapping[str, float]) -> None:
+        """Write what is no tile, and let the group appear; `price` is left out after a resume."""
+        with _told_plainly():
+            self._finish(price)
+
+    def _finish(self, price: Mapping[str, float]) -> None:
+        import zarr
+        from zarr.storage import ObjectStore
+
+        table = self._table
+        for name, one in {**table.coordinates, **table.variables}.items():
+            if name in table.coordinates or not one.dims:
+                array = zarr.open_array(ObjectStore(self._store), path=name, mode="r+")
+                array.with_config({"write_empty_chunks": True})[...] = one.values
+        attributes = dict(table.attributes)
+        if self._history is not None:
+            attributes |= {"history": self._history, **({} if self._begun else price)}
+        group = group_document(replace(table, attributes=attributes), self._documents)
+        self._put(GROUP, _as_json(group))
+        self._behind.end()
+        if self._path is not None and self._folder is not None:
+            settle(self._folder, self._path)
+            (self._path / UNFINISHED).unlink()
+        else:
+            self._store.delete(UNFINISHED)
+
+    def close(self) -> None:
+        """Leave things so that another run can go on."""
+        self._behind.close()
+        self._pool.shutdown(cancel_futures=True)
+
+    def _described(self) -> dict[str, dict[str, Any]]:
+        """Return the documents of all arrays."""
+        table = self._table
+        fields: dict[str, Field] = {n: f for f in self.tiles.fields for n in f.names}
+        documents = {}
+        for name, one in {**table.coordinates, **table.variables}.items():
+            if name in fields:
+                cut = fields[name].layout
+                documents[name] = array_document(table, name, cut.shape, cut.chunk, cut.tile)
+            else:
+                shape = one.values.shape
+                documents[name] = array_document(table, name, shape, Layout.of(shape).chunk)
+        return documents
+
+    def _is_there(self, tile: Tile, there: Mapping[str, int]) -> bool:
+        """Return whether all shards of a tile are whole."""
+        length = index_length(tile.field.layout)
+        for name in tile.field.names:
+            key = _shard(name, tile)
+            size = there.get(key, 0)
+            if size < length:
+                return False
+            index = self._store.get_range(key, start=size - length, end=size)
+            if not is_whole(bytes(index), size):
+                return False
+        return True
+
+    def _listed(self) -> dict[str, int]:
+        """Return the size of everything that is there, by key."""
+        return {one["path"]: one["size"] for batch in self._store.list() for one in batch}
+
+    def _get(self, key: str) -> bytes:
+        return bytes(self._store.get(key).bytes())
+
+    def _put(self, key: str, data: bytes) -> None:
+        with _told_plainly():
+            self._store.put(key, data)
+        if self._folder is not None:
+            self._behind.start(sync, self._folder / key)
+
+
+def attributes_at(where: str) -> dict[str, Any]:
+    """Return the attributes of a whole group; none if there is no such thing."""
+    if "://" not in where:
+        path = Path(where) / GROUP
+        return dict(json.loads(path.read_bytes())["attributes"]) if path.exists() else {}
+    store = _store(where)
+    with contextlib.suppress(FileNotFoundError), _told_plainly():
+        return dict(json.loads(bytes(store.get(GROUP).bytes()))["attributes"])
+    return {}
+
+
+@contextlib.contextmanager
+def _told_plainly() -> Iterator[None]:
+    """Turn the errors of object stores into those of files."""
+    from obstore.exceptions import BaseError
+
+    try:
+        yield
+    except BaseError as error:
+        raise OSError(str(error).strip().splitlines()[0]) from error
+
+
+def _store(where: str | Path) -> ObjectStore:
+    """Return the store in a folder, which is made, or at a URL."""
+    try:
+        import zarr.storage  # noqa: F401
+        from obstore.store import LocalStore, from_url
+    except ImportError:
+        raise VibrafeedError(INSTALL) from None
+    if isinstance(where, Path):
+        return LocalStore(where, mkdir=True)
+    with _told_plainly():
+        return from_url(where)
+
+
+def _shard(name: str, tile: Tile) -> str:
+    """Return the key of the shard that holds a tile of an array."""
+    at = (start // n for (start, _), n in zip(tile.box, tile.field.layout.tile, strict=True))
+    return "/".join([name, "c", *map(str, at)])
+
+
+def _as_json(document: Mapping[str, Any]) -> bytes:
+    return json.dumps(document, allow_nan=False).encode()

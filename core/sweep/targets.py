@@ -1,0 +1,86 @@
+"""Where a sweep that is computed tile by tile goes, told from the name of the result."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import core
+from core.dataset.growing import GrowingNetcdf
+from core.dataset.netcdf import define
+from core.dataset.shards import GrowingZarr, attributes_at
+from core.dataset.table import Table
+from core.plan.tiles import Tiled
+from core.sweep.prepare import Sweep
+from core.sweep.stream import identity
+
+
+def is_zarr(where: str) -> bool:
+    """Return whether a name is that of a Zarr group: a URL, or a path that ends in ``.zarr``."""
+    return "://" in where or where.endswith(".zarr")
+
+
+def is_complete(where: str, sweep: Sweep) -> bool:
+    """Return whether the whole result of a sweep stands under this name already."""
+    attributes = attributes_at(where) if is_zarr(where) else _attributes_of_file(Path(where))
+    made = str(attributes.get("source")).partition(",")[0]
+    return (
+        attributes.get("study_sha256") == sweep.study.key()
+        and made == f"vibrafeed {core.__version__}"
+    )
+
+
+def _attributes_of_file(path: Path) -> dict[str, object]:
+    import h5py
+
+    try:
+        with h5py.File(path) as file:
+            return {
+                name: value.decode() if isinstance(value, bytes) else value
+                for name, value in file.attrs.items()
+            }
+    except OSError:  # there is none, or it is something else
+        return {}
+
+
+def open_target(
+    where: str | os.PathLike[str],
+    sweep: Sweep,
+    table: Table,
+    *,
+    compression: bool = True,
+    resume: bool = False,
+    history: str | None = None,
+) -> GrowingNetcdf | GrowingZarr:
+    """Return the file or store under way that takes the tiles of a sweep.
+
+    Parameters
+    ----------
+    where : str or path
+        A NetCDF file, or a Zarr group: see `is_zarr`.
+    sweep : Sweep
+        The sweep.
+    table : Table
+        Its `outline`.
+    compression : bool
+        Of a NetCDF file; the chunks of a Zarr group are compressed in any case.
+    resume : bool
+        Go on with what an equal run has begun there.
+    history : str, optional
+        The CF history attribute; brings the price along. A run that goes on keeps that of a file.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written, or something else is there.
+    """
+    where, tiles = os.fspath(where), Tiled(sweep).tiles
+    if is_zarr(where):
+        return GrowingZarr(where, tiles, table, identity(sweep), resume=resume, history=history)
+    return GrowingNetcdf(
+        Path(where),
+        tiles,
+        {**identity(sweep), "compression": str(compression)},
+        lambda start: define(start, table, history=history, compression=compression),
+        resume=resume,
+    )
