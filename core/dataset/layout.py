@@ -42,8 +42,9 @@ class Layout:
     @classmethod
     def of(cls, shape: Sequence[int]) -> Layout:
         """Return the layout of an array of some shape: the same one for all who ask."""
-        chunk = chunk_shape(tuple(shape), CHUNK_CELLS)
-        return cls(tuple(shape), chunk, _tile_shape(tuple(shape), chunk, TILE_CELLS))
+        lengths = tuple(max(1, n) for n in shape)  # an axis may have no values
+        chunk = chunk_shape(lengths, CHUNK_CELLS)
+        return cls(tuple(shape), chunk, _tile_shape(lengths, chunk, TILE_CELLS))
 
     @cached_property
     def counts(self) -> tuple[int, ...]:

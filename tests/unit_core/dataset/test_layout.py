@@ -61,3 +61,9 @@ def test_tiles_of_a_huge_array_are_found_at_once():
     assert math.prod(layout.tile) >= TILE_CELLS / 2
     assert layout.tiles * math.prod(layout.tile) >= 10**12
     assert layout.box(layout.tiles - 1)[0][1] == 1000
+
+
+def test_an_axis_without_values_has_no_tiles():
+    layout = Layout.of((0, 3))
+    assert (layout.tiles, layout.stored) == (0, 0)
+    assert min(layout.chunk) >= 1
