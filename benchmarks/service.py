@@ -34,6 +34,7 @@ from core.study.load import read_json
 from core.sweep.slice import cut
 
 FREE = {"alpha": 250, "beta": 400}  # 10^5 values
+MILLION = {"alpha": 1000, "beta": 1000}
 STUDY = {
     "kind": "sweep",
     "scene": "rectangle-on-track",
@@ -57,7 +58,7 @@ SMALL = {
 }
 GIGABYTE = 1_000_000_000
 PIECE = 1 << 20
-BUFFER = 1 << 23  # more than any of the replies compared
+BUFFER = 1 << 24  # more than any of the replies compared
 HEAD = re.compile(rb"(?is)HTTP/1.1 .*?\r\ncontent-length: (?P<length>[0-9]+).*?\r\n\r\n")
 
 
@@ -143,18 +144,10 @@ class Comparison:
 
 def requests(server: Served, pairs: int) -> None:
     """Print the times of slices and of a small sweep."""
-    key = server.post("/sweeps", STUDY)["id"]
-    sweep = prepare_content(STUDY)
-    axes = ",".join(FREE)
-    path = f"/sweeps/{key}/slice?output=acceleration_x&axes={axes}&frequency=60"
-
-    def piece() -> dict[str, Any]:
-        wishes = {"output": "acceleration_x", "axes": list(FREE), "at": {"frequency": "60"}}
-        return cut(sweep, **wishes, most=10**6)  # type: ignore[arg-type]
-
+    comparison = Comparison(server, pairs)
+    piece, path = _slice_of(server, STUDY)
     taken = piece()
     assert np.size(taken["values"]["data"]) == 100_000
-    comparison = Comparison(server, pairs)
     comparison.line(
         "slice, JSON",
         ("GET", f"{path}&format=json"),
@@ -162,6 +155,15 @@ def requests(server: Served, pairs: int) -> None:
         lambda: orjson.dumps(taken, option=NUMPY),
     )
     comparison.line("slice, binary", ("GET", f"{path}&format=binary"), piece, lambda: binary(taken))
+    spans = {name: {"start": 0, "stop": 90, "num": size} for name, size in MILLION.items()}
+    large, path = _slice_of(server, {**STUDY, "parameters": {**STUDY["parameters"], **spans}})
+    held = large()
+    for _ in range(30):  # until both are compiled
+        comparison.client.ask("GET", f"{path}&format=binary")
+        large()
+    comparison.line(
+        "slice of 10^6, binary", ("GET", f"{path}&format=binary"), large, lambda: binary(held)
+    )
     body = json.dumps(SMALL).encode()
     table = tabulate(prepare_content(SMALL))
     comparison.line(
@@ -170,6 +172,15 @@ def requests(server: Served, pairs: int) -> None:
         lambda: tabulate(prepare_content(read_json(body))),
         lambda: orjson.dumps(to_document(table), option=NUMPY),
     )
+
+
+def _slice_of(server: Served, study: dict[str, Any]) -> tuple[Callable[[], dict[str, Any]], str]:
+    """Return what cuts a slice of a sweep in this process, and where a server has the same."""
+    key = server.post("/sweeps", study)["id"]
+    sweep = prepare_content(study)
+    wishes = {"output": "acceleration_x", "axes": list(FREE), "at": {"frequency": "60"}}
+    path = f"/sweeps/{key}/slice?output=acceleration_x&axes={','.join(FREE)}&frequency=60"
+    return lambda: cut(sweep, **wishes, most=10**6), path  # type: ignore[arg-type]
 
 
 def download(server: Served, pairs: int) -> None:

@@ -20,6 +20,8 @@ LEAST_ROW = 64
 """Fewest cells of a row, unless all axes are joined."""
 TURN = 250.0
 """What the beginning of a row costs, over an addition in it."""
+LAID = 40.0
+"""What it costs to lay a value out along a row, before the loops."""
 LANES, UNROLLED = 4, 16
 """Additions that a processor does at once in a row, and cells that its loop takes at a time."""
 SLOW: dict[Any, float] = {np.divide: 15.0, np.sqrt: 20.0, np.reciprocal: 15.0}
@@ -57,15 +59,19 @@ class Order:
         return tuple(name for name in self.axes if name in node.axes and name not in self.inner)
 
 
-def order_of(axes: Sequence[str], shape: Mapping[str, int], steps: Collection[Node]) -> Order:
-    """Return the loops over some axes that do the steps of a graph with least work."""
+def order_of(axes: Sequence[str], shape: Mapping[str, int], nodes: Collection[Node]) -> Order:
+    """Return the loops over some axes that take the steps of a graph with least work.
+
+    `nodes` are its steps, and the leaves that they need.
+    """
+    steps = [node for node in nodes if node.function]
     orders = []
     for count in range(len(axes) + 1):
         row = math.prod(shape[name] for name in axes[count:])
         if not count or row >= LEAST_ROW:
             outer = _outwards(axes[:count], shape, steps)
             orders.append(Order(tuple(axes), outer, tuple(axes[count:])))
-    return min(orders, key=lambda order: work_of(order, shape, steps))
+    return min(orders, key=lambda order: work_of(order, shape, nodes))
 
 
 def _outwards(
@@ -91,8 +97,8 @@ def _outwards(
     return tuple(outer)
 
 
-def work_of(order: Order, shape: Mapping[str, int], steps: Collection[Node]) -> float:
-    """Return what the steps cost in some order of the loops, in additions of a row's loop."""
+def work_of(order: Order, shape: Mapping[str, int], nodes: Collection[Node]) -> float:
+    """Return what steps and leaves cost in an order of the loops, in additions of a row's loop."""
     row = math.prod(shape[name] for name in order.inner)
     # What a row has beyond whole turns of its loop is taken cell by cell.
     along = row + (LANES - 1) * (row % UNROLLED)
@@ -100,7 +106,11 @@ def work_of(order: Order, shape: Mapping[str, int], steps: Collection[Node]) -> 
     for name in order.outer:
         turns.append(turns[-1] * shape[name])
     work = TURN * turns[-1]
-    for step in steps:
-        each = along if order.is_row(step) else LANES
-        work += SLOW.get(step.function, 1.0) * turns[order.level(step)] * each
+    for node in nodes:
+        is_row = order.is_row(node)
+        if node.function:
+            each = along if is_row else LANES
+            work += SLOW.get(node.function, 1.0) * turns[order.level(node)] * each
+        elif is_row:
+            work += LAID * row
     return work

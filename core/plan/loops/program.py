@@ -117,8 +117,8 @@ def program_of(
 ) -> Program:
     """Return the loops that compute some results, simplified by what is special."""
     lengths = dict(shape)
-    _, steps = _renewed(traced, names, edge_of(traced, names, shape), special)
-    order = order_of(tuple(lengths), lengths, [node for node in steps if node.function])
+    _, nodes = _renewed(traced, names, edge_of(traced, names, shape), special)
+    order = order_of(tuple(lengths), lengths, nodes)
     edge = edge_of(traced, names, shape, order.inner)
     results, needed = _renewed(traced, names, edge, special)
     ready = _ready(results)
@@ -137,8 +137,8 @@ def program_of(
         else:
             loop = write_loop(order, leaves, before, results, in_place=True)
             stages.append(Stage(loop, (), ()))
-    steps = [node for node in needed if node.function in STEPS]
-    return Program(order, tuple(stages), work_of(order, lengths, steps), len(called))
+    taken = [node for node in needed if node.function is None or node.function in STEPS]
+    return Program(order, tuple(stages), work_of(order, lengths, taken), len(called))
 
 
 def _renewed(
