@@ -62,8 +62,7 @@ def _counts(layout: Layout) -> tuple[int, ...]:
 def _packed(values: NDArray[Any], box: Box, shape: tuple[int, ...]) -> bytes:
     from numcodecs import blosc
 
-    chunk = chunk_of(values, box, shape)
-    chunk = chunk.astype(chunk.dtype.newbyteorder("<"), copy=False)
+    chunk = chunk_of(values, box, np.empty(shape, values.dtype.newbyteorder("<")))
     # On a thread that is not the first one, blosc itself uses no threads: what it makes of a chunk
     # would depend on which of them is done first.
     shuffle = blosc.SHUFFLE if is_shuffled(chunk.itemsize) else blosc.NOSHUFFLE
