@@ -5,8 +5,8 @@ blosc makes of its little-endian values, then the CRC-32C of that. The index has
 for each chunk of the shard, in the order of the array: where it begins, and its length; both are
 2^64 - 1 for a chunk beyond the end of the array.
 
-The zarr library writes shards, too. It puts values and chunks together on one thread, and copies what
-a shard holds so far for each chunk that is added: 0.95 s for 270 MB on one core, and 0.61 s here.
+The zarr library writes shards, too. It puts values and chunks together on one thread, and copies
+what a shard holds so far for each chunk that is added: 0.95 s for 270 MB on one core, 0.61 s here.
 """
 
 from __future__ import annotations
