@@ -7,7 +7,15 @@ from contextlib import contextmanager
 
 from rich import box
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    DownloadColumn,
+    Progress,
+    ProgressColumn,
+    TextColumn,
+    TimeRemainingColumn,
+    TransferSpeedColumn,
+)
 from rich.table import Table as Grid
 
 stdout = Console(highlight=False)
@@ -20,23 +28,25 @@ def fail(message: str) -> None:
 
 
 @contextmanager
-def progress(label: str) -> Iterator[Callable[[float], None]]:
+def progress(label: str, size: int | None = None) -> Iterator[Callable[[float], None]]:
     """Show a progress bar on the error stream while the block runs; yield what advances it.
 
-    It takes the share of the work done since the last call.
+    It takes the share of the work done since the last call. `size` are the bytes of the whole.
     """
+    in_bytes: tuple[ProgressColumn, ...] = (DownloadColumn(), TransferSpeedColumn())
     bar = Progress(
         TextColumn("{task.description}", markup=False),
         BarColumn(),
         TextColumn("{task.percentage:>3.0f} %"),
+        *(() if size is None else in_bytes),
         TimeRemainingColumn(),
         console=stderr,
         transient=True,
         disable=not stderr.is_terminal,
     )
     with bar:
-        task = bar.add_task(label, total=1.0)
-        yield lambda done: bar.advance(task, done)
+        task = bar.add_task(label, total=size or 1.0)
+        yield lambda done: bar.advance(task, done * (size or 1.0))
 
 
 def new_grid(*columns: str) -> Grid:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -52,7 +51,7 @@ def report(
     if not files and not extremes:
         fix = "Name studies, or add --extremes, which needs none"
         refuse({Path("report"): [Problem("files", "there is nothing to measure", fix)]})
-    studies = prepare_all(files, cells=sys.maxsize, bytes_=sys.maxsize)
+    studies = prepare_all(files)
     wrong = {}
     for path, prepared in studies.items():
         try:
@@ -67,7 +66,7 @@ def report(
         {file: dataset_of(folder, file.stem) for file in files},
         taken=[dataset_of(folder, name) for name in EXTREMES] if extremes else (),
     )
-    with interruption("report") as interrupted:
+    with interruption() as interrupted:
         try:
             written, right = write_report(
                 studies, folder, only or (), seconds, interrupted, extremes

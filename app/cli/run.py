@@ -1,53 +1,70 @@
-"""`vibrafeed run`: studies in, NetCDF files out."""
+"""`vibrafeed run`: studies in, NetCDF files or Zarr groups out."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.studies import FAILED, interruption, prepare_all, refuse, refuse_clashes
+from app.cli.studies import (
+    FAILED,
+    interruption,
+    prepare_all,
+    refuse,
+    refuse_beyond_memory,
+    refuse_clashes,
+)
 from core.errors import Problem
 
-MOST_CELLS = 100_000_000
-MOST_BYTES = 8_000_000_000
+if TYPE_CHECKING:
+    from core.plan.prepared import Prepared
 
 
 def run(
     files: Annotated[list[Path], typer.Argument(help="Studies, TOML or JSON.", show_default=False)],
     output: Annotated[
-        Path | None,
+        str | None,
         typer.Option(
-            "-o", "--output", help="File (one study) or folder; beside the study if left out."
+            "-o",
+            "--output",
+            help="File .nc, or .zarr or s3://bucket/key (one study), or folder; beside the study "
+            "if left out.",
         ),
     ] = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Say what would run, and how large it is.")
     ] = False,
+    plain: Annotated[
+        bool, typer.Option("--plain", help="Do not compress NetCDF files: faster, and larger.")
+    ] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with large sweeps that were stopped or killed.")
+    ] = False,
     max_cells: Annotated[
-        int, typer.Option(help="Largest number of cells of one study.")
-    ] = MOST_CELLS,
+        int | None, typer.Option(help="Largest number of cells of one study.")
+    ] = None,
     max_bytes: Annotated[
-        int, typer.Option(help="Largest number of bytes of one study.")
-    ] = MOST_BYTES,
+        int | None, typer.Option(help="Largest number of bytes of one study.")
+    ] = None,
     time_limit: Annotated[
         float | None,
         typer.Option(
-            help="Seconds after which no further cell is started or verified; a sweep is computed "
-            "as a whole.",
+            help="Seconds after which no further cell is started or verified; a sweep that is not "
+            "large is computed as a whole.",
             min=0,
         ),
     ] = None,
 ) -> None:
-    """Carry out studies and write one NetCDF file each.
+    """Carry out studies and write one NetCDF file, or Zarr group, each.
 
     All files are checked before the first is run. Exit code 2 means that a file is wrong, 1 that
     a result could not be written, that a verification failed, or that a study was stopped, by
-    Ctrl-C or the time limit, while it was computed or verified: what was finished is written.
+    Ctrl-C or the time limit, while it was computed or verified: what was finished is written, of a
+    large sweep where --resume finds it.
     """
     from app.cli import console, tables
 
@@ -56,29 +73,52 @@ def run(
         for path, prepared in studies.items():
             tables.show_plan(path, prepared)
         return
-    targets = _targets(list(studies), output)
-    from core.dataset.netcdf import write_netcdf
+    targets = _targets(studies, output)
+    from core.dataset.netcdf import is_large, write_netcdf
     from core.kinds import is_whole, not_verified, tabulate
+    from core.plan.tiles import Tiled
+    from core.sweep import Sweep
+    from core.sweep.targets import is_zarr
     from core.watch import Watch
 
     deadline = None if time_limit is None else time.monotonic() + time_limit
     sound, left = True, list(studies)
     for path, prepared in studies.items():
+        stamp = datetime.now(UTC).isoformat(timespec="seconds")
+        history = f"{stamp} vibrafeed run {path.name}"
+        target = targets[path]
+        if isinstance(prepared, Sweep) and (is_zarr(target) or is_large(Tiled(prepared).tiles)):
+            from app.cli.streamed import run_streamed
+
+            left.remove(path)
+            whole, is_sound = run_streamed(
+                path,
+                prepared,
+                target,
+                compression=not plain,
+                resume=resume,
+                history=history,
+                deadline=deadline,
+            )
+            sound &= is_sound
+            if not whole:
+                break
+            continue
+        refuse_beyond_memory(path, prepared)
         with (
             console.progress(path.name) as advance,
-            interruption(prepared.study.kind) as interrupted,
+            interruption(gently=not isinstance(prepared, Sweep)) as interrupted,
         ):
             table = tabulate(prepared, Watch(advance, interrupted, deadline))
         evaluated = time.perf_counter()
-        stamp = datetime.now(UTC).isoformat(timespec="seconds")
         try:
-            write_netcdf(table, targets[path], history=f"{stamp} vibrafeed run {path.name}")
+            write_netcdf(table, Path(target), history=history, compression=not plain)
         except OSError as error:
-            console.fail(f"{targets[path]} cannot be written: {error.strerror or error}.")
+            console.fail(f"{target} cannot be written: {error.strerror or error}.")
             raise typer.Exit(FAILED) from None
         written = time.perf_counter()
         seconds = float(table.price["elapsed_seconds"])
-        tables.show_table(path, targets[path], table, prepared.cells, seconds, written - evaluated)
+        tables.show_table(path, target, table, prepared.cells, seconds, written - evaluated)
         sound &= is_whole(table) and not not_verified(table)
         left.remove(path)
         if interrupted():
@@ -89,17 +129,32 @@ def run(
         raise typer.Exit(FAILED)
 
 
-def _targets(files: Sequence[Path], output: Path | None) -> dict[Path, Path]:
+def _targets(studies: Mapping[Path, Prepared], output: str | None) -> dict[Path, str]:
     """Return where each result goes; exit if two would go to one place."""
-    if output is not None and len(files) == 1 and not output.is_dir() and output.suffix == ".nc":
-        targets = {files[0]: output}
+    from core.sweep import Sweep
+    from core.sweep.targets import is_zarr
+
+    if output is not None and is_zarr(output):
+        problem = None
+        if len(studies) > 1:
+            problem = Problem("output", "a Zarr group is of one study", "Give a folder")
+        elif not all(isinstance(one, Sweep) for one in studies.values()):
+            problem = Problem("output", "only sweeps go to Zarr", "Give a name that ends in .nc")
+        if problem is not None:
+            refuse({path: [problem] for path in studies})
+        targets = dict.fromkeys(studies, output)
+    elif len(studies) == 1 and output and output.endswith(".nc") and not Path(output).is_dir():
+        targets = dict.fromkeys(studies, output)
     else:
-        targets = {file: (output or file.parent) / f"{file.stem}.nc" for file in files}
+        targets = {file: str(Path(output or file.parent) / f"{file.stem}.nc") for file in studies}
     refuse_clashes(targets)
     for target in targets.values():
+        if "://" in target:
+            continue
+        folder = Path(target).parent
         try:
-            target.parent.mkdir(parents=True, exist_ok=True)
+            folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            place = Problem("output", f"{target.parent} cannot be made", str(error.strerror))
-            refuse({target: [place]})
+            place = Problem("output", f"{folder} cannot be made", str(error.strerror))
+            refuse({Path(target): [place]})
     return targets

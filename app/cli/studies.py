@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -20,7 +21,9 @@ WRONG_INPUT = 2
 FAILED = 1
 
 
-def prepare_all(files: Sequence[Path], *, cells: int, bytes_: int) -> dict[Path, Prepared]:
+def prepare_all(
+    files: Sequence[Path], *, cells: int | None = None, bytes_: int | None = None
+) -> dict[Path, Prepared]:
     """Return the study of each file, or report every error of every file and exit."""
     from core.kinds import prepare_content
     from core.study.load import read_content
@@ -50,7 +53,7 @@ def refuse(wrong: Mapping[Path, Sequence[Problem]]) -> NoReturn:
     raise typer.Exit(WRONG_INPUT)
 
 
-def refuse_clashes(targets: Mapping[Path, Path], taken: Collection[Path] = ()) -> None:
+def refuse_clashes(targets: Mapping[Path, Path | str], taken: Collection[Path | str] = ()) -> None:
     """Exit if two studies would go to one place, or one to a place that something else takes."""
     everything = [*targets.values(), *taken]
     message = "{} would be written more than once"
@@ -64,14 +67,24 @@ def refuse_clashes(targets: Mapping[Path, Path], taken: Collection[Path] = ()) -
         refuse(clashes)
 
 
+def refuse_beyond_memory(path: Path, prepared: Prepared) -> None:
+    """Exit if this machine's memory cannot hold the results of a study."""
+    size = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    if prepared.bytes > size:
+        message = f"its {prepared.bytes:,} bytes are held in memory, which has {size:,}"
+        problem = Problem("parameters", message, prepared.what_fits(size / prepared.bytes))
+        refuse({path: [problem]})
+
+
 @contextmanager
-def interruption(kind: str) -> Iterator[Callable[[], bool]]:
+def interruption(*, gently: bool = True) -> Iterator[Callable[[], bool]]:
     """Let Ctrl-C stop a study between cells, not in the middle; yield whether it has.
 
-    A second Ctrl-C stops at once. A sweep has nothing to keep: there it stops at once in any case.
+    A second Ctrl-C stops at once, and the first one too where there is nothing to keep: not
+    `gently`.
     """
     asked = threading.Event()
-    if kind == "sweep":
+    if not gently:
         yield asked.is_set
         return
 

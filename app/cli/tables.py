@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,13 +18,18 @@ from core.quantities import REGIMES
 if TYPE_CHECKING:
     from core.dataset import Table
     from core.plan.prepared import Prepared
+    from core.sweep.stream import Passed
 
 
 def show_plan(path: Path, prepared: Prepared) -> None:
     """Print what a study would do: cells, bytes, dimensions kept, equations planned."""
     plan = prepared.plan
     say(f"{path}: {plan.scene.name}, {plan.scene.choice} {plan.variant}")
-    say(f"  {prepared.cells:,} cells, {prepared.bytes:,} bytes before compression")
+    seconds = prepared.cells * prepared.seconds_a_cell
+    say(
+        f"  {prepared.cells:,} cells, {prepared.bytes:,} bytes before compression, "
+        f"some {seconds:.2g} s on one core"
+    )
     grid = new_grid("output", "unit", "values", "dimensions kept")
     for name, dims in prepared.dims.items():
         shape = " x ".join(f"{dim} {prepared.grid.shape[dim]}" for dim in dims) or "none"
@@ -43,43 +49,87 @@ def show_plan(path: Path, prepared: Prepared) -> None:
 
 
 def show_table(
-    path: Path, target: Path, table: Table, cells: int, evaluating: float, writing: float
+    path: Path, target: Path | str, table: Table, cells: int, evaluating: float, writing: float
 ) -> None:
     """Print a short table of a result: ranges, regimes, timings."""
     say(f"{path} -> {target}")
-    grid = new_grid("output", "unit", "least", "largest", "dimensions")
-    for name, variable in table.variables.items():
-        if "flag_values" not in variable.attributes:
-            ends = _finite_ends(variable.values)
-            unit = str(variable.attributes["units"])
-            grid.add_row(name, unit, *ends, ", ".join(variable.dims) or "none")
-    stdout.print(grid)
+    ends = {
+        name: _finite_ends(variable.values)
+        for name, variable in table.variables.items()
+        if "flag_values" not in variable.attributes
+    }
+    _show_ends(table, ends)
     shares = regime_shares(table)
-    say("  regimes: " + ", ".join(f"{name} {share:.1%}" for name, share in shares.items()))
-    beyond = sum(share for name, share in shares.items() if not REGIMES[name].valid)
+    _show_regimes(table, shares)
     if "message" in table.attributes:
         say(f"  {table.attributes['criterion']}, method {table.attributes['method']}")
         say(f"  {table.attributes['message']}")
-    if "verified_worst" in table.attributes:
-        against, count = (table.attributes[f"verified_{name}"] for name in ("against", "cells"))
-        worst = "worst: " if count else ""
-        worst += str(table.attributes["verified_worst"])
-        say(f"  {count:,} cells verified by {against}; {worst}")
-    if beyond and "variant" not in table.attributes:
-        say(f"  {beyond:.1%} of the cells have no mean velocity.")
-    elif beyond:
-        say(f"  {beyond:.1%} of the cells lie where the closed forms do not describe a real part.")
-    if beyond_error := not_verified(table):
-        fail(
-            f"  Not verified: {beyond_error:,} of the cells verified are further off than what is "
-            "known of their errors allows."
-        )
+    _show_verified(table)
     left = share_left_out(table)
     if left:
         fail(f"  It was stopped: {left:.1%} of the cells are not computed, and marked so.")
     elif not is_whole(table):
         fail("  It was stopped: all cells are computed, and not all verified that should be.")
     say(f"  {cells:,} cells evaluated in {evaluating:.3f} s, written in {writing:.3f} s")
+
+
+def show_streamed(
+    path: Path, target: Path | str, table: Table, passed: Passed, share: float, told: str
+) -> None:
+    """Print a short table of a sweep that was computed tile by tile.
+
+    `passed` is what was computed of it, `share` how much of the whole that is, and `told` what it
+    took.
+    """
+    say(f"{path} -> {target}")
+    if share < 1:
+        say(f"  of the {share:.1%} that this run has computed:")
+    ends = {name: (f"{a:.6g}", f"{b:.6g}") for name, (a, b) in passed.ends.items()}
+    ends |= {
+        name: _finite_ends(one.values) for name, one in table.variables.items() if not one.dims
+    }
+    _show_ends(table, ends)
+    counted = sum(passed.regimes.values())
+    by_value = {entry.value: name for name, entry in REGIMES.items()}
+    shares = {by_value[v]: n / counted for v, n in passed.regimes.items() if n}
+    if not table.variables["regime"].dims:
+        shares = regime_shares(table)
+    if shares:
+        _show_regimes(table, shares)
+    _show_verified(table)
+    say(f"  {told}")
+
+
+def _show_ends(table: Table, ends: Mapping[str, tuple[str, str]]) -> None:
+    grid = new_grid("output", "unit", "least", "largest", "dimensions")
+    for name, variable in table.variables.items():
+        if "flag_values" not in variable.attributes:
+            unit = str(variable.attributes["units"])
+            least, largest = ends.get(name, ("-", "-"))
+            grid.add_row(name, unit, least, largest, ", ".join(variable.dims) or "none")
+    stdout.print(grid)
+
+
+def _show_regimes(table: Table, shares: Mapping[str, float]) -> None:
+    say("  regimes: " + ", ".join(f"{name} {share:.1%}" for name, share in shares.items()))
+    beyond = sum(share for name, share in shares.items() if not REGIMES[name].valid)
+    if beyond and "variant" not in table.attributes:
+        say(f"  {beyond:.1%} of the cells have no mean velocity.")
+    elif beyond:
+        say(f"  {beyond:.1%} of the cells lie where the closed forms do not describe a real part.")
+
+
+def _show_verified(table: Table) -> None:
+    if "verified_worst" in table.attributes:
+        against, count = (table.attributes[f"verified_{name}"] for name in ("against", "cells"))
+        worst = "worst: " if count else ""
+        worst += str(table.attributes["verified_worst"])
+        say(f"  {count:,} cells verified by {against}; {worst}")
+    if beyond_error := not_verified(table):
+        fail(
+            f"  Not verified: {beyond_error:,} of the cells verified are further off than what is "
+            "known of their errors allows."
+        )
 
 
 def regime_shares(table: Table) -> dict[str, float]:

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 PART = ".part"  # ends the names of what is being written
+PARTIAL = ".partial"  # ends those of what a run that was stopped can go on with
 
 
 @contextmanager
@@ -25,12 +26,31 @@ def whole(path: Path) -> Iterator[Path]:
         # The system says why nothing can be written here; some libraries only that it failed.
         temporary.touch(exist_ok=True)
         yield temporary
-        with temporary.open("rb") as file:
-            os.fsync(file.fileno())
-        temporary.replace(path)
+        settle(temporary, path)
     except OSError as error:
         if error.errno is None:
             raise
         raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def settle(temporary: Path, path: Path) -> None:
+    """Give a finished file or folder its name, once it is on the disk."""
+    sync(temporary)
+    temporary.replace(path)
+    sync(path.parent)
+
+
+def sync(path: Path) -> None:
+    """Return when a file, or the list of a folder, is on the disk."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def partial(path: Path) -> Path:
+    """Return the folder of what is there of a result before it is complete."""
+    return path.with_name(f".{path.name}{PARTIAL}")

@@ -14,13 +14,15 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from core.dataset import layout
+from core.dataset.chunks import ChunkFile
 from core.dataset.files import whole
+from core.dataset.layout import CHUNK_CELLS, Tiles, chunk_shape
 from core.dataset.table import Table, Variable
 
 if TYPE_CHECKING:
     import netCDF4
 
-CHUNK_CELLS = 16_384  # 128 KiB: a chunk stays in the second-level cache while it is deflated
 COMPRESSION_LEVEL: Final = 1  # higher levels take up to three times as long to save a few per cent
 
 
@@ -59,10 +61,47 @@ def write_netcdf(
     OSError
         If the file cannot be written; nothing is left behind.
     """
-    import netCDF4  # a process that writes nothing does not load it
+    storage = _Storage(compression, level, significant_bits)
+    tiles = tiles_of(table)
+    with whole(path) as temporary:
+        if level != COMPRESSION_LEVEL or significant_bits is not None or not is_large(tiles):
+            _define(temporary, table, history, storage)
+            return
+        _define(temporary, table, history, storage, empty=True)
+        with ChunkFile(temporary) as file:
+            for tile in tiles:
+                place = tuple(slice(*ends) for ends in tile.box)
+                arrays = {name: table.variables[name].values[place] for name in tile.field.names}
+                file.write(tile, arrays)
+            file.close()
 
-    with whole(path) as temporary, netCDF4.Dataset(temporary, "w", format="NETCDF4") as file:
-        _fill(file, table, history, _Storage(compression, level, significant_bits))
+
+def define(path: Path, table: Table, *, history: str | None, compression: bool) -> None:
+    """Make the NetCDF file of a table without its arrays; their chunks are to follow.
+
+    What has no dimension, coordinates and texts are in it. The price is written only with a
+    `history`, as by `write_netcdf`.
+    """
+    _define(path, table, history, _Storage(compression), empty=True)
+
+
+def tiles_of(table: Table) -> Tiles:
+    """Return how the arrays of a table are cut, but for texts."""
+    arrays = {n: v for n, v in table.variables.items() if v.values.dtype != object}
+    sizes = {
+        dim: size
+        for array in arrays.values()
+        for dim, size in zip(array.dims, array.values.shape, strict=True)
+    }
+    return Tiles({name: array.dims for name, array in arrays.items()}, sizes)
+
+
+def is_large(tiles: Tiles) -> bool:
+    """Return whether the chunks of a result are written past the libraries.
+
+    Small ones do not repay it. It follows from the study alone, as does every byte of its file.
+    """
+    return tiles.cells > layout.TILE_CELLS
 
 
 @dataclass(frozen=True)
@@ -86,7 +125,19 @@ class _Storage:
 PLAIN = _Storage(compression=False)
 
 
-def _fill(file: netCDF4.Dataset, table: Table, history: str | None, storage: _Storage) -> None:
+def _define(
+    path: Path, table: Table, history: str | None, storage: _Storage, *, empty: bool = False
+) -> None:
+    """Write a table by the library; `empty` leaves out the values of arrays."""
+    import netCDF4  # a process that writes nothing does not load it
+
+    with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
+        _fill(file, table, history, storage, empty=empty)
+
+
+def _fill(
+    file: netCDF4.Dataset, table: Table, history: str | None, storage: _Storage, *, empty: bool
+) -> None:
     file.setncatts(_attributes(table.attributes))
     if history is not None:
         file.setncatts({"history": history, **_attributes(table.price)})
@@ -96,13 +147,15 @@ def _fill(file: netCDF4.Dataset, table: Table, history: str | None, storage: _St
     others = [name for name in table.coordinates if name not in axes]
     regime = table.variables.get("regime")
     for name, coordinate in table.coordinates.items():
-        _add(file, name, coordinate, {}, PLAIN)
+        _add(file, name, coordinate, {}, PLAIN)[...] = coordinate.values
     for name, variable in table.variables.items():
         near = [n for n in others if set(table.coordinates[n].dims) <= set(variable.dims)]
         links = {"coordinates": " ".join(near)} if near else {}
         if regime is not None and name != "regime" and set(regime.dims) <= set(variable.dims):
             links["ancillary_variables"] = "regime"
-        _add(file, name, variable, links, storage)
+        created = _add(file, name, variable, links, storage)
+        if not empty or not variable.dims or variable.values.dtype == object:
+            created[...] = variable.values
 
 
 def _add(
@@ -111,7 +164,7 @@ def _add(
     variable: Variable,
     links: Mapping[str, str],
     storage: _Storage,
-) -> None:
+) -> netCDF4.Variable[Any]:
     # CF forbids fill values in coordinates, and in flags they would turn integers into floats.
     if variable.values.dtype == object:  # texts, of any length: the library compresses none
         created = file.createVariable(name, str, variable.dims)
@@ -122,21 +175,11 @@ def _add(
             variable.dims,
             fill_value=False,
             shuffle=True,
-            chunksizes=_chunks(variable.values.shape),
+            chunksizes=chunk_shape(variable.values.shape, CHUNK_CELLS) or None,
             **storage.of(variable.values),
         )
     created.setncatts({**_attributes(variable.attributes), **links})
-    created[...] = variable.values
-
-
-def _chunks(shape: tuple[int, ...]) -> tuple[int, ...] | None:
-    """Return chunks of at most `CHUNK_CELLS` values: trailing axes whole, leading ones singly."""
-    chunks: list[int] = []
-    room = CHUNK_CELLS
-    for size in reversed(shape):
-        chunks.insert(0, max(1, min(size, room)))
-        room //= chunks[0]
-    return tuple(chunks) or None
+    return created
 
 
 def _attributes(attributes: Mapping[str, Any]) -> dict[str, Any]:

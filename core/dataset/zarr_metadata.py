@@ -17,6 +17,32 @@ none, so that flags stay integers.
 """
 
 
+LITTLE: dict[str, Any] = {"name": "bytes", "configuration": {"endian": "little"}}
+CHECKSUM: dict[str, Any] = {"name": "crc32c"}
+
+
+def _sharding(chunk_shape: tuple[int, ...], width: int) -> dict[str, Any]:
+    """Return the codec of shards whose chunks are compressed, and torn nowhere unnoticed."""
+    blosc = {
+        # The fastest of those that every reader of version 3 has; shuffled, it packs floats better
+        # than zstd does without.
+        "cname": "lz4",
+        "clevel": 5,
+        "shuffle": "shuffle" if width > 1 else "noshuffle",
+        "typesize": width,
+        "blocksize": 0,
+    }
+    return {
+        "name": "sharding_indexed",
+        "configuration": {
+            "chunk_shape": list(chunk_shape),
+            "codecs": [LITTLE, {"name": "blosc", "configuration": blosc}, CHECKSUM],
+            "index_codecs": [LITTLE, CHECKSUM],
+            "index_location": "end",
+        },
+    }
+
+
 def group_document(table: Table, arrays: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
     """Return the document of a group, which holds those of its arrays as well.
 
@@ -35,9 +61,13 @@ def group_document(table: Table, arrays: Mapping[str, dict[str, Any]]) -> dict[s
 
 
 def array_document(
-    table: Table, name: str, shape: tuple[int, ...], chunk_shape: tuple[int, ...]
+    table: Table,
+    name: str,
+    shape: tuple[int, ...],
+    chunk_shape: tuple[int, ...],
+    shard_shape: tuple[int, ...] | None = None,
 ) -> dict[str, Any]:
-    """Return the document of an array: raw little-endian values, one file a chunk.
+    """Return the document of an array: raw little-endian values, one file a chunk, or shards.
 
     Parameters
     ----------
@@ -47,20 +77,28 @@ def array_document(
         A coordinate or variable of the table.
     shape, chunk_shape : tuple of int
         The size of the whole and of a chunk along each dimension.
+    shard_shape : tuple of int, optional
+        The size of a shard, which is one file of compressed chunks.
     """
     is_output = name in table.variables
     variable = table.variables[name] if is_output else table.coordinates[name]
     data_type = variable.values.dtype.name
     links = _links(table, name, variable) if is_output else {}
+    codecs = [LITTLE]
+    if shard_shape is not None:
+        codecs = [_sharding(chunk_shape, variable.values.dtype.itemsize)]
     return {
         "zarr_format": 3,
         "node_type": "array",
         "shape": list(shape),
         "data_type": data_type,
-        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": list(chunk_shape)}},
+        "chunk_grid": {
+            "name": "regular",
+            "configuration": {"chunk_shape": list(shard_shape or chunk_shape)},
+        },
         "chunk_key_encoding": {"name": "default", "configuration": {"separator": "/"}},
         "fill_value": FILL[data_type][1],
-        "codecs": [{"name": "bytes", "configuration": {"endian": "little"}}],
+        "codecs": codecs,
         "dimension_names": list(variable.dims),
         "attributes": {**_plain(variable.attributes), **links},
     }
@@ -78,6 +116,10 @@ def _links(table: Table, name: str, variable: Variable) -> dict[str, str]:
 def _plain(attributes: Mapping[str, Any]) -> dict[str, Any]:
     """Return attributes as JSON knows them."""
     return {
-        name: value.tolist() if isinstance(value, np.ndarray) else str(value)
+        name: value.tolist()
+        if isinstance(value, np.ndarray)
+        else value
+        if isinstance(value, int | float)
+        else str(value)
         for name, value in attributes.items()
     }

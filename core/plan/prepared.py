@@ -107,13 +107,14 @@ class Prepared:
             raise StudyError([Problem("verify", message, f"Give at most {most:,}")])
         return self
 
-    def check_limits(self, *, cells: int, bytes_: int) -> None:
-        """Raise `LimitError` if the study has more cells or bytes than allowed."""
+    def check_limits(self, *, cells: int | None, bytes_: int | None) -> None:
+        """Raise `LimitError` if the study has more cells or bytes than allowed, None for any."""
         for limit, asked, allowed in (("cells", self.cells, cells), ("bytes", self.bytes, bytes_)):
-            if asked > allowed:
-                raise LimitError(limit, asked, allowed, self._what_fits(allowed / asked))
+            if allowed is not None and asked > allowed:
+                raise LimitError(limit, asked, allowed, self.what_fits(allowed / asked))
 
-    def _what_fits(self, share: float) -> str:
+    def what_fits(self, share: float) -> str:
+        """Return a sentence that says which study is about that share of this one."""
         longest = max(self.grid.shape, key=lambda name: self.grid.shape[name])
         fitting = int(self.grid.shape[longest] * share)
         if fitting >= 2:

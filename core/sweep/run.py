@@ -9,9 +9,11 @@ from core.dataset.table import (
     Variable,
     regime_attributes,
 )
+from core.mechanics.arrays import Array
 from core.plan.evaluate import evaluate
 from core.plan.labels import coordinates_of, global_attributes, outputs_of
 from core.plan.pieces import Computed, carry_out
+from core.plan.sample import Sample
 from core.sweep.prepare import Sweep, prepare
 from core.sweep.verify import accuracy, verified
 from core.watch import Watch
@@ -49,14 +51,22 @@ def compute(prepared: Sweep, watch: Watch) -> Computed:
 
 def label(prepared: Sweep, computed: Computed, watch: Watch) -> Table:
     """Return what was computed of a sweep, labelled; `watch` may stop verifying it."""
-    plan, arrays = prepared.plan, computed.arrays
+    plan, arrays, dims = prepared.plan, computed.arrays, prepared.dims
+
+    def values_at(sample: Sample) -> dict[str, Array]:
+        return {name: sample.at(arrays[name], dims[name]) for name in plan.outputs}
+
     variables = outputs_of(prepared, arrays)
     variables["regime"] = Variable(
-        prepared.dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
+        dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
     )
-    attributes = {
-        **global_attributes(prepared, "closed-form equations"),
-        "accuracy": accuracy(plan.scene),
-        **verified(prepared, arrays, watch),
-    }
+    attributes = {**attributes_of(prepared), **verified(prepared, values_at, watch)}
     return Table(coordinates_of(plan, prepared.grid), variables, attributes)
+
+
+def attributes_of(prepared: Sweep) -> dict[str, str]:
+    """Return the attributes of a whole sweep that are known before anything is computed."""
+    return {
+        **global_attributes(prepared, "closed-form equations"),
+        "accuracy": accuracy(prepared.plan.scene),
+    }

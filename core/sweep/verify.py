@@ -7,7 +7,7 @@ give the same to any number of digits; that is for the tests of each scene.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from core.mechanics.arrays import Array
 from core.plan.plan import Plan
 from core.plan.prepared import Prepared
-from core.plan.sample import sample_of
+from core.plan.sample import Sample, sample_of
 from core.quantities import QUANTITIES
 from core.scenes import Scene
 from core.watch import Watch
@@ -231,7 +231,7 @@ def _worst(
 
 
 def verified(
-    prepared: Prepared, arrays: Mapping[str, NDArray[np.generic]], watch: Watch
+    prepared: Prepared, values_at: Callable[[Sample], Mapping[str, Array]], watch: Watch
 ) -> dict[str, str | int]:
     """Return what verifying a sweep found, as attributes of its result; nothing if not asked for.
 
@@ -239,17 +239,16 @@ def verified(
     ----------
     prepared : Prepared
         The sweep.
-    arrays : mapping of str to ndarray
-        What was computed, SI units.
+    values_at : callable
+        Returns the outputs at the cells of a sample, as they were computed, SI units.
     watch : Watch
         May stop it.
     """
     if prepared.study.verify is None:
         return {}
-    plan, sample = prepared.plan, sample_of(prepared, arrays)
+    plan, sample = prepared.plan, sample_of(prepared, {})
     cells = prepared.grid.at(sample.places, sample.count, plan.parameters)
-    got = {name: sample.at(arrays[name], prepared.dims[name]) for name in plan.outputs}
-    found = rounding_of(plan, cells, got, watch)
+    found = rounding_of(plan, cells, values_at(sample), watch)
     evaluated = int(found.evaluated.sum())
     if not evaluated:
         return sample.told(AGAINST)

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from core.dataset.layout import CHUNK_CELLS, chunk_shape
 from core.dataset.zarr_metadata import FILL, array_document, group_document
 from core.plan.evaluate import evaluate
 from core.plan.grid import Grid, axis_values, from_si
@@ -24,8 +25,6 @@ from core.plan.plan import Plan
 from core.study.values import Points
 from core.sweep.prepare import Sweep
 from core.sweep.run import tabulate
-
-CHUNK_CELLS = 65_536  # 512 KiB of floats, 64 KiB of flags: a request pays, and none is long
 
 _CHUNK = re.compile(r"c((?:/(?:0|[1-9][0-9]{0,17}))*)")
 
@@ -162,21 +161,3 @@ class ZarrView:
         )
         values = evaluate(plan, piece)[name]
         return values if name == "regime" else from_si(name, values)
-
-
-def chunk_shape(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
-    """Return the shape of the chunks of an array, of `most` values or somewhat fewer.
-
-    All axes are cut alike as far as they are long enough: a reader who frees any two of them then
-    reads as little beside what was asked for as can be. The chunks of an axis are of nearly equal
-    length, so that little of the last one is padding.
-    """
-    lengths = [1] * len(shape)
-    room = most
-    # Short axes first: what they leave over goes to the long ones.
-    for done, position in enumerate(sorted(range(len(shape)), key=lambda p: shape[p])):
-        fair = max(1, int(room ** (1 / (len(shape) - done)) + 1e-9))
-        pieces = -(-shape[position] // fair)
-        lengths[position] = -(-shape[position] // pieces)
-        room //= lengths[position]
-    return tuple(lengths)

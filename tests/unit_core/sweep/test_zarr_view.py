@@ -16,15 +16,13 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
-from hypothesis import given
-from hypothesis import strategies as st
 
 from core.errors import VibrafeedError
 from core.kinds import prepare_content
 from core.study.values import Points, Span
 from core.sweep import Sweep, tabulate
 from core.sweep.lazy import open_lazily
-from core.sweep.zarr_view import CHUNK_CELLS, ZarrView, axis_values, chunk_shape
+from core.sweep.zarr_view import ZarrView, axis_values
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 SWEEPS = {
@@ -131,24 +129,6 @@ def test_pieces_of_an_axis_are_the_axis(axis):
             for start in range(0, axis.size, length)
         ]
         assert np.concatenate(pieces).tobytes() == whole.tobytes()
-
-
-@given(st.lists(st.integers(1, 10**8), max_size=9).map(tuple))
-def test_chunks_are_small_and_not_too_small(shape):
-    lengths = chunk_shape(shape, CHUNK_CELLS)
-    assert all(1 <= c <= n for c, n in zip(lengths, shape, strict=True))
-    cells = math.prod(lengths)
-    assert cells <= CHUNK_CELLS
-    # Rounding down, then sharing out evenly, at most halves an axis; what is lost by a short axis
-    # goes to the next, so that only the last two or three count.
-    assert cells >= min(math.prod(shape), CHUNK_CELLS) / 8
-
-
-def test_the_chunks_of_usual_grids():
-    assert chunk_shape((1000,) * 4, CHUNK_CELLS) == (16, 16, 16, 16)
-    assert chunk_shape((10**6, 10**6), CHUNK_CELLS) == (256, 256)
-    assert chunk_shape((101, 3, 91, 91), CHUNK_CELLS) == (34, 3, 23, 23)
-    assert chunk_shape((), CHUNK_CELLS) == ()
 
 
 def test_the_document_of_the_group_holds_those_of_its_arrays():

@@ -1,0 +1,116 @@
+"""A sweep of any size from the command line: room, progress, stopping and going on."""
+
+from __future__ import annotations
+
+import shutil
+import time
+from pathlib import Path
+
+import typer
+
+from app.cli import console, tables
+from app.cli.studies import FAILED, interruption, refuse
+from core.dataset.files import partial
+from core.errors import Problem, VibrafeedError
+from core.kinds import is_whole, not_verified
+from core.sweep import Sweep
+from core.sweep.size import bytes_in_file
+from core.sweep.stream import outline, stream
+from core.sweep.targets import is_zarr, open_target
+from core.watch import Watch
+
+OTHERWISE = "Remove it, or give another name"
+
+
+def run_streamed(
+    path: Path,
+    sweep: Sweep,
+    target: str,
+    *,
+    compression: bool,
+    resume: bool,
+    history: str,
+    deadline: float | None,
+) -> tuple[bool, bool]:
+    """Compute a sweep into a file or store, tile by tile; return whether it is whole, and sound.
+
+    If it is stopped, what is done is kept, and the user is told how to go on.
+    """
+    size = _make_sure_of_room(path, sweep, target, compression=compression, resume=resume)
+    started = time.perf_counter()
+    with interruption() as interrupted:
+        with console.progress(f"{path.name}, verifying") as advance:
+            table = outline(sweep, Watch(advance, interrupted, deadline))
+        if not is_whole(table):
+            console.fail(f"{path}: it was stopped while cells were verified; nothing is written.")
+            return False, False
+        try:
+            growing = open_target(
+                target, sweep, table, compression=compression, resume=resume, history=history
+            )
+        except BlockingIOError:
+            refuse({path: [Problem("output", f"another run is writing {target}", "Wait for it")]})
+        except FileExistsError as error:
+            refuse({path: [Problem("output", str(error), OTHERWISE)]})
+        except VibrafeedError as error:
+            refuse({path: [Problem("output", str(error), "Or write NetCDF: -o result.nc")]})
+        begun, tiles = growing.done, growing.tiles
+        if begun:
+            console.say(f"  it goes on with {begun:,} of {len(tiles):,} tiles done")
+        try:
+            with console.progress(path.name, size) as advance:
+                passed, whole = stream(sweep, growing, Watch(advance, interrupted, deadline))
+        except OSError as error:
+            console.fail(f"{target} cannot be written: {error.strerror or error}.")
+            _say_how_to_go_on(target)
+            raise typer.Exit(FAILED) from None
+        except KeyboardInterrupt:
+            whole = False
+        finally:
+            growing.close()
+    if not whole:
+        console.fail(f"{path}: it was stopped; {growing.done:,} of {len(tiles):,} tiles are done.")
+        _say_how_to_go_on(target)
+        return False, False
+    seconds = time.perf_counter() - started
+    share = passed.cells / tiles.cells
+    told = f"{sweep.cells:,} cells in {len(tiles):,} tiles, {size / 1e9:.3g} GB: {seconds:.3f} s"
+    tables.show_streamed(path, target, table, passed, share, told)
+    return True, not not_verified(table)
+
+
+def _make_sure_of_room(
+    path: Path, sweep: Sweep, target: str, *, compression: bool, resume: bool
+) -> int:
+    """Say how large the result becomes, and refuse what its disk cannot hold; return the bytes."""
+    compressed = compression or is_zarr(target)
+    size = bytes_in_file(sweep, compressed=compressed)
+    about = "about " if compressed else ""
+    line = f"{path}: {sweep.cells:,} cells, {sweep.bytes:,} bytes, {about}{_gb(size)} in the file"
+    if "://" in target:
+        console.say(line)
+        return size
+    place = Path(target)
+    if is_zarr(target) and place.exists():
+        refuse({path: [Problem("output", f"{target} is there already", OTHERWISE)]})
+    free = shutil.disk_usage(place.parent).free
+    begun = partial(place)
+    if begun.exists():  # what it takes is used again, or given back
+        free += sum(one.stat().st_blocks * 512 for one in begun.rglob("*") if one.is_file())
+    console.say(f"{line}, {_gb(free)} are free")
+    if size > free:
+        fix = sweep.what_fits(free / size)
+        if not compressed:
+            fix += ", or perhaps without --plain"
+        message = f"it takes {about}{_gb(size)}, and the disk of {place.parent} has {_gb(free)}"
+        refuse({path: [Problem("output", message, fix)]})
+    return size
+
+
+def _say_how_to_go_on(target: str) -> None:
+    where = target if "://" in target else partial(Path(target))
+    console.fail(f"What is done is kept in {where}. To go on, give the same command with --resume.")
+
+
+def _gb(size: int) -> str:
+    return f"{size / 1e9:,.3g} GB"

@@ -1,0 +1,229 @@
+"""Chunks of a NetCDF file, written past the libraries: encoded by threads, each written once.
+
+HDF5 decides where a chunk goes and keeps the index of them; what it is given for a file sends each
+byte straight to its place on the disk. Where it puts things follows from the lengths of the chunks
+alone, so that a run that was stopped goes on by telling it these lengths again: the file is, to the
+byte, that of a run that was not.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.dataset.layout import Box, Tile
+
+if TYPE_CHECKING:
+    import h5py
+
+Encode = Callable[[NDArray[Any], Box, tuple[int, ...]], Any]
+
+LEVEL: Final = 1  # of ISA-L: as fast as level 0 or nearly so, and a fifth smaller
+DEFLATED: Final = [2, 1]  # the numbers of the filters of HDF5, shuffle first
+
+
+class ChunkFile:
+    """A NetCDF file whose arrays are defined and empty, open to take their chunks.
+
+    One thread uses it at a time. What HDF5 keeps is lost unless `close` is reached: until then the
+    file cannot be read.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    threads : int, optional
+        How many encode chunks; one a core if left out. The bytes do not depend on it.
+    """
+
+    def __init__(self, path: Path, threads: int | None = None):
+        import h5py  # a process that writes no large file does not load it
+
+        self._disk = _Disk(path)
+        self._file: h5py.File = h5py.File(self._disk, "r+")
+        self._pool = ThreadPoolExecutor(threads or os.cpu_count(), thread_name_prefix="chunks")
+        self._encoders: dict[str, Encode] = {}
+
+    def write(self, tile: Tile, arrays: Mapping[str, NDArray[Any]]) -> tuple[list[int], int]:
+        """Write the arrays of a tile; return the lengths of its chunks, and a checksum of them."""
+        from isal.isal_zlib import crc32
+
+        lengths, checksum = [], 0
+        for name, chunks in self._encoded(tile, arrays).items():
+            target = self._file[name].id
+            for chunk, data in chunks:
+                target.write_direct_chunk(tuple(start for start, _ in chunk), data)
+                lengths.append(len(data))
+                checksum = crc32(data, checksum)
+        self._disk.check()
+        return lengths, checksum
+
+    def pass_over(self, tile: Tile, lengths: Sequence[int]) -> int:
+        """Take a tile for written whose chunks have these lengths; return their checksum."""
+        self._disk.passing = np.zeros(max(lengths), dtype=np.uint8)
+        left = iter(lengths)
+        for name in tile.field.names:
+            target = self._file[name].id
+            for chunk in tile.field.layout.chunks(tile.box):
+                nothing = self._disk.passing[: next(left)]
+                target.write_direct_chunk(tuple(start for start, _ in chunk), nothing)
+        self._disk.passing = None
+        checksum, self._disk.checksum = self._disk.checksum, 0
+        return checksum
+
+    def sync(self) -> None:
+        """Return when all chunks are on the disk."""
+        os.fdatasync(self._disk.descriptor)
+
+    def close(self, attributes: Mapping[str, float] | None = None) -> None:
+        """Make the file whole; global attributes that are numbers, and are there, take new ones."""
+        import h5py
+
+        for name, value in (attributes or {}).items():
+            if h5py.h5a.exists(self._file.id, name.encode()):
+                h5py.h5a.open(self._file.id, name.encode()).write(np.array([value]))
+        self._file.close()
+        self._disk.check()
+        self.leave()
+
+    def leave(self) -> None:
+        """Give the file up as it is."""
+        self._disk.is_open = False  # HDF5 writes what it keeps, to nowhere
+        self._file.close()
+        self._pool.shutdown(cancel_futures=True)
+        if self._disk.descriptor >= 0:
+            os.close(self._disk.descriptor)
+            self._disk.descriptor = -1
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.leave()
+
+    def _encoded(
+        self, tile: Tile, arrays: Mapping[str, NDArray[Any]]
+    ) -> dict[str, Iterator[tuple[Box, Any]]]:
+        """Have the chunks of all arrays of a tile encoded; they come in the order of the file."""
+        layout = tile.field.layout
+        chunks = list(layout.chunks(tile.box))
+        encoded: dict[str, Iterator[tuple[Box, Any]]] = {}
+        for name in tile.field.names:
+            encode, values = self._encoder(name), arrays[name]
+            boxes = [_inside(chunk, tile.box) for chunk in chunks]
+            data = self._pool.map(lambda box, e=encode, v=values: e(v, box, layout.chunk), boxes)
+            encoded[name] = zip(chunks, data, strict=True)
+        return encoded
+
+    def _encoder(self, name: str) -> Encode:
+        if name not in self._encoders:
+            settings = self._file[name].id.get_create_plist()
+            filters = [settings.get_filter(k)[0] for k in range(settings.get_nfilters())]
+            self._encoders[name] = encoder(filters)
+        return self._encoders[name]
+
+
+def encoder(filters: Sequence[int]) -> Encode:
+    """Return what makes the bytes of a chunk, for HDF5's filters of an array."""
+    if not filters:
+        return lambda values, box, shape: _chunk(values, box, shape).data.cast("B")
+    if filters not in (DEFLATED, DEFLATED[1:]):
+        raise NotImplementedError(f"HDF5 filters {filters}")
+    from isal import isal_zlib
+
+    def deflated(values: NDArray[Any], box: Box, shape: tuple[int, ...]) -> Any:
+        chunk = _chunk(values, box, shape)
+        if chunk.dtype.itemsize > 1:  # shuffled: the first bytes of all values, the second ones ...
+            octets = chunk.reshape(-1).view(np.uint8).reshape(-1, chunk.dtype.itemsize)
+            chunk = np.ascontiguousarray(octets.T)
+        return isal_zlib.compress(np.ascontiguousarray(chunk), LEVEL)
+
+    return deflated
+
+
+def _chunk(values: NDArray[Any], box: Box, shape: tuple[int, ...]) -> NDArray[Any]:
+    """Return one chunk of a tile; what lies beyond the end of an axis is 0."""
+    part = values[tuple(slice(*ends) for ends in box)]
+    if part.shape == shape:
+        return np.ascontiguousarray(part)
+    chunk = np.zeros(shape, values.dtype)
+    chunk[tuple(map(slice, part.shape))] = part
+    return chunk
+
+
+def _inside(chunk: Box, tile: Box) -> Box:
+    """Return where a chunk lies in the array of its tile."""
+    return tuple((a - start, b - start) for (a, b), (start, _) in zip(chunk, tile, strict=True))
+
+
+class _Disk:
+    """What HDF5 takes for a file.
+
+    Attributes
+    ----------
+    passing : ndarray or None
+        What stands for chunks that are on the disk: writing it reads them into the checksum.
+    """
+
+    def __init__(self, path: Path):
+        self.descriptor = os.open(path, os.O_RDWR)
+        self.is_open, self._at = True, 0
+        self.passing: NDArray[np.uint8] | None = None
+        self.checksum = 0
+        self._trouble: OSError | None = None
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        start = {os.SEEK_SET: 0, os.SEEK_CUR: self._at}.get(whence)
+        self._at = offset + (os.fstat(self.descriptor).st_size if start is None else start)
+        return self._at
+
+    def tell(self) -> int:
+        return self._at
+
+    def read(self, length: int) -> bytes:
+        return os.pread(self.descriptor, length, self._at)
+
+    def readinto(self, buffer: memoryview) -> int:
+        done = os.preadv(self.descriptor, [buffer], self._at)
+        self._at += done
+        return done
+
+    def write(self, data: memoryview) -> int:
+        length = len(data)
+        if not self.is_open:
+            return length
+        if self._is_passed(data):
+            from isal.isal_zlib import crc32  # ten times as fast as zlib's
+
+            self.checksum = crc32(os.pread(self.descriptor, length, self._at), self.checksum)
+            return length
+        try:
+            while data:
+                written = os.pwrite(self.descriptor, data, self._at)
+                data, self._at = data[written:], self._at + written
+        except OSError as error:
+            self._trouble = self._trouble or error
+        return length
+
+    def check(self) -> None:
+        """Raise what went wrong; on its way through HDF5 its reason would be lost."""
+        if self._trouble is not None:
+            raise self._trouble
+
+    def _is_passed(self, data: memoryview) -> bool:
+        if self.passing is None:
+            return False
+        return np.frombuffer(data, np.uint8).ctypes.data == self.passing.ctypes.data
+
+    def truncate(self, size: int) -> None:
+        if self.is_open:
+            os.ftruncate(self.descriptor, size)
+
+    def flush(self) -> None:
+        """Do nothing: what was written is with the system."""

@@ -1,0 +1,170 @@
+"""A NetCDF file that grows tile by tile, and goes on where a run before was stopped or killed.
+
+Beside the file that is to be, a hidden folder holds three: `start`, the file without its arrays, as
+the NetCDF library made it; `data`, the same with the chunks so far; and `journal`, the lengths and
+checksums of the chunks of each tile.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+import time
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import NDArray
+
+from core.dataset.chunks import ChunkFile
+from core.dataset.files import partial, settle, sync
+from core.dataset.journal import Journal
+from core.dataset.layout import Tiles
+
+SYNC_BYTES = 256 * 2**20  # between two waits for the disk: what a power cut may cost
+SYNC_SECONDS = 5.0
+
+
+class GrowingNetcdf:
+    """A NetCDF file under way; what its name stands for appears when it is complete.
+
+    Tiles are written in their order.
+
+    Parameters
+    ----------
+    path : Path
+        The file that is to be; one that is there is replaced at the end.
+    tiles : Tiles
+        Of all arrays.
+    identity : mapping of str to str
+        What must be equal for a run to go on with what another has begun.
+    begin : callable
+        Writes the file without its arrays at the path that it is given.
+    resume : bool
+        Go on with what is there, if it has this identity; otherwise it is begun anew.
+
+    Attributes
+    ----------
+    tiles : Tiles
+        Of all arrays.
+    done : int
+        Number of the tiles that are written.
+    seconds : float
+        What the tiles cost that were there at the start.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        tiles: Tiles,
+        identity: Mapping[str, str],
+        begin: Callable[[Path], None],
+        *,
+        resume: bool = False,
+    ):
+        self._path, self.tiles = path, tiles
+        self._folder = partial(path)
+        self._folder.mkdir(parents=True, exist_ok=True)
+        self._journal = Journal(self._folder / "journal")
+        self._file: ChunkFile | None = None
+        self.done, self.seconds = 0, 0.0
+        self._waiting, self._synced = 0, time.monotonic()
+        try:
+            if resume and self._is_of(identity):
+                self._go_on()
+            else:
+                self._begin(identity, begin)
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def missing(self) -> Iterator[int]:
+        """The tiles that are not written, in their order."""
+        return iter(range(self.done, len(self.tiles)))
+
+    def write(self, index: int, arrays: Mapping[str, NDArray[Any]], seconds: float) -> None:
+        """Write a tile; `seconds` is what all tiles so far cost."""
+        assert self._file is not None
+        lengths, checksum = self._file.write(self.tiles[index], arrays)
+        self._journal.add({"lengths": lengths, "checksum": checksum, "seconds": seconds})
+        self.done += 1
+        self._waiting += sum(lengths)
+        if self._waiting >= SYNC_BYTES or time.monotonic() - self._synced >= SYNC_SECONDS:
+            self._sync()
+
+    def finish(self, price: Mapping[str, float]) -> None:
+        """Give the file its name; `price` are numbers among its attributes that are known now."""
+        assert self._file is not None
+        self._file.close(price)
+        self._file = None
+        settle(self._folder / "data", self._path)
+        self._journal.close()
+        shutil.rmtree(self._folder)
+
+    def close(self) -> None:
+        """Leave things so that another run can go on."""
+        if self._file is not None:
+            self._sync()
+            self._file.leave()
+            self._file = None
+        self._journal.close()
+
+    def _sync(self) -> None:
+        assert self._file is not None
+        self._file.sync()
+        self._journal.sync()
+        self._waiting, self._synced = 0, time.monotonic()
+
+    def _is_of(self, identity: Mapping[str, str]) -> bool:
+        """Return whether what is there was begun by an equal run, and its start is whole."""
+        if not self._journal.records:
+            return False
+        known = dict(self._journal.records[0])
+        digest = known.pop("start", None)
+        start = self._folder / "start"
+        return known == identity and start.exists() and _digest(start) == digest
+
+    def _begin(self, identity: Mapping[str, str], begin: Callable[[Path], None]) -> None:
+        self._journal.keep(0)
+        start = self._folder / "start"
+        start.unlink(missing_ok=True)
+        begin(start)
+        sync(start)
+        self._journal.add({**identity, "start": _digest(start)})
+        self._open(new=True)
+        self._sync()
+
+    def _go_on(self) -> None:
+        """Take the tiles that the journal tells of for written, up to the first that is not."""
+        records = self._journal.records[1:]
+        while (good := self._passed(records)) < len(records):
+            records = records[:good]
+        self._journal.keep(1 + good)
+        self.done = good
+        self.seconds = float(records[-1]["seconds"]) if records else 0.0
+
+    def _passed(self, records: list[dict[str, Any]]) -> int:
+        """Return how many of the tiles stand in the file as they were written."""
+        file = self._open()
+        for number, record in enumerate(records):
+            if file.pass_over(self.tiles[number], record["lengths"]) != record["checksum"]:
+                return number
+        return len(records)
+
+    def _open(self, *, new: bool = False) -> ChunkFile:
+        """Open the file as it was before its first chunk; what lies behind stays where it is."""
+        if self._file is not None:
+            self._file.leave()
+        data = self._folder / "data"
+        if new or not data.exists():
+            data.write_bytes(b"")
+        with (self._folder / "start").open("rb") as start, data.open("r+b") as file:
+            shutil.copyfileobj(start, file)
+        self._file = ChunkFile(data)
+        return self._file
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -1,0 +1,75 @@
+"""A journal of what has been done: lines that are whole or do not count."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import zlib
+from pathlib import Path
+from typing import Any
+
+
+class Journal:
+    """Records in a file, one a line, each with a checksum; a torn end is cut off.
+
+    Parameters
+    ----------
+    path : Path
+        The file; it is made if there is none.
+
+    Attributes
+    ----------
+    records : list of dict
+        What it held when it was opened, as far as it is whole.
+
+    Raises
+    ------
+    BlockingIOError
+        If another process has it open.
+    """
+
+    def __init__(self, path: Path):
+        self._file = path.open("a+b")
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            self._file.close()
+            raise
+        self._file.seek(0)
+        self.records: list[dict[str, Any]] = []
+        self._ends = [0]
+        for line in self._file:
+            record = _record(line)
+            if record is None:
+                break
+            self.records.append(record)
+            self._ends.append(self._ends[-1] + len(line))
+        self.keep(len(self.records))
+
+    def keep(self, count: int) -> None:
+        """Forget all records but the first ones."""
+        del self.records[count:], self._ends[count + 1 :]
+        self._file.truncate(self._ends[-1])
+
+    def add(self, record: dict[str, Any]) -> None:
+        """Add a record; it is with the system then, and on the disk after `sync`."""
+        text = json.dumps(record).encode()
+        self._file.write(b"%08x %s\n" % (zlib.crc32(text), text))
+        self._file.flush()
+
+    def sync(self) -> None:
+        """Return when all records are on the disk."""
+        os.fsync(self._file.fileno())
+
+    def close(self) -> None:
+        """Let others have it."""
+        self._file.close()
+
+
+def _record(line: bytes) -> dict[str, Any] | None:
+    checksum, _, text = line.rstrip(b"\n").partition(b" ")
+    if not line.endswith(b"\n") or checksum != b"%08x" % zlib.crc32(text):
+        return None
+    record: dict[str, Any] = json.loads(text)
+    return record

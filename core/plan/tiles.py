@@ -1,0 +1,82 @@
+"""The tiles of a study of closed forms, each evaluated by itself.
+
+A field of a study, which is outputs with the same axes, has a plan and a grid of its own: nothing
+is computed, or cut, along axes that it does not have.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.dataset.layout import Tile, Tiles
+from core.plan.evaluate import evaluate
+from core.plan.grid import Grid, axis_values, from_si
+from core.plan.plan import Plan
+from core.plan.prepared import BYTES, Prepared
+from core.study.values import Points
+
+
+class Tiled:
+    """A study of closed forms, of any size, that is evaluated tile by tile.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        The study.
+
+    Attributes
+    ----------
+    tiles : Tiles
+        Where the tiles lie.
+    """
+
+    def __init__(self, prepared: Prepared):
+        self.tiles = Tiles(prepared.dims, prepared.grid.shape)
+        self._grid, self._plan = prepared.grid, prepared.plan
+        self._plans = {field: self._pulled(field.names) for field in self.tiles.fields}
+
+    @property
+    def bytes(self) -> int:
+        """Bytes of all arrays in files that are not compressed."""
+        return self.tiles.stored({n: BYTES.get(n, 8) for f in self.tiles.fields for n in f.names})
+
+    def values(self, tile: Tile) -> dict[str, NDArray[Any]]:
+        """Return the arrays of a tile, in the units of files."""
+        computed = self._evaluated(self._plans[tile.field], tile.where)
+        return {name: in_files(name, computed[name]) for name in tile.field.names}
+
+    def at(self, places: Mapping[str, NDArray[np.int64]], count: int) -> dict[str, NDArray[Any]]:
+        """Return the outputs at some cells, SI units, shape (count,); each cell by itself.
+
+        `places` has the position on each axis of the study, shape (count,).
+        """
+        cells = [
+            self._evaluated(self._plan, {d: (int(p[k]), int(p[k]) + 1) for d, p in places.items()})
+            for k in range(count)
+        ]
+        return {
+            name: np.array([cell[name].item() for cell in cells], dtype=np.float64)
+            for name in self._plan.outputs
+        }
+
+    def _pulled(self, names: tuple[str, ...]) -> Plan:
+        """Return the part of the plan that the arrays of a field need."""
+        outputs = tuple(name for name in names if name != "regime")
+        return self._plan.part(outputs, self._plan.conditions if "regime" in names else ())
+
+    def _evaluated(self, plan: Plan, where: Mapping[str, tuple[int, int]]) -> dict[str, Any]:
+        axes, fixed = self._grid.axes, self._grid.fixed
+        piece = Grid(
+            {dim: Points(tuple(axis_values(axes[dim], *ends))) for dim, ends in where.items()},
+            {name: value for name, value in fixed.items() if name in plan.parameters},
+        )
+        return evaluate(plan, piece)
+
+
+def in_files(name: str, values: NDArray[Any]) -> NDArray[Any]:
+    """Return values of an array in the unit of files; a regime has none."""
+    return values if name == "regime" else from_si(name, values)

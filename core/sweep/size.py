@@ -1,0 +1,33 @@
+"""How large the file of a sweep becomes, before it is made."""
+
+from __future__ import annotations
+
+import random
+
+from core.dataset.chunks import DEFLATED, encoder
+from core.dataset.layout import Tile
+from core.plan.tiles import Tiled
+from core.sweep.prepare import Sweep
+
+CHUNKS = 12  # how many are tried
+
+
+def bytes_in_file(sweep: Sweep, *, compressed: bool) -> int:
+    """Return the bytes of the arrays of a sweep in a file; of compressed ones, an estimate.
+
+    It is told from a few chunks, which are the same for equal studies.
+    """
+    tiled = Tiled(sweep)
+    if not compressed or not len(tiled.tiles):
+        return tiled.bytes
+    chance, encode = random.Random(sweep.study.key()), encoder(DEFLATED)
+    largest = max(tiled.tiles.fields, key=lambda field: field.layout.stored)
+    plain = packed = 0
+    for _ in range(CHUNKS):
+        box = largest.layout.box(chance.randrange(largest.layout.tiles))
+        chunk = Tile(largest, chance.choice(list(largest.layout.chunks(box))))
+        inside = tuple((0, stop - start) for start, stop in chunk.box)
+        for values in tiled.values(chunk).values():
+            plain += values.nbytes
+            packed += len(encode(values, inside, values.shape))
+    return int(tiled.bytes * packed / plain)

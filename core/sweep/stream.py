@@ -1,0 +1,201 @@
+"""A sweep of any size into a file: tiles are computed while the ones before are written.
+
+Memory is bounded: a tile is computed, one waits, and one is written and encoded meanwhile. That is
+four tiles, of 32 MiB for each output that has the most axes, whatever the size of the sweep.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Iterator, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+import core
+from core.dataset.layout import Tile
+from core.dataset.table import Table
+from core.errors import VibrafeedError
+from core.mechanics.arrays import Array
+from core.plan.labels import coordinates_of
+from core.plan.pieces import price
+from core.plan.sample import Sample, sample_of
+from core.plan.tiles import Tiled, in_files
+from core.quantities import REGIMES
+from core.sweep.prepare import Sweep
+from core.sweep.run import attributes_of, tabulate
+from core.sweep.verify import verified
+from core.watch import Watch
+
+AHEAD = 1  # tiles that wait to be written while one is written
+
+
+class Target(Protocol):
+    """Where tiles go: a file or a store under way.
+
+    Attributes
+    ----------
+    seconds : float
+        What the tiles cost that a run before has written.
+    """
+
+    seconds: float
+
+    @property
+    def missing(self) -> Iterator[int]:
+        """The tiles that are not written, in the order in which it takes them."""
+
+    def write(self, index: int, arrays: Mapping[str, NDArray[Any]], seconds: float) -> None:
+        """Write a tile, in the units of files; `seconds` is what all so far cost."""
+
+    def finish(self, price: Mapping[str, float]) -> None:
+        """Make the result whole, and let it appear."""
+
+
+def identity(sweep: Sweep) -> dict[str, str]:
+    """Return what two runs have in common that make the same bytes, but for the kind of file."""
+    return {"study": sweep.study.key(), "version": core.__version__}
+
+
+def outline(sweep: Sweep, watch: Watch | None = None) -> Table:
+    """Return the table of a sweep of any size but for the values of its arrays, which are hollow.
+
+    Shapes, types and attributes are those of `tabulate`, with cells verified that are evaluated
+    for it, and a price that is not known yet; `watch` may stop verifying.
+    """
+    first = tabulate(sweep.within(dict.fromkeys(sweep.grid.axes, (0, 1))).unverified())
+    tiled, shape = Tiled(sweep), sweep.grid.shape
+
+    def values_at(sample: Sample) -> dict[str, Array]:
+        return tiled.at(sample.places, sample.count)
+
+    variables = {
+        name: replace(one, values=np.broadcast_to(one.values, [shape[dim] for dim in one.dims]))
+        for name, one in first.variables.items()
+    }
+    attributes = {**attributes_of(sweep), **verified(sweep, values_at, watch or Watch())}
+    unknown = dict.fromkeys(price(0, 0.0), 0.0)
+    return Table(coordinates_of(sweep.plan, sweep.grid), variables, attributes, unknown)
+
+
+@dataclass
+class Passed:
+    """What the tiles held that passed.
+
+    Attributes
+    ----------
+    ends : dict of str to tuple of float
+        The least and largest finite value of each output.
+    regimes : dict of int to int
+        How many cells have each regime.
+    cells : int
+        Points of all tiles.
+    """
+
+    ends: dict[str, tuple[float, float]] = field(default_factory=dict)
+    regimes: dict[int, int] = field(default_factory=dict)
+    cells: int = 0
+
+    def add(self, tile: Tile, arrays: Mapping[str, NDArray[Any]], flags: tuple[int, ...]) -> None:
+        """Count a tile in; `flags` are the regimes that cells can have."""
+        self.cells += tile.cells
+        for name, values in arrays.items():
+            if name == "regime":
+                for flag in flags:
+                    count = int(np.count_nonzero(values == flag))
+                    self.regimes[flag] = self.regimes.get(flag, 0) + count
+                continue
+            least, largest = values.min(), values.max()
+            if not (np.isfinite(least) and np.isfinite(largest)):
+                finite = values[np.isfinite(values)]
+                if not finite.size:
+                    continue
+                least, largest = finite.min(), finite.max()
+            before = self.ends.get(name, (least, largest))
+            self.ends[name] = float(min(least, before[0])), float(max(largest, before[1]))
+
+
+def stream(sweep: Sweep, target: Target, watch: Watch | None = None) -> tuple[Passed, bool]:
+    """Compute the tiles that a target misses, and have them written.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep.
+    target : Target
+        Where its tiles go; it is finished if all of them are there.
+    watch : Watch, optional
+        May stop it between two tiles.
+
+    Returns
+    -------
+    passed : Passed
+        What was computed.
+    whole : bool
+        Whether all tiles are there.
+    """
+    watch, tiled, passed = watch or Watch(), Tiled(sweep), Passed()
+    flags = tuple(int(REGIMES[name].value) for name in sweep.plan.regimes)
+    expected = _Expected(sweep, tiled)
+    missing = deque(target.missing)
+    to_do = sum(tiled.tiles[index].cells for index in missing)
+    watch.advance(1 - to_do / max(1, tiled.tiles.cells))
+    started = time.perf_counter()
+
+    def spent() -> float:
+        return target.seconds + time.perf_counter() - started
+
+    def deliver(index: int, tile: Tile, arrays: Mapping[str, NDArray[Any]], cost: float) -> None:
+        expected.check(tile, arrays)
+        target.write(index, arrays, cost)
+        passed.add(tile, arrays, flags)
+        watch.advance(tile.cells / tiled.tiles.cells)
+
+    with ThreadPoolExecutor(1, thread_name_prefix="writer") as writer:
+        waiting: deque[Future[None]] = deque()
+        try:
+            while missing and not watch.stopped():
+                index = missing.popleft()
+                tile = tiled.tiles[index]
+                waiting.append(writer.submit(deliver, index, tile, tiled.values(tile), spent()))
+                while len(waiting) > AHEAD:
+                    waiting.popleft().result()
+            while waiting:
+                waiting.popleft().result()
+        except BaseException:
+            writer.shutdown(cancel_futures=True)
+            raise
+    if missing:
+        return passed, False
+    target.finish(price(sweep.cells, spent()))
+    return passed, True
+
+
+class _Expected:
+    """The outputs at the cells that are verified: what passes must be what was verified."""
+
+    def __init__(self, sweep: Sweep, tiled: Tiled):
+        self._sample: Sample | None = None
+        if sweep.study.verify is not None:
+            self._sample = sample_of(sweep, {})
+            self._values = tiled.at(self._sample.places, self._sample.count)
+
+    def check(self, tile: Tile, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Raise `VibrafeedError` if a tile has another value at such a cell."""
+        if self._sample is None:
+            return
+        places = [self._sample.places[dim] for dim in tile.field.dims]
+        inside = np.ones(self._sample.count, dtype=np.bool_)
+        for place, (start, stop) in zip(places, tile.box, strict=True):
+            inside &= (place >= start) & (place < stop)
+        at = tuple(
+            place[inside] - start for place, (start, _) in zip(places, tile.box, strict=True)
+        )
+        for name in set(arrays) - {"regime"}:
+            known = in_files(name, self._values[name][inside])
+            if not np.array_equal(arrays[name][at], known, equal_nan=True):
+                raise VibrafeedError(f"{name} of a tile differs from its cells evaluated alone")

@@ -1,0 +1,62 @@
+"""Where a sweep that is computed tile by tile goes, told from the name of the result."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from core.dataset.growing import GrowingNetcdf
+from core.dataset.netcdf import define
+from core.dataset.shards import GrowingZarr
+from core.dataset.table import Table
+from core.plan.tiles import Tiled
+from core.sweep.prepare import Sweep
+from core.sweep.stream import identity
+
+
+def is_zarr(where: str) -> bool:
+    """Return whether a name is that of a Zarr group: a URL, or a path that ends in ``.zarr``."""
+    return "://" in where or where.endswith(".zarr")
+
+
+def open_target(
+    where: str | os.PathLike[str],
+    sweep: Sweep,
+    table: Table,
+    *,
+    compression: bool = True,
+    resume: bool = False,
+    history: str | None = None,
+) -> GrowingNetcdf | GrowingZarr:
+    """Return the file or store under way that takes the tiles of a sweep.
+
+    Parameters
+    ----------
+    where : str or path
+        A NetCDF file, or a Zarr group: see `is_zarr`.
+    sweep : Sweep
+        The sweep.
+    table : Table
+        Its `outline`.
+    compression : bool
+        Of a NetCDF file; the chunks of a Zarr group are compressed in any case.
+    resume : bool
+        Go on with what an equal run has begun there.
+    history : str, optional
+        The CF history attribute; brings the price along. A run that goes on keeps that of a file.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written, or something else is there.
+    """
+    where, tiles = os.fspath(where), Tiled(sweep).tiles
+    if is_zarr(where):
+        return GrowingZarr(where, tiles, table, identity(sweep), resume=resume, history=history)
+    return GrowingNetcdf(
+        Path(where),
+        tiles,
+        {**identity(sweep), "compression": str(compression)},
+        lambda start: define(start, table, history=history, compression=compression),
+        resume=resume,
+    )
