@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,8 +33,10 @@ def show_plan(path: Path, prepared: Prepared) -> None:
     )
     grid = new_grid("output", "unit", "values", "dimensions kept")
     for name, dims in prepared.dims.items():
-        shape = " x ".join(f"{dim} {prepared.grid.shape[dim]}" for dim in dims) or "none"
-        grid.add_row(name, prepared.units[name], f"{prepared.grid.size(dims):,}", shape)
+        sizes = [prepared.sizes[dim] for dim in dims]
+        pairs = zip(dims, sizes, strict=True)
+        shape = " x ".join(f"{dim} {size}" for dim, size in pairs) or "none"
+        grid.add_row(name, prepared.units[name], f"{math.prod(sizes):,}", shape)
     stdout.print(grid)
     if isinstance(prepared, Optimisation):
         what = criterion_in_words(prepared.problem)
@@ -59,8 +62,8 @@ def show_table(
         if "flag_values" not in variable.attributes
     }
     _show_ends(table, ends)
-    shares = regime_shares(table)
-    _show_regimes(table, shares)
+    if "regime" in table.variables:
+        _show_regimes(table, regime_shares(table))
     if "message" in table.attributes:
         say(f"  {table.attributes['criterion']}, method {table.attributes['method']}")
         say(f"  {table.attributes['message']}")
