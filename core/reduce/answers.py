@@ -170,6 +170,9 @@ def binned_quantiles(
     before = np.cumsum(filled) - filled
     for k, quantile in enumerate(quantiles):
         place = quantile * (total - 1)
+        if place <= 0 or place >= total - 1:  # they are known
+            result[k, 0] = least if place <= 0 else largest
+            continue
         at = int(np.searchsorted(before, place, side="right")) - 1
         keys = np.array([bins[at] - BINS // 2, bins[at] - BINS // 2 + 1]) << SHIFT
         keys[1] -= 1

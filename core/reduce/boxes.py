@@ -244,7 +244,8 @@ def exact_quantiles(
         high = lines[some, np.minimum(before + 1, counts[some] - 1)]
         with np.errstate(invalid="ignore"):
             step = np.where(low == high, 0.0, high - low)
-            result[k, some] = np.where(share < 0.5, low + step * share, high - step * (1 - share))
+            between = np.where(share < 0.5, low + step * share, high - step * (1 - share))
+        result[k, some] = np.where(share == 0, low, between)  # an infinite step has no part of 0
     return result
 
 
