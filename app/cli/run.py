@@ -18,7 +18,7 @@ from app.cli.studies import (
     refuse_beyond_memory,
     refuse_clashes,
 )
-from core.errors import Problem
+from core.errors import Problem, StoppedError
 
 if TYPE_CHECKING:
     from core.plan.prepared import Prepared
@@ -109,7 +109,11 @@ def run(
             console.progress(path.name) as advance,
             interruption(gently=not isinstance(prepared, Sweep)) as interrupted,
         ):
-            table = tabulate(prepared, Watch(advance, interrupted, deadline))
+            try:
+                table = tabulate(prepared, Watch(advance, interrupted, deadline))
+            except StoppedError as stopped:
+                console.fail(f"{path}: {stopped}; nothing is written.")
+                break
         evaluated = time.perf_counter()
         try:
             write_netcdf(table, Path(target), history=history, compression=not plain)

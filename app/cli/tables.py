@@ -15,6 +15,7 @@ from core.kinds import is_whole, not_verified, share_left_out
 from core.optimise import Optimisation
 from core.optimise.run import criterion_in_words
 from core.quantities import REGIMES
+from core.sweep import ReducedSweep
 
 if TYPE_CHECKING:
     from core.dataset import Table
@@ -26,11 +27,18 @@ def show_plan(path: Path, prepared: Prepared) -> None:
     """Print what a study would do: cells, bytes, dimensions kept, equations planned."""
     plan = prepared.plan
     say(f"{path}: {plan.scene.name}, {plan.scene.choice} {plan.variant}")
-    seconds = prepared.cells * prepared.seconds_a_cell
-    say(
-        f"  {prepared.cells:,} cells, {prepared.bytes:,} bytes before compression, "
-        f"some {seconds:.2g} s on one core"
-    )
+    if isinstance(prepared, ReducedSweep):
+        say(
+            f"  {prepared.cells:,} cells reduced to {prepared.bytes // 8:,} values, "
+            f"{prepared.bytes:,} bytes; some {_duration(prepared.work.seconds())} here, as a few "
+            f"of {len(prepared.work):,} boxes tell"
+        )
+    else:
+        seconds = prepared.cells * prepared.seconds_a_cell
+        say(
+            f"  {prepared.cells:,} cells, {prepared.bytes:,} bytes before compression, "
+            f"some {seconds:.2g} s on one core"
+        )
     grid = new_grid("output", "unit", "values", "dimensions kept")
     for name, dims in prepared.dims.items():
         sizes = [prepared.sizes[dim] for dim in dims]
@@ -49,6 +57,14 @@ def show_plan(path: Path, prepared: Prepared) -> None:
     if plan.defaults:
         given = ", ".join(f"{name} = {value:g}" for name, value in plan.defaults.items())
         say(f"  by default: {given}")
+
+
+def _duration(seconds: float) -> str:
+    """Return a time in words, two digits of it."""
+    for unit, length in (("days", 86_400), ("hours", 3600), ("minutes", 60)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.2g} {unit}"
+    return f"{seconds:.2g} s"
 
 
 def show_table(

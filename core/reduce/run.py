@@ -22,7 +22,7 @@ from core.watch import Watch
 
 STOPPED = "it was stopped before all cells were seen, and a part of them is no answer"
 TRIED = 3
-"""Boxes from which the time of all is told."""
+"""Boxes for each thread, from which the time of all is told."""
 
 
 @dataclass(frozen=True)
@@ -123,17 +123,21 @@ class Units:
         return self.boxes[unit.field].seen(unit.box)
 
     def seconds(self) -> float:
-        """Return about what all boxes take, from a few of each field that are tried."""
-        threads, total = os.cpu_count() or 1, 0.0
-        for k, one in enumerate(self.boxes):
-            first = self._ends[k] - one.cutting.blocks * one.cutting.rounds
-            count = self._ends[k] - first
-            self.boxes[k].seen(self[first].box)  # has a loop compiled, if it repays
-            places = sorted({first + count * at // TRIED for at in range(TRIED)})
-            times = []
-            for index in places:
-                unit, started = self[index], time.perf_counter()
-                one.seen(unit.box)
-                times.append((time.perf_counter() - started) / unit.cells)
-            total += sorted(times)[len(times) // 2] * one.cutting.cells
-        return total / min(threads, len(self))
+        """Return about what all boxes take, from a few of each field that are tried.
+
+        They are spread over the field and run side by side, as all will be. Before that as many
+        are tried as it takes until what repays compiling is compiled.
+        """
+        threads, total, start = os.cpu_count() or 1, 0.0, 0
+        with ThreadPoolExecutor(threads) as pool:
+            for boxes, end in zip(self.boxes, self._ends, strict=True):
+                count = min(end - start, TRIED * threads)
+                units = [self[start + (end - start) * k // count] for k in range(count)]
+                for unit in units:
+                    boxes.seen(unit.box)
+                started = time.perf_counter()
+                list(pool.map(boxes.seen, [unit.box for unit in units]))
+                seconds = time.perf_counter() - started
+                total += seconds / sum(unit.cells for unit in units) * boxes.cutting.cells
+                start = end
+        return total

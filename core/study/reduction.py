@@ -85,7 +85,8 @@ def _read_condition(raw: object) -> Condition:
 def _read_statistic(raw: object) -> str:
     if raw not in STATISTICS:
         text = str(raw)[:60]
-        raise refusal(f"'{text}' is not a statistic", suggestion(text, STATISTICS))
+        fix = "Write quantiles = [0.5]" if text == "median" else suggestion(text, STATISTICS)
+        raise refusal(f"'{text}' is not a statistic", fix)
     return str(raw)
 
 

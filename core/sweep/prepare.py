@@ -65,14 +65,18 @@ class ReducedSweep(Prepared):
 
     @property
     def stored(self) -> int:
-        """Number of values of all answers."""
+        """Number of points of the grid of answers."""
+        return max(self._points.values())
+
+    @cached_property
+    def _points(self) -> dict[str, int]:
         sizes = self.sizes
-        return sum(math.prod(sizes[dim] for dim in dims) for dims in self.dims.values())
+        return {n: math.prod(sizes[dim] for dim in dims) for n, dims in self.dims.items()}
 
     @property
     def bytes(self) -> int:
         """Bytes that the answers take, uncompressed."""
-        return 8 * self.stored
+        return 8 * sum(self._points.values())
 
     @property
     def cut_axes(self) -> tuple[str, ...]:
