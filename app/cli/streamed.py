@@ -16,7 +16,7 @@ from core.kinds import is_whole, not_verified
 from core.sweep import Sweep
 from core.sweep.size import bytes_in_file
 from core.sweep.stream import outline, stream
-from core.sweep.targets import is_zarr, open_target
+from core.sweep.targets import is_complete, is_zarr, open_target
 from core.watch import Watch
 
 OTHERWISE = "Remove it, or give another name"
@@ -36,6 +36,9 @@ def run_streamed(
 
     If it is stopped, what is done is kept, and the user is told how to go on.
     """
+    if resume and is_complete(target, sweep):
+        console.say(f"{path}: {target} is complete already")
+        return True, True
     size = _make_sure_of_room(path, sweep, target, compression=compression, resume=resume)
     started = time.perf_counter()
     with interruption() as interrupted:
@@ -52,6 +55,9 @@ def run_streamed(
             refuse({path: [Problem("output", f"another run is writing {target}", "Wait for it")]})
         except FileExistsError as error:
             refuse({path: [Problem("output", str(error), OTHERWISE)]})
+        except OSError as error:
+            console.fail(f"{target} cannot be written: {error.strerror or error}.")
+            raise typer.Exit(FAILED) from None
         except VibrafeedError as error:
             refuse({path: [Problem("output", str(error), "Or write NetCDF: -o result.nc")]})
         begun, tiles = growing.done, growing.tiles

@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
 
@@ -22,7 +23,8 @@ from core.dataset.layout import Box, Tile
 if TYPE_CHECKING:
     import h5py
 
-Encode = Callable[[NDArray[Any], Box, tuple[int, ...]], Any]
+Encode = Callable[[NDArray[Any], Box, NDArray[Any]], Any]
+"""Makes the bytes of a chunk, from the array of its tile, its place there, and room for it."""
 
 LEVEL: Final = 1  # of ISA-L: as fast as level 0 or nearly so, and a fifth smaller
 DEFLATED: Final = [2, 1]  # the numbers of the filters of HDF5, shuffle first
@@ -49,6 +51,7 @@ class ChunkFile:
         self._file: h5py.File = h5py.File(self._disk, "r+")
         self._pool = ThreadPoolExecutor(threads or os.cpu_count(), thread_name_prefix="chunks")
         self._encoders: dict[str, Encode] = {}
+        self._rooms: dict[str, NDArray[Any]] = {}
 
     def write(self, tile: Tile, arrays: Mapping[str, NDArray[Any]]) -> tuple[list[int], int]:
         """Write the arrays of a tile; return the lengths of its chunks, and a checksum of them."""
@@ -116,10 +119,20 @@ class ChunkFile:
         encoded: dict[str, Iterator[tuple[Box, Any]]] = {}
         for name in tile.field.names:
             encode, values = self._encoder(name), arrays[name]
-            boxes = [_inside(chunk, tile.box) for chunk in chunks]
-            data = self._pool.map(lambda box, e=encode, v=values: e(v, box, layout.chunk), boxes)
+            boxes = [inside(chunk, tile.box) for chunk in chunks]
+            room = self._room(name, (len(chunks), *layout.chunk), values.dtype)
+            data = self._pool.map(encode, repeat(values), boxes, room)
             encoded[name] = zip(chunks, data, strict=True)
         return encoded
+
+    def _room(self, name: str, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
+        """Return room for the chunks of a tile, the same again: new memory costs as much as a copy.
+
+        What it held is on its way to the disk when the next tile comes.
+        """
+        if name not in self._rooms or len(self._rooms[name]) < shape[0]:
+            self._rooms[name] = np.empty(shape, dtype)
+        return self._rooms[name][: shape[0]]
 
     def _encoder(self, name: str) -> Encode:
         if name not in self._encoders:
@@ -132,32 +145,33 @@ class ChunkFile:
 def encoder(filters: Sequence[int]) -> Encode:
     """Return what makes the bytes of a chunk, for HDF5's filters of an array."""
     if not filters:
-        return lambda values, box, shape: _chunk(values, box, shape).data.cast("B")
+        return lambda values, box, room: chunk_of(values, box, room).data.cast("B")
     if filters not in (DEFLATED, DEFLATED[1:]):
         raise NotImplementedError(f"HDF5 filters {filters}")
     from isal import isal_zlib
 
-    def deflated(values: NDArray[Any], box: Box, shape: tuple[int, ...]) -> Any:
-        chunk = _chunk(values, box, shape)
-        if chunk.dtype.itemsize > 1:  # shuffled: the first bytes of all values, the second ones ...
-            octets = chunk.reshape(-1).view(np.uint8).reshape(-1, chunk.dtype.itemsize)
+    def deflated(values: NDArray[Any], box: Box, room: NDArray[Any]) -> Any:
+        chunk = chunk_of(values, box, room)
+        if chunk.itemsize > 1:  # shuffled: the first bytes of all values, the second ones ...
+            octets = chunk.reshape(-1).view(np.uint8).reshape(-1, chunk.itemsize)
             chunk = np.ascontiguousarray(octets.T)
-        return isal_zlib.compress(np.ascontiguousarray(chunk), LEVEL)
+        return isal_zlib.compress(chunk, LEVEL)
 
     return deflated
 
 
-def _chunk(values: NDArray[Any], box: Box, shape: tuple[int, ...]) -> NDArray[Any]:
-    """Return one chunk of a tile; what lies beyond the end of an axis is 0."""
+def chunk_of(values: NDArray[Any], box: Box, room: NDArray[Any]) -> NDArray[Any]:
+    """Return `room`, filled with a chunk of a tile; what is beyond the end of an axis is 0."""
     part = values[tuple(slice(*ends) for ends in box)]
-    if part.shape == shape:
-        return np.ascontiguousarray(part)
-    chunk = np.zeros(shape, values.dtype)
-    chunk[tuple(map(slice, part.shape))] = part
-    return chunk
+    if part.shape == room.shape:
+        room[...] = part
+    else:
+        room[...] = 0
+        room[tuple(map(slice, part.shape))] = part
+    return room
 
 
-def _inside(chunk: Box, tile: Box) -> Box:
+def inside(chunk: Box, tile: Box) -> Box:
     """Return where a chunk lies in the array of its tile."""
     return tuple((a - start, b - start) for (a, b), (start, _) in zip(chunk, tile, strict=True))
 

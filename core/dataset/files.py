@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -49,6 +50,29 @@ def sync(path: Path) -> None:
         os.fsync(descriptor)
     finally:
         os.close(descriptor)
+
+
+class Behind:
+    """Waits for the disk behind the back of who writes; for one thing at a time."""
+
+    def __init__(self) -> None:
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="sync")
+        self._last: Future[None] | None = None
+
+    def start(self, wait: Callable[..., None], *arguments: object) -> None:
+        """Begin to wait, once the wait before has ended; raises what that one raised."""
+        self.end()
+        self._last = self._thread.submit(wait, *arguments)
+
+    def end(self) -> None:
+        """Return when nothing is waited for."""
+        last, self._last = self._last, None
+        if last is not None:
+            last.result()
+
+    def close(self) -> None:
+        """Return when nothing is waited for, and never will be."""
+        self._thread.shutdown()
 
 
 def partial(path: Path) -> Path:

@@ -17,11 +17,11 @@ from typing import Any
 from numpy.typing import NDArray
 
 from core.dataset.chunks import ChunkFile
-from core.dataset.files import partial, settle, sync
+from core.dataset.files import Behind, partial, settle, sync
 from core.dataset.journal import Journal
 from core.dataset.layout import Tiles
 
-SYNC_BYTES = 256 * 2**20  # between two waits for the disk: what a power cut may cost
+SYNC_BYTES = 64 * 2**20  # after which the disk is asked to have them, while more are written
 SYNC_SECONDS = 5.0
 
 
@@ -67,6 +67,7 @@ class GrowingNetcdf:
         self._folder.mkdir(parents=True, exist_ok=True)
         self._journal = Journal(self._folder / "journal")
         self._file: ChunkFile | None = None
+        self._behind = Behind()
         self.done, self.seconds = 0, 0.0
         self._waiting, self._synced = 0, time.monotonic()
         try:
@@ -91,11 +92,13 @@ class GrowingNetcdf:
         self.done += 1
         self._waiting += sum(lengths)
         if self._waiting >= SYNC_BYTES or time.monotonic() - self._synced >= SYNC_SECONDS:
-            self._sync()
+            self._waiting, self._synced = 0, time.monotonic()
+            self._behind.start(self._sync)
 
     def finish(self, price: Mapping[str, float]) -> None:
         """Give the file its name; `price` are numbers among its attributes that are known now."""
         assert self._file is not None
+        self._behind.end()
         self._file.close(price)
         self._file = None
         settle(self._folder / "data", self._path)
@@ -104,6 +107,7 @@ class GrowingNetcdf:
 
     def close(self) -> None:
         """Leave things so that another run can go on."""
+        self._behind.close()
         if self._file is not None:
             self._sync()
             self._file.leave()
@@ -114,7 +118,6 @@ class GrowingNetcdf:
         assert self._file is not None
         self._file.sync()
         self._journal.sync()
-        self._waiting, self._synced = 0, time.monotonic()
 
     def _is_of(self, identity: Mapping[str, str]) -> bool:
         """Return whether what is there was begun by an equal run, and its start is whole."""

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from core.dataset import layout
 from core.dataset.chunks import ChunkFile
 from core.dataset.files import whole
-from core.dataset.layout import CHUNK_CELLS, Tiles, chunk_shape
+from core.dataset.layout import Layout, Tiles
 from core.dataset.table import Table, Variable
 
 if TYPE_CHECKING:
@@ -178,7 +178,7 @@ def _add(
             variable.dims,
             fill_value=False,
             shuffle=True,
-            chunksizes=chunk_shape(variable.values.shape, CHUNK_CELLS) or None,
+            chunksizes=Layout.of(variable.values.shape).chunk or None,
             **storage.of(variable.values),
         )
     created.setncatts({**_attributes(variable.attributes), **links})

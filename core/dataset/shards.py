@@ -7,24 +7,25 @@ document is written last.
 
 from __future__ import annotations
 
+import contextlib
 import json
-import math
+import os
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.files import partial, settle, sync
-from core.dataset.layout import CHUNK_CELLS, Field, Tile, Tiles, chunk_shape
+from core.dataset.files import Behind, partial, settle, sync
+from core.dataset.layout import Field, Layout, Tile, Tiles
+from core.dataset.packing import index_length, is_whole, pack
 from core.dataset.table import Table
 from core.dataset.zarr_metadata import array_document, group_document
 from core.errors import VibrafeedError
 
 if TYPE_CHECKING:
-    import zarr
     from obstore.store import ObjectStore
 
 GROUP = "zarr.json"
@@ -81,9 +82,14 @@ class GrowingZarr:
         self.tiles, self._table, self._history = tiles, table, history
         self._path = None if "://" in where else Path(where)
         self._folder = None if self._path is None else partial(self._path)
-        self._store = _store(where, self._folder)
-        self._widths = {name: one.values.dtype.itemsize for name, one in table.variables.items()}
+        self._store = _store(where if self._folder is None else self._folder)
         self.done, self.seconds = 0, 0.0
+        self._behind = Behind()
+        self._pool = ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="chunks")
+        with _told_plainly():
+            self._begin(where, identity, resume=resume)
+
+    def _begin(self, where: str, identity: Mapping[str, str], *, resume: bool) -> None:
         there = self._listed()
         if self._path.exists() if self._path is not None else GROUP in there:
             raise FileExistsError(f"{where} is there already")
@@ -92,15 +98,14 @@ class GrowingZarr:
         self._documents = self._described()
         is_same = UNFINISHED in there and self._get(UNFINISHED) == _as_json(identity)
         if not (resume and is_same):
-            for key in there:
+            for key in there.keys() - {UNFINISHED}:  # which says that they are ours
                 self._store.delete(key)
             there = {}
             self._put(UNFINISHED, _as_json(identity))
-            for name, document in self._documents.items():
-                self._put(f"{name}/{GROUP}", _as_json(document))
-        self._missing = [k for k, tile in enumerate(tiles) if not self._is_there(tile, there)]
-        self.done = self._begun = len(tiles) - len(self._missing)
-        self._arrays = {name: self._opened(name) for name in self._documents}
+        for name, document in self._documents.items():
+            self._put(f"{name}/{GROUP}", _as_json(document))
+        self._missing = [k for k, tile in enumerate(self.tiles) if not self._is_there(tile, there)]
+        self.done = self._begun = len(self.tiles) - len(self._missing)
 
     @property
     def missing(self) -> Iterator[int]:
@@ -110,24 +115,30 @@ class GrowingZarr:
     def write(self, index: int, arrays: Mapping[str, NDArray[Any]], seconds: float) -> None:
         """Write a tile; whoever writes it, it has the same bytes."""
         tile = self.tiles[index]
-        place = tuple(slice(*ends) for ends in tile.box)
-        for name, values in arrays.items():
-            self._arrays[name][place] = values
-            if self._folder is not None:
-                sync(self._folder / _shard(name, tile))
+        for name in tile.field.names:
+            self._put(_shard(name, tile), pack(tile, arrays[name], self._pool))
         self.done += 1
 
     def finish(self, price: Mapping[str, float]) -> None:
         """Write what is no tile, and let the group appear; `price` is left out after a resume."""
+        with _told_plainly():
+            self._finish(price)
+
+    def _finish(self, price: Mapping[str, float]) -> None:
+        import zarr
+        from zarr.storage import ObjectStore
+
         table = self._table
         for name, one in {**table.coordinates, **table.variables}.items():
             if name in table.coordinates or not one.dims:
-                self._arrays[name][...] = one.values
+                array = zarr.open_array(ObjectStore(self._store), path=name, mode="r+")
+                array.with_config({"write_empty_chunks": True})[...] = one.values
         attributes = dict(table.attributes)
         if self._history is not None:
             attributes |= {"history": self._history, **({} if self._begun else price)}
         group = group_document(replace(table, attributes=attributes), self._documents)
         self._put(GROUP, _as_json(group))
+        self._behind.end()
         if self._path is not None and self._folder is not None:
             settle(self._folder, self._path)
             (self._path / UNFINISHED).unlink()
@@ -136,6 +147,8 @@ class GrowingZarr:
 
     def close(self) -> None:
         """Leave things so that another run can go on."""
+        self._behind.close()
+        self._pool.shutdown(cancel_futures=True)
 
     def _described(self) -> dict[str, dict[str, Any]]:
         """Return the documents of all arrays."""
@@ -148,42 +161,21 @@ class GrowingZarr:
                 documents[name] = array_document(table, name, cut.shape, cut.chunk, cut.tile)
             else:
                 shape = one.values.shape
-                documents[name] = array_document(
-                    table, name, shape, chunk_shape(shape, CHUNK_CELLS)
-                )
+                documents[name] = array_document(table, name, shape, Layout.of(shape).chunk)
         return documents
-
-    def _opened(self, name: str) -> zarr.Array[Any]:
-        import zarr
-        from zarr.storage import ObjectStore
-
-        array = zarr.open_array(ObjectStore(self._store), path=name, mode="r+")
-        # A shard of nothing but the fill value is a shard too: one that is missing is not computed.
-        return array.with_config({"write_empty_chunks": True})
 
     def _is_there(self, tile: Tile, there: Mapping[str, int]) -> bool:
         """Return whether all shards of a tile are whole."""
-        layout = tile.field.layout
-        chunks = math.prod(t // c for t, c in zip(layout.tile, layout.chunk, strict=True))
+        length = index_length(tile.field.layout)
         for name in tile.field.names:
             key = _shard(name, tile)
-            if key not in there or not self._is_whole(key, there[key], chunks):
+            size = there.get(key, 0)
+            if size < length:
+                return False
+            index = self._store.get_range(key, start=size - length, end=size)
+            if not is_whole(bytes(index), size):
                 return False
         return True
-
-    def _is_whole(self, key: str, size: int, chunks: int) -> bool:
-        """Return whether the index at the end of a shard is sound and tells of all its bytes."""
-        from google_crc32c import value as crc32c  # zarr's own
-
-        index = 16 * chunks
-        if size < index + 4:
-            return False
-        tail = bytes(self._store.get_range(key, start=size - index - 4, end=size))
-        if crc32c(tail[:index]) != int.from_bytes(tail[index:], "little"):
-            return False
-        places = np.frombuffer(tail[:index], "<u8").reshape(-1, 2)
-        held = places[places[:, 0] != np.iinfo(np.uint64).max]
-        return bool(held[:, 1].sum() == size - index - 4)
 
     def _listed(self) -> dict[str, int]:
         """Return the size of everything that is there, by key."""
@@ -193,20 +185,45 @@ class GrowingZarr:
         return bytes(self._store.get(key).bytes())
 
     def _put(self, key: str, data: bytes) -> None:
-        self._store.put(key, data)
+        with _told_plainly():
+            self._store.put(key, data)
         if self._folder is not None:
-            sync(self._folder / key)
+            self._behind.start(sync, self._folder / key)
 
 
-def _store(where: str, folder: Path | None) -> ObjectStore:
+def attributes_at(where: str) -> dict[str, Any]:
+    """Return the attributes of a whole group; none if there is no such thing."""
+    if "://" not in where:
+        path = Path(where) / GROUP
+        return dict(json.loads(path.read_bytes())["attributes"]) if path.exists() else {}
+    store = _store(where)
+    with contextlib.suppress(FileNotFoundError), _told_plainly():
+        return dict(json.loads(bytes(store.get(GROUP).bytes()))["attributes"])
+    return {}
+
+
+@contextlib.contextmanager
+def _told_plainly() -> Iterator[None]:
+    """Turn the errors of object stores into those of files."""
+    from obstore.exceptions import BaseError
+
+    try:
+        yield
+    except BaseError as error:
+        raise OSError(str(error).strip().splitlines()[0]) from error
+
+
+def _store(where: str | Path) -> ObjectStore:
+    """Return the store in a folder, which is made, or at a URL."""
     try:
         import zarr.storage  # noqa: F401
         from obstore.store import LocalStore, from_url
     except ImportError:
         raise VibrafeedError(INSTALL) from None
-    if folder is not None:
-        return LocalStore(folder, mkdir=True)
-    return from_url(where)
+    if isinstance(where, Path):
+        return LocalStore(where, mkdir=True)
+    with _told_plainly():
+        return from_url(where)
 
 
 def _shard(name: str, tile: Tile) -> str:

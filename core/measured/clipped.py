@@ -9,6 +9,8 @@ from core.errors import Problem
 
 RUN = 3  # equal samples in a row
 CREST = 4.0
+VISITS = 12  # of the extreme value, where it is not held for a run
+STEPS = 4.0  # of the sensor: crests that differ by less may be one
 
 
 def clipped(
@@ -18,8 +20,9 @@ def clipped(
 
     A smooth crest, rounded to steps of the sensor, rests on its last step as well. Near its top it
     is a parabola: the time spent on the last step is at most 1/(sqrt(2) - 1) = 2.4 times that on
-    the last but one. Runs of equal extreme values that hold 4 times as many samples as the next
-    value are thus no crest.
+    the last but one. Extreme values that hold 4 times as many samples as the next value are thus
+    no crest, if they come in runs. Single samples may hold it at the same phase of each period,
+    where the rate is a multiple of the frequency: then the crests between them are all alike.
     """
     if np.ptp(values) == 0.0:  # a channel that never moves has no range
         return []
@@ -27,12 +30,13 @@ def clipped(
     for word, toward in (("highest", values), ("lowest", -values)):
         extreme = toward.max()
         held = toward == extreme
+        if held.sum() < CREST * (toward == toward[~held].max()).sum():
+            continue
         starts = np.flatnonzero(np.diff(held.astype(np.int8), prepend=0) == 1)
         stops = np.flatnonzero(np.diff(held.astype(np.int8), append=0) == -1) + 1
         runs = stops - starts >= RUN
-        next_value = toward[~held].max()
-        if runs.any() and held.sum() >= CREST * (toward == next_value).sum():
-            first = lines[starts[runs][0]]
+        if runs.any() or _crests_differ(toward, held):
+            first = lines[starts[runs][0] if runs.any() else starts[0]]
             message = (
                 f"column '{name}' is clipped: {held.sum()} samples hold its {word} value "
                 f"{values[starts[0]]:g}, first in line {first}"
@@ -40,3 +44,22 @@ def clipped(
             fix = "Record again with a wider range of the sensor"
             problems.append(Problem(place, message, fix))
     return problems
+
+
+def _crests_differ(values: NDArray[np.float64], held: NDArray[np.bool_]) -> bool:
+    """Return whether samples of the highest value stand on crests of many heights.
+
+    A crest is the parabola through a sample and its neighbours. Rounding moves its height by no
+    more than a step or two; a period may have two crests, so that the widest gap between heights
+    does not count.
+    """
+    places = np.flatnonzero(held[1:-1]) + 1
+    if places.size < VISITS:
+        return False
+    before, at, after = values[places - 1], values[places], values[places + 1]
+    bend, lean = 2.0 * at - before - after, after - before
+    tenth = places.size // 10
+    over = np.sort(lean**2 / (8.0 * bend))[tenth : places.size - tenth]
+    # The steps near the top: what is printed with so many digits has finer ones near zero.
+    upper = np.unique(values[values >= values.max() - 0.25 * np.ptp(values)])
+    return bool(np.ptp(over) - np.diff(over).max() > STEPS * np.diff(upper).min(initial=np.inf))

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.plan.blocks import Progress, Results, evaluate_in_blocks
-from core.plan.fused import Fused
 from core.plan.grid import Grid
+from core.plan.loops.fused import Fused
+from core.plan.loops.trace import traced
 from core.plan.plan import Plan
-from core.plan.trace import traced
 
 FEW_CELLS = 16_384
 """What numpy computes in a millisecond needs no loop."""

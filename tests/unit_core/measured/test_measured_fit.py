@@ -300,6 +300,14 @@ def test_a_drive_that_fades_is_refused_and_one_that_hardly_does_is_not():
     assert fit_signal(faded[1]).left_over[0] < 0.02
 
 
+def test_a_drive_that_grows_so_much_that_it_is_not_periodic_is_told_to_grow():
+    """As a shake table was recorded whose amplitude grew six times over 15 periods."""
+    signal = signal_of({"along": [(0.1, 0.0)]}, frequency=1.0, rate=100.0, count=1500)
+    text = refusal(signal._replace(accelerations=signal.accelerations * np.geomspace(1, 6, 1500)))
+    assert "it is not periodic" in text
+    assert "the drive is not steady" in text
+
+
 def test_few_periods_and_few_samples_are_refused():
     slow = {"along": [(1e-4, 0.0)]}
     assert refusal(signal_of(slow, frequency=12.0)) == (

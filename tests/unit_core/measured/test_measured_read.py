@@ -292,6 +292,28 @@ def test_a_clipped_channel_is_told():
     )
 
 
+@pytest.mark.parametrize("share", [0.5, 0.9])
+def test_a_channel_that_is_clipped_for_less_than_two_samples_is_told(share):
+    """As a motor was: crests of a millisecond, recorded every millisecond."""
+    signal = signal_of({"along": DRIVE["along"]}, frequency=49.6, rate=1000.0, count=5000)
+    rounded = np.round(signal.accelerations, 2)
+    most = np.round(share * rounded.max(), 2)
+    held = signal._replace(accelerations=np.minimum(rounded, most))
+    (line,) = refused(csv_of(held, names=["ax"]), Recording(along="ax"))
+    assert f"samples hold its highest value {most:g}, first in line" in line
+
+
+@pytest.mark.parametrize("digits", [0, 1, 3])
+@pytest.mark.parametrize("frequency", [50.0, 50.0005, 50.01])
+@pytest.mark.parametrize("noise", [0.0, 0.2])
+def test_a_crest_that_is_met_at_one_phase_is_not_clipped(digits, frequency, noise):
+    """The rate is a multiple of the frequency, or nearly: one sample a period is the highest."""
+    signal = signal_of({"along": DRIVE["along"]}, frequency=frequency, rate=1000.0, count=5000)
+    jitter = noise * 0.1**digits * np.random.default_rng(1).normal(size=5000)
+    rounded = signal._replace(accelerations=np.round(signal.accelerations + jitter, digits))
+    assert read_signal(csv_of(rounded, names=["ax"]), Recording(along="ax")).axes == ("along",)
+
+
 @pytest.mark.parametrize("steps", [3, 10, 30, 100, 1000])
 @pytest.mark.parametrize("rate", [500.0, 2000.0, 20_000.0])
 def test_a_crest_that_is_rounded_is_not_clipped(steps, rate):

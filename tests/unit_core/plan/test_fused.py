@@ -1,26 +1,19 @@
 """The compiled way of a plan against numpy's: the same bits, whatever the scene and the threads."""
 
-import math
-
 import numpy as np
 import pytest
 
-from core.errors import StudyError
+from benchmarks.evaluate import grid_of, plan_of, traceable
 from core.plan import evaluate as door
-from core.plan import fused
 from core.plan.blocks import evaluate_in_blocks
 from core.plan.evaluate import empty_results, evaluate
-from core.plan.fused import Fused
 from core.plan.grid import Grid
-from core.plan.plan import Plan, make_plan, scene_parameters
-from core.plan.trace import Graph, UntraceableError, traced
-from core.quantities import QUANTITIES
+from core.plan.loops import fused, program
+from core.plan.loops.fused import Fused
+from core.plan.loops.trace import Graph, UntraceableError, traced
+from core.plan.plan import Plan, make_plan
 from core.scenes import SCENES
-from core.study.units import read_number
 from core.study.values import Fixed, Points
-
-LEFT_OUT = ("friction", "peak_to_peak", "centripetal_acceleration")
-"""Parameters that stand for others, or that others stand for."""
 
 UNTRACED = {
     ("rectangle-pair-impact", "frictionless"): "its results stand in stacked vectors",
@@ -36,52 +29,6 @@ UNTRACED = {
 """The variants of which numpy keeps some outputs, and why."""
 
 VARIANTS = [(name, variant) for name, scene in SCENES.items() for variant in scene.variants]
-
-
-def plan_of(name: str, variant: str, outputs: tuple[str, ...]) -> Plan:
-    """Return the plan of some outputs that is given every parameter that they can use."""
-    given = [n for n in scene_parameters(SCENES[name], variant) if n not in LEFT_OUT]
-    given += [] if {"friction_static", "friction_kinetic"} & set(given) else ["friction"]
-    while True:
-        try:
-            return make_plan(name, variant, outputs, given)
-        except StudyError as error:
-            unused = {problem.place.removeprefix("parameters.") for problem in error.problems}
-            if not unused & set(given):
-                raise
-            given = [n for n in given if n not in unused]
-
-
-def traceable(name: str, variant: str) -> dict[bool, list[str]]:
-    """Return the closed-form outputs of a variant by whether they trace."""
-    ways: dict[bool, list[str]] = {True: [], False: []}
-    for output in SCENES[name].outputs(variant):
-        plan = plan_of(name, variant, (output,)) if output != "regime" else None
-        if plan is not None and not any(equation.takes_long for equation in plan.equations):
-            ways[traced(plan, plan.parameters) is not None].append(output)
-    return ways
-
-
-def grid_of(plan: Plan, cells: int, seed: int) -> Grid:
-    """Return a grid over all parameters of a plan: random values, and those where forms change."""
-    pick = np.random.default_rng(seed)
-    names = list(plan.parameters)
-    each = max(2, math.ceil(cells ** (1 / len(names))))
-    axes, total = {}, 1
-    for name in pick.permutation(names):
-        quantity = QUANTITIES[name]
-        if quantity.is_angle:
-            values = {0.0, 90.0, *pick.uniform(-30, 90, 4)}
-        else:
-            typical = read_number(name, quantity, quantity.examples[0]) or 1.0
-            values = {0.0, *(typical * pick.lognormal(0, 0.7, 5))}
-        values = {v for v in values if quantity.lower <= v <= quantity.upper}
-        values -= {0.0} if quantity.strict else set()
-        count = each if total < cells else 1
-        chosen = sorted(pick.permutation(sorted(values))[:count])
-        total *= len(chosen)
-        axes[name] = Points(tuple(chosen)) if len(chosen) > 1 else Fixed(chosen[0])
-    return Grid.of({name: axes[name] for name in names})
 
 
 def assert_same_bits(got, expected):
@@ -101,11 +48,11 @@ def both_ways(plan: Plan, grid: Grid, threads: int | None = None):
 @pytest.fixture
 def few_cells(monkeypatch):
     """Let loops take what numpy otherwise would because it is small."""
-    monkeypatch.setattr(fused, "FEW_CELLS", 1000)
-    for cached in (fused._edge, fused._program):
+    monkeypatch.setattr(program, "FEW_CELLS", 1000)
+    for cached in (program.edge_of, program.program_of):
         cached.cache_clear()
     yield
-    for cached in (fused._edge, fused._program):
+    for cached in (program.edge_of, program.program_of):
         cached.cache_clear()
 
 

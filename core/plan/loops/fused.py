@@ -1,10 +1,4 @@
-"""Running the graph of a plan: small parts by numpy, what is large by one compiled loop.
-
-What depends on few axes is computed by numpy on its own small grid, once. What is left has a value
-for each cell, or nearly: one loop computes it without an array in between. A function that numpy
-has and a loop cannot repeat to the last bit (a logarithm, a sine) splits the loop: numpy takes it
-between two loops, some thousand cells at a time.
-"""
+"""Running the loops of a plan on a grid."""
 
 from __future__ import annotations
 
@@ -12,8 +6,6 @@ import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
 from itertools import product
 from typing import Any
 
@@ -21,14 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.plan.grid import Grid
-from core.plan.loops import LONGEST_ROW, STEPS, Loop, Order, order_of, write_loop
+from core.plan.loops import program as programs
+from core.plan.loops.order import Order
+from core.plan.loops.program import Program, edge_of, program_of
+from core.plan.loops.source import LONGEST_ROW
+from core.plan.loops.trace import Node, Traced
 from core.plan.plan import Plan
-from core.plan.trace import Graph, Node, Traced
 
-FEW_CELLS = 4096
-"""What numpy computes in some microseconds is not worth a loop."""
-OWN_GRID = 16
-"""A function that no loop has is taken on its own grid where that is so many times smaller."""
 TASK_CELLS = 1 << 20
 """Most cells of one call of a loop: some hundred microseconds."""
 COLUMN_CELLS = 1 << 15
@@ -38,35 +29,8 @@ SPECIAL = (0.0, 1.0, math.inf)
 
 Array = NDArray[Any]
 Progress = Callable[[float], object]
-Shape = tuple[tuple[str, int], ...]
 
 _compiled: set[str] = set()  # the sources of loops that have run in this process
-
-
-@dataclass(frozen=True)
-class _Stage:
-    """A loop, and the functions of numpy that follow it; none after the last loop.
-
-    The loop fills `columns` (there is none where numpy has all that it needs), and then the results
-    of `functions` are columns of later loops.
-    """
-
-    loop: Loop | None
-    columns: tuple[Node, ...]
-    functions: tuple[Node, ...]
-
-
-@dataclass(frozen=True)
-class _Program:
-    """What fills arrays that have the same axes."""
-
-    order: Order
-    stages: tuple[_Stage, ...]
-
-    @cached_property
-    def sources(self) -> tuple[str, ...]:
-        """The sources of all loops."""
-        return tuple(stage.loop.source for stage in self.stages if stage.loop)
 
 
 class Fused:
@@ -91,7 +55,7 @@ class Fused:
             self._programs = {
                 dims: self._program(dims, names)
                 for dims, names in self._groups.items()
-                if grid.size(dims) > FEW_CELLS
+                if grid.size(dims) > programs.FEW_CELLS
             }
 
     @property
@@ -131,14 +95,14 @@ class Fused:
                     for name, array in zip(names, arrays, strict=True):
                         array[...] = self._values.over(self._traced.results[name], dims)
 
-    def _program(self, dims: tuple[str, ...], names: tuple[str, ...]) -> _Program:
+    def _program(self, dims: tuple[str, ...], names: tuple[str, ...]) -> Program:
         shape = tuple((name, self._grid.shape[name]) for name in dims)
         special = []
-        for node in _edge(self._traced, names, shape):
+        for node in edge_of(self._traced, names, shape):
             value = _special(np.asarray(self._values.of(node)))
             if value is not None:
                 special.append((node.number, value))
-        return _program(self._traced, names, shape, tuple(special))
+        return program_of(self._traced, names, shape, tuple(special))
 
     def _run(
         self,
@@ -258,95 +222,6 @@ def _special(value: Array) -> float | bool | None:
     if first in SPECIAL and not np.signbit(value).any() and (value == first).all():
         return float(first)
     return None
-
-
-@lru_cache(maxsize=256)
-def _edge(traced: Traced, names: tuple[str, ...], shape: Shape) -> tuple[Node, ...]:
-    """Return the nodes that numpy computes and loops are given.
-
-    numpy computes what has few values, what no loop can and has not too many, and what these need.
-    """
-    lengths = dict(shape)
-    cells = math.prod(lengths.values())
-    few, many = max(FEW_CELLS, cells // FEW_CELLS), cells // OWN_GRID
-
-    def by_numpy(node: Node) -> bool:
-        size = math.prod(lengths[name] for name in node.axes)
-        if node.function is None or size <= few:
-            return True
-        return node.function not in STEPS and size <= many
-
-    edge: dict[int, Node] = {}
-    seen = set[int]()
-    left = [one for name in names if isinstance(one := traced.results[name], Node)]
-    while left:
-        node = left.pop()
-        if by_numpy(node):
-            edge[node.number] = node
-        elif node.number not in seen:
-            seen.add(node.number)
-            left += node.before
-    return tuple(edge[number] for number in sorted(edge))
-
-
-@lru_cache(maxsize=256)
-def _program(
-    traced: Traced,
-    names: tuple[str, ...],
-    shape: Shape,
-    special: tuple[tuple[int, float | bool], ...],
-) -> _Program:
-    """Return the loops that compute some results, simplified by what is special."""
-    graph, edge = Graph(), _edge(traced, names, shape)
-    new: dict[int, Any] = {
-        node.number: graph.leaf(str(node.number), node.axes, node.dtype) for node in edge
-    } | dict(special)
-
-    def renewed(one: Any) -> Any:
-        if not isinstance(one, Node):
-            return one
-        if one.number not in new:
-            new[one.number] = graph.apply(one.function, [renewed(each) for each in one.inputs])  # type: ignore[arg-type]
-        return new[one.number]
-
-    with np.errstate(all="ignore"):
-        results = [renewed(traced.results[name]) for name in names]
-    ready = _ready(results)
-    needed = [graph.nodes[number] for number in sorted(ready)]
-    lengths = dict(shape)
-    order = order_of(tuple(lengths), lengths, [node for node in needed if node.function])
-    leaves = [node for node in needed if node.function is None]
-    called = [node for node in needed if node.function and node.function not in STEPS]
-    stages = []
-    for number in range(1 + max((ready[node.number] for node in called), default=0)):
-        before = [node for node in called if ready[node.number] <= number]
-        after = tuple(node for node in called if ready[node.number] == number + 1)
-        if after:
-            wanted = {one.number: one for node in after for one in node.before}
-            known = {one.number for one in before}
-            columns = tuple(one for one in wanted.values() if one.number not in known)
-            write = write_loop(order, leaves, before, columns, in_place=False) if columns else None
-            stages.append(_Stage(write, columns, after))
-        else:
-            loop = write_loop(order, leaves, before, results, in_place=True)
-            stages.append(_Stage(loop, (), ()))
-    return _Program(order, tuple(stages))
-
-
-def _ready(results: Iterable[Any]) -> dict[int, int]:
-    """Return how many times numpy works between loops before each node is known."""
-    ready: dict[int, int] = {}
-
-    def visit(node: Node) -> int:
-        if node.number not in ready:
-            before = max((visit(one) for one in node.before), default=0)
-            ready[node.number] = before + (node.function is not None and node.function not in STEPS)
-        return ready[node.number]
-
-    for one in results:
-        if isinstance(one, Node):
-            visit(one)
-    return ready
 
 
 def _tasks(order: Order, shape: Mapping[str, int], most: int) -> Iterator[NDArray[np.int64]]:

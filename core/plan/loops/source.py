@@ -1,9 +1,7 @@
-"""One compiled loop for many steps of a graph: where each step stands, and the source of the loop.
+"""The source of one loop for many steps of a graph.
 
-The loop goes over the axes of what it gives. The trailing ones are joined until the innermost loop
-is long enough for a processor's wide registers; the others are loops around it, in the order that
-lets most steps stand outside of the last. A step that does not depend on the innermost axes is a
-number, one that does is a row, and a row that an outer loop makes is kept for the loops within.
+A step that does not depend on the axes of a row is a number, one that does is a row, and a row that
+an outer loop makes is kept for the loops within.
 
 Within a loop everything but truth is a float, whole numbers too, and truth is a float where it is
 kept: a processor changes the width of its values at the price of many steps.
@@ -12,16 +10,15 @@ kept: a processor changes the width of its values at the price of many steps.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from core.plan.trace import Node
+from core.plan.loops.order import Order
+from core.plan.loops.trace import Node
 
-ROW = 512
-"""Cells that the innermost loop should have at least."""
 LONGEST_ROW = 1024
 """Most cells of a piece of it: the rows that are kept stay in the first and second cache."""
 
@@ -55,66 +52,6 @@ STEPS: dict[Any, str] = {
     np.copysign: "copysign({}, {})",
 }
 """The steps that a compiled loop takes in, exact or rounded once, so that bits are numpy's."""
-
-SLOW: dict[Any, float] = {np.divide: 4.0, np.sqrt: 6.0, np.reciprocal: 4.0}
-"""What a step costs, over an addition; 1 if it is not here."""
-
-
-@dataclass(frozen=True)
-class Order:
-    """The loops over the axes of what is computed.
-
-    Attributes
-    ----------
-    axes : tuple of str
-        All of them, in the order of the grid.
-    outer : tuple of str
-        Those that are loops, outermost first.
-    inner : tuple of str
-        The trailing axes, joined into one row.
-    """
-
-    axes: tuple[str, ...]
-    outer: tuple[str, ...]
-    inner: tuple[str, ...]
-
-    def level(self, node: Node) -> int:
-        """Return the number of loops, but for the innermost, around a node."""
-        return max((k + 1 for k, name in enumerate(self.outer) if name in node.axes), default=0)
-
-    def is_row(self, node: Node) -> bool:
-        """Return whether a node has a value for each cell of a row."""
-        return any(name in node.axes for name in self.inner)
-
-    def kept(self, node: Node) -> tuple[str, ...]:
-        """Return the axes of a node that are loops, in the order of the grid."""
-        return tuple(name for name in self.axes if name in node.axes and name not in self.inner)
-
-
-def order_of(axes: Sequence[str], shape: Mapping[str, int], steps: Collection[Node]) -> Order:
-    """Return the loops over some axes that take the steps of a graph most seldom.
-
-    From within outwards, the next loop is that over the axis on which least work depends: all other
-    work then stands outside of it.
-    """
-    count = len(axes)
-    cells = 1
-    while count and cells < ROW:
-        count -= 1
-        cells *= shape[axes[count]]
-    left, outer = list(axes[:count]), list[str]()
-    work = [(SLOW.get(step.function, 1.0), step.axes) for step in steps]
-    while left:
-        # `work` is what stands within all loops that are left. A loop of one turn costs nothing.
-        repeated = {
-            name: sum(weight for weight, among in work if name in among) * (shape[name] > 1)
-            for name in left
-        }
-        least = min(left, key=repeated.__getitem__)
-        left.remove(least)
-        outer.insert(0, least)
-        work = [(weight, among) for weight, among in work if least not in among]
-    return Order(tuple(axes), tuple(outer), tuple(axes[count:]))
 
 
 @dataclass(frozen=True)

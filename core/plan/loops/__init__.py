@@ -1,0 +1,1 @@
+"""The compiled way of a plan: its equations traced, and written as one loop."""

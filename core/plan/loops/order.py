@@ -1,0 +1,106 @@
+"""The loops over the axes of what is computed: which are joined into a row, which stand outside.
+
+The trailing axes are joined into one row that the innermost loop goes along, so that a processor's
+wide registers are full. The others are loops around it, in the order that lets most steps stand
+outside of the last.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from core.plan.loops.trace import Node
+
+LEAST_ROW = 64
+"""Fewest cells of a row, unless all axes are joined."""
+TURN = 250.0
+"""What the beginning of a row costs, over an addition in it."""
+LANES, UNROLLED = 4, 16
+"""Additions that a processor does at once in a row, and cells that its loop takes at a time."""
+SLOW: dict[Any, float] = {np.divide: 4.0, np.sqrt: 6.0, np.reciprocal: 4.0}
+"""What a step costs, over an addition; 1 if it is not here."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """The loops over the axes of what is computed.
+
+    Attributes
+    ----------
+    axes : tuple of str
+        All of them, in the order of the grid.
+    outer : tuple of str
+        Those that are loops, outermost first.
+    inner : tuple of str
+        The trailing axes, joined into one row.
+    """
+
+    axes: tuple[str, ...]
+    outer: tuple[str, ...]
+    inner: tuple[str, ...]
+
+    def level(self, node: Node) -> int:
+        """Return the number of loops, but for the innermost, around a node."""
+        return max((k + 1 for k, name in enumerate(self.outer) if name in node.axes), default=0)
+
+    def is_row(self, node: Node) -> bool:
+        """Return whether a node has a value for each cell of a row."""
+        return any(name in node.axes for name in self.inner)
+
+    def kept(self, node: Node) -> tuple[str, ...]:
+        """Return the axes of a node that are loops, in the order of the grid."""
+        return tuple(name for name in self.axes if name in node.axes and name not in self.inner)
+
+
+def order_of(axes: Sequence[str], shape: Mapping[str, int], steps: Collection[Node]) -> Order:
+    """Return the loops over some axes that do the steps of a graph with least work."""
+    orders = []
+    for count in range(len(axes) + 1):
+        row = math.prod(shape[name] for name in axes[count:])
+        if not count or row >= LEAST_ROW:
+            outer = _outwards(axes[:count], shape, steps)
+            orders.append(Order(tuple(axes), outer, tuple(axes[count:])))
+    return min(orders, key=lambda order: _work(order, shape, steps))
+
+
+def _outwards(
+    axes: Sequence[str], shape: Mapping[str, int], steps: Collection[Node]
+) -> tuple[str, ...]:
+    """Return axes as loops, outermost first.
+
+    From within outwards, the next loop is that over the axis on which least work depends: all other
+    work then stands outside of it.
+    """
+    left, outer = list(axes), list[str]()
+    work = [(SLOW.get(step.function, 1.0), step.axes) for step in steps]
+    while left:
+        # `work` is what stands within all loops that are left. A loop of one turn costs nothing.
+        repeated = {
+            name: sum(weight for weight, among in work if name in among) * (shape[name] > 1)
+            for name in left
+        }
+        least = min(left, key=repeated.__getitem__)
+        left.remove(least)
+        outer.insert(0, least)
+        work = [(weight, among) for weight, among in work if least not in among]
+    return tuple(outer)
+
+
+def _work(order: Order, shape: Mapping[str, int], steps: Collection[Node]) -> float:
+    """Return what the steps cost in some order of the loops, in additions of a row's loop."""
+    row = math.prod(shape[name] for name in order.inner)
+    # What a row has beyond whole turns of its loop is taken cell by cell.
+    along = row + (LANES - 1) * (row % UNROLLED)
+    turns = [1]
+    for name in order.outer:
+        turns.append(turns[-1] * shape[name])
+    work = TURN * turns[-1]
+    for step in steps:
+        each = along if order.is_row(step) else LANES
+        work += SLOW.get(step.function, 1.0) * turns[order.level(step)] * each
+    return work

@@ -1,0 +1,144 @@
+"""Which loops fill arrays that have the same axes, and what numpy does before and between them.
+
+What depends on few axes is computed by numpy on its own small grid, once. What is left has a value
+for each cell, or nearly: one loop computes it without an array in between. A function that numpy
+has and a loop cannot repeat to the last bit (a logarithm, a sine) splits the loop: numpy takes it
+between two loops, some thousand cells at a time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+
+from core.plan.loops.order import Order, order_of
+from core.plan.loops.source import STEPS, Loop, write_loop
+from core.plan.loops.trace import Graph, Node, Traced
+
+FEW_CELLS = 4096
+"""What numpy computes in some microseconds is not worth a loop."""
+OWN_GRID = 16
+"""A function that no loop has is taken on its own grid where that is so many times smaller."""
+
+Shape = tuple[tuple[str, int], ...]
+"""Axes and their lengths."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A loop, and the functions of numpy that follow it; none after the last loop.
+
+    The loop fills `columns` (there is none where numpy has all that it needs), and then the results
+    of `functions` are columns of later loops.
+    """
+
+    loop: Loop | None
+    columns: tuple[Node, ...]
+    functions: tuple[Node, ...]
+
+
+@dataclass(frozen=True)
+class Program:
+    """What fills arrays that have the same axes."""
+
+    order: Order
+    stages: tuple[Stage, ...]
+
+    @cached_property
+    def sources(self) -> tuple[str, ...]:
+        """The sources of all loops."""
+        return tuple(stage.loop.source for stage in self.stages if stage.loop)
+
+
+@lru_cache(maxsize=256)
+def edge_of(traced: Traced, names: tuple[str, ...], shape: Shape) -> tuple[Node, ...]:
+    """Return the nodes that numpy computes and loops are given.
+
+    numpy computes what has few values, what no loop can and has not too many, and what these need.
+    """
+    lengths = dict(shape)
+    cells = math.prod(lengths.values())
+    few, many = max(FEW_CELLS, cells // FEW_CELLS), cells // OWN_GRID
+
+    def by_numpy(node: Node) -> bool:
+        size = math.prod(lengths[name] for name in node.axes)
+        if node.function is None or size <= few:
+            return True
+        return node.function not in STEPS and size <= many
+
+    edge: dict[int, Node] = {}
+    seen = set[int]()
+    left = [one for name in names if isinstance(one := traced.results[name], Node)]
+    while left:
+        node = left.pop()
+        if by_numpy(node):
+            edge[node.number] = node
+        elif node.number not in seen:
+            seen.add(node.number)
+            left += node.before
+    return tuple(edge[number] for number in sorted(edge))
+
+
+@lru_cache(maxsize=256)
+def program_of(
+    traced: Traced,
+    names: tuple[str, ...],
+    shape: Shape,
+    special: tuple[tuple[int, float | bool], ...],
+) -> Program:
+    """Return the loops that compute some results, simplified by what is special."""
+    graph, edge = Graph(), edge_of(traced, names, shape)
+    new: dict[int, Any] = {
+        node.number: graph.leaf(str(node.number), node.axes, node.dtype) for node in edge
+    } | dict(special)
+
+    def renewed(one: Any) -> Any:
+        if not isinstance(one, Node):
+            return one
+        if one.number not in new:
+            new[one.number] = graph.apply(one.function, [renewed(each) for each in one.inputs])  # type: ignore[arg-type]
+        return new[one.number]
+
+    with np.errstate(all="ignore"):
+        results = [renewed(traced.results[name]) for name in names]
+    ready = _ready(results)
+    needed = [graph.nodes[number] for number in sorted(ready)]
+    lengths = dict(shape)
+    order = order_of(tuple(lengths), lengths, [node for node in needed if node.function])
+    leaves = [node for node in needed if node.function is None]
+    called = [node for node in needed if node.function and node.function not in STEPS]
+    stages = []
+    for number in range(1 + max((ready[node.number] for node in called), default=0)):
+        before = [node for node in called if ready[node.number] <= number]
+        after = tuple(node for node in called if ready[node.number] == number + 1)
+        if after:
+            wanted = {one.number: one for node in after for one in node.before}
+            known = {one.number for one in before}
+            columns = tuple(one for one in wanted.values() if one.number not in known)
+            write = write_loop(order, leaves, before, columns, in_place=False) if columns else None
+            stages.append(Stage(write, columns, after))
+        else:
+            loop = write_loop(order, leaves, before, results, in_place=True)
+            stages.append(Stage(loop, (), ()))
+    return Program(order, tuple(stages))
+
+
+def _ready(results: Iterable[Any]) -> dict[int, int]:
+    """Return how many times numpy works between loops before each node is known."""
+    ready: dict[int, int] = {}
+
+    def visit(node: Node) -> int:
+        if node.number not in ready:
+            before = max((visit(one) for one in node.before), default=0)
+            ready[node.number] = before + (node.function is not None and node.function not in STEPS)
+        return ready[node.number]
+
+    for one in results:
+        if isinstance(one, Node):
+            visit(one)
+    return ready

@@ -1,0 +1,92 @@
+"""No event is missed: where sums of sines pass a level, by eigenvalues and by a finer search."""
+
+from __future__ import annotations
+
+from types import FunctionType
+
+import numpy as np
+import pytest
+
+from benchmarks.missed_events import (
+    Sum,
+    finer_copy,
+    found_by_kernel,
+    one_in_each,
+    passages_by_signs,
+    random_sum,
+)
+from benchmarks.waves import PLANAR, harmonics, parts
+from core.motion.groups import cells_of
+from core.motion.kernels import planar
+from core.motion.kernels import waves as kernels
+from core.motion.kernels.planar.tables import cell_of
+from core.motion.kernels.planar.wave import AIR, KINDS, PULLS, ROOTS, new_table, wave_of
+
+ROUNDED = 1e-12
+"""Of a sum of some 20 terms of size 1: that of a phase, 4e-16, times a slope of some 100, and a
+few roundings in each power of exp(i tau)."""
+
+
+def search(points: int, bound: float):
+    """Return `passages` in plain Python, with so many points and so many times the bound."""
+    names = dict(vars(kernels))
+    for name, function in vars(kernels).items():
+        if hasattr(function, "py_func"):
+            names[name] = FunctionType(function.py_func.__code__, names)
+    turns = np.arange(points + points // 4) / points
+    names |= {"POINTS": points, "SINES": np.sin(kernels.TURN * turns)}
+    plain = names["bend_bound"]
+    names["bend_bound"] = lambda *given: bound * plain(*given)
+    return names["passages"]
+
+
+@pytest.mark.parametrize("orders", range(1, 11))
+def test_no_passage_of_a_sum_is_missed(orders):
+    """Every other level barely touches a crest."""
+    pick = np.random.default_rng(orders)
+    for _ in range(60):
+        one = random_sum(pick, orders)
+        assert one_in_each(passages_by_signs(one), found_by_kernel(one))
+
+
+@pytest.mark.parametrize("orders", [2, 5, 6, 10])
+def test_half_the_pieces_and_twice_the_bound_find_the_same_passages(orders):
+    pick, finer = np.random.default_rng(orders), search(2 * kernels.POINTS, 2.0)
+    for _ in range(25):
+        one = random_sum(pick, orders)
+        found, again = found_by_kernel(one), found_by_kernel(one, finer)
+        pairs = passages_by_signs(one)
+        assert one_in_each(pairs, found)
+        assert one_in_each(pairs, again)
+        assert np.all(np.abs(one.at(found)) < ROUNDED)
+        assert np.all(np.abs(one.at(again)) < ROUNDED)
+
+
+def test_the_eigenvalues_see_what_a_coarse_search_misses():
+    """They are no echo of the search: with too low a bound it fails them."""
+    pick, coarse = np.random.default_rng(1), search(16, 0.05)
+    sums = [random_sum(pick, 8) for _ in range(25)]
+    missed = [not one_in_each(passages_by_signs(one), found_by_kernel(one, coarse)) for one in sums]
+    assert sum(missed) > 5
+
+
+@pytest.mark.parametrize("orders", [2, 5, 8])
+def test_no_change_of_sign_of_an_acceleration_is_missed(orders):
+    """All that a random drive of a random part can change at: lift-offs, and slips of each way."""
+    pick = np.random.default_rng(orders)
+    groups = parts(pick, harmonics(pick, 70, orders))
+    rows, _ = cells_of(planar.Cell._fields, groups, **PLANAR)
+    for row in rows:
+        wave = wave_of(cell_of(row), row, new_table())
+        for kind in set(range(KINDS if wave.mu_s != wave.mu_k else KINDS - 2)) - {AIR}:
+            sines, cosines = wave.table[2 * kind : 2 * kind + 2, 1 : orders + 1]
+            one = Sum(sines, cosines, wave.table[PULLS, kind])
+            count = int(wave.table[ROOTS + kind, 0])
+            found = wave.table[ROOTS + kind, 1 : 1 + count]
+            assert one_in_each(passages_by_signs(one), found)
+
+
+def test_the_finer_copy_is_made(tmp_path):
+    """Each constant that the benchmark changes stands where it looks for it."""
+    tree = finer_copy(tmp_path)
+    assert "POINTS = 256" in (tree / "core/motion/kernels/waves.py").read_text()
