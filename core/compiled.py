@@ -74,6 +74,18 @@ def borrowing(function: Function) -> Function:
     return _compiled(function, _nrt=False)
 
 
+def disjoint(function: Function) -> Function:
+    """Return the function compiled as by `borrowing`; its arrays may not overlap."""
+    dispatcher = _compiled(function, _nrt=False)
+
+    def without_aliases(flags: Any) -> Any:
+        flags.noalias = True  # else each loop begins with a check of every pair of arrays
+        return flags
+
+    dispatcher._compiler._customize_flags = without_aliases
+    return dispatcher
+
+
 @functools.cache
 def compiled_source(source: str) -> Any:
     """Return the function of a source text, the only one in it, compiled as by `borrowing`.
@@ -88,14 +100,7 @@ def compiled_source(source: str) -> Any:
     known = set(names)
     exec(compile(source, file, "exec"), names)  # our own text, from a graph of known steps
     (name,) = names.keys() - known
-    dispatcher = _compiled(names[name], _nrt=False)
-
-    def without_aliases(flags: Any) -> Any:
-        flags.noalias = True  # else each loop begins with a check of every pair of arrays
-        return flags
-
-    dispatcher._compiler._customize_flags = without_aliases
-    return dispatcher
+    return disjoint(names[name])
 
 
 def is_on_disk(source: str) -> bool:

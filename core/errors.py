@@ -3,6 +3,7 @@
 VibrafeedError
 ├── StudyError        what a user wrote cannot be done; holds every problem found
 ├── LimitError        the request is sound but larger than the limits in force
+├── StoppedError      a computation was stopped, and what it had done is no answer
 └── SceneError        a scene contradicts itself; a mistake of ours, found when it is imported
 """
 
@@ -73,6 +74,10 @@ class LimitError(VibrafeedError):
         self.limit, self.asked, self.allowed, self.fix = limit, asked, allowed, fix
         self.message = f"the study asks for {asked:,} {limit}, the limit is {allowed:,}"
         super().__init__(f"{self.message}. {fix}.")
+
+
+class StoppedError(VibrafeedError):
+    """A computation was stopped, by its user or by a time limit, before there was an answer."""
 
 
 class SceneError(VibrafeedError):

@@ -169,7 +169,10 @@ def prepare_content(content: object, only: str | None = None, *, files: bool = F
         raise StudyError([*error.problems, *problems]) from None
     if problems:
         raise StudyError(problems)
-    return prepare(study)
+    prepared = prepare(study)
+    if only is not None and isinstance(prepared, sweep.ReducedSweep):
+        raise StudyError([sweep.no_cells("Leave it out, or POST to /processes/sweep/execution")])
+    return prepared
 
 
 def prepare(study: Study) -> Prepared:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import typer
 
-from app.cli import drive, key, plot, report, run, scenes, schema, serve
+from app.cli import drive, key, parts, plot, report, run, scenes, schema, serve
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -16,8 +16,8 @@ app = typer.Typer(
     help="Sweeps, motion in time and best drives of parts on vibratory feeder tracks.",
 )
 for _command in (
-    run.run, plot.plot, drive.drive, report.report, scenes.scenes, schema.schema, serve.serve,
-    key.key,
+    run.run, parts.join, plot.plot, drive.drive, report.report, scenes.scenes, schema.schema,
+    serve.serve, key.key,
 ):  # fmt: skip
     app.command()(_command)
 

@@ -18,7 +18,7 @@ from app.cli.studies import (
     refuse_beyond_memory,
     refuse_clashes,
 )
-from core.errors import Problem
+from core.errors import Problem, StoppedError
 
 if TYPE_CHECKING:
     from core.plan.prepared import Prepared
@@ -58,6 +58,20 @@ def run(
             min=0,
         ),
     ] = None,
+    part: Annotated[
+        str | None,
+        typer.Option(
+            help="Compute one part of a sweep, such as 17/4096, from 0 on; `vibrafeed join` makes "
+            "the result of all."
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(help="Have the parts of a sweep computed by the Dask scheduler there."),
+    ] = None,
+    parts: Annotated[
+        int | None, typer.Option(min=1, help="Number of parts, with --scheduler.")
+    ] = None,
 ) -> None:
     """Carry out studies and write one NetCDF file, or Zarr group, each.
 
@@ -74,6 +88,14 @@ def run(
             tables.show_plan(path, prepared)
         return
     targets = _targets(studies, output)
+    if part is not None or scheduler is not None:
+        from app.cli.parts import run_on_scheduler, run_part
+
+        if part is not None:
+            run_part(studies, targets, part)
+        elif scheduler is not None:
+            run_on_scheduler(studies, targets, scheduler, parts, _history(files[0]))
+        return
     from core.dataset.netcdf import is_large, write_netcdf
     from core.kinds import is_whole, not_verified, tabulate
     from core.plan.tiles import Tiled
@@ -84,8 +106,7 @@ def run(
     deadline = None if time_limit is None else time.monotonic() + time_limit
     sound, left = True, list(studies)
     for path, prepared in studies.items():
-        stamp = datetime.now(UTC).isoformat(timespec="seconds")
-        history = f"{stamp} vibrafeed run {path.name}"
+        history = _history(path)
         target = targets[path]
         if isinstance(prepared, Sweep) and (is_zarr(target) or is_large(Tiled(prepared).tiles)):
             from app.cli.streamed import run_streamed
@@ -109,7 +130,11 @@ def run(
             console.progress(path.name) as advance,
             interruption(gently=not isinstance(prepared, Sweep)) as interrupted,
         ):
-            table = tabulate(prepared, Watch(advance, interrupted, deadline))
+            try:
+                table = tabulate(prepared, Watch(advance, interrupted, deadline))
+            except StoppedError as stopped:
+                console.fail(f"{path}: {stopped}; nothing is written.")
+                break
         evaluated = time.perf_counter()
         try:
             write_netcdf(table, Path(target), history=history, compression=not plain)
@@ -129,6 +154,10 @@ def run(
         raise typer.Exit(FAILED)
 
 
+def _history(path: Path) -> str:
+    return f"{datetime.now(UTC).isoformat(timespec='seconds')} vibrafeed run {path.name}"
+
+
 def _targets(studies: Mapping[Path, Prepared], output: str | None) -> dict[Path, str]:
     """Return where each result goes; exit if two would go to one place."""
     from core.sweep import Sweep
@@ -139,7 +168,8 @@ def _targets(studies: Mapping[Path, Prepared], output: str | None) -> dict[Path,
         if len(studies) > 1:
             problem = Problem("output", "a Zarr group is of one study", "Give a folder")
         elif not all(isinstance(one, Sweep) for one in studies.values()):
-            problem = Problem("output", "only sweeps go to Zarr", "Give a name that ends in .nc")
+            message = "only sweeps that keep their cells go to Zarr"
+            problem = Problem("output", message, "Give a name that ends in .nc")
         if problem is not None:
             refuse({path: [problem] for path in studies})
         targets = dict.fromkeys(studies, output)

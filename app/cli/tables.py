@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,7 @@ from core.kinds import is_whole, not_verified, share_left_out
 from core.optimise import Optimisation
 from core.optimise.run import criterion_in_words
 from core.quantities import REGIMES
+from core.sweep import ReducedSweep
 
 if TYPE_CHECKING:
     from core.dataset import Table
@@ -25,15 +27,24 @@ def show_plan(path: Path, prepared: Prepared) -> None:
     """Print what a study would do: cells, bytes, dimensions kept, equations planned."""
     plan = prepared.plan
     say(f"{path}: {plan.scene.name}, {plan.scene.choice} {plan.variant}")
-    seconds = prepared.cells * prepared.seconds_a_cell
-    say(
-        f"  {prepared.cells:,} cells, {prepared.bytes:,} bytes before compression, "
-        f"some {seconds:.2g} s on one core"
-    )
+    if isinstance(prepared, ReducedSweep):
+        say(
+            f"  {prepared.cells:,} cells reduced to {prepared.bytes // 8:,} values, "
+            f"{prepared.bytes:,} bytes; some {_duration(prepared.work.seconds())} here, as a few "
+            f"of {len(prepared.work):,} boxes tell"
+        )
+    else:
+        seconds = prepared.cells * prepared.seconds_a_cell
+        say(
+            f"  {prepared.cells:,} cells, {prepared.bytes:,} bytes before compression, "
+            f"some {seconds:.2g} s on one core"
+        )
     grid = new_grid("output", "unit", "values", "dimensions kept")
     for name, dims in prepared.dims.items():
-        shape = " x ".join(f"{dim} {prepared.grid.shape[dim]}" for dim in dims) or "none"
-        grid.add_row(name, prepared.units[name], f"{prepared.grid.size(dims):,}", shape)
+        sizes = [prepared.sizes[dim] for dim in dims]
+        pairs = zip(dims, sizes, strict=True)
+        shape = " x ".join(f"{dim} {size}" for dim, size in pairs) or "none"
+        grid.add_row(name, prepared.units[name], f"{math.prod(sizes):,}", shape)
     stdout.print(grid)
     if isinstance(prepared, Optimisation):
         what = criterion_in_words(prepared.problem)
@@ -48,6 +59,14 @@ def show_plan(path: Path, prepared: Prepared) -> None:
         say(f"  by default: {given}")
 
 
+def _duration(seconds: float) -> str:
+    """Return a time in words, two digits of it."""
+    for unit, length in (("days", 86_400), ("hours", 3600), ("minutes", 60)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.2g} {unit}"
+    return f"{seconds:.2g} s"
+
+
 def show_table(
     path: Path, target: Path | str, table: Table, cells: int, evaluating: float, writing: float
 ) -> None:
@@ -59,8 +78,8 @@ def show_table(
         if "flag_values" not in variable.attributes
     }
     _show_ends(table, ends)
-    shares = regime_shares(table)
-    _show_regimes(table, shares)
+    if "regime" in table.variables:
+        _show_regimes(table, regime_shares(table))
     if "message" in table.attributes:
         say(f"  {table.attributes['criterion']}, method {table.attributes['method']}")
         say(f"  {table.attributes['message']}")

@@ -29,7 +29,9 @@ def block_cells(prepared: Prepared, seconds: float) -> int:
     """Return the cells of a block that takes about so many seconds of one core."""
     cells = seconds / prepared.seconds_a_cell
     fewest = prepared.cells / MOST_BLOCKS
-    return int(min(MOST_BLOCK_CELLS, max(cells, fewest, 1)))
+    # Of what is reduced a block holds answers only.
+    most = MOST_BLOCK_CELLS * prepared.cells / prepared.stored
+    return int(min(most, max(cells, fewest, 1)))
 
 
 def compute_block(directory: str, key: str, process: str, cells: int, index: int) -> float:

@@ -15,7 +15,7 @@ from starlette.routing import Match
 from app.jobs import disk
 from app.jobs.errors import NoRoomError, NotFoundError, QueueFullError
 from app.web.replies import problem_document
-from core.errors import LimitError, Problem, StudyError, VibrafeedError
+from core.errors import LimitError, Problem, StoppedError, StudyError, VibrafeedError
 
 logger = logging.getLogger("vibrafeed")
 
@@ -45,6 +45,7 @@ OGC = "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/"
 STATUS: dict[type[Exception], tuple[int, str, str]] = {
     StudyError: (422, "study", "The study cannot be carried out"),
     LimitError: (422, "limit", "The study is larger than this service allows"),
+    StoppedError: (422, "limit", "The study takes longer than this service allows"),
     NotFoundError: (404, "not-found", "There is no such resource"),
     TooLargeError: (413, "body", "The request is too large"),
     NoSuchProcessError: (404, f"{OGC}no-such-process", "There is no such process"),

@@ -8,6 +8,7 @@ document is written last.
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import json
 import os
 from collections.abc import Iterator, Mapping
@@ -49,6 +50,9 @@ class GrowingZarr:
         What must be equal for a run to go on with what another has begun.
     resume : bool
         Go on with what is there, if it has this identity; otherwise it is begun anew.
+    shared : bool
+        Others write to it at the same time, each its own tiles: nothing of theirs is looked at, or
+        begun anew.
     history : str, optional
         The CF history attribute; brings the price along.
 
@@ -60,6 +64,8 @@ class GrowingZarr:
         Number of the tiles that are written.
     seconds : float
         Zero: nobody knows what they cost.
+    digests : dict of str to str
+        The SHA-256 of each shard that it has written, by key, if others write too.
 
     Raises
     ------
@@ -77,6 +83,7 @@ class GrowingZarr:
         identity: Mapping[str, str],
         *,
         resume: bool = False,
+        shared: bool = False,
         history: str | None = None,
     ):
         self.tiles, self._table, self._history = tiles, table, history
@@ -84,6 +91,8 @@ class GrowingZarr:
         self._folder = None if self._path is None else partial(self._path)
         self._store = _store(where if self._folder is None else self._folder)
         self.done, self.seconds = 0, 0.0
+        self.digests: dict[str, str] = {}
+        self._shared = shared
         self._behind = Behind()
         self._pool = ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="chunks")
         with _told_plainly():
@@ -97,15 +106,22 @@ class GrowingZarr:
             raise FileExistsError(f"{where} holds something else")
         self._documents = self._described()
         is_same = UNFINISHED in there and self._get(UNFINISHED) == _as_json(identity)
-        if not (resume and is_same):
+        if self._shared and UNFINISHED in there and not is_same:
+            raise FileExistsError(f"{where} is begun of another study or version")
+        if not ((resume or self._shared) and is_same):
             for key in there.keys() - {UNFINISHED}:  # which says that they are ours
                 self._store.delete(key)
             there = {}
             self._put(UNFINISHED, _as_json(identity))
         for name, document in self._documents.items():
             self._put(f"{name}/{GROUP}", _as_json(document))
-        self._missing = [k for k, tile in enumerate(self.tiles) if not self._is_there(tile, there)]
-        self.done = self._begun = len(self.tiles) - len(self._missing)
+        self._missing = [
+            k
+            for k, tile in enumerate(() if self._shared else self.tiles)
+            if not self._is_there(tile, there)
+        ]
+        self._begun = 0 if self._shared else len(self.tiles) - len(self._missing)
+        self.done = self._begun
 
     @property
     def missing(self) -> Iterator[int]:
@@ -116,8 +132,18 @@ class GrowingZarr:
         """Write a tile; whoever writes it, it has the same bytes."""
         tile = self.tiles[index]
         for name in tile.field.names:
-            self._put(_shard(name, tile), pack(tile, arrays[name], self._pool))
+            key, data = _shard(name, tile), pack(tile, arrays[name], self._pool)
+            if self._shared:
+                self.digests[key] = hashlib.sha256(data).hexdigest()
+            self._put(key, data)
         self.done += 1
+
+    def digest(self, key: str) -> str:
+        """Return the SHA-256 of a shard that is there, or nothing if there is none."""
+        try:
+            return hashlib.sha256(self._get(key)).hexdigest()
+        except FileNotFoundError:
+            return ""
 
     def finish(self, price: Mapping[str, float]) -> None:
         """Write what is no tile, and let the group appear; `price` is left out after a resume."""
@@ -144,6 +170,10 @@ class GrowingZarr:
             (self._path / UNFINISHED).unlink()
         else:
             self._store.delete(UNFINISHED)
+
+    def flush(self) -> None:
+        """Return when what is written is on the disk."""
+        self._behind.end()
 
     def close(self) -> None:
         """Leave things so that another run can go on."""

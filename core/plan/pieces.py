@@ -115,9 +115,7 @@ def join(prepared: Prepared, pieces: Iterable[tuple[Box, Computed]]) -> Computed
                 continue
             dims = prepared.dims[name]
             if name not in arrays:
-                arrays[name] = np.empty(
-                    tuple(prepared.grid.shape[dim] for dim in dims), values.dtype
-                )
+                arrays[name] = np.empty(tuple(prepared.sizes[dim] for dim in dims), values.dtype)
             arrays[name][tuple(slice(*box[dim]) if dim in box else slice(None) for dim in dims)] = (
                 values
             )

@@ -53,6 +53,16 @@ class Prepared:
         return sum(self.grid.size(dims) * BYTES.get(name, 8) for name, dims in self.dims.items())
 
     @property
+    def sizes(self) -> Mapping[str, int]:
+        """The length of each dimension of the outputs."""
+        return self.grid.shape
+
+    @property
+    def stored(self) -> int:
+        """Number of points that the result has."""
+        return self.cells
+
+    @property
     def cut_axes(self) -> tuple[str, ...]:
         """The axes along which the study may be carried out in pieces."""
         return tuple(self.grid.axes)
@@ -111,7 +121,7 @@ class Prepared:
 
     def check_limits(self, *, cells: int | None, bytes_: int | None) -> None:
         """Raise `LimitError` if the study has more cells or bytes than allowed, None for any."""
-        for limit, asked, allowed in (("cells", self.cells, cells), ("bytes", self.bytes, bytes_)):
+        for limit, asked, allowed in (("cells", self.stored, cells), ("bytes", self.bytes, bytes_)):
             if allowed is not None and asked > allowed:
                 raise LimitError(limit, asked, allowed, self.what_fits(allowed / asked))
 

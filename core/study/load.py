@@ -16,6 +16,7 @@ from pydantic import ValidationError
 from core.errors import Problem, StudyError, suggestion
 from core.study.drive import RecordedDrive
 from core.study.models import CRITERIA, PARAMETERS, STUDIES, Study
+from core.study.reduction import LevelSet, Reduction
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
@@ -144,6 +145,8 @@ def _problem(kind: str, error: ErrorDetails) -> Problem:
     path = list(error["loc"])
     if len(path) > 1 and path[0] == "criterion" and path[1] in CRITERIA:
         del path[1]  # which alternative it is, and no key
+    if path and path[-1] == "[key]":
+        del path[-1]  # it is the name that is wrong, and stands before
     place = ".".join(str(part)[:60] for part in path) or "study"
     name = str(path[-1])[:60] if path else ""
     context: dict[str, Any] = error.get("ctx", {})
@@ -156,6 +159,10 @@ def _problem(kind: str, error: ErrorDetails) -> Problem:
         if within == "drive":
             fix = suggestion(name, RecordedDrive.model_fields)
             return Problem(place, f"'{name}' is not a key of the drive", fix)
+        if within == "reduce":
+            part = LevelSet if len(path) > 2 else Reduction
+            fix = suggestion(name, part.model_fields)
+            return Problem(place, f"'{name}' is not a key of reduce", fix)
         if within:
             which = f" '{error['loc'][1]}'" if within == "criterion" else ""
             one = str(within).removesuffix("s")

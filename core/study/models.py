@@ -9,12 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import (
     BaseModel,
-    BeforeValidator,
     ConfigDict,
     Field,
     PlainSerializer,
     PlainValidator,
-    ValidationInfo,
     WithJsonSchema,
     create_model,
 )
@@ -22,7 +20,9 @@ from pydantic_core import PydanticCustomError
 
 from core.quantities import QUANTITIES, Quantity
 from core.study.drive import Drive
-from core.study.units import UnitError, read_number
+from core.study.levels import Level, OpenLevel, refusal
+from core.study.reduction import Reduction
+from core.study.units import UnitError
 from core.study.values import Between, Values, read_between, read_values
 
 PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
@@ -65,16 +65,12 @@ def _canonical(values: Values | None) -> Any:
     return None if values is None else values.canonical()
 
 
-def _refusal(message: str, fix: str) -> PydanticCustomError:
-    return PydanticCustomError("value", "{message}", {"message": message, "fix": fix})
-
-
 def _parameter_field(name: str, quantity: Quantity) -> Any:
     def read(raw: object) -> Values:
         try:
             return read_values(name, raw)
         except UnitError as error:
-            raise _refusal(error.message, error.fix) from error
+            raise refusal(error.message, error.fix) from error
 
     return (
         Annotated[
@@ -106,7 +102,7 @@ def _between_field(name: str, quantity: Quantity) -> Any:
         try:
             return read_between(name, raw)
         except UnitError as error:
-            raise _refusal(error.message, error.fix) from error
+            raise refusal(error.message, error.fix) from error
 
     one = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
     schema = {
@@ -249,6 +245,9 @@ class SweepStudy(GridStudy):
         max_length=100,
     )
     outputs: _Outputs = Field(description="Names of the outputs.", min_length=1, max_length=100)
+    reduce: Reduction | None = Field(
+        None, description="Answers over some axes in place of all cells: docs/reduce.md."
+    )
 
 
 SETTINGS = ("tolerance", "most_periods", "steps_per_period", "slip_speed", "contact_stiffness")
@@ -310,26 +309,6 @@ class SimulateStudy(DrivenStudy):
         return {name: float(value) for name, value in given.items() if value is not None}
 
 
-def _read_level(raw: object, info: ValidationInfo) -> object:
-    """Return a value of the output that stands before it, in that output's unit."""
-    output = info.data.get("against") or info.data.get("output")
-    quantity = QUANTITIES.get(str(output))
-    if raw is None or quantity is None:  # an unknown output is told of elsewhere
-        return raw if raw is None or isinstance(raw, int | float) else 0.0
-    # What is compared with a parameter may lie outside the parameter's own bounds.
-    shown = quantity.examples or ("1" if quantity.unit == "1" else f"1 {quantity.unit}",)
-    free = Quantity(
-        quantity.unit, quantity.symbol, quantity.label, quantity.description, examples=shown
-    )
-    try:
-        return read_number(str(output), free, raw)
-    except UnitError as error:
-        raise _refusal(error.message, error.fix) from error
-
-
-_LEVEL_SCHEMA = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
-_Level = Annotated[float, BeforeValidator(_read_level), WithJsonSchema(_LEVEL_SCHEMA)]
-_OpenLevel = Annotated[float | None, BeforeValidator(_read_level), WithJsonSchema(_LEVEL_SCHEMA)]
 _Output = Annotated[str, Field(max_length=100)]
 
 
@@ -351,7 +330,7 @@ class Limited(_TwoOutputs):
     """The largest output with the other's absolute value within a limit."""
 
     kind: Literal["limit"] = "limit"
-    limit: _Level = Field(description="Largest absolute value of the other output.")
+    limit: Level = Field(description="Largest absolute value of the other output.")
 
 
 class Pareto(_TwoOutputs):
@@ -385,8 +364,8 @@ class OutputLimit(_Frozen):
     """Bounds that an output has to keep."""
 
     output: _Output = Field(description="The output.")
-    lower: _OpenLevel = Field(None, description="Its least value.")
-    upper: _OpenLevel = Field(None, description="Its largest value.")
+    lower: OpenLevel = Field(None, description="Its least value.")
+    upper: OpenLevel = Field(None, description="Its largest value.")
     absolute: bool = Field(False, description="Whether the bounds are those of its absolute value.")
 
 

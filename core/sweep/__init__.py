@@ -1,13 +1,15 @@
 """Closed-form sweeps: from a study to a plan, a grid, and a labelled dataset."""
 
-from core.sweep.prepare import Sweep, further, prepare
+from core.sweep.prepare import ReducedSweep, Sweep, further, no_cells, prepare
 from core.sweep.run import compute, label, sweep, tabulate
 
 __all__ = [
+    "ReducedSweep",
     "Sweep",
     "compute",
     "further",
     "label",
+    "no_cells",
     "prepare",
     "sweep",
     "tabulate",

@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from core.errors import VibrafeedError
-from core.sweep.prepare import Sweep
+from core.errors import StudyError, VibrafeedError
+from core.sweep.prepare import ReducedSweep, Sweep, no_cells
 from core.sweep.zarr_view import ZarrView
 
 if TYPE_CHECKING:
     import xarray
 
 
-def open_lazily(sweep: Sweep) -> xarray.Dataset:
+def open_lazily(sweep: Sweep | ReducedSweep) -> xarray.Dataset:
     """Return the dataset of a sweep of any size; what is read of it is computed when it is read.
 
     Raises
     ------
     VibrafeedError
         If zarr, which reads the chunks, is not installed.
+    StudyError
+        If the study asks for answers in place of its cells.
     """
+    if isinstance(sweep, ReducedSweep):
+        raise StudyError([no_cells("Leave it out, or carry out the study")])
     try:
         from core.sweep.zarr_store import ViewStore  # loads zarr, which few need
     except ModuleNotFoundError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from functools import cached_property
 from typing import Any
@@ -10,7 +11,12 @@ from core.errors import Problem, StudyError
 from core.plan.plan import choose_scene
 from core.plan.prepared import Chosen, Prepared, further_problems, plan_study
 from core.plan.price import evaluation_seconds
+from core.reduce.answers import QUANTILE, dims_of
+from core.reduce.checks import problems_of, problems_of_names
+from core.reduce.run import Units
 from core.study.models import SweepStudy
+from core.study.reduction import Reduction
+from core.sweep.answers import unit_of
 
 
 class Sweep(Prepared):
@@ -24,16 +30,101 @@ class Sweep(Prepared):
         return evaluation_seconds(self.plan, self.grid) / self.cells
 
 
-def prepare(study: SweepStudy) -> Sweep:
+class ReducedSweep(Prepared):
+    """A sweep of which answers are told in place of its cells.
+
+    Its `cells` are those that are evaluated; what is stored is `stored`.
+    """
+
+    study: SweepStudy
+
+    @property
+    def asked(self) -> Reduction:
+        """What is asked."""
+        assert self.study.reduce is not None
+        return self.study.reduce
+
+    @cached_property
+    def work(self) -> Units:
+        """The boxes that it is carried out in."""
+        return Units(self.plan, self.grid, self.asked)
+
+    @cached_property
+    def dims(self) -> dict[str, tuple[str, ...]]:
+        """The dimensions of each answer."""
+        return dims_of(self.work, self.asked)
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """The unit of each answer."""
+        return {name: unit_of(name, self.asked, self.plan.outputs) for name in self.dims}
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """The length of each dimension of the answers."""
+        return {**self.grid.shape, QUANTILE: len(self.asked.quantiles)}
+
+    @property
+    def stored(self) -> int:
+        """Number of points of the grid of answers."""
+        return max(self._points.values())
+
+    @cached_property
+    def _points(self) -> dict[str, int]:
+        sizes = self.sizes
+        return {n: math.prod(sizes[dim] for dim in dims) for n, dims in self.dims.items()}
+
+    @property
+    def bytes(self) -> int:
+        """Bytes that the answers take, uncompressed."""
+        return 8 * sum(self._points.values())
+
+    @property
+    def cut_axes(self) -> tuple[str, ...]:
+        """The axes that stay: cut along another one, a piece would have no answer."""
+        return tuple(axis for axis in self.grid.axes if axis not in self.asked.over)
+
+    @property
+    def seconds_a_cell(self) -> float:
+        """As in `Prepared`."""
+        return self.plan.scene.seconds_a_cell
+
+    def what_fits(self, share: float) -> str:
+        """As in `Prepared`."""
+        stays = ", ".join(self.cut_axes)
+        return f"It fits over more axes, or with fewer values of {stays}"
+
+    @property
+    def whole(self) -> Sweep:
+        """The sweep whose cells the answers are of."""
+        return Sweep(self.study, self.plan, self.grid)
+
+
+def prepare(study: SweepStudy) -> Sweep | ReducedSweep:
     """Return the sweep of a study.
 
     Raises
     ------
     StudyError
-        With every problem of scene, outputs and parameters.
+        With every problem of scene, outputs, parameters, and of what is asked of them.
     """
-    plan, grid = plan_study(study, study.outputs, choose_scene(study.scene, study.variant))
-    return Sweep(study, plan, grid).check_verification()
+    asked = study.reduce
+    problems = [] if asked is None else problems_of_names(asked, study.outputs, study.values())
+    try:
+        plan, grid = plan_study(study, study.outputs, choose_scene(study.scene, study.variant))
+    except StudyError as error:
+        raise StudyError([*error.problems, *problems]) from None
+    if asked is None:
+        return Sweep(study, plan, grid).check_verification()
+    problems += problems_of(asked, plan, grid)
+    if problems:
+        raise StudyError(problems)
+    return ReducedSweep(study, plan, grid).check_verification()
+
+
+def no_cells(fix: str) -> Problem:
+    """Return what to tell of a reduced sweep where cells are wanted."""
+    return Problem("reduce", "what is reduced has no cells to read", fix)
 
 
 def further(content: Mapping[str, Any], known: StudyError) -> list[Problem]:

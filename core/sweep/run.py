@@ -14,7 +14,8 @@ from core.plan.evaluate import evaluate
 from core.plan.labels import coordinates_of, global_attributes, outputs_of
 from core.plan.pieces import Computed, carry_out
 from core.plan.sample import Sample
-from core.sweep.prepare import Sweep, prepare
+from core.sweep import reduced
+from core.sweep.prepare import ReducedSweep, Sweep, prepare
 from core.sweep.verify import accuracy, verified
 from core.watch import Watch
 
@@ -37,20 +38,27 @@ def sweep(study: SweepStudy) -> xarray.Dataset:
     return tabulate(prepare(study)).to_xarray()
 
 
-def tabulate(prepared: Sweep, *, watch: Watch | None = None) -> Table:
+def tabulate(prepared: Sweep | ReducedSweep, *, watch: Watch | None = None) -> Table:
     """Return the labelled outputs of a prepared sweep."""
     return carry_out(prepared, compute, label, watch)
 
 
-def compute(prepared: Sweep, watch: Watch) -> Computed:
-    """Return outputs and `regime` of a prepared sweep, SI units; it cannot be stopped."""
+def compute(prepared: Sweep | ReducedSweep, watch: Watch) -> Computed:
+    """Return outputs and `regime` of a prepared sweep, SI units; it cannot be stopped.
+
+    Of a reduced one, its answers; that can be stopped, and raises `StoppedError` then.
+    """
+    if isinstance(prepared, ReducedSweep):
+        return reduced.compute(prepared, watch)
     return Computed(
         evaluate(prepared.plan, prepared.grid, threads=watch.threads, progress=watch.advance)
     )
 
 
-def label(prepared: Sweep, computed: Computed, watch: Watch) -> Table:
+def label(prepared: Sweep | ReducedSweep, computed: Computed, watch: Watch) -> Table:
     """Return what was computed of a sweep, labelled; `watch` may stop verifying it."""
+    if isinstance(prepared, ReducedSweep):
+        return reduced.label(prepared, computed, watch, attributes_of(prepared))
     plan, arrays, dims = prepared.plan, computed.arrays, prepared.dims
 
     def values_at(sample: Sample) -> dict[str, Array]:
@@ -64,7 +72,7 @@ def label(prepared: Sweep, computed: Computed, watch: Watch) -> Table:
     return Table(coordinates_of(plan, prepared.grid), variables, attributes)
 
 
-def attributes_of(prepared: Sweep) -> dict[str, str]:
+def attributes_of(prepared: Sweep | ReducedSweep) -> dict[str, str]:
     """Return the attributes of a whole sweep that are known before anything is computed."""
     return {
         **global_attributes(prepared, "closed-form equations"),

@@ -26,7 +26,7 @@ from core.plan.pieces import price
 from core.plan.sample import Sample, sample_of
 from core.plan.tiles import Tiled, in_files
 from core.quantities import REGIMES
-from core.sweep.prepare import Sweep
+from core.sweep.prepare import ReducedSweep, Sweep
 from core.sweep.run import attributes_of, tabulate
 from core.sweep.verify import verified
 from core.watch import Watch
@@ -56,7 +56,7 @@ class Target(Protocol):
         """Make the result whole, and let it appear."""
 
 
-def identity(sweep: Sweep) -> dict[str, str]:
+def identity(sweep: Sweep | ReducedSweep) -> dict[str, str]:
     """Return what two runs have in common that make the same bytes, but for the kind of file."""
     return {"study": sweep.study.key(), "version": core.__version__}
 

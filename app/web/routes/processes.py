@@ -150,7 +150,7 @@ def is_small(prepared: Prepared, settings: Settings) -> bool:
     seconds = prepared.cells * prepared.seconds_a_cell + prepared.seconds_to_verify
     return (
         seconds <= settings.max_synchronous_seconds
-        and prepared.cells * len(prepared.dims) <= MOST_JSON_VALUES
+        and prepared.stored * len(prepared.dims) <= MOST_JSON_VALUES
     )
 
 

@@ -1,0 +1,113 @@
+"""Records of the parts of a result, beside it: each appears whole, behind its digest."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.dataset.files import whole
+
+if TYPE_CHECKING:
+    from obstore.store import ObjectStore
+
+ENDING = ".parts"
+_DIGEST = hashlib.sha256().digest_size
+_TOLD = "told"
+
+
+@dataclass(frozen=True)
+class Record:
+    """What a part has left: a few words, and arrays.
+
+    Attributes
+    ----------
+    told : mapping
+        Plain values.
+    arrays : mapping of str to ndarray
+        What it has computed, where that is not stored elsewhere.
+    """
+
+    told: Mapping[str, Any]
+    arrays: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+
+    def pack(self) -> bytes:
+        """Return the record as bytes, behind their digest; equal records give equal bytes."""
+        content = io.BytesIO()
+        told = np.frombuffer(json.dumps(dict(self.told), sort_keys=True).encode(), np.uint8)
+        np.savez(content, allow_pickle=False, **{_TOLD: told}, **self.arrays)
+        return hashlib.sha256(content.getbuffer()).digest() + content.getvalue()
+
+    @classmethod
+    def unpack(cls, data: bytes) -> Record | None:
+        """Return the record of some bytes; None if they are damaged."""
+        content = memoryview(data)[_DIGEST:]
+        if hashlib.sha256(content).digest() != data[:_DIGEST]:
+            return None
+        with np.load(io.BytesIO(content), allow_pickle=False) as file:
+            arrays = dict(file)
+        return cls(json.loads(arrays.pop(_TOLD).tobytes()), arrays)
+
+
+class Records:
+    """The records of the parts of a result, in a folder or a place on an object store.
+
+    Parameters
+    ----------
+    where : str
+        The path or URL of the result; records are beside it, under its name and ``.parts``.
+    """
+
+    def __init__(self, where: str):
+        self.where = where.rstrip("/") + ENDING
+        self._store: ObjectStore | None = None
+        self._folder = Path(self.where)
+        if "://" in where:
+            from obstore.store import from_url
+
+            self._store = from_url(self.where)
+
+    def names(self) -> list[str]:
+        """Return the names of all records, sorted."""
+        if self._store is not None:
+            return sorted(one["path"] for batch in self._store.list() for one in batch)
+        if not self._folder.is_dir():
+            return []
+        return sorted(one.name for one in self._folder.iterdir() if not one.name.startswith("."))
+
+    def read(self, name: str) -> Record | None:
+        """Return a record; None if there is none, or it is damaged."""
+        try:
+            if self._store is not None:
+                data = bytes(self._store.get(name).bytes())
+            else:
+                data = (self._folder / name).read_bytes()
+        except FileNotFoundError:
+            return None
+        return Record.unpack(data)
+
+    def write(self, name: str, data: bytes) -> None:
+        """Keep the bytes of a record; they appear whole, or not at all."""
+        if self._store is not None:
+            self._store.put(name, data)
+            return
+        self._folder.mkdir(parents=True, exist_ok=True)
+        with whole(self._folder / name) as temporary:
+            temporary.write_bytes(data)
+
+    def clear(self) -> None:
+        """Remove all records."""
+        if self._store is not None:
+            for name in self.names():
+                self._store.delete(name)
+        elif self._folder.is_dir():
+            for one in self._folder.iterdir():
+                one.unlink()
+            self._folder.rmdir()

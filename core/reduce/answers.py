@@ -1,0 +1,185 @@
+"""From states to answers: the arrays of a reduction, in the units of files."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.plan.grid import Grid, axis_values
+from core.quantities import REGIMES
+from core.reduce.boxes import Boxes, values_of
+from core.reduce.kernels.others import BINS, SHIFT
+from core.reduce.kernels.rows import HUGE
+from core.reduce.run import Units
+from core.reduce.state import State
+from core.reduce.sums import means
+from core.study.reduction import Reduction
+
+QUANTILE = "quantile"
+Arrays = dict[str, NDArray[Any]]
+_BY_VALUE = {flag.value: name for name, flag in REGIMES.items()}
+
+
+def dims_of(units: Units, asked: Reduction) -> dict[str, tuple[str, ...]]:
+    """Return the dimensions of every answer."""
+    found: dict[str, tuple[str, ...]] = {}
+    for boxes in units.boxes:
+        kept = tuple(dim for dim in boxes.field.dims if dim not in asked.over)
+        for name in _names(boxes, asked):
+            is_quantile = name.endswith(f"_{QUANTILE}") and name not in boxes.field.levels
+            found[name] = (QUANTILE, *kept) if is_quantile else kept
+    return found
+
+
+def answers(
+    units: Units, grid: Grid, asked: Reduction, states: Iterable[tuple[int, int, State]]
+) -> Arrays:
+    """Return the arrays of a reduction from what is known of all of its blocks."""
+    dims = dims_of(units, asked)
+    sizes = {**grid.shape, QUANTILE: len(asked.quantiles)}
+    arrays: Arrays = {}
+    for name, own in dims.items():
+        dtype = np.int64 if name.endswith("_count") else np.float64
+        arrays[name] = np.zeros([sizes[dim] for dim in own], dtype)
+    for field, block, state in states:
+        boxes = units.boxes[field]
+        box = boxes.cutting.kept(boxes.cutting.box(block, 0))
+        place = tuple(slice(*ends) for ends in box)
+        shape = tuple(stop - start for start, stop in box)
+        for name, values in _answers(boxes, grid, asked, state):
+            if dims[name][:1] == (QUANTILE,):
+                arrays[name][(slice(None), *place)] = values.reshape((-1, *shape))
+            else:
+                arrays[name][place] = values.reshape(shape)
+    return arrays
+
+
+def _names(boxes: Boxes, asked: Reduction) -> Iterator[str]:
+    field = boxes.field
+    for name in field.outputs:
+        yield f"{name}_count"
+        for statistic in asked.statistics:
+            if statistic.startswith("arg"):
+                yield from (f"{name}_{statistic}_{axis}" for axis in asked.over)
+            else:
+                yield f"{name}_{statistic}"
+        if asked.quantiles:
+            yield f"{name}_{QUANTILE}"
+    if field.regimes:
+        yield from (f"regime_{_BY_VALUE[flag]}_count" for flag in boxes.flags)
+    yield from (f"share_{name}" for name in field.shares)
+    yield from (f"level_{name}" for name in field.levels)
+
+
+def _answers(
+    boxes: Boxes, grid: Grid, asked: Reduction, state: State
+) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Yield the answers of a block, each of shape (slots,), or (quantiles, slots)."""
+    field = boxes.field
+    for name in field.outputs:
+        yield from _statistics(name, boxes, grid, asked, state)
+        if f"{name}.quantiles" in state:
+            yield f"{name}_{QUANTILE}", state[f"{name}.quantiles"]
+        elif f"{name}.bins" in state:
+            bins, filled = state[f"{name}.bins"], state[f"{name}.filled"]
+            quantiles = binned_quantiles(bins, filled, state[f"{name}.ends"], asked.quantiles)
+            yield f"{name}_{QUANTILE}", quantiles
+    if field.regimes:
+        for flag in boxes.flags:
+            yield f"regime_{_BY_VALUE[flag]}_count", state[f"{flag}.count"] * boxes.times
+    for name in field.shares:
+        yield f"share_{name}", state[f"{name}.count"] / boxes.cells_a_slot
+    for name, level in field.levels.items():
+        found = state[f"{name}.{level.take}"]
+        yield f"level_{name}", np.where(np.isinf(found), np.nan, found)
+
+
+def _statistics(
+    name: str, boxes: Boxes, grid: Grid, asked: Reduction, state: State
+) -> Iterator[tuple[str, NDArray[Any]]]:
+    ends: NDArray[np.int64] = state[f"{name}.ends"]
+    count = ends[4]
+    largest, least = (np.where(count > 0, values_of(ends[row]), np.nan) for row in (0, 2))
+    yield f"{name}_count", count * boxes.times
+    for statistic in asked.statistics:
+        if statistic == "max":
+            yield f"{name}_max", largest
+        elif statistic == "min":
+            yield f"{name}_min", least
+        elif statistic == "mean":
+            digits = state[f"{name}.digits"]
+            yield f"{name}_mean", _mean(int(state[f"{name}.low"][0]), digits, count, least, largest)
+        else:
+            number = ends[1 if statistic == "argmax" else 3]
+            for axis, values in _points(boxes, grid, asked, number).items():
+                yield f"{name}_{statistic}_{axis}", np.where(count > 0, values, np.nan)
+
+
+def _mean(
+    low: int,
+    digits: NDArray[np.int64],
+    count: NDArray[np.int64],
+    least: NDArray[np.float64],
+    largest: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    result = means(low, digits, count)
+    up, down = largest >= HUGE, least <= -HUGE
+    result[up], result[down] = np.inf, -np.inf
+    result[up & down] = np.nan
+    return result
+
+
+def _points(
+    boxes: Boxes, grid: Grid, asked: Reduction, number: NDArray[np.int64]
+) -> dict[str, NDArray[np.float64]]:
+    """Return where the cells of some numbers lie on each axis that goes.
+
+    Along an axis that the output does not depend on, all cells are alike, and it is the first.
+    """
+    points = {}
+    for axis in reversed(asked.over):
+        at = np.zeros_like(number)
+        if axis in boxes.field.dims:
+            number, at = np.divmod(number, grid.shape[axis])
+        unique, place = np.unique(at, return_inverse=True)
+        found = [axis_values(grid.axes[axis], int(k), int(k) + 1)[0] for k in unique]
+        points[axis] = np.array(found)[place]
+    return points
+
+
+def binned_quantiles(
+    bins: NDArray[np.int64],
+    filled: NDArray[np.int64],
+    ends: NDArray[np.int64],
+    quantiles: tuple[float, ...],
+) -> NDArray[np.float64]:
+    """Return quantiles of one slot from its histogram, shape (quantiles, 1).
+
+    Within a bin its values are taken to lie evenly between its ends, and none lies beyond the least
+    and the largest of all. A bin is at most 1/512 of its value wide, which is the error at most.
+    """
+    result = np.full((len(quantiles), 1), np.nan)
+    total = int(filled.sum())
+    if not total:
+        return result
+    least, largest = (float(values_of(ends[row])[0]) for row in (2, 0))
+    before = np.cumsum(filled) - filled
+    for k, quantile in enumerate(quantiles):
+        place = quantile * (total - 1)
+        if place <= 0 or place >= total - 1:  # they are known
+            result[k, 0] = least if place <= 0 else largest
+            continue
+        at = int(np.searchsorted(before, place, side="right")) - 1
+        keys = np.array([bins[at] - BINS // 2, bins[at] - BINS // 2 + 1]) << SHIFT
+        keys[1] -= 1
+        low, high = (float(value) for value in values_of(keys))
+        # The bins of infinite values hold patterns beyond them, which are no numbers.
+        low = least if math.isnan(low) else max(low, least)
+        high = largest if math.isnan(high) else min(high, largest)
+        share = min(1.0, (place - float(before[at])) / max(1, int(filled[at]) - 1))
+        result[k, 0] = low if low == high else low + (high - low) * share
+    return result

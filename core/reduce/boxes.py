@@ -1,0 +1,269 @@
+"""One box of a field: its cells are evaluated, and what is asked of them is told."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.plan.evaluate import evaluate
+from core.plan.grid import Grid, axis_values
+from core.plan.plan import Plan
+from core.quantities import QUANTITIES, REGIMES
+from core.reduce.cutting import BOX_CELLS, Box, Cutting, Rows
+from core.reduce.kernels import others
+from core.reduce.kernels.bits import LEAST, MAGNITUDE, MOST
+from core.reduce.kernels.rows import HUGE, across_rows, along_rows
+from core.reduce.questions import EXACT_CELLS, Field, valid_regimes
+from core.reduce.state import State
+from core.reduce.sums import FEW, anchors, by_level, exponent_of, units_of
+from core.study.reduction import Condition, Reduction
+from core.study.values import Points
+
+COMPARED = {"<": 1, "==": 2, "<=": 3, ">": 4, "!=": 5, ">=": 6}
+Buffers = dict[str, NDArray[Any]]
+
+
+class Boxes:
+    """The boxes of a field.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of the whole study; its regimes tell which cells count.
+    grid : Grid
+        The whole grid.
+    asked : Reduction
+        What is asked.
+    field : Field
+        The field.
+    cells : int
+        Most cells of a box.
+
+    Attributes
+    ----------
+    cutting : Cutting
+        How the field is cut.
+    is_exact : bool
+        Whether quantiles are told from all cells of a slot, and not from a histogram.
+    flags : tuple of int
+        The regimes that cells of the study can have.
+    cells_a_slot : int
+        Cells of the field that go to one slot.
+    times : int
+        Points of the whole grid for each of them.
+    """
+
+    def __init__(self, plan: Plan, grid: Grid, asked: Reduction, field: Field, cells: int):
+        self.field, self._asked, self._axes = field, asked, grid.axes
+        self._valid = valid_regimes(plan, asked)
+        self.flags = tuple(int(REGIMES[name].value) for name in plan.regimes)
+        self._fixed = {n: value for n, value in grid.fixed.items() if n in field.plan.parameters}
+        depends = field.plan.depends_on(grid.axes)
+        self._dims = {n: grid.dims(depends[n]) for n in (*field.plan.outputs, "regime")}
+        shape = tuple(grid.shape[dim] for dim in field.dims)
+        goes = tuple(dim in asked.over for dim in field.dims)
+        seen = math.prod(n for n, gone in zip(shape, goes, strict=True) if gone)
+        self.is_exact = seen <= EXACT_CELLS
+        if asked.quantiles and self.is_exact and field.outputs:
+            cells = max(cells, seen)
+        self.cutting = Cutting.of(shape, goes, min(cells, BOX_CELLS))
+        self.cells_a_slot = seen
+        self.times = math.prod(grid.shape[dim] for dim in asked.over if dim not in field.dims)
+        self._exponents = dict.fromkeys(field.outputs, 0)
+        self._threads = threading.local()
+
+    def seen(self, box: Box) -> State:
+        """Return what the cells of a box tell."""
+        field, state = self.field, State()
+        rows = Rows.of(tuple(stop - start for start, stop in box), self.cutting.goes)
+        wider = self._wider(box)
+        values = self._evaluated(wider)
+        for name in field.outputs:
+            state |= self._statistics(name, values, rows, box)
+            if self._asked.quantiles:
+                state |= self._quantiles(name, values, rows, box)
+        if field.regimes:
+            for flag in self.flags:
+                state[f"{flag}.count"] = _counted(values["regime"], flag, rows)
+        for name, conditions in field.shares.items():
+            state[f"{name}.count"] = self._met(conditions, values, rows)
+        if field.levels:
+            lengths = tuple(stop - start for start, stop in wider)
+            rows = Rows.of(lengths, self.cutting.goes)
+            for name in field.levels:
+                state |= self._crossings(name, values, rows, wider)
+        return state
+
+    def _wider(self, box: Box) -> Box:
+        """Return a box with the cells before it along the axis of crossings."""
+        return tuple(
+            (start - (dim == self.field.along and start > 0), stop)
+            for dim, (start, stop) in zip(self.field.dims, box, strict=True)
+        )
+
+    def _evaluated(self, box: Box) -> Buffers:
+        """Return the outputs and the regimes of all cells of a box, in the units of files."""
+        field = self.field
+        ends = dict(zip(field.dims, box, strict=True))
+        piece = Grid(
+            {
+                dim: self._axes[dim]
+                if (start, stop) == (0, self._axes[dim].size)
+                else Points(tuple(axis_values(self._axes[dim], start, stop)))
+                for dim, (start, stop) in ends.items()
+            },
+            self._fixed,
+        )
+        lengths = tuple(stop - start for start, stop in box)
+        into = {
+            name: self._buffer(name, tuple(piece.shape[dim] for dim in dims))
+            for name, dims in self._dims.items()
+        }
+        evaluate(field.plan, piece, into=into, threads=1)
+        whole: Buffers = {}
+        for name, array in into.items():
+            if name in QUANTITIES and QUANTITIES[name].is_angle:
+                np.rad2deg(array, out=array)
+            if self._dims[name] != field.dims:
+                aligned = array.reshape(
+                    [piece.shape[d] if d in self._dims[name] else 1 for d in field.dims]
+                )
+                array = self._buffer(f"{name} everywhere", lengths, array.dtype)
+                array[...] = aligned
+            whole[name] = array.reshape(-1)
+        return whole
+
+    def _buffer(self, name: str, shape: tuple[int, ...], dtype: Any = None) -> NDArray[Any]:
+        """Return an array of this thread that is used again for the next box."""
+        held: Buffers = self._threads.__dict__
+        cells = math.prod(shape)
+        if name not in held or held[name].size < cells:
+            dtype = dtype or (np.int8 if name == "regime" else np.float64)
+            held[name] = np.empty(cells, dtype)
+        return held[name][:cells].reshape(shape)
+
+    def _statistics(self, name: str, values: Buffers, rows: Rows, box: Box) -> State:
+        kernel = across_rows if rows.spread else along_rows
+        summed = "mean" in self._asked.statistics
+
+        def reduced(units: list[int]) -> tuple[int, NDArray[np.int64], NDArray[np.int64]]:
+            ends = np.zeros((5, rows.count), np.int64)
+            ends[0], ends[2] = LEAST, MOST
+            sums = np.zeros((len(units), rows.count), np.int64)
+            left = kernel(
+                values[name], values["regime"], self._valid, rows.slots, rows.length,
+                anchors(units), ends, sums,
+            )  # fmt: skip
+            return left, ends, sums
+
+        exponent = self._exponents[name]
+        units = units_of(exponent, FEW) if summed else []
+        left, ends, sums = reduced(units)
+        if summed:
+            needed = exponent_of(_largest(ends))
+            self._exponents[name] = needed
+            if needed > exponent:  # of what is larger nothing of it is right
+                units = units_of(needed, FEW)
+                left, ends, sums = reduced(units)
+            if left:
+                units = units_of(needed)
+                left, ends, sums = reduced(units)
+        for row in (1, 3):
+            ends[row] = self.cutting.order(box, ends[row])
+        state: State = {f"{name}.ends": ends}
+        if summed:
+            low, digits = by_level(units, sums)
+            state |= {f"{name}.low": np.array([low]), f"{name}.digits": digits}
+        return state
+
+    def _quantiles(self, name: str, values: Buffers, rows: Rows, box: Box) -> State:
+        if not self.is_exact:
+            counts = self._buffer("bins", (others.BINS,), np.int64)
+            counts[:] = 0
+            others.histogram(values[name], values["regime"], self._valid, counts)
+            bins = np.flatnonzero(counts)
+            return {f"{name}.bins": bins, f"{name}.filled": counts[bins]}
+        lengths = [stop - start for start, stop in box]
+        cells = self._buffer("masked", tuple(lengths))
+        others.masked(values[name], values["regime"], self._valid, cells.reshape(-1))
+        goes = self.cutting.goes
+        order = sorted(range(len(box)), key=lambda axis: goes[axis])
+        lines = cells.transpose(order).reshape(rows.count, -1)
+        return {f"{name}.quantiles": exact_quantiles(lines, self._asked.quantiles)}
+
+    def _met(
+        self, conditions: tuple[Condition, ...], values: Buffers, rows: Rows
+    ) -> NDArray[np.int64]:
+        met = np.ones(values["regime"].size, np.int8)
+        for one in conditions:
+            if one.name == "regime":
+                same = values["regime"] == REGIMES[str(one.value)].value
+                met[same if one.comparison == "!=" else ~same] = 0
+            else:
+                others.meet(
+                    values[one.name], values["regime"], self._valid,
+                    COMPARED[one.comparison], float(one.value), met,
+                )  # fmt: skip
+        return _counted(met, 1, rows)
+
+    def _crossings(self, name: str, values: Buffers, rows: Rows, box: Box) -> State:
+        level, dims = self.field.levels[name], self.field.dims
+        at = dims.index(level.along)
+        stride = math.prod(stop - start for start, stop in box[at + 1 :])
+        largest = level.take == "largest"
+        found = np.full(rows.count, -np.inf if largest else np.inf)
+        others.crossings(
+            values[level.output], values["regime"], self._valid, level.level,
+            axis_values(self._axes[level.along], *box[at]), stride, largest,
+            rows.slots, rows.length, rows.spread, found,
+        )  # fmt: skip
+        return {f"{name}.{level.take}": found}
+
+
+def exact_quantiles(
+    lines: NDArray[np.float64], quantiles: tuple[float, ...]
+) -> NDArray[np.float64]:
+    """Return quantiles of each line without its NaN, shape (quantiles, lines), as numpy's linear.
+
+    A quantile between two values is told by the straight line between them.
+    """
+    lines = np.sort(lines, axis=-1)
+    counts = lines.shape[1] - np.count_nonzero(np.isnan(lines), axis=-1)
+    result = np.full((len(quantiles), len(lines)), np.nan)
+    some = np.flatnonzero(counts)
+    for k, quantile in enumerate(quantiles):
+        place = quantile * (counts[some] - 1)
+        before = np.floor(place).astype(np.int64)
+        share = place - before
+        low = lines[some, before]
+        high = lines[some, np.minimum(before + 1, counts[some] - 1)]
+        with np.errstate(invalid="ignore"):
+            step = np.where(low == high, 0.0, high - low)
+            between = np.where(share < 0.5, low + step * share, high - step * (1 - share))
+        result[k, some] = np.where(share == 0, low, between)  # an infinite step has no part of 0
+    return result
+
+
+def _counted(flags: NDArray[np.int8], wanted: int, rows: Rows) -> NDArray[np.int64]:
+    counts = np.zeros(rows.count, np.int64)
+    count: Callable[..., None] = others.count_across if rows.spread else others.count_along
+    count(flags, wanted, rows.slots, rows.length, counts)
+    return counts
+
+
+def values_of(keys: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return the floats of keys."""
+    return (keys ^ ((keys >> 63) & MAGNITUDE)).view(np.float64)
+
+
+def _largest(ends: NDArray[np.int64]) -> float:
+    """Return the largest size among the ends that a sum may hold."""
+    sizes = np.abs(values_of(ends[[0, 2]][:, ends[4] > 0]))
+    finite = sizes[sizes < HUGE]
+    # An infinite end may hide finite values of any size.
+    return HUGE if finite.size < sizes.size else float(finite.max(initial=0.0))

@@ -1,0 +1,96 @@
+"""What is wrong with a reduction, told at its place."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+
+from core.errors import Problem, suggestion
+from core.plan.grid import Grid
+from core.plan.plan import Plan
+from core.study.reduction import Reduction
+from core.study.values import Fixed, Values
+
+
+def problems_of_names(
+    asked: Reduction, outputs: Collection[str], values: Mapping[str, Values]
+) -> list[Problem]:
+    """Return what is wrong with the names of a reduction, given those of its study."""
+    axes = [name for name, value in values.items() if not isinstance(value, Fixed)]
+    problems = [
+        _no_axis(name, f"reduce.over.{k}", axes, values) for k, name in enumerate(asked.over)
+    ]
+    problems += [_no_output(name, f"reduce.of.{k}", outputs) for k, name in enumerate(asked.of)]
+    for share, conditions in asked.shares.items():
+        place = f"reduce.shares.{share}"
+        if not conditions:
+            problems.append(Problem(place, "it has no condition", "Give at least one"))
+        problems += [
+            _no_output(one.name, f"{place}.{k}", outputs)
+            for k, one in enumerate(conditions)
+            if one.name != "regime"
+        ]
+    for name, level in asked.levels.items():
+        place = f"reduce.levels.{name}"
+        problems.append(_no_output(level.output, f"{place}.output", outputs))
+        if level.along not in asked.over:
+            fix = suggestion(level.along, asked.over)
+            message = f"'{level.along[:60]}' is not among the axes that go (over)"
+            problems.append(Problem(f"{place}.along", message, fix))
+    if not (asked.statistics or asked.quantiles or asked.regimes or asked.shares or asked.levels):
+        fix = "Give statistics, quantiles, regimes, shares or levels"
+        problems.append(Problem("reduce", "it asks for nothing", fix))
+    if asked.of and not (asked.statistics or asked.quantiles):
+        message = "neither statistics nor quantiles are asked for"
+        problems.append(Problem("reduce.of", message, "Leave it out"))
+    return [problem for problem in problems if problem is not None]
+
+
+def problems_of(asked: Reduction, plan: Plan, grid: Grid) -> list[Problem]:
+    """Return what is wrong with a reduction, given the plan of its study."""
+    return [*_regimes(asked, plan), *_levels(asked, plan, grid)]
+
+
+def _regimes(asked: Reduction, plan: Plan) -> Iterator[Problem]:
+    for share, conditions in asked.shares.items():
+        for k, one in enumerate(conditions):
+            if one.name == "regime" and one.value not in plan.regimes:
+                message = f"no cell of this study can be in the regime '{one.value}'"
+                fix = f"It can be in {', '.join(plan.regimes)}"
+                yield Problem(f"reduce.shares.{share}.{k}", message, fix)
+
+
+def _levels(asked: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:
+    depends = plan.depends_on(grid.axes)
+    for name, level in asked.levels.items():
+        place = f"reduce.levels.{name}.along"
+        if level.along not in grid.axes or level.output not in plan.outputs:
+            continue
+        if level.along not in depends[level.output]:
+            message = f"{level.output} does not depend on {level.along}"
+            needed = [dim for dim in grid.dims(depends[level.output]) if dim in asked.over]
+            fix = f"It depends on {', '.join(needed)}" if needed else "Leave the level out"
+            yield Problem(place, message, fix)
+        elif grid.shape[level.along] == 1:
+            yield Problem(place, f"{level.along} has one value only", "Give it two or more")
+
+
+def _no_axis(
+    name: str, place: str, axes: Collection[str], values: Mapping[str, Values]
+) -> Problem | None:
+    if name in axes:
+        return None
+    if name in values:
+        fix = f"Give {name} several values, or leave it out here"
+        return Problem(place, f"{name} has one value, and is no axis", fix)
+    fix = suggestion(name, axes) if axes else "Give a parameter several values"
+    return Problem(place, f"'{name[:60]}' is not an axis of this study", fix)
+
+
+def _no_output(name: str, place: str, outputs: Collection[str]) -> Problem | None:
+    if name in outputs:
+        return None
+    fix = suggestion(name, outputs).removesuffix("?") + "? If not, add it to outputs"
+    message = f"'{name[:60]}' is not among the outputs of this study"
+    if not fix.startswith("Did"):
+        fix = f"Add it to outputs, or take one of them: {', '.join(outputs)}"
+    return Problem(place, message, fix)

@@ -1,0 +1,156 @@
+"""How a grid is cut for a reduction: blocks of slots, each seen in rounds of cells.
+
+Where the cells of a slot fit in a box, a block has many slots and one round; otherwise it is one
+slot, seen in many rounds. Either way a box is one round of one block, and what is known of a block
+is all that has to be in memory beside the result.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+BOX_CELLS = 1 << 22
+"""Most cells of a box; the sums of `kernels.rows` have room for no more."""
+BLOCK_SLOTS = 1 << 17
+"""Most slots of a block: their sums and ends take some 16 MiB."""
+
+Box = tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True)
+class Cutting:
+    """How the axes of a field are cut.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Number of values of each axis.
+    goes : tuple of bool
+        Whether the axis is reduced.
+    steps : tuple of int
+        Number of values of each axis in a box, but for the last boxes.
+    """
+
+    shape: tuple[int, ...]
+    goes: tuple[bool, ...]
+    steps: tuple[int, ...]
+
+    @classmethod
+    def of(
+        cls,
+        shape: Sequence[int],
+        goes: Sequence[bool],
+        cells: int = BOX_CELLS,
+        slots: int = BLOCK_SLOTS,
+    ) -> Cutting:
+        """Return the cutting into boxes of so many cells, and blocks of so many slots, at most."""
+        steps = [1] * len(shape)
+        room = cells
+        last_first = range(len(shape) - 1, -1, -1)
+        seen = math.prod(size for size, gone in zip(shape, goes, strict=True) if gone)
+        for axis in (axis for axis in last_first if goes[axis]):
+            steps[axis] = _even(shape[axis], room)
+            room //= steps[axis]
+        if seen <= cells:
+            room = min(cells // seen, slots)
+            for axis in (axis for axis in last_first if not goes[axis]):
+                steps[axis] = _even(shape[axis], room)
+                room //= steps[axis]
+        return cls(tuple(shape), tuple(goes), tuple(steps))
+
+    @cached_property
+    def _pieces(self) -> tuple[int, ...]:
+        return tuple(-(-n // step) for n, step in zip(self.shape, self.steps, strict=True))
+
+    @cached_property
+    def blocks(self) -> int:
+        """Number of blocks."""
+        return math.prod(n for n, gone in zip(self._pieces, self.goes, strict=True) if not gone)
+
+    @cached_property
+    def rounds(self) -> int:
+        """Number of rounds of each block."""
+        return math.prod(n for n, gone in zip(self._pieces, self.goes, strict=True) if gone)
+
+    @property
+    def cells(self) -> int:
+        """Number of cells of all boxes."""
+        return math.prod(self.shape)
+
+    def box(self, block: int, turn: int) -> Box:
+        """Return where a round of a block lies."""
+        at = dict.fromkeys(range(len(self.shape)), 0)
+        for gone, number in ((False, block), (True, turn)):
+            axes = [axis for axis in at if self.goes[axis] == gone]
+            places = np.unravel_index(number, [self._pieces[a] for a in axes]) if axes else ()
+            at |= {axis: int(place) for axis, place in zip(axes, places, strict=True)}
+        return tuple(
+            (at[axis] * step, min((at[axis] + 1) * step, self.shape[axis]))
+            for axis, step in enumerate(self.steps)
+        )
+
+    def kept(self, box: Box) -> Box:
+        """Return where the slots of a box lie among all of them."""
+        return tuple(ends for ends, gone in zip(box, self.goes, strict=True) if not gone)
+
+    def order(self, box: Box, cells: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the numbers, among all cells of their slots, of cells of a box."""
+        lengths = [stop - start for start, stop in box]
+        at = np.unravel_index(cells, lengths) if box else ()
+        number = np.zeros_like(cells)
+        for place, (start, _), n, gone in zip(at, box, self.shape, self.goes, strict=True):
+            if gone:
+                number = number * n + (place + start)
+        return number
+
+
+@dataclass(frozen=True)
+class Rows:
+    """The rows of a box, as kernels take them.
+
+    Attributes
+    ----------
+    slots : ndarray of int64, shape (rows,)
+        The slot of each row, or of its first cell.
+    length : int
+        Cells of a row.
+    spread : bool
+        Whether the cells of a row go to slots one after another; else all to one.
+    count : int
+        Number of slots of the box.
+    """
+
+    slots: NDArray[np.int64]
+    length: int
+    spread: bool
+    count: int
+
+    @classmethod
+    def of(cls, lengths: tuple[int, ...], goes: tuple[bool, ...]) -> Rows:
+        """Return the rows of a box, as long as they can be: axes of one kind at its end."""
+        axes = [(n, gone) for n, gone in zip(lengths, goes, strict=True) if n > 1]
+        spread = bool(axes) and not axes[-1][1]
+        length = 1
+        while axes and axes[-1][1] != spread:
+            length *= axes.pop()[0]
+        slots = np.zeros([n for n, _ in axes], np.int64)
+        stride = length if spread else 1
+        for axis in range(len(axes) - 1, -1, -1):
+            size, gone = axes[axis]
+            if not gone:
+                places = np.arange(size, dtype=np.int64) * stride
+                slots += places.reshape([-1] + [1] * (len(axes) - axis - 1))
+                stride *= size
+        return cls(slots.reshape(-1), length, spread, stride)
+
+
+def _even(size: int, most: int) -> int:
+    """Return the length of nearly equal pieces of an axis, none longer than `most`."""
+    pieces = -(-size // max(1, min(size, most)))
+    return -(-size // pieces)

@@ -1,0 +1,45 @@
+"""Floats as integers, whose order and sums do not depend on how a loop is cut."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba.core import types
+from numba.extending import intrinsic
+
+from core.compiled import borrowing
+
+LEAST, MOST = -(2**63), 2**63 - 1
+MAGNITUDE = 2**63 - 1
+"""The bits of a float but for its sign."""
+
+
+@intrinsic
+def _bits(context: Any, value: Any) -> Any:
+    """Return the bits of a float as an integer."""
+    del context
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.bitcast(arguments[0], context.get_value_type(types.int64))
+
+    return types.int64(types.float64), generate
+
+
+bits: Any = _bits
+
+
+@borrowing
+def key(value: float) -> int:
+    """Return an integer in the order of floats; it is its own inverse on their bits.
+
+    Compilers vectorise the largest of integers, and not that of floats, which may be NaN. Zeros
+    are one value if they are `value + 0.0`.
+    """
+    own: int = bits(value)
+    return own ^ ((own >> 63) & MAGNITUDE)
+
+
+@borrowing
+def counted(value: float, regime: int, valid: int) -> bool:
+    """Return whether a cell counts: its regime is in `valid`, and its value is not NaN."""
+    return ((valid >> regime) & 1 != 0) & (value == value)

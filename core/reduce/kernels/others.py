@@ -1,0 +1,143 @@
+"""Counts, conditions, histograms and crossings over the cells of a box; rows as in `rows`."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.compiled import borrowing
+from core.reduce.kernels.bits import counted, key
+
+SHIFT = 43
+"""Bits of a float that a bin leaves out: 9 digits of the fraction are left, 1/512 of a value."""
+BINS = 1 << (64 - SHIFT)
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Flags = NDArray[np.int8]
+
+
+@borrowing
+def count_along(flags: Flags, wanted: int, slots: Integers, length: int, counts: Integers) -> None:
+    """Count the cells of each row that have a flag, each row into one slot."""
+    for row in range(slots.size):
+        mine = flags[row * length : (row + 1) * length]
+        count = 0
+        for k in range(mine.size):
+            count += 1 if mine[k] == wanted else 0
+        counts[slots[row]] += count
+
+
+@borrowing
+def count_across(flags: Flags, wanted: int, slots: Integers, length: int, counts: Integers) -> None:
+    """Count the cells of each row that have a flag, each cell into its own slot."""
+    for row in range(slots.size):
+        mine = flags[row * length : (row + 1) * length]
+        here = counts[slots[row] : slots[row] + length]
+        for k in range(mine.size):
+            here[k] += 1 if mine[k] == wanted else 0
+
+
+@borrowing
+def meet(
+    values: Array, regimes: Flags, valid: int, comparison: int, level: float, met: Flags
+) -> None:
+    """Take the flag from cells that do not count, or whose value does not compare as it should.
+
+    `comparison` has a bit each for a value below the level, equal to it, and above it.
+    """
+    below, equal, above = comparison & 1 != 0, comparison & 2 != 0, comparison & 4 != 0
+    for k in range(values.size):
+        value = values[k]
+        holds = (below & (value < level)) | (equal & (value == level)) | (above & (value > level))
+        met[k] = met[k] if counted(value, regimes[k], valid) & holds else 0
+
+
+@borrowing
+def masked(values: Array, regimes: Flags, valid: int, result: Array) -> None:
+    """Fill in the values of cells that count, and NaN for others."""
+    for k in range(values.size):
+        value = values[k] + 0.0
+        result[k] = value if counted(value, regimes[k], valid) else math.nan
+
+
+@borrowing
+def histogram(values: Array, regimes: Flags, valid: int, counts: Integers) -> None:
+    """Count the cells of a box that count by the leading bits of their value."""
+    for k in range(values.size):
+        value = values[k] + 0.0
+        if counted(value, regimes[k], valid):
+            counts[np.uint64((key(value) >> SHIFT) + BINS // 2)] += 1
+
+
+@borrowing
+def crossings(
+    values: Array,
+    regimes: Flags,
+    valid: int,
+    level: float,
+    axis: Array,
+    stride: int,
+    largest: bool,
+    slots: Integers,
+    length: int,
+    spread: bool,
+    found: Array,
+) -> None:
+    """Find where values cross a level between neighbours along an axis.
+
+    Parameters
+    ----------
+    values, regimes, valid
+        As in `rows`.
+    level : float
+        The level.
+    axis : ndarray
+        The values of the axis along which neighbours lie.
+    stride : int
+        Cells from one neighbour to the next.
+    largest : bool
+        Whether the largest of several crossings is wanted; else the smallest.
+    slots, length, spread
+        Rows; whether the cells of a row go to slots one after another.
+    found : ndarray, shape (slots,)
+        The crossing so far of each slot.
+    """
+    lines = values.size // (axis.size * stride)
+    for line in range(lines):
+        for at in range(1, axis.size):
+            start = (line * axis.size + at) * stride
+            before = values[start - stride : start]
+            mine = values[start : start + stride]
+            for k in range(mine.size):
+                one, other = before[k], mine[k]
+                if not ((one <= level <= other) or (one >= level >= other)):
+                    continue
+                cell = start + k
+                if not (
+                    counted(one, regimes[cell - stride], valid)
+                    and counted(other, regimes[cell], valid)
+                ):
+                    continue
+                first, last = axis[at - 1], axis[at]
+                place = _between(one, other, level, first, last, largest)
+                row = cell // length
+                slot = slots[row] + (cell - row * length if spread else 0)
+                if (place > found[slot]) if largest else (place < found[slot]):
+                    found[slot] = place
+
+
+@borrowing
+def _between(
+    one: float, other: float, level: float, first: float, last: float, largest: bool
+) -> float:
+    """Return where a line between two values crosses a level that lies between them."""
+    if one == level and other == level:
+        return max(first, last) if largest else min(first, last)
+    if one == level or math.isinf(other):
+        return first
+    if other == level or math.isinf(one):
+        return last
+    return first + (level - one) / (other - one) * (last - first)

@@ -1,0 +1,105 @@
+"""What is asked of a grid: for each field, which is outputs over the same axes, all answers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+
+from core.plan.grid import Grid
+from core.plan.plan import Plan
+from core.quantities import REGIMES
+from core.study.reduction import Condition, LevelSet, Reduction
+
+EVERY_REGIME = (1 << 63) - 1
+EXACT_CELLS = 1 << 22
+"""Cells of a slot up to which its quantiles are exact; a histogram tells those of more."""
+
+
+@dataclass(frozen=True)
+class Field:
+    """What is told of cells over the same axes.
+
+    Attributes
+    ----------
+    dims : tuple of str
+        The axes, those that go and those that stay.
+    plan : Plan
+        What is evaluated for it.
+    outputs : tuple of str
+        Those of which there are statistics or quantiles.
+    regimes : bool
+        Whether cells are counted by regime.
+    shares : mapping of str to tuple of Condition
+        Conditions of each share.
+    levels : mapping of str to LevelSet
+        Crossings; all along one axis, of which boxes hold one cell more.
+    along : str
+        That axis; empty if there are none.
+    """
+
+    dims: tuple[str, ...]
+    plan: Plan
+    outputs: tuple[str, ...] = ()
+    regimes: bool = False
+    shares: dict[str, tuple[Condition, ...]] = field(default_factory=dict)
+    levels: dict[str, LevelSet] = field(default_factory=dict)
+    along: str = ""
+
+
+def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[Field, ...]:
+    """Return the fields of a reduction, each with all that is asked of it."""
+    found: dict[tuple[tuple[str, ...], str], Field] = {}
+    needed: dict[tuple[tuple[str, ...], str], set[str]] = {}
+    depends = plan.depends_on(grid.axes)
+    for names, one in _questions(plan, asked):
+        if has_invalid(plan, asked) and names:
+            names = {*names, "regime"}
+        dims = grid.dims(frozenset().union(*(depends[name] for name in names)))
+        key = (dims, one.along)
+        known = found.get(key, Field(dims, plan, along=one.along))
+        needed[key] = needed.get(key, set()) | names
+        found[key] = replace(
+            known,
+            outputs=tuple(dict.fromkeys((*known.outputs, *one.outputs))),
+            regimes=known.regimes or one.regimes,
+            shares={**known.shares, **one.shares},
+            levels={**known.levels, **one.levels},
+        )
+    return tuple(replace(one, plan=_pulled(plan, needed[key])) for key, one in found.items())
+
+
+def has_invalid(plan: Plan, asked: Reduction) -> bool:
+    """Return whether a regime of the plan can keep a cell from counting."""
+    return asked.cells == "valid" and not all(REGIMES[name].valid for name in plan.regimes)
+
+
+def valid_regimes(plan: Plan, asked: Reduction) -> int:
+    """Return the regimes of cells that count, one bit each."""
+    if not has_invalid(plan, asked):
+        return EVERY_REGIME
+    return sum(1 << REGIMES[name].value for name in plan.regimes if REGIMES[name].valid)
+
+
+def outputs_of(plan: Plan, asked: Reduction) -> tuple[str, ...]:
+    """Return the outputs of which there are statistics and quantiles."""
+    wanted = asked.of or plan.outputs
+    return tuple(name for name in plan.outputs if name in wanted)
+
+
+def _questions(plan: Plan, asked: Reduction) -> Iterator[tuple[set[str], Field]]:
+    """Yield each thing that is asked, and the arrays that it is asked of."""
+    if asked.statistics or asked.quantiles:
+        for name in outputs_of(plan, asked):
+            yield {name}, Field((), plan, outputs=(name,))
+    if asked.regimes:
+        yield {"regime"}, Field((), plan, regimes=True)
+    for name, conditions in asked.shares.items():
+        yield {one.name for one in conditions}, Field((), plan, shares={name: conditions})
+    for name, level in asked.levels.items():
+        yield {level.output}, Field((), plan, levels={name: level}, along=level.along)
+
+
+def _pulled(plan: Plan, names: Iterable[str]) -> Plan:
+    """Return the part of the plan that some arrays need."""
+    outputs = tuple(name for name in plan.outputs if name in set(names))
+    return plan.part(outputs, plan.conditions if "regime" in names else ())

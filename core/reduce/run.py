@@ -1,0 +1,143 @@
+"""Carrying out a reduction: boxes among threads, states joined, answers made of them."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import time
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+
+from core.errors import StoppedError
+from core.plan.grid import Grid
+from core.plan.plan import Plan
+from core.reduce.boxes import Boxes
+from core.reduce.cutting import BOX_CELLS, Box
+from core.reduce.questions import fields_of
+from core.reduce.state import State, merged
+from core.study.reduction import Reduction
+from core.watch import Watch
+
+STOPPED = "it was stopped before all cells were seen, and a part of them is no answer"
+TRIED = 3
+"""Boxes for each thread, from which the time of all is told."""
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A box of a reduction: one round of a block of a field."""
+
+    field: int
+    block: int
+    box: Box
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+        cells = 1
+        for start, stop in self.box:
+            cells *= stop - start
+        return cells
+
+
+class Units:
+    """All boxes of a reduction, in order: the work, and what parts of it are counted in.
+
+    Parameters
+    ----------
+    plan, grid
+        Of the whole study.
+    asked : Reduction
+        What is asked.
+    cells : int
+        Most cells of a box. No result depends on it.
+    """
+
+    def __init__(self, plan: Plan, grid: Grid, asked: Reduction, cells: int = BOX_CELLS):
+        self.boxes = tuple(
+            Boxes(plan, grid, asked, field, cells) for field in fields_of(plan, grid, asked)
+        )
+        counts = (one.cutting.blocks * one.cutting.rounds for one in self.boxes)
+        self._ends = tuple(itertools.accumulate(counts))
+        self.cells = sum(one.cutting.cells for one in self.boxes)
+
+    def __len__(self) -> int:
+        """Return the number of boxes."""
+        return self._ends[-1]
+
+    def __getitem__(self, index: int) -> Unit:
+        """Return a box by its number."""
+        field = next(k for k, end in enumerate(self._ends) if index < end)
+        cutting = self.boxes[field].cutting
+        start = self._ends[field] - cutting.blocks * cutting.rounds
+        block, turn = divmod(index - start, cutting.rounds)
+        return Unit(field, block, cutting.box(block, turn))
+
+    def states(self, start: int, stop: int, watch: Watch) -> Iterator[tuple[int, int, State]]:
+        """Yield, for each block that the boxes from `start` to `stop` are of, what they tell.
+
+        Raises
+        ------
+        StoppedError
+            If `watch` stops it.
+        """
+        indices, running = iter(range(start, stop)), deque[tuple[Unit, Future[State]]]()
+        threads = watch.threads or os.cpu_count() or 1
+        state: State | None = None
+        before: Unit | None = None
+        cells = max(1, sum(self[k].cells for k in (start, stop - 1)) // 2 * (stop - start))
+        with ThreadPoolExecutor(threads, thread_name_prefix="reduce") as pool:
+            try:
+                while True:
+                    # The first box alone: it may have a loop compiled, which is for one.
+                    ahead = 1 if before is None else 2 * threads
+                    for index in itertools.islice(indices, ahead - len(running)):
+                        unit = self[index]
+                        running.append((unit, pool.submit(self._seen, unit, watch)))
+                    if not running:
+                        break
+                    unit, future = running.popleft()
+                    found = future.result()
+                    if before is not None and (unit.field, unit.block) == (
+                        before.field,
+                        before.block,
+                    ):
+                        state = found if state is None else merged(state, found)
+                    else:
+                        if before is not None and state is not None:
+                            yield before.field, before.block, state
+                        state = found
+                    before = unit
+                    watch.advance(unit.cells / cells)
+            except BaseException:
+                pool.shutdown(cancel_futures=True)
+                raise
+        if before is not None and state is not None:
+            yield before.field, before.block, state
+
+    def _seen(self, unit: Unit, watch: Watch) -> State:
+        if watch.stopped():
+            raise StoppedError(STOPPED)
+        return self.boxes[unit.field].seen(unit.box)
+
+    def seconds(self) -> float:
+        """Return about what all boxes take, from a few of each field that are tried.
+
+        They are spread over the field and run side by side, as all will be. Before that as many
+        are tried as it takes until what repays compiling is compiled.
+        """
+        threads, total, start = os.cpu_count() or 1, 0.0, 0
+        with ThreadPoolExecutor(threads) as pool:
+            for boxes, end in zip(self.boxes, self._ends, strict=True):
+                count = min(end - start, TRIED * threads)
+                units = [self[start + (end - start) * k // count] for k in range(count)]
+                for unit in units:
+                    boxes.seen(unit.box)
+                started = time.perf_counter()
+                list(pool.map(boxes.seen, [unit.box for unit in units]))
+                seconds = time.perf_counter() - started
+                total += seconds / sum(unit.cells for unit in units) * boxes.cutting.cells
+                start = end
+        return total

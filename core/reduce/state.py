@@ -1,0 +1,65 @@
+"""What is known of a block of slots after some of its cells: arrays that can be joined and kept."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.reduce.sums import added
+
+State = dict[str, NDArray[Any]]
+"""By name: what it is of, a full stop, and one of
+
+- ``ends``, shape (5, slots): key and number of the largest, the same of the least, and how many;
+- ``low`` and ``digits``: a sum by level, as in `core.reduce.sums`;
+- ``bins`` and ``filled``: a histogram, where it is not empty;
+- ``quantiles``, shape (quantiles, slots): final, where all cells were seen at once;
+- ``count``, shape (slots,);
+- ``smallest`` or ``largest``, shape (slots,): a crossing; infinite if there is none.
+"""
+
+
+def merged(one: State, other: State) -> State:
+    """Return what is known after the cells of two states, in whatever order they were seen."""
+    result: State = {}
+    for name in one:
+        of, _, kind = name.rpartition(".")
+        mine, yours = one[name], other[name]
+        if kind == "ends":
+            result[name] = _ends(mine, yours)
+        elif kind == "low":
+            low, digits = added(
+                (int(mine[0]), one[f"{of}.digits"]), (int(yours[0]), other[f"{of}.digits"])
+            )
+            result |= {name: np.array([low]), f"{of}.digits": digits}
+        elif kind == "bins":
+            bins, place = np.unique(np.concatenate([mine, yours]), return_inverse=True)
+            filled = np.zeros(bins.size, np.int64)
+            np.add.at(filled, place, np.concatenate([one[f"{of}.filled"], other[f"{of}.filled"]]))
+            result |= {name: bins, f"{of}.filled": filled}
+        elif kind == "count":
+            result[name] = mine + yours
+        elif kind in ("smallest", "largest"):
+            result[name] = (np.minimum if kind == "smallest" else np.maximum)(mine, yours)
+        elif kind == "quantiles":
+            raise ValueError("quantiles of a part of the cells cannot be joined")
+    return result
+
+
+def size(state: Mapping[str, NDArray[Any]]) -> int:
+    """Return the bytes of a state."""
+    return sum(array.nbytes for array in state.values())
+
+
+def _ends(mine: NDArray[np.int64], yours: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the ends of two states; of equal values, the cell that comes first in the grid."""
+    higher = (yours[0] > mine[0]) | ((yours[0] == mine[0]) & (yours[1] < mine[1]))
+    lower = (yours[2] < mine[2]) | ((yours[2] == mine[2]) & (yours[3] < mine[3]))
+    result = mine.copy()
+    result[:2, higher] = yours[:2, higher]
+    result[2:4, lower] = yours[2:4, lower]
+    result[4] += yours[4]
+    return result

@@ -1,0 +1,47 @@
+"""Values of outputs that a study compares with: a number, or text in the output's unit."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
+from pydantic_core import PydanticCustomError
+
+from core.quantities import QUANTITIES, Quantity
+from core.study.units import UnitError, read_number
+
+
+def refusal(message: str, fix: str) -> PydanticCustomError:
+    """Return the error of one value, in our words."""
+    return PydanticCustomError("value", "{message}", {"message": message, "fix": fix})
+
+
+def read_level(name: str, raw: object) -> float:
+    """Return a value that is compared with a quantity, in its unit; raise `UnitError` if none."""
+    quantity = QUANTITIES[name]
+    # What is compared with a parameter may lie outside the parameter's own bounds.
+    shown = quantity.examples or ("1" if quantity.unit == "1" else f"1 {quantity.unit}",)
+    free = Quantity(
+        quantity.unit, quantity.symbol, quantity.label, quantity.description, examples=shown
+    )
+    return read_number(name, free, raw)
+
+
+def _read_level(raw: object, info: ValidationInfo) -> object:
+    """Return a value of the output that stands before it, in that output's unit."""
+    output = info.data.get("against") or info.data.get("output")
+    if raw is None or str(output) not in QUANTITIES:  # an unknown output is told of elsewhere
+        return raw if raw is None or isinstance(raw, int | float) else 0.0
+    try:
+        return read_level(str(output), raw)
+    except UnitError as error:
+        raise refusal(error.message, error.fix) from error
+
+
+_LEVEL_SCHEMA: dict[str, Any] = {
+    "anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]
+}
+Level = Annotated[float, BeforeValidator(_read_level), WithJsonSchema(_LEVEL_SCHEMA)]
+"""A value of the output that an earlier field names."""
+OpenLevel = Annotated[float | None, BeforeValidator(_read_level), WithJsonSchema(_LEVEL_SCHEMA)]
+"""The same, or none."""

@@ -1,0 +1,187 @@
+"""What a sweep study asks for in place of its cells: `[reduce]`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    WithJsonSchema,
+)
+
+from core.errors import suggestion
+from core.quantities import QUANTITIES, REGIMES
+from core.study.levels import Level, read_level, refusal
+from core.study.units import UnitError
+
+STATISTICS = ("max", "min", "mean", "argmax", "argmin")
+"""What can be told of an output over the cells that go."""
+COMPARISONS = ("<=", ">=", "==", "!=", "<", ">")
+ENDS = ("smallest", "largest")
+MOST = 20  # names of shares, or of levels
+
+_CONDITION = re.compile(r"\s*(\w{1,100})\s*(<=|>=|==|!=|<|>)\s*(.{1,200}?)\s*")
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
+HOW = "Write, for example, 'throw_number < 1' or 'regime == slip'"
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One thing that a cell has to meet.
+
+    Attributes
+    ----------
+    name : str
+        An output, or ``regime``.
+    comparison : str
+        One of `COMPARISONS`.
+    value : float or str
+        A value in the output's unit, or the name of a regime.
+    """
+
+    name: str
+    comparison: str
+    value: float | str
+
+    def __str__(self) -> str:
+        value = self.value if isinstance(self.value, str) else repr(self.value)
+        return f"{self.name} {self.comparison} {value}"
+
+
+def _read_condition(raw: object) -> Condition:
+    if isinstance(raw, Condition):
+        return raw
+    found = _CONDITION.fullmatch(raw) if isinstance(raw, str) else None
+    if found is None:
+        raise refusal(f"{str(raw)[:60]!r} is no condition", HOW)
+    name, comparison, value = found.groups()
+    if name == "regime":
+        if comparison not in ("==", "!="):
+            fix = f"Write 'regime == {value}' or 'regime != {value}'"
+            raise refusal("regimes have no order", fix)
+        if value not in REGIMES:
+            raise refusal(f"'{value[:60]}' is not a regime", suggestion(value, REGIMES))
+        return Condition(name, comparison, value)
+    if name not in QUANTITIES:
+        raise refusal(f"'{name[:60]}' is not an output", suggestion(name, QUANTITIES))
+    try:
+        number: object = float(value)
+    except ValueError:
+        number = value
+    try:
+        return Condition(name, comparison, read_level(name, number))
+    except UnitError as error:
+        raise refusal(error.message, error.fix) from error
+
+
+def _read_statistic(raw: object) -> str:
+    if raw not in STATISTICS:
+        text = str(raw)[:60]
+        fix = "Write quantiles = [0.5]" if text == "median" else suggestion(text, STATISTICS)
+        raise refusal(f"'{text}' is not a statistic", fix)
+    return str(raw)
+
+
+def _read_quantile(raw: object) -> float:
+    if isinstance(raw, bool) or not isinstance(raw, int | float) or not 0 <= raw <= 1:
+        raise refusal(
+            f"{str(raw)[:40]!r} is not a quantile", "Write a number from 0 to 1: 0.5 is the median"
+        )
+    return float(raw)
+
+
+def _read_name(raw: object) -> str:
+    if not isinstance(raw, str) or not _NAME.fullmatch(raw):
+        raise refusal(
+            f"{str(raw)[:60]!r} cannot be the name of a variable",
+            "Take small letters, digits and underscores, 40 at most, a letter first",
+        )
+    return raw
+
+
+def _ordered(order: Iterable[str]) -> Any:
+    """Return what puts names in one order, each once: equal studies have equal keys."""
+    place = {name: k for k, name in enumerate(order)}
+
+    def sort(names: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(sorted(dict.fromkeys(names), key=lambda name: place.get(name, len(place))))
+
+    return AfterValidator(sort)
+
+
+_BY_NAME = AfterValidator(lambda named: dict(sorted(named.items())))
+_TEXT = {"type": "string", "maxLength": 300}
+_Condition = Annotated[
+    Condition, PlainValidator(_read_condition), PlainSerializer(str), WithJsonSchema(_TEXT)
+]
+_Statistic = Annotated[
+    str, PlainValidator(_read_statistic), WithJsonSchema({"enum": list(STATISTICS)})
+]
+_Quantile = Annotated[
+    float,
+    PlainValidator(_read_quantile),
+    WithJsonSchema({"type": "number", "minimum": 0, "maximum": 1}),
+]
+_Name = Annotated[str, PlainValidator(_read_name), WithJsonSchema({"type": "string"})]
+_Known = Annotated[str, Field(max_length=100)]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+
+class LevelSet(_Part):
+    """Where an output crosses a level along one of the axes that go."""
+
+    output: _Known = Field(description="The output.")
+    level: Level = Field(description="The level.")
+    along: _Known = Field(description="The axis whose value is asked for; one of `over`.")
+    take: Literal["smallest", "largest"] = Field(
+        "smallest", description="Which of several crossings: that of the smallest or largest value."
+    )
+
+
+class Reduction(_Part):
+    """Answers over some axes of a sweep, in place of its cells."""
+
+    over: Annotated[tuple[_Known, ...], _ordered(QUANTITIES)] = Field(
+        description="The axes that go; all others stay.", min_length=1, max_length=100
+    )
+    statistics: Annotated[tuple[_Statistic, ...], _ordered(STATISTICS)] = Field(
+        (),
+        description="What to tell of each output: max, min, mean, and where the largest and least "
+        "value lie (argmax, argmin: one variable for each axis that goes).",
+        max_length=20,
+    )
+    of: tuple[_Known, ...] = Field(
+        (),
+        description="The outputs that statistics and quantiles are of; all where left out.",
+        max_length=100,
+    )
+    quantiles: Annotated[tuple[_Quantile, ...], AfterValidator(lambda q: tuple(sorted({*q})))] = (
+        Field((), description="Quantiles of each output, from 0 to 1.", max_length=100)
+    )
+    cells: Literal["valid", "all"] = Field(
+        "valid",
+        description="Which cells count: those whose regime describes a real part, or all. Cells "
+        "without a value count in neither.",
+    )
+    regimes: bool = Field(
+        False, description="Count the cells in each regime, valid or not.", strict=True
+    )
+    shares: Annotated[dict[_Name, tuple[_Condition, ...]], _BY_NAME] = Field(
+        {},
+        description="For each name the share of all cells that meet all of its conditions.",
+        max_length=MOST,
+    )
+    levels: Annotated[dict[_Name, LevelSet], _BY_NAME] = Field(
+        {}, description="For each name where an output crosses a level.", max_length=MOST
+    )

@@ -1,0 +1,106 @@
+"""What the answers of a reduction are called, and what CF says of them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Any
+
+from core.quantities import QUANTITIES, REGIMES
+from core.study.reduction import LevelSet, Reduction
+
+METHODS = {"max": "maximum", "min": "minimum", "mean": "mean"}
+_WORDS = {"max": "Largest", "min": "Least", "mean": "Mean of"}
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What an answer is.
+
+    Attributes
+    ----------
+    what : str
+        A statistic, or ``count``, ``quantile``, ``regime``, ``share`` or ``level``.
+    of : str
+        The output, regime, or name of a share or level.
+    axis : str
+        The axis whose values it has; empty if it has those of the output, or numbers.
+    """
+
+    what: str
+    of: str
+    axis: str = ""
+
+
+def answer_of(name: str, asked: Reduction, outputs: Collection[str]) -> Answer:
+    """Return what the answer of some name is."""
+    for what, named in (("share", asked.shares), ("level", asked.levels)):
+        rest = name.removeprefix(f"{what}_")
+        if name != rest and rest in named:
+            along = asked.levels[rest].along if what == "level" else ""
+            return Answer(what, rest, along)
+    if name.startswith("regime_") and name.endswith("_count"):
+        return Answer("regime", name[len("regime_") : -len("_count")])
+    for output in sorted(outputs, key=len, reverse=True):
+        what, _, axis = name.removeprefix(f"{output}_").partition("_")
+        if name.startswith(f"{output}_") and what in ("count", "quantile", *asked.statistics):
+            return Answer(what, output, axis)
+    raise KeyError(name)
+
+
+def unit_of(name: str, asked: Reduction, outputs: Collection[str]) -> str:
+    """Return the unit of an answer."""
+    one = answer_of(name, asked, outputs)
+    if one.axis:
+        return QUANTITIES[one.axis].unit
+    return "1" if one.what in ("count", "regime", "share") else QUANTITIES[one.of].unit
+
+
+def attributes_of_answer(
+    name: str, asked: Reduction, outputs: Collection[str], *, is_exact: bool
+) -> dict[str, Any]:
+    """Return the CF attributes of an answer."""
+    one = answer_of(name, asked, outputs)
+    attributes: dict[str, Any] = {"units": unit_of(name, asked, outputs)}
+    label = QUANTITIES[one.of].label if one.of in QUANTITIES else one.of
+    over = "".join(f"{axis}: " for axis in asked.over)
+    if one.what in METHODS:
+        attributes["long_name"] = f"{_WORDS[one.what]} {label.lower()}"
+        attributes["cell_methods"] = over + METHODS[one.what]
+    elif one.what in ("argmax", "argmin"):
+        where = "largest" if one.what == "argmax" else "least"
+        axis = QUANTITIES[one.axis].label
+        attributes["long_name"] = f"{axis} where {label.lower()} is {where}"
+        attributes["comment"] = "of equal values that of the first cell, the last axis fastest"
+    elif one.what == "quantile":
+        attributes["long_name"] = f"Quantiles of {label.lower()}"
+        attributes["comment"] = EXACT if is_exact else BINNED
+    elif one.what == "count":
+        attributes["long_name"] = f"Cells that count for {label.lower()}"
+        attributes["standard_name"] = "number_of_observations"
+    elif one.what == "regime":
+        attributes["long_name"] = f"Cells in the regime {one.of}"
+        attributes["comment"] = REGIMES[one.of].description
+    elif one.what == "share":
+        attributes["long_name"] = f"Share of cells: {one.of}"
+        attributes["comment"] = " and ".join(map(str, asked.shares[one.of]))
+    else:
+        level = asked.levels[one.of]
+        attributes["long_name"] = f"{QUANTITIES[one.axis].label} of {one.of}"
+        attributes["comment"] = _crossing(level)
+    counted = f"{one.of}_count"
+    if one.what in (*METHODS, "argmax", "argmin", "quantile"):
+        attributes["ancillary_variables"] = counted
+    return attributes
+
+
+EXACT = "of all cells that count; between two of them by a straight line"
+BINNED = "from a histogram whose bins are 1/512 of a value wide at most: the error is no larger"
+
+
+def _crossing(level: LevelSet) -> str:
+    unit = QUANTITIES[level.output].unit
+    return (
+        f"the {level.take} value at which {level.output} is {level.level:g}"
+        f"{'' if unit == '1' else f' {unit}'}, by a straight line between neighbours that count"
+    )
