@@ -54,7 +54,7 @@ class Desk:
         block_cells = work.block_cells(prepared, self._settings.block_seconds)
         blocks = len(Cut(prepared, block_cells)) if process in KINDS else 0
         # Blocks and the result are there at the same time, for a moment.
-        needed = 2 * prepared.bytes if process in KINDS else REPORT_BYTES
+        needed = prepared.bytes + prepared.computed_bytes if process in KINDS else REPORT_BYTES
         self._room.look(key, needed)
         # In one transaction, so that what is found here is not removed before the job is entered.
         with self.ledger.transaction():

@@ -9,7 +9,9 @@ import numpy as np
 
 from core.dataset.table import Table, Variable
 
-FILL: dict[str, tuple[float, str | int]] = {"float64": (np.nan, "NaN"), "int8": (0, 0)}
+FILL: dict[str, tuple[float, str | int]] = {
+    "float64": (np.nan, "NaN"), "float32": (np.nan, "NaN"), "int8": (0, 0)
+}  # fmt: skip
 """What pads the chunks at the end of an axis, by type: the value, and its word in JSON.
 
 Readers of version 3 take it for no mask: only an attribute `_FillValue` would be one, and there is

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import core
 from core.dataset.table import CONVENTIONS, REFERENCES, Variable, quantity_attributes
-from core.plan.grid import Grid, from_si
+from core.plan.grid import Grid
 from core.plan.plan import Plan
 from core.plan.prepared import Prepared
 from core.quantities import QUANTITIES
@@ -40,7 +40,7 @@ def outputs_of(prepared: Prepared, arrays: Mapping[str, NDArray[Any]]) -> dict[s
     return {
         name: Variable(
             prepared.dims[name],
-            from_si(name, arrays[name]),
+            prepared.in_files(name, arrays[name]),
             quantity_attributes(
                 name,
                 equation=equations[name].source,

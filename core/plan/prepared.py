@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self
 
+from numpy.typing import NDArray
+
 from core.errors import LimitError, Problem, StudyError, nearest
-from core.plan.grid import Grid
+from core.plan.grid import Grid, from_si
 from core.plan.plan import Plan, plan_scene
 from core.quantities import QUANTITIES
 from core.scenes import Scene
@@ -49,8 +51,21 @@ class Prepared:
 
     @property
     def bytes(self) -> int:
-        """Bytes that the outputs take, uncompressed."""
+        """Bytes that the outputs take where they are stored, uncompressed."""
+        return sum(self.grid.size(dims) * self.width(name) for name, dims in self.dims.items())
+
+    @property
+    def computed_bytes(self) -> int:
+        """Bytes that the outputs take as they are computed."""
         return sum(self.grid.size(dims) * BYTES.get(name, 8) for name, dims in self.dims.items())
+
+    def width(self, name: str) -> int:
+        """Return the bytes of one stored value of an output."""
+        return BYTES.get(name, 8)
+
+    def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
+        """Return computed values of an output as files and replies have them."""
+        return values if name in BYTES else from_si(name, values)
 
     @property
     def sizes(self) -> Mapping[str, int]:

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from core.dataset.layout import Tile, Tiles
 from core.plan.evaluate import evaluate
-from core.plan.grid import Grid, axis_values, from_si
+from core.plan.grid import Grid, axis_values
 from core.plan.plan import Plan
-from core.plan.prepared import BYTES, Prepared
+from core.plan.prepared import Prepared
 from core.study.values import Points
 
 
@@ -36,18 +36,19 @@ class Tiled:
 
     def __init__(self, prepared: Prepared):
         self.tiles = Tiles(prepared.dims, prepared.grid.shape)
-        self._grid, self._plan = prepared.grid, prepared.plan
+        self._grid, self._plan, self._prepared = prepared.grid, prepared.plan, prepared
         self._plans = {field: self._pulled(field.names) for field in self.tiles.fields}
 
     @property
     def bytes(self) -> int:
         """Bytes of all arrays in files that are not compressed."""
-        return self.tiles.stored({n: BYTES.get(n, 8) for f in self.tiles.fields for n in f.names})
+        width = self._prepared.width
+        return self.tiles.stored({n: width(n) for f in self.tiles.fields for n in f.names})
 
     def values(self, tile: Tile) -> dict[str, NDArray[Any]]:
         """Return the arrays of a tile, in the units of files."""
         computed = self._evaluated(self._plans[tile.field], tile.where)
-        return {name: in_files(name, computed[name]) for name in tile.field.names}
+        return {name: self._prepared.in_files(name, computed[name]) for name in tile.field.names}
 
     def at(self, places: Mapping[str, NDArray[np.int64]], count: int) -> dict[str, NDArray[Any]]:
         """Return the outputs at some cells, SI units, shape (count,); each cell by itself.
@@ -75,8 +76,3 @@ class Tiled:
             {name: value for name, value in fixed.items() if name in plan.parameters},
         )
         return evaluate(plan, piece)
-
-
-def in_files(name: str, values: NDArray[Any]) -> NDArray[Any]:
-    """Return values of an array in the unit of files; a regime has none."""
-    return values if name == "regime" else from_si(name, values)

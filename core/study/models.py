@@ -15,6 +15,7 @@ from pydantic import (
     PlainValidator,
     WithJsonSchema,
     create_model,
+    field_validator,
 )
 from pydantic_core import PydanticCustomError
 
@@ -245,9 +246,20 @@ class SweepStudy(GridStudy):
         max_length=100,
     )
     outputs: _Outputs = Field(description="Names of the outputs.", min_length=1, max_length=100)
+    precision: Literal["double", "single"] | None = Field(
+        None,
+        description="double (64-bit floats, the default) or single: values are computed in double "
+        "and stored in 32 bits, half the bytes, each rounded once more by at most 6e-8 of itself.",
+    )
     reduce: Reduction | None = Field(
         None, description="Answers over some axes in place of all cells: docs/reduce.md."
     )
+
+    @field_validator("precision")
+    @classmethod
+    def _double_is_nothing(cls, value: str | None) -> str | None:
+        """Leave the default out, so that equal studies are equal to the letter."""
+        return None if value == "double" else value
 
 
 SETTINGS = ("tolerance", "most_periods", "steps_per_period", "slip_speed", "contact_stiffness")

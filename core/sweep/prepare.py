@@ -7,6 +7,9 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from core.errors import Problem, StudyError
 from core.plan.plan import choose_scene
 from core.plan.prepared import Chosen, Prepared, further_problems, plan_study
@@ -23,6 +26,23 @@ class Sweep(Prepared):
     """A sweep that can be carried out."""
 
     study: SweepStudy
+
+    @property
+    def is_single(self) -> bool:
+        """Whether values are stored in 32 bits."""
+        return self.study.precision == "single"
+
+    def width(self, name: str) -> int:
+        """As in `Prepared`."""
+        return min(super().width(name), 4) if self.is_single else super().width(name)
+
+    def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
+        """As in `Prepared`; rounded to 32 bits last, if the study says so."""
+        values = super().in_files(name, values)
+        if not self.is_single or values.dtype != np.float64:
+            return values
+        with np.errstate(over="ignore"):  # what is too large for 32 bits is infinite
+            return values.astype(np.float32)
 
     @cached_property
     def seconds_a_cell(self) -> float:
@@ -80,6 +100,11 @@ class ReducedSweep(Prepared):
         return 8 * sum(self._points.values())
 
     @property
+    def computed_bytes(self) -> int:
+        """As in `Prepared`: those of the answers."""
+        return self.bytes
+
+    @property
     def cut_axes(self) -> tuple[str, ...]:
         """The axes that stay: cut along another one, a piece would have no answer."""
         return tuple(axis for axis in self.grid.axes if axis not in self.asked.over)
@@ -110,6 +135,9 @@ def prepare(study: SweepStudy) -> Sweep | ReducedSweep:
     """
     asked = study.reduce
     problems = [] if asked is None else problems_of_names(asked, study.outputs, study.values())
+    if asked is not None and study.precision is not None:
+        message = "it says how cells are stored, and reduce stores none"
+        problems.append(Problem("precision", message, "Leave it out"))
     try:
         plan, grid = plan_study(study, study.outputs, choose_scene(study.scene, study.variant))
     except StudyError as error:

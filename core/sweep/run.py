@@ -74,7 +74,7 @@ def label(prepared: Sweep | ReducedSweep, computed: Computed, watch: Watch) -> T
 
 def attributes_of(prepared: Sweep | ReducedSweep) -> dict[str, str]:
     """Return the attributes of a whole sweep that are known before anything is computed."""
-    return {
-        **global_attributes(prepared, "closed-form equations"),
-        "accuracy": accuracy(prepared.plan.scene),
-    }
+    told = accuracy(prepared.plan.scene)
+    if isinstance(prepared, Sweep) and prepared.is_single:
+        told += "; then rounded to 32-bit floats, by at most 6e-8 of each value"
+    return {**global_attributes(prepared, "closed-form equations"), "accuracy": told}

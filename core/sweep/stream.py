@@ -24,7 +24,7 @@ from core.mechanics.arrays import Array
 from core.plan.labels import coordinates_of
 from core.plan.pieces import price
 from core.plan.sample import Sample, sample_of
-from core.plan.tiles import Tiled, in_files
+from core.plan.tiles import Tiled
 from core.quantities import REGIMES
 from core.sweep.prepare import ReducedSweep, Sweep
 from core.sweep.run import attributes_of, tabulate
@@ -179,6 +179,7 @@ class _Expected:
     """The outputs at the cells that are verified: what passes must be what was verified."""
 
     def __init__(self, sweep: Sweep, tiled: Tiled):
+        self._sweep = sweep
         self._sample: Sample | None = None
         if sweep.study.verify is not None:
             self._sample = sample_of(sweep, {})
@@ -196,6 +197,6 @@ class _Expected:
             place[inside] - start for place, (start, _) in zip(places, tile.box, strict=True)
         )
         for name in set(arrays) - {"regime"}:
-            known = in_files(name, self._values[name][inside])
+            known = self._sweep.in_files(name, self._values[name][inside])
             if not np.array_equal(arrays[name][at], known, equal_nan=True):
                 raise VibrafeedError(f"{name} of a tile differs from its cells evaluated alone")

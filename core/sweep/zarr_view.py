@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from core.dataset.layout import CHUNK_CELLS, chunk_shape
 from core.dataset.zarr_metadata import FILL, array_document, group_document
 from core.plan.evaluate import evaluate
-from core.plan.grid import Grid, axis_values, from_si
+from core.plan.grid import Grid, axis_values
 from core.plan.plan import Plan
 from core.study.values import Points
 from core.sweep.prepare import Sweep
@@ -65,7 +65,7 @@ class ZarrView:
     """
 
     def __init__(self, sweep: Sweep, *, chunk_cells: int = CHUNK_CELLS):
-        self._grid = sweep.grid
+        self._grid, self._in_files = sweep.grid, sweep.in_files
         # Dimensions and attributes do not depend on how many values an axis has; what is computed
         # when it is read cannot have been verified.
         first = dict.fromkeys(sweep.grid.axes, (0, 1))
@@ -159,5 +159,4 @@ class ZarrView:
             {dim: Points(tuple(axis_values(axes[dim], *ends))) for dim, ends in box.items()},
             {n: value for n, value in self._grid.fixed.items() if n in plan.parameters},
         )
-        values = evaluate(plan, piece)[name]
-        return values if name == "regime" else from_si(name, values)
+        return self._in_files(name, evaluate(plan, piece)[name])
