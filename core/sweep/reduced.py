@@ -12,7 +12,7 @@ from core.plan.labels import coordinates_of
 from core.plan.pieces import Computed
 from core.plan.sample import Sample
 from core.plan.tiles import Tiled
-from core.reduce.answers import QUANTILE, answers
+from core.reduce.questions import QUANTILE
 from core.reduce.state import State
 from core.sweep.answers import attributes_of_answer
 from core.sweep.prepare import ReducedSweep
@@ -36,6 +36,8 @@ def compute(prepared: ReducedSweep, watch: Watch) -> Computed:
 
 def joined(prepared: ReducedSweep, states: Iterable[tuple[int, int, State]]) -> Computed:
     """Return the answers from what is known of all blocks."""
+    from core.reduce.answers import answers  # numba, for those who reduce
+
     return Computed(answers(prepared.work, prepared.grid, prepared.asked, states))
 
 

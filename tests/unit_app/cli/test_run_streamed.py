@@ -206,7 +206,10 @@ def test_zarr_is_for_one_sweep_and_replaces_nothing(study, tmp_path):
         'amplitude = "0.1 mm"\nbeta = 30\nfriction = 0.4\n'
     )
     result = run(other, "-o", tmp_path / "b.zarr")
-    assert "output: only sweeps go to Zarr. Give a name that ends in .nc." in result.output
+    assert (
+        "output: only sweeps that keep their cells go to Zarr. Give a name that ends in .nc."
+        in result.output
+    )
 
 
 def test_an_unknown_store_is_told_in_one_line(study):
