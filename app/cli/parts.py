@@ -131,7 +131,7 @@ def _join(path: Path, parts: Parts, history: str) -> None:
             raise typer.Exit(FAILED) from None
     console.say(
         f"{path} -> {parts.where}: {parts.sweep.cells:,} cells in {parts.count:,} parts, "
-        f"{', '.join(table.variables)}"
+        f"{len(table.variables)} variables"
     )
 
 

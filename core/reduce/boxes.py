@@ -14,7 +14,7 @@ from core.plan.evaluate import evaluate
 from core.plan.grid import Grid, axis_values
 from core.plan.plan import Plan
 from core.quantities import QUANTITIES, REGIMES
-from core.reduce.cutting import BOX_CELLS, Box, Cutting, Rows
+from core.reduce.cutting import Box, Cutting, Rows
 from core.reduce.kernels import others
 from core.reduce.kernels.bits import LEAST, MAGNITUDE, MOST
 from core.reduce.kernels.rows import HUGE, across_rows, along_rows
@@ -42,7 +42,7 @@ class Boxes:
     field : Field
         The field.
     cells : int
-        Most cells of a box.
+        Most cells of a box, `BOX_CELLS` or fewer.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Boxes:
         self.is_exact = seen <= EXACT_CELLS
         if asked.quantiles and self.is_exact and field.outputs:
             cells = max(cells, seen)
-        self.cutting = Cutting.of(shape, goes, min(cells, BOX_CELLS))
+        self.cutting = Cutting.of(shape, goes, cells)
         self.cells_a_slot = seen
         self.times = math.prod(grid.shape[dim] for dim in asked.over if dim not in field.dims)
         self._exponents = dict.fromkeys(field.outputs, 0)

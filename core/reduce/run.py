@@ -14,7 +14,8 @@ from core.errors import StoppedError
 from core.plan.grid import Grid
 from core.plan.plan import Plan
 from core.reduce.boxes import Boxes
-from core.reduce.cutting import BOX_CELLS, Box
+from core.reduce import cutting
+from core.reduce.cutting import Box
 from core.reduce.questions import fields_of
 from core.reduce.state import State, merged
 from core.study.reduction import Reduction
@@ -51,13 +52,14 @@ class Units:
         Of the whole study.
     asked : Reduction
         What is asked.
-    cells : int
-        Most cells of a box. No result depends on it.
+    cells : int, optional
+        Most cells of a box, if not as usual. No result depends on it.
     """
 
-    def __init__(self, plan: Plan, grid: Grid, asked: Reduction, cells: int = BOX_CELLS):
+    def __init__(self, plan: Plan, grid: Grid, asked: Reduction, cells: int | None = None):
         self.boxes = tuple(
-            Boxes(plan, grid, asked, field, cells) for field in fields_of(plan, grid, asked)
+            Boxes(plan, grid, asked, field, cells or cutting.BOX_CELLS)
+            for field in fields_of(plan, grid, asked)
         )
         counts = (one.cutting.blocks * one.cutting.rounds for one in self.boxes)
         self._ends = tuple(itertools.accumulate(counts))
@@ -70,10 +72,10 @@ class Units:
     def __getitem__(self, index: int) -> Unit:
         """Return a box by its number."""
         field = next(k for k, end in enumerate(self._ends) if index < end)
-        cutting = self.boxes[field].cutting
-        start = self._ends[field] - cutting.blocks * cutting.rounds
-        block, turn = divmod(index - start, cutting.rounds)
-        return Unit(field, block, cutting.box(block, turn))
+        own = self.boxes[field].cutting
+        start = self._ends[field] - own.blocks * own.rounds
+        block, turn = divmod(index - start, own.rounds)
+        return Unit(field, block, own.box(block, turn))
 
     def states(self, start: int, stop: int, watch: Watch) -> Iterator[tuple[int, int, State]]:
         """Yield, for each block that the boxes from `start` to `stop` are of, what they tell.
