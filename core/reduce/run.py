@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from core.errors import StoppedError
 from core.plan.grid import Grid
 from core.plan.plan import Plan
-from core.reduce.boxes import Boxes
 from core.reduce import cutting
+from core.reduce.boxes import Boxes
 from core.reduce.cutting import Box
 from core.reduce.questions import fields_of
 from core.reduce.state import State, merged
