@@ -24,9 +24,7 @@ ASKED: dict[str, dict[str, Any]] = {
     "regimes": {"regimes": True},
     "share": {"shares": {"fast": ["regime == slip", "transport_velocity >= 10 mm/s"]}},
     "level": {
-        "levels": {
-            "reach": {"output": "transport_velocity", "level": "10 mm/s", "along": "beta"}
-        }
+        "levels": {"reach": {"output": "transport_velocity", "level": "10 mm/s", "along": "beta"}}
     },
 }
 TABLE = ("frequency", "amplitude")
