@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
-import os
 import time
 
 from core.errors import VibrafeedError
 from core.kinds import prepare_content
 from core.plan.tiles import Tiled
+from core.reduce.run import cores
 from core.sweep import ReducedSweep, Sweep
 from core.sweep.parts import Parts
+from core.watch import Watch
 
 FEWEST_SECONDS = 10.0
 """What a task of a scheduler takes at least: less is not worth its telling."""
@@ -28,13 +29,13 @@ def compute_part(study: str, where: str, count: int, part: int) -> bytes:
     prepared = prepare_content(json.loads(study))
     if not isinstance(prepared, Sweep | ReducedSweep):
         raise VibrafeedError("only sweeps have parts")
-    return Parts(prepared, where, count).compute(part)
+    return Parts(prepared, where, count).compute(part, Watch(threads=1))
 
 
 def sensible_count(sweep: Sweep | ReducedSweep) -> int:
     """Return the number of parts of which each takes a core some ten seconds or more."""
     if isinstance(sweep, ReducedSweep):
-        boxes, seconds = len(sweep.work), sweep.work.seconds() * (os.cpu_count() or 1)
+        boxes, seconds = len(sweep.work), sweep.work.seconds() * cores()
     else:
         tiled = Tiled(sweep)
         boxes = len(tiled.tiles)
