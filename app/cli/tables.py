@@ -37,7 +37,7 @@ def show_plan(path: Path, prepared: Prepared) -> None:
         seconds = prepared.cells * prepared.seconds_a_cell
         say(
             f"  {prepared.cells:,} cells, {prepared.bytes:,} bytes before compression, "
-            f"some {seconds:.2g} s on one core"
+            f"some {_duration(seconds)} on one core, {seconds / 3600:.1g} core hours"
         )
     grid = new_grid("output", "unit", "values", "dimensions kept")
     for name, dims in prepared.dims.items():

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from core.errors import Problem, StudyError
 from core.plan.plan import choose_scene
 from core.plan.prepared import Chosen, Prepared, further_problems, plan_study
-from core.plan.price import evaluation_seconds
+from core.plan.price import evaluation_seconds, pace
 from core.reduce.checks import problems_of, problems_of_names
 from core.reduce.questions import QUANTILE
 from core.study.models import SweepStudy
@@ -22,6 +22,9 @@ from core.sweep.answers import unit_of
 
 if TYPE_CHECKING:
     from core.reduce.run import Units
+
+SEEN_SECONDS = 1.5e-9
+"""What it takes to see what a cell tells for an answer, beside evaluating it."""
 
 
 class Sweep(Prepared):
@@ -115,10 +118,10 @@ class ReducedSweep(Prepared):
         """The axes that stay: cut along another one, a piece would have no answer."""
         return tuple(axis for axis in self.grid.axes if axis not in self.asked.over)
 
-    @property
+    @cached_property
     def seconds_a_cell(self) -> float:
         """As in `Prepared`."""
-        return self.plan.scene.seconds_a_cell
+        return evaluation_seconds(self.plan, self.grid) / self.cells + SEEN_SECONDS * pace()
 
     def what_fits(self, share: float) -> str:
         """As in `Prepared`."""
