@@ -17,9 +17,8 @@ from core.reduce.kernels.rows import HUGE
 from core.reduce.run import Units
 from core.reduce.state import State
 from core.reduce.sums import means
-from core.study.reduction import Reduction
+from core.study.reduction import QUANTILE, Reduction
 
-QUANTILE = "quantile"
 Arrays = dict[str, NDArray[Any]]
 _BY_VALUE = {flag.value: name for name, flag in REGIMES.items()}
 

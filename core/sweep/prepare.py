@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from core.errors import Problem, StudyError
 from core.plan.plan import choose_scene
 from core.plan.prepared import Chosen, Prepared, further_problems, plan_study
-from core.reduce.answers import QUANTILE, dims_of
 from core.reduce.checks import problems_of, problems_of_names
-from core.reduce.run import Units
 from core.study.models import SweepStudy
-from core.study.reduction import Reduction
+from core.study.reduction import QUANTILE, Reduction
 from core.sweep.answers import unit_of
+
+if TYPE_CHECKING:
+    from core.reduce.run import Units
 
 
 class Sweep(Prepared):
@@ -46,11 +47,15 @@ class ReducedSweep(Prepared):
     @cached_property
     def work(self) -> Units:
         """The boxes that it is carried out in."""
+        from core.reduce.run import Units  # loads the compiler, which few studies need
+
         return Units(self.plan, self.grid, self.asked)
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
         """The dimensions of each answer."""
+        from core.reduce.answers import dims_of
+
         return dims_of(self.work, self.asked)
 
     @cached_property

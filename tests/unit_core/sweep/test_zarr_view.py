@@ -28,7 +28,7 @@ CONFIGS = Path(__file__).parents[3] / "configs"
 SWEEPS = {
     path.stem: content
     for path in sorted(CONFIGS.rglob("*.toml"))
-    if (content := tomllib.loads(path.read_text()))["kind"] == "sweep"
+    if (content := tomllib.loads(path.read_text()))["kind"] == "sweep" and "reduce" not in content
 }
 TRACK = {
     "kind": "sweep",
