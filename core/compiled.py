@@ -131,6 +131,21 @@ def _choose(context: Any, condition: Any, one: Any, other: Any) -> Any:
     return result(condition, one, other), generate
 
 
+@intrinsic
+def _bits(context: Any, value: Any) -> Any:
+    """Return the bits of a float as an integer."""
+    del context
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.bitcast(arguments[0], context.get_value_type(types.int64))
+
+    return types.int64(types.float64), generate
+
+
+bits: Any = _bits
+"""The bits of a float as an integer, in compiled code."""
+
+
 def by_type(
     argument: str, ways: Mapping[type, Any], *, borrows: bool = True
 ) -> Callable[[Function], Function]:

@@ -14,11 +14,10 @@ from core.quantities import REGIMES
 from core.reduce.boxes import Boxes, values_of
 from core.reduce.kernels.others import BINS, SHIFT
 from core.reduce.kernels.rows import HUGE
-from core.reduce.questions import QUANTILE
 from core.reduce.run import Units
 from core.reduce.state import State
 from core.reduce.sums import means
-from core.study.reduction import Reduction
+from core.study.reduction import QUANTILE, Reduction
 
 Arrays = dict[str, NDArray[Any]]
 _BY_VALUE = {flag.value: name for name, flag in REGIMES.items()}

@@ -10,8 +10,6 @@ from core.plan.plan import Plan
 from core.quantities import REGIMES
 from core.study.reduction import Condition, LevelSet, Reduction
 
-QUANTILE = "quantile"
-"""The axis of quantiles."""
 EVERY_REGIME = (1 << 63) - 1
 EXACT_CELLS = 1 << 22
 """Cells of a slot up to which its quantiles are exact; a histogram tells those of more."""

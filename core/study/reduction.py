@@ -24,6 +24,8 @@ from core.study.units import UnitError
 
 STATISTICS = ("max", "min", "mean", "argmax", "argmin")
 """What can be told of an output over the cells that go."""
+QUANTILE = "quantile"
+"""The dimension of quantiles, and what ends their names."""
 COMPARISONS = ("<=", ">=", "==", "!=", "<", ">")
 ENDS = ("smallest", "largest")
 MOST = 20  # names of shares, or of levels

@@ -12,8 +12,8 @@ from core.plan.labels import coordinates_of
 from core.plan.pieces import Computed
 from core.plan.sample import Sample
 from core.plan.tiles import Tiled
-from core.reduce.questions import QUANTILE
 from core.reduce.state import State
+from core.study.reduction import QUANTILE
 from core.sweep.answers import attributes_of_answer
 from core.sweep.prepare import ReducedSweep
 from core.sweep.verify import verified

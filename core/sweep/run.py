@@ -14,7 +14,6 @@ from core.plan.evaluate import evaluate
 from core.plan.labels import coordinates_of, global_attributes, outputs_of
 from core.plan.pieces import Computed, carry_out
 from core.plan.sample import Sample
-from core.sweep import reduced
 from core.sweep.prepare import ReducedSweep, Sweep, prepare
 from core.sweep.verify import accuracy, verified
 from core.watch import Watch
@@ -49,6 +48,8 @@ def compute(prepared: Sweep | ReducedSweep, watch: Watch) -> Computed:
     Of a reduced one, its answers; that can be stopped, and raises `StoppedError` then.
     """
     if isinstance(prepared, ReducedSweep):
+        from core.sweep import reduced  # loads the compiler
+
         return reduced.compute(prepared, watch)
     return Computed(
         evaluate(prepared.plan, prepared.grid, threads=watch.threads, progress=watch.advance)
@@ -58,6 +59,8 @@ def compute(prepared: Sweep | ReducedSweep, watch: Watch) -> Computed:
 def label(prepared: Sweep | ReducedSweep, computed: Computed, watch: Watch) -> Table:
     """Return what was computed of a sweep, labelled; `watch` may stop verifying it."""
     if isinstance(prepared, ReducedSweep):
+        from core.sweep import reduced
+
         return reduced.label(prepared, computed, watch, attributes_of(prepared))
     plan, arrays, dims = prepared.plan, computed.arrays, prepared.dims
 

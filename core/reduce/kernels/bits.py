@@ -2,30 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from numba.core import types
-from numba.extending import intrinsic
-
-from core.compiled import borrowing
+from core.compiled import bits, borrowing
 
 LEAST, MOST = -(2**63), 2**63 - 1
 MAGNITUDE = 2**63 - 1
 """The bits of a float but for its sign."""
-
-
-@intrinsic
-def _bits(context: Any, value: Any) -> Any:
-    """Return the bits of a float as an integer."""
-    del context
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.bitcast(arguments[0], context.get_value_type(types.int64))
-
-    return types.int64(types.float64), generate
-
-
-bits: Any = _bits
 
 
 @borrowing
@@ -43,3 +24,6 @@ def key(value: float) -> int:
 def counted(value: float, regime: int, valid: int) -> bool:
     """Return whether a cell counts: its regime is in `valid`, and its value is not NaN."""
     return ((valid >> regime) & 1 != 0) & (value == value)
+
+
+__all__ = ["LEAST", "MAGNITUDE", "MOST", "bits", "counted", "key"]
