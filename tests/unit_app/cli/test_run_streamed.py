@@ -228,9 +228,9 @@ def test_an_object_store_takes_the_shards_and_xarray_reads_them(study, tmp_path,
     server = ThreadedMotoServer(ip_address="127.0.0.1", port=0, verbose=False)
     server.start()
     try:
-        host, port = server.get_host_and_port()
+        address = f"http://127.0.0.1:{server.get_host_and_port()[1]}"
         for name, value in {
-            "AWS_ENDPOINT_URL": f"http://{host}:{port}",
+            "AWS_ENDPOINT_URL": address,
             "AWS_ALLOW_HTTP": "true",
             "AWS_ACCESS_KEY_ID": "any",
             "AWS_SECRET_ACCESS_KEY": "any",
@@ -239,7 +239,7 @@ def test_an_object_store_takes_the_shards_and_xarray_reads_them(study, tmp_path,
             monkeypatch.setenv(name, value)
         import boto3
 
-        boto3.client("s3", endpoint_url=f"http://{host}:{port}").create_bucket(Bucket="sweeps")
+        boto3.client("s3", endpoint_url=address).create_bucket(Bucket="sweeps")
         target = "s3://sweeps/some/key"
         result = run(study, "-o", target, "--time-limit", 2.5)
         if result.exit_code:
