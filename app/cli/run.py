@@ -168,7 +168,11 @@ def _targets(studies: Mapping[Path, Prepared], output: str | None) -> dict[Path,
         if len(studies) > 1:
             problem = Problem("output", "a Zarr group is of one study", "Give a folder")
         elif not all(isinstance(one, Sweep) for one in studies.values()):
-            problem = Problem("output", "only sweeps go to Zarr", "Give a name that ends in .nc")
+            problem = Problem(
+                "output",
+                "only sweeps that keep their cells go to Zarr",
+                "Give a name that ends in .nc",
+            )
         if problem is not None:
             refuse({path: [problem] for path in studies})
         targets = dict.fromkeys(studies, output)

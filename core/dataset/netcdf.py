@@ -145,9 +145,6 @@ def _fill(
     for name in axes:
         file.createDimension(name, table.coordinates[name].values.size)
     others = [name for name in table.coordinates if name not in axes]
-    bounds = {dim for n in others for dim in table.coordinates[n].dims if dim not in axes}
-    for dim in bounds:  # such as the two ends of what has been reduced
-        file.createDimension(dim, 2)
     regime = table.variables.get("regime")
     for name, coordinate in table.coordinates.items():
         _add(file, name, coordinate, {}, PLAIN)[...] = coordinate.values

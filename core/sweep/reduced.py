@@ -19,8 +19,6 @@ from core.sweep.prepare import ReducedSweep
 from core.sweep.verify import verified
 from core.watch import Watch
 
-BOUNDS = "bounds"
-
 
 def compute(prepared: ReducedSweep, watch: Watch) -> Computed:
     """Return the answers of a reduced sweep, in the units of files.
@@ -69,14 +67,16 @@ def label(
 
 
 def _coordinates(prepared: ReducedSweep) -> dict[str, Variable]:
-    """Return the axes that stay; those that went have no values but bounds, as CF has it."""
+    """Return the axes that stay; one that went is its middle, and says from where to where.
+
+    Bounds would say it in CF's own words, but its checker knows none of a scalar.
+    """
     asked, grid = prepared.asked, prepared.grid
     found = coordinates_of(prepared.plan, grid)
     for axis in asked.over:
         ends = np.array(sorted((float(found[axis].values[0]), float(found[axis].values[-1]))))
-        attributes = {**quantity_attributes(axis), "bounds": f"{axis}_{BOUNDS}"}
+        attributes = {**quantity_attributes(axis), "reduced_range": ends}
         found[axis] = Variable((), np.asarray(ends.mean()), attributes)
-        found[f"{axis}_{BOUNDS}"] = Variable((BOUNDS,), ends, {})
     if asked.quantiles:
         attributes = {"units": "1", "long_name": "Quantile"}
         values = np.array(asked.quantiles)

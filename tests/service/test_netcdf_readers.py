@@ -48,7 +48,7 @@ def run(*command: str | Path) -> subprocess.CompletedProcess[str]:
         [str(part) for part in command],
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=360,  # all studies in one process, on a machine that does other things too
         env=fresh_environment(),
         check=False,
     )

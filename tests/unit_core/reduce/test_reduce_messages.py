@@ -205,7 +205,7 @@ def test_cells_that_do_not_count() -> None:
     assert (every.acceleration_x_count == 30).all()
     assert float(every.throw_number_argmax_beta) == 30
     assert every.throw_number_max.attrs["cell_methods"] == "amplitude: beta: maximum"
-    assert every.beta_bounds.values.tolist() == [10, 30]
+    assert every.beta.attrs["reduced_range"].tolist() == [10, 30]
 
 
 def test_cells_are_verified_as_those_of_a_sweep() -> None:
