@@ -1,7 +1,7 @@
 """Compile the kernels that are not compiled yet, by a point of every kind of study that has some.
 
     python -m benchmarks.compile_kernels space
-    python -m benchmarks.compile_kernels conveying tumbling optimise
+    python -m benchmarks.compile_kernels conveying tumbling optimise reduce
 
 Kernels of one name share hardly any with those of another, so that several processes can do them at
 a time. It takes two to three minutes in all; where all is compiled, a second.
@@ -49,6 +49,25 @@ STUDIES: dict[str, list[dict[str, Any]]] = {
             "criterion": {"kind": "maximise", "output": "acceleration_x"},
             "parameters": {name: DRIVE[name] for name in ("frequency", "amplitude", "friction")},
         }
+    ],
+    "reduce": [
+        {
+            "kind": "sweep",
+            **PLANE,
+            "outputs": ["acceleration_x"],
+            "parameters": {**DRIVE, "frequency": [40, 50], "beta": [10, 20, 30]},
+            "reduce": {
+                "over": [over],
+                "statistics": ["max", "mean"],
+                "quantiles": [0.5],
+                "regimes": True,
+                "shares": {"slow": ["acceleration_x < 1"]},
+                "levels": {
+                    "one": {"output": "acceleration_x", "level": 1, "along": over}
+                },
+            },
+        }
+        for over in ("frequency", "beta")
     ],
 }  # fmt: skip
 

@@ -56,7 +56,7 @@ def test_a_short_one_is_replied_to_at_once(client: TestClient) -> None:
     assert found["complete"]
     for name, variable in want.variables.items():
         assert found["variables"][name]["data"] == variable.values.tolist()
-    assert found["coordinates"]["beta_bounds"]["data"] == [0, 45]
+    assert found["coordinates"]["beta"]["reduced_range"] == [0, 45]
 
 
 def test_a_job_of_more_cells_than_may_be_stored(client: TestClient, tmp_path) -> None:
