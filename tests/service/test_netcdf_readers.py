@@ -31,9 +31,10 @@ report = {}
 for path in sys.argv[1:]:
     with xarray.open_dataset(path, engine="netcdf4") as dataset:
         dataset.load()
+        regimes = [dataset[name] for name in dataset.data_vars if name == "regime"]
         report[path] = {
-            "regime": [v.dtype.str for n, v in dataset.items() if n == "regime"],
-            "flags": [v.attrs["flag_values"].dtype.str for n, v in dataset.items() if n == "regime"],
+            "regime": [one.dtype.str for one in regimes],
+            "flags": [one.attrs["flag_values"].dtype.str for one in regimes],
             "filled": [n for n, v in dataset.variables.items() if "_FillValue" in v.encoding],
             "coordinates": sorted(map(str, dataset.coords)),
         }
