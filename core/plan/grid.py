@@ -81,6 +81,19 @@ class Grid:
         }
         return Grid(axes, self.fixed)
 
+    def piece(self, box: Mapping[str, tuple[int, int]], names: Iterable[str]) -> Grid:
+        """Return a part of the grid over the axes of a box alone, with the named fixed parameters.
+
+        An axis that the box takes whole stays as it is.
+        """
+        ends = {name: (0, axis.size) for name, axis in self.axes.items()}
+        cut = {name: at for name, at in box.items() if at != ends[name]}
+        wanted = set(names)
+        return Grid(
+            {name: axis for name, axis in self.axes.items() if name in box},
+            {name: value for name, value in self.fixed.items() if name in wanted},
+        ).within(cut)
+
     def coordinate(self, name: str) -> NDArray[np.float64]:
         """Return the values of an axis as a user reads them, shape (size,)."""
         return self.axes[name].array()

@@ -12,14 +12,13 @@ from functools import cache
 
 import numpy as np
 
+from core.plan.evaluate import COMPILE_SECONDS
 from core.plan.grid import Grid
 from core.plan.loops.fused import Values, groups_of
 from core.plan.loops.program import edge_of, program_of
 from core.plan.loops.trace import traced
 from core.plan.plan import Plan
 
-COMPILE_SECONDS = 1.0
-"""Before the first cell, of each loop."""
 STEP_SECONDS, BYTE_SECONDS, CALL_SECONDS = 2.0e-11, 7e-11, 2.8e-9
 """Of an addition in a loop, of a byte written, and of a function that numpy has and no loop."""
 SUM_SECONDS = 2.0e-10

@@ -14,10 +14,8 @@ from numpy.typing import NDArray
 
 from core.dataset.layout import Tile, Tiles
 from core.plan.evaluate import evaluate
-from core.plan.grid import Grid, axis_values
 from core.plan.plan import Plan
 from core.plan.prepared import Prepared
-from core.study.values import Points
 
 
 class Tiled:
@@ -70,9 +68,4 @@ class Tiled:
         return self._plan.part(outputs, self._plan.conditions if "regime" in names else ())
 
     def _evaluated(self, plan: Plan, where: Mapping[str, tuple[int, int]]) -> dict[str, Any]:
-        axes, fixed = self._grid.axes, self._grid.fixed
-        piece = Grid(
-            {dim: Points(tuple(axis_values(axes[dim], *ends))) for dim, ends in where.items()},
-            {name: value for name, value in fixed.items() if name in plan.parameters},
-        )
-        return evaluate(plan, piece)
+        return evaluate(plan, self._grid.piece(where, plan.parameters))

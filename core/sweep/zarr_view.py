@@ -20,9 +20,8 @@ from numpy.typing import NDArray
 from core.dataset.layout import CHUNK_CELLS, chunk_shape
 from core.dataset.zarr_metadata import FILL, array_document, group_document
 from core.plan.evaluate import evaluate
-from core.plan.grid import Grid, axis_values
+from core.plan.grid import axis_values
 from core.plan.plan import Plan
-from core.study.values import Points
 from core.sweep.prepare import Sweep
 from core.sweep.run import tabulate
 
@@ -155,8 +154,4 @@ class ZarrView:
             if name in axes:
                 return axis_values(axes[name], *box[name])
             return self._labels.coordinates[name].values
-        piece = Grid(
-            {dim: Points(tuple(axis_values(axes[dim], *ends))) for dim, ends in box.items()},
-            {n: value for n, value in self._grid.fixed.items() if n in plan.parameters},
-        )
-        return self._in_files(name, evaluate(plan, piece)[name])
+        return self._in_files(name, evaluate(plan, self._grid.piece(box, plan.parameters))[name])
