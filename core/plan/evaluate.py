@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from core.plan.blocks import Progress, Results, evaluate_in_blocks
 from core.plan.grid import Grid
-from core.plan.loops.fused import Fused
+from core.plan.loops.fused import Fused, groups_of
 from core.plan.loops.trace import traced
 from core.plan.plan import Plan
 
@@ -79,8 +79,7 @@ def empty_results(plan: Plan, grid: Grid) -> dict[str, NDArray[Any]]:
 
 def _fused(plan: Plan, grid: Grid) -> Fused | None:
     """Return the compiled way if there is one and it repays."""
-    depends = plan.depends_on(grid.axes)
-    cells = max(grid.size(grid.dims(depends[name])) for name in (*plan.outputs, "regime"))
+    cells = grid.size(list(groups_of(plan, grid))[-1])
     if cells <= FEW_CELLS:
         return None
     graph = traced(plan, grid.axes)

@@ -22,7 +22,6 @@ from core.reduce.questions import EXACT_CELLS, Field, valid_regimes
 from core.reduce.state import State
 from core.reduce.sums import FEW, anchors, by_level, exponent_of, units_of
 from core.study.reduction import Condition, Reduction
-from core.study.values import Points
 
 COMPARED = {"<": 1, "==": 2, "<=": 3, ">": 4, "!=": 5, ">=": 6}
 Buffers = dict[str, NDArray[Any]]
@@ -59,10 +58,9 @@ class Boxes:
     """
 
     def __init__(self, plan: Plan, grid: Grid, asked: Reduction, field: Field, cells: int):
-        self.field, self._asked, self._axes = field, asked, grid.axes
+        self.field, self._asked, self._grid = field, asked, grid
         self._valid = valid_regimes(plan, asked)
         self.flags = tuple(int(REGIMES[name].value) for name in plan.regimes)
-        self._fixed = {n: value for n, value in grid.fixed.items() if n in field.plan.parameters}
         depends = field.plan.depends_on(grid.axes)
         self._dims = {n: grid.dims(depends[n]) for n in (*field.plan.outputs, "regime")}
         shape = tuple(grid.shape[dim] for dim in field.dims)
@@ -110,15 +108,7 @@ class Boxes:
         """Return the outputs and the regimes of all cells of a box, in the units of files."""
         field = self.field
         ends = dict(zip(field.dims, box, strict=True))
-        piece = Grid(
-            {
-                dim: self._axes[dim]
-                if (start, stop) == (0, self._axes[dim].size)
-                else Points(tuple(axis_values(self._axes[dim], start, stop)))
-                for dim, (start, stop) in ends.items()
-            },
-            self._fixed,
-        )
+        piece = self._grid.piece(ends, field.plan.parameters)
         lengths = tuple(stop - start for start, stop in box)
         into = {
             name: self._buffer(name, tuple(piece.shape[dim] for dim in dims))
@@ -219,7 +209,7 @@ class Boxes:
         found = np.full(rows.count, -np.inf if largest else np.inf)
         others.crossings(
             values[level.output], values["regime"], self._valid, level.level,
-            axis_values(self._axes[level.along], *box[at]), stride, largest,
+            axis_values(self._grid.axes[level.along], *box[at]), stride, largest,
             rows.slots, rows.length, rows.spread, found,
         )  # fmt: skip
         return {f"{name}.{level.take}": found}
