@@ -54,7 +54,10 @@ class Settings(BaseSettings):
     )
     max_body_bytes: int = Field(default=1_000_000, gt=0, description="Largest body of a request.")
     max_cells: int = Field(
-        default=20_000_000, gt=0, description="Most cells of one study that is computed as a whole."
+        default=20_000_000,
+        gt=0,
+        description="Most cells of a study whose result is one file; a larger sweep is a job that "
+        "writes a Zarr group.",
     )
     max_sweep_cells: int = Field(
         default=10**15,
@@ -66,7 +69,7 @@ class Settings(BaseSettings):
         default=2_000_000, gt=0, description="Most values of one axis of a sweep that is kept."
     )
     max_bytes: int = Field(
-        default=1_000_000_000, gt=0, description="Most bytes of one study, before compression."
+        default=1_000_000_000, gt=0, description="Most bytes of such a result, before compression."
     )
     max_synchronous_seconds: float = Field(
         default=1.0,

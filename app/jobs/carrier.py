@@ -80,14 +80,14 @@ class Carrier:
             ) from error
 
     async def _compute_and_write(self, item: Work) -> None:
-        store, key, cells = self._store, item.key, item.block_cells
+        key, cells = item.key, item.block_cells
         spent = item.seconds
         torn: Counter[str] = Counter()
         while True:
             if await self.is_there(item):
                 return
             missing = await self._aside(
-                lambda: [i for i in range(item.blocks) if not store.has_block(key, cells, i)]
+                work.missing_blocks, self._directory, key, item.process, cells, item.blocks
             )
             spent += await self._compute(item, missing)
             try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from app.jobs import work
+from app.jobs import parts, work
 from app.jobs.ledger import Job, Ledger
 from app.jobs.room import Room
 from app.jobs.store import Store, identifier
@@ -53,6 +53,8 @@ class Desk:
         key = identifier(prepared.study, process)
         block_cells = work.block_cells(prepared, self._settings.block_seconds)
         blocks = len(Cut(prepared, block_cells)) if process in KINDS else 0
+        if process in KINDS and parts.is_in_parts(prepared, self._settings):
+            block_cells, blocks = work.IN_PARTS, parts.count_of(prepared)
         # Blocks and the result are there at the same time, for a moment.
         needed = prepared.bytes + prepared.computed_bytes if process in KINDS else REPORT_BYTES
         self._room.look(key, needed)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-NETCDF, JSON, MANIFEST = "result.nc", "result.json", "manifest.json"
+NETCDF, ZARR, JSON = "result.nc", "result.zarr", "result.json"
+MANIFEST = "manifest.json"
 MOST_JSON_VALUES = 1_000_000  # of a result that is also kept as JSON: some 20 MB
 
 
@@ -25,7 +26,7 @@ class Manifest:
     seconds : float
         Time that computing took, summed over all workers.
     files : mapping
-        Size in bytes and SHA-256 of each file.
+        Size in bytes and SHA-256 of each file; the size alone of a group.
     """
 
     key: str
@@ -38,7 +39,12 @@ class Manifest:
 
 
 def fingerprint(path: Path) -> dict[str, Any]:
-    """Return the size of a file in bytes and its SHA-256, as a manifest holds them."""
+    """Return the size of a file in bytes and its SHA-256, as a manifest holds them.
+
+    Of a group, whose shards all have checksums of their own, it is the size alone.
+    """
+    if path.is_dir():
+        return {"bytes": sum(one.stat().st_size for one in path.rglob("*") if one.is_file())}
     with path.open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()
     return {"bytes": path.stat().st_size, "sha256": digest}

@@ -20,19 +20,30 @@ import tempfile
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import orjson
 
 import core
 from app.jobs.blocks import pack, unpack
 from app.jobs.errors import NotFoundError, TornBlockError
-from app.jobs.manifest import JSON, MANIFEST, MOST_JSON_VALUES, NETCDF, Manifest, fingerprint
+from app.jobs.manifest import (
+    JSON,
+    MANIFEST,
+    MOST_JSON_VALUES,
+    NETCDF,
+    ZARR,
+    Manifest,
+    fingerprint,
+)
 from core.dataset.document import to_document
-from core.dataset.files import PART, whole
+from core.dataset.files import PART, partial, whole
 from core.dataset.netcdf import write_netcdf
+from core.dataset.records import ENDING
+from core.dataset.shards import GROUP, GROWING
 from core.dataset.table import Table
 from core.kinds import prepare_content
 from core.plan.pieces import Computed
@@ -162,7 +173,11 @@ class Store:
     def drop_blocks(self, key: str) -> None:
         """Remove the blocks of a study whose result is there; a late worker may have left one."""
         if self._manifest(key) is not None:
-            shutil.rmtree(self.folder(key) / "blocks", ignore_errors=True)
+            folder = self.folder(key)
+            shutil.rmtree(folder / "blocks", ignore_errors=True)
+            shutil.rmtree(partial(folder / ZARR), ignore_errors=True)
+            for result in (NETCDF, ZARR):
+                shutil.rmtree(folder / f"{result}{ENDING}", ignore_errors=True)
 
     def _block(self, key: str, cells: int, index: int) -> Path:
         # Blocks of another size, left by a job that was given up, are never taken for these.
@@ -203,11 +218,8 @@ class Store:
         What somebody else has finished meanwhile stands. `more` takes the NetCDF file and a
         folder, and returns further files that it wrote there.
         """
-        with self._locked(key) as folder:
-            known = self.manifest(key)
-            if known is not None:
-                self.drop_blocks(key)
-                return known
+
+        def write(folder: Path) -> list[str]:
             write_netcdf(table, folder / NETCDF)
             names = [NETCDF]
             values = sum(variable.values.size for variable in table.variables.values())
@@ -222,8 +234,49 @@ class Store:
                         with _kept(folder / path.name) as temporary:
                             path.replace(temporary)
                         names.append(path.name)
+            return names
+
+        about = {"process": process, "cells": cells, "blocks": blocks, "seconds": seconds}
+        return self._finish(key, write, about)
+
+    def finish_group(
+        self, key: str, join: Callable[[], object], about: Mapping[str, Any]
+    ) -> Manifest:
+        """Have the parts of a Zarr group joined, and write its manifest, as `finish` does.
+
+        `about` are fields of a `Manifest`: process, cells, blocks, seconds.
+        """
+
+        def write(folder: Path) -> list[str]:
+            if not (folder / ZARR).exists():
+                join()
+            return [ZARR]
+
+        return self._finish(key, write, about)
+
+    def has_group(self, key: str) -> bool:
+        """Return whether the Zarr group of a study is whole."""
+        return (self.folder(key) / ZARR).exists()
+
+    def in_group(self, key: str, path: str = GROUP) -> Path:
+        """Return where a key of the Zarr group of a study is, be the group whole or growing."""
+        folder = self.folder(key) / ZARR
+        if folder.exists():
+            return folder / path
+        return partial(folder) / (GROWING if path == GROUP else path)
+
+    def _finish(
+        self, key: str, write: Callable[[Path], list[str]], about: Mapping[str, Any]
+    ) -> Manifest:
+        """Have the files of a result written, unless it is there, and then its manifest."""
+        with self._locked(key) as folder:
+            known = self.manifest(key)
+            if known is not None:
+                self.drop_blocks(key)
+                return known
+            names = write(folder)
             files = {name: fingerprint(folder / name) for name in names}
-            manifest = Manifest(key, process, core.__version__, cells, blocks, seconds, files)
+            manifest = Manifest(key=key, version=core.__version__, files=files, **about)
             with _kept(folder / MANIFEST) as temporary:
                 temporary.write_text(json.dumps(asdict(manifest), indent=1), encoding="utf-8")
             self.drop_blocks(key)

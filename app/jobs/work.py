@@ -12,6 +12,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import core
+from app.jobs import parts
 from app.jobs.errors import OtherVersionError
 from app.jobs.store import Store, identifier
 from core.kinds import KINDS
@@ -19,6 +20,7 @@ from core.plan.pieces import Cut, join
 from core.plan.prepared import Prepared
 from core.watch import Watch
 
+IN_PARTS = 0  # for the cells of a block: it is a part of a sweep, see `app.jobs.parts`
 MOST_BLOCK_CELLS = 1_000_000
 MOST_BLOCKS = 100_000
 
@@ -34,10 +36,22 @@ def block_cells(prepared: Prepared, seconds: float) -> int:
     return int(min(most, max(cells, fewest, 1)))
 
 
+def missing_blocks(directory: str, key: str, process: str, cells: int, count: int) -> list[int]:
+    """Return the blocks of a study that are not there; readers may follow its parts from then."""
+    store = Store(Path(directory))
+    if cells != IN_PARTS:
+        return [index for index in range(count) if not store.has_block(key, cells, index)]
+    if store.has_group(key):  # joined already, and not yet told so
+        return []
+    found = parts.parts_of_job(store, key, _study(directory, key, process))
+    found.begin()
+    return found.missing()
+
+
 def compute_block(directory: str, key: str, process: str, cells: int, index: int) -> float:
     """Compute a block of a study and keep it; return the seconds that it took.
 
-    `cells` is the size of the pieces that the study is cut into.
+    `cells` is the size of the pieces that the study is cut into, or `IN_PARTS`.
 
     Raises
     ------
@@ -46,9 +60,12 @@ def compute_block(directory: str, key: str, process: str, cells: int, index: int
     """
     started = time.perf_counter()
     store = Store(Path(directory))
-    if not store.has_block(key, cells, index):
-        prepared, pieces = _study(directory, key, process, cells)
-        part = prepared.within(pieces.box(index))
+    if cells == IN_PARTS:
+        ours = parts.parts_of_job(store, key, _study(directory, key, process))
+        ours.keep(index, ours.compute(index, Watch(threads=1)))
+    elif not store.has_block(key, cells, index):
+        prepared = _study(directory, key, process)
+        part = prepared.within(Cut(prepared, cells).box(index))
         # One thread: each worker thread is given a block of its own.
         computed = KINDS[prepared.study.kind].compute(part, Watch(threads=1))
         store.write_block(key, cells, index, computed)
@@ -71,12 +88,16 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
         if store.manifest(key) is not None:
             store.drop_blocks(key)
         elif process not in KINDS:
-            prepared, _ = _study(directory, key, process, cells)
+            prepared = _study(directory, key, process)
             from app.jobs.accuracy import write_report
 
             write_report(store, key, process, prepared)
+        elif cells == IN_PARTS:
+            ours = parts.parts_of_job(store, key, _study(directory, key, process))
+            parts.write_result(store, key, process, ours, seconds)
         else:
-            prepared, pieces = _study(directory, key, process, cells)
+            prepared = _study(directory, key, process)
+            pieces = Cut(prepared, cells)
             count = len(pieces)
             blocks = ((pieces.box(i), store.read_block(key, cells, i)) for i in range(count))
             computed = join(prepared, blocks)
@@ -88,12 +109,12 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
 
 
 @lru_cache(maxsize=16)
-def _study(directory: str, key: str, process: str, cells: int) -> tuple[Prepared, Cut]:
-    """Return a study and its blocks; a worker computes many blocks of one."""
+def _study(directory: str, key: str, process: str) -> Prepared:
+    """Return a study; a worker computes many blocks of one."""
     prepared = Store(Path(directory)).get(key)
     if identifier(prepared.study, process) != key:
         raise OtherVersionError(
             f"The study was posted to another version of vibrafeed than {core.__version__}, which "
             "now runs. Post it again; all servers and workers must have the same version."
         )
-    return prepared, Cut(prepared, cells)
+    return prepared

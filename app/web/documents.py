@@ -15,7 +15,7 @@ from pydantic import BaseModel, Field
 
 import core
 from app.jobs.ledger import ACTIVE, Job
-from app.jobs.manifest import JSON, NETCDF, Manifest
+from app.jobs.manifest import JSON, NETCDF, ZARR, Manifest
 from app.web.execution import PROCESSES, Process
 
 RESULTS = "http://www.opengis.net/def/rel/ogc/1.0/results"
@@ -25,6 +25,7 @@ CONFORMANCE = tuple(
     for name in ("core", "ogc-process-description", "json", "job-list", "dismiss")
 )
 NETCDF_TYPE = "application/x-netcdf"
+ZARR_TYPE = "application/vnd.zarr; version=3"
 MODES = ["sync-execute", "async-execute", "dismiss"]
 
 
@@ -113,7 +114,7 @@ class JobList(BaseModel):
 class ResultFile(Link):
     """A result by reference."""
 
-    length: int = Field(description="Bytes of the file.")
+    length: int = Field(description="Bytes of the file, or of all files of a Zarr group.")
     elapsedSeconds: float = Field(description="What computing took.")  # noqa: N815
     cellsPerSecond: float  # noqa: N815
 
@@ -177,8 +178,8 @@ def description(name: str, process: Process, base: str) -> dict[str, Any]:
     }
 
 
-def status_info(job: Job, base: str) -> dict[str, Any]:
-    """Return how a job stands."""
+def status_info(job: Job, base: str, *, is_group: bool = False) -> dict[str, Any]:
+    """Return how a job stands; `is_group` if its result is a Zarr group that can be read by now."""
     share = job.done / job.blocks if job.blocks else 0.0
     # The last percent is the writing of the result.
     progress = 100 if job.state == "successful" else min(99, int(100 * share))
@@ -193,6 +194,8 @@ def status_info(job: Job, base: str) -> dict[str, Any]:
     ]
     if job.state == "successful":
         links.append(_link(f"{here}/results", RESULTS, "The results"))
+    if is_group:
+        links.append(_link(f"{here}/results/zarr", "item", "What is there so far", ZARR_TYPE))
     if job.process == "sweep":
         links.append(
             _link(f"{base}/sweeps/{job.key}", "related", "The sweep, to be read in slices")
@@ -221,13 +224,15 @@ def status_info(job: Job, base: str) -> dict[str, Any]:
 def results(job: Job, manifest: Manifest, base: str) -> dict[str, Any]:
     """Return what a job gave: its files, and what they cost."""
     here = f"{base}/jobs/{job.id}/results"
-    others = [name for name in manifest.files if name not in (NETCDF, JSON)]
+    others = [name for name in manifest.files if name not in (NETCDF, ZARR, JSON)]
+    is_group = ZARR in manifest.files
+    title = "a Zarr v3 group, for a Zarr client to open" if is_group else "a CF-1.11 NetCDF-4 file"
     found: dict[str, Any] = {
         "dataset": {
-            "href": f"{here}/dataset",
-            "type": NETCDF_TYPE,
-            "title": "The dataset as a CF-1.11 NetCDF-4 file",
-            "length": manifest.files[NETCDF]["bytes"],
+            "href": f"{here}/{'zarr' if is_group else 'dataset'}",
+            "type": ZARR_TYPE if is_group else NETCDF_TYPE,
+            "title": f"The dataset as {title}",
+            "length": manifest.files[ZARR if is_group else NETCDF]["bytes"],
             "elapsedSeconds": manifest.seconds,
             "cellsPerSecond": manifest.cells / max(manifest.seconds, 1e-9),
         }

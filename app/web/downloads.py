@@ -49,12 +49,18 @@ def content_reply(content: bytes, *, etag: str, media_type: str) -> Response:
 
 
 def file_reply(
-    request: Request, path: Path, *, digest: str, media_type: str, filename: str
+    request: Request,
+    path: Path,
+    *,
+    media_type: str,
+    filename: str,
+    digest: str | None = None,
+    etag: str | None = None,
 ) -> Response:
     """Return a file, or what is left of it after an interrupted download; not on the event loop.
 
     The ETag is the SHA-256 of the content, `digest`, so that a part may be joined to one from
-    another server or from before a restart.
+    another server or from before a restart; or `etag` where the content is known by its place.
 
     Raises
     ------
@@ -63,7 +69,7 @@ def file_reply(
     """
     with _there():
         size = path.stat().st_size
-    etag = f'"{digest}"'
+    etag = etag or f'"{digest}"'
     wanted = request.headers.getlist("if-match")
     if wanted and not _names(wanted, etag, strong=True):
         detail = f"The file's ETag is {etag}, which If-Match does not name."
@@ -76,8 +82,10 @@ def file_reply(
         "Cache-Control": ASK_AGAIN,
         "Accept-Ranges": "bytes",
         "Content-Disposition": f'attachment; filename="{filename}"',
-        "Repr-Digest": f"sha-256=:{base64.b64encode(bytes.fromhex(digest)).decode()}:",
     }
+    if digest is not None:
+        encoded = base64.b64encode(bytes.fromhex(digest)).decode()
+        headers["Repr-Digest"] = f"sha-256=:{encoded}:"
     part = _part(request, etag, size)
     if part is None:
         start, stop, status = 0, size, 200

@@ -102,6 +102,13 @@ class Records:
         with whole(self._folder / name) as temporary:
             temporary.write_bytes(data)
 
+    def remove(self, name: str) -> None:
+        """Remove a record, if it is there."""
+        if self._store is not None:
+            self._store.delete(name)
+        else:
+            (self._folder / name).unlink(missing_ok=True)
+
     def clear(self) -> None:
         """Remove all records."""
         if self._store is not None:

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 GROUP = "zarr.json"
 UNFINISHED = "unfinished.json"  # beside the arrays while some are missing: whose they are
+GROWING = "growing.json"  # the group's document for those who read it meanwhile
+UNDER_WAY = "This group is being written: what is not there yet reads as NaN, a regime as 0."
 INSTALL = "Zarr files need zarr and obstore: pip install 'vibrafeed[cluster]'"
 
 
@@ -128,6 +130,17 @@ class GrowingZarr:
         """The tiles that are not written."""
         return iter(self._missing)
 
+    def show(self) -> None:
+        """Write all but the tiles, so that readers may follow; missing tiles read as fill values.
+
+        The group's document is under another name, so that nobody takes it for complete.
+        """
+        with _told_plainly():
+            self._write_untiled()
+            attributes = {**self._table.attributes, "comment": UNDER_WAY}
+            group = group_document(replace(self._table, attributes=attributes), self._documents)
+            self._put(GROWING, _as_json(group))
+
     def write(self, index: int, arrays: Mapping[str, NDArray[Any]], seconds: float) -> None:
         """Write a tile; whoever writes it, it has the same bytes."""
         tile = self.tiles[index]
@@ -151,6 +164,24 @@ class GrowingZarr:
             self._finish(price)
 
     def _finish(self, price: Mapping[str, float]) -> None:
+        self._write_untiled()
+        attributes = dict(self._table.attributes)
+        if self._history is not None:
+            attributes |= {"history": self._history, **({} if self._begun else price)}
+        group = group_document(replace(self._table, attributes=attributes), self._documents)
+        self._put(GROUP, _as_json(group))
+        self._behind.end()
+        if self._path is not None and self._folder is not None:
+            settle(self._folder, self._path)
+            (self._path / UNFINISHED).unlink()
+            (self._path / GROWING).unlink(missing_ok=True)
+        else:
+            self._store.delete(UNFINISHED)
+            if GROWING in self._listed():
+                self._store.delete(GROWING)
+
+    def _write_untiled(self) -> None:
+        """Write the coordinates, and the arrays without dimension."""
         import zarr
         from zarr.storage import ObjectStore
 
@@ -159,17 +190,6 @@ class GrowingZarr:
             if name in table.coordinates or not one.dims:
                 array = zarr.open_array(ObjectStore(self._store), path=name, mode="r+")
                 array.with_config({"write_empty_chunks": True})[...] = one.values
-        attributes = dict(table.attributes)
-        if self._history is not None:
-            attributes |= {"history": self._history, **({} if self._begun else price)}
-        group = group_document(replace(table, attributes=attributes), self._documents)
-        self._put(GROUP, _as_json(group))
-        self._behind.end()
-        if self._path is not None and self._folder is not None:
-            settle(self._folder, self._path)
-            (self._path / UNFINISHED).unlink()
-        else:
-            self._store.delete(UNFINISHED)
 
     def flush(self) -> None:
         """Return when what is written is on the disk."""

@@ -8,7 +8,7 @@ that it writes: what has no record, or another digest, is computed again, and no
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -78,6 +78,25 @@ class Parts:
         total = len(self._work)
         return part * total // self.count, (part + 1) * total // self.count
 
+    def missing(self) -> list[int]:
+        """Return the parts that have no record."""
+        there = set(self.records.names())
+        return [part for part in range(self.count) if self.name(part) not in there]
+
+    def begin(self) -> None:
+        """Write what readers need who want to follow the group of a sweep while it grows."""
+        if isinstance(self.sweep, Sweep):
+            growing = self._growing(self.sweep, outline(self.sweep.unverified()))
+            try:
+                growing.show()
+            finally:
+                growing.close()
+
+    def forget(self, parts: Iterable[int]) -> None:
+        """Remove the records of some parts, which are computed again then."""
+        for part in parts:
+            self.records.remove(self.name(part))
+
     def is_there(self, part: int) -> bool:
         """Return whether a part has left a sound record."""
         return self._is_ours(self.records.read(self.name(part)), part)
@@ -124,15 +143,20 @@ class Parts:
         """
         watch = watch or Watch()
         if isinstance(self.sweep, Sweep):
-            return self._join_shards(self.sweep, watch, history)
-        told: list[Mapping[str, Any]] = []
-        self._check(watch)
-        computed = joined(self.sweep, self._states(told))
-        table = label(self.sweep, computed, watch)
-        table = table.with_price(price(self.sweep.cells, sum(one["seconds"] for one in told)))
-        write_netcdf(table, Path(self.where), history=history)
+            table = self._join_shards(self.sweep, watch, history)
+        else:
+            table = self.answers(self.sweep, watch)
+            write_netcdf(table, Path(self.where), history=history)
         self.records.clear()
         return table
+
+    def answers(self, sweep: ReducedSweep, watch: Watch | None = None) -> Table:
+        """Return what all parts of a reduced sweep tell; raise as `join`, and write nothing."""
+        watch, told = watch or Watch(), list[Mapping[str, Any]]()
+        self._check(watch)
+        computed = joined(sweep, self._states(told))
+        table = label(sweep, computed, watch)
+        return table.with_price(price(sweep.cells, sum(one["seconds"] for one in told)))
 
     @property
     def _work(self) -> Any:
@@ -191,7 +215,6 @@ class Parts:
             growing.finish(price(sweep.cells, sum(one["seconds"] for one in told)))
         finally:
             growing.close()
-        self.records.clear()
         return table
 
     def _states(self, told: list[Mapping[str, Any]]) -> Iterator[tuple[int, int, State]]:

@@ -123,7 +123,9 @@ def list_jobs(
             responses=NO_JOB)  # fmt: skip
 def get_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
     """Return the state of a job, its progress, and the time that is left."""
-    return json_reply(status_info(find_job(desk, number), base))
+    job = find_job(desk, number)
+    is_group = job.state in ("running", "successful") and desk.store.in_group(job.key).exists()
+    return json_reply(status_info(job, base, is_group=is_group))
 
 
 @router.delete("/{number}", summary="Dismiss a job", response_model=StatusInfo, responses=NO_JOB)

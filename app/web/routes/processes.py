@@ -17,6 +17,7 @@ from fastapi.responses import Response
 from app.jobs.desk import Desk
 from app.jobs.ledger import ACTIVE, Job
 from app.jobs.manifest import MOST_JSON_VALUES
+from app.jobs.parts import check_length, is_in_parts
 from app.settings import Settings
 from app.web.dependencies import BaseOf, Body, DeskOf, SettingsOf, base_of
 from app.web.documents import (
@@ -140,6 +141,8 @@ def _read(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepar
     prepared = prepare_content(asked.study)
     if name == ACCURACY:  # it takes some cells of a grid
         prepared.check_limits(cells=settings.max_sweep_cells, bytes_=prepared.bytes)
+    elif is_in_parts(prepared, settings):
+        check_length(prepared, settings)
     else:
         prepared.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
     return asked, prepared

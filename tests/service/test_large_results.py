@@ -1,0 +1,117 @@
+"""Sweeps too large for one file: a Zarr group that clients read while it grows, kills or not."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+
+from core.kinds import prepare_content, tabulate
+from tests.service.test_durability import QUICK, Server
+
+KILLS = int(os.environ.get("KILLS", "2"))
+
+STUDY: dict[str, Any] = {
+    "kind": "sweep",
+    "scene": "rectangle-on-track",
+    "outputs": ["transport_velocity", "throw_number"],
+    "verify": 3,
+    "parameters": {
+        "frequency": {"start": "20 Hz", "stop": "120 Hz", "num": 320},
+        "amplitude": {"start": "0.1 mm", "stop": "1 mm", "num": 80},
+        "alpha": {"start": 0, "stop": 90, "num": 13},
+        "beta": {"start": 0, "stop": 90, "num": 80},
+        "friction": 0.3,
+        "radius": 0.8,
+        "distance": "0.2 mm",
+    },
+}
+LIMITS = {**QUICK, "VIBRAFEED_MAX_CELLS": "1000000", "VIBRAFEED_WORKERS": "1"}
+
+
+@pytest.fixture
+def server(tmp_path: Path) -> Iterator[Server]:
+    one = Server(tmp_path, **LIMITS)
+    yield one
+    one.stop()
+
+
+def group(server: Server, number: str) -> xarray.Dataset:
+    address = f"http://127.0.0.1:{server.port}/jobs/{number}/results/zarr"
+    return xarray.open_zarr(address, chunks=None)
+
+
+def test_it_is_read_while_it_grows_and_survives_kills(server: Server, tmp_path: Path) -> None:
+    number = server.post(STUDY)
+    job = server.waited(number, lambda job: job["progress"] >= 10)
+    assert job["status"] == "running"
+    growing = group(server, number)
+    assert "being written" in growing.attrs["comment"]
+    assert dict(growing.sizes) == {"frequency": 320, "amplitude": 80, "alpha": 13, "beta": 80}
+    assert float(growing.frequency[-1]) == 120
+    there = growing.transport_velocity.isel(amplitude=3, alpha=2, beta=7).values
+    assert np.isfinite(there).any()
+
+    chance = random.Random(16)
+    for _ in range(KILLS):
+        time.sleep(chance.uniform(0.3, 1.5))
+        server.process.send_signal(signal.SIGKILL)
+        server.process.wait()
+        server.start()
+    job = server.finished(number)
+    assert job["status"] == "successful", job
+    assert any(link["href"].endswith("/results/zarr") for link in job["links"])
+
+    results = json.loads(server.ask(f"/jobs/{number}/results"))
+    assert results["dataset"]["href"].endswith(f"/jobs/{number}/results/zarr")
+    assert results["dataset"]["length"] > 10_000_000
+    whole = group(server, number)
+    assert whole.attrs["verified_cells"] == 3
+    assert "being written" not in whole.attrs["comment"]
+    box = {"frequency": (100, 105), "amplitude": (40, 48)}
+    want = tabulate(prepare_content({**STUDY, "verify": None}).within(box)).to_xarray()
+    found = whole.isel({name: slice(*ends) for name, ends in box.items()})
+    for name in ("transport_velocity", "throw_number", "regime"):
+        np.testing.assert_array_equal(found[name].values, want[name].values)
+    with pytest.raises(urllib.error.HTTPError) as error:
+        server.ask(f"/jobs/{number}/results/dataset")
+    assert error.value.code == 404
+    assert "Zarr group" in json.load(error.value)["detail"]
+    (folder,) = (tmp_path / "data" / "studies").iterdir()
+    assert sorted(one.name for one in folder.iterdir()) == [
+        "manifest.json", "result.zarr", "study.json",
+    ]  # fmt: skip
+
+
+def test_only_keys_of_the_group_are_served(server: Server) -> None:
+    number = server.post(STUDY)
+    server.waited(number, lambda job: job["progress"] >= 5)
+    for key in ("unfinished.json", "growing.json", "../study.json", "throw_number/c/99/0/0", "a/b"):
+        with pytest.raises(urllib.error.HTTPError) as error:
+            server.ask(f"/jobs/{number}/results/zarr/{urllib.request.quote(key, safe='/')}")
+        assert error.value.code == 404, key
+    document = json.loads(server.ask(f"/jobs/{number}/results/zarr/zarr.json"))
+    assert document["node_type"] == "group"
+    server.ask(f"/jobs/{number}", method="DELETE")
+
+
+def test_more_than_the_disk_or_a_job_may_take_is_refused(server: Server) -> None:
+    large = {**STUDY, "parameters": {**STUDY["parameters"]}}
+    large["parameters"]["gravity"] = {"start": 9, "stop": 10, "num": 1000}
+    with pytest.raises(urllib.error.HTTPError) as error:
+        server.post(large)
+    problem = json.load(error.value)
+    assert error.value.code == 422
+    assert "bytes, the limit is 50,000,000,000" in problem["detail"]
+    assert "It fits with" in problem["detail"]
