@@ -178,9 +178,9 @@ class TestDatasets:
         cells: list[int] = []
         kernel = planar.solve_cells
 
-        def counting(groups, table, status):
+        def counting(groups, table, status, stop):
             cells.append(len(groups))
-            kernel(groups, table, status)
+            kernel(groups, table, status, stop)
 
         monkeypatch.setattr(planar, "solve_cells", counting)
         found = run(parameters={
