@@ -67,7 +67,7 @@ class TestMethods:
             for method in system.variants if point_part else ():
                 curved = {"radius": "0.3 m"} if "track" in name else {}
                 prepared = prepare_content(study(name, method=method, parameters=curved))
-                assert 0 < prepared.seconds_a_cell < 10, (name, method)
+                assert 0 < prepared.seconds_a_cell < 60, (name, method)
 
     @pytest.mark.parametrize("method", ["regularised", "regularised-BDF", "regularised-LSODA"])
     def test_every_stiff_solver_agrees_within_its_error(self, method):
