@@ -222,7 +222,7 @@ def _slides_away(part: Groups, contacts: Contacts) -> bool:
 def _price(cells: Priced) -> Price:
     """Return the price: of a motion that repeats to find its cycle, of another all its periods."""
     allowed = cells.setting("most_periods")
-    wide = np.where(cells.across, 3.0, 1.0) * (1.0 + (cells.steps > 0))
+    wide = np.where(cells.across, 2.0, 1.0) * (1.0 + (cells.steps > 0))
     waves = 1.0 + 2.0 * cells.orders
     finding = 0.03 * wide * waves * np.where(cells.hops, 3.0, 1.0)
     finding = finding * (np.minimum(allowed, 100.0) / 100.0) ** 0.25
