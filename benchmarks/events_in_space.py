@@ -14,7 +14,7 @@ import numba
 import numpy as np
 
 from core.motion.groups import SOLID_CYLINDER, Contacts, Groups, cells_of
-from core.motion.kernels.arrays import Floats
+from core.motion.kernels.arrays import NEVER, Floats
 from core.motion.kernels.means import mean_velocity
 from core.motion.kernels.track import Cell, drive, solve_cells
 from core.motion.kernels.track.cycle import Series, new_history, settle
@@ -94,7 +94,7 @@ def speed_of(groups: Groups) -> Floats:
 @numba.njit(nogil=True, error_model="numpy")
 def witnessed(wall: bool, rolling: float, series: Series, rows: Floats, found: Floats) -> None:
     """Fill mean velocity and multiple of cells by other series; NaN where nothing repeats."""
-    history = new_history(int(rows[0, -1]))
+    history = new_history(int(rows[0, -1]), np.zeros(1, dtype=np.int8))
     for number in range(rows.shape[0]):
         cell = cell_of(rows[number])
         state, hold = at_rest()
@@ -117,7 +117,7 @@ def timed(kind: Kind, rows: Floats, repeats: int) -> tuple[Motion, Floats]:
         piece = slice(number, number + 1)
         for _ in range(repeats):
             started = time.perf_counter()
-            solve_cells(kind.wall, kind.rolling, rows[piece], table[piece], status[piece])
+            solve_cells(kind.wall, kind.rolling, rows[piece], table[piece], status[piece], NEVER)
             seconds[number] = min(seconds[number], time.perf_counter() - started)
     return motion_of(table, status, (len(rows),)), seconds
 
@@ -160,7 +160,7 @@ def main() -> None:
         groups = random_groups(kind, arguments.cells, arguments.seed + place)
         rows, _ = cells_of(Cell._fields, groups, **SETTINGS)
         solve_cells(
-            kind.wall, kind.rolling, rows[:1], np.empty((1, 11)), np.zeros(1, dtype=np.int8)
+            kind.wall, kind.rolling, rows[:1], np.empty((1, 11)), np.zeros(1, dtype=np.int8), NEVER
         )
         motion, seconds = timed(kind, rows, arguments.repeats)
         truth = np.empty((len(rows), 2))

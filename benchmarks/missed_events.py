@@ -26,6 +26,7 @@ from benchmarks.waves import CLOSE, NAMES, PLANAR, REPEATS, SPATIAL, harmonics, 
 from core.motion import waves
 from core.motion.groups import Contacts, Groups, cells_of
 from core.motion.kernels import planar, track
+from core.motion.kernels.arrays import NEVER
 from core.motion.kernels.planar.tables import PIECE
 from core.motion.kernels.statuses import MODE
 from core.motion.kernels.track import drive
@@ -152,7 +153,7 @@ def events_in_plane(groups: Groups) -> list[str]:
     rows, _ = cells_of(planar.Cell._fields, groups, **PLANAR)
     found = []
     for row in rows:
-        pieces, *_ = planar.follow(row)
+        pieces, *_ = planar.follow(row, NEVER)
         modes = pieces[:, PIECE.mode].astype(int).tolist()
         if len(modes) > 1 and modes[0] == modes[-1] == MODE.stick:
             del modes[0]
@@ -164,7 +165,7 @@ def events_in_space(groups: Groups, multiples: Array) -> list[str]:
     """Return the signatures of the events of each period of the cycle of each cell."""
     rows, _ = cells_of(track.Cell._fields, groups, **SPATIAL)
     most, found = int(SPATIAL["most_periods"]), []
-    history, work = new_history(most), new_work()
+    history, work = new_history(most, NEVER), new_work()
     for row, multiple in zip(rows, multiples, strict=True):
         if not multiple > 0:
             found.append("")

@@ -18,6 +18,7 @@ import numpy as np
 
 from benchmarks.lockstep import lockstep_velocities
 from benchmarks.motions import planar_motion
+from core.motion.kernels.arrays import NEVER
 from core.motion.kernels.planar import solve_cells
 from core.motion.result import COLUMNS
 from core.quantities import MOTION_STATUSES
@@ -124,13 +125,13 @@ def time_points(count: int) -> None:
     rows = np.stack(list(cells.values()), axis=-1)
     table, status = np.empty((count, COLUMNS)), np.zeros(count, dtype=np.int8)
     taken = np.empty(count)
-    solve_cells(rows[:1], table[:1], status[:1])  # compiles
+    solve_cells(rows[:1], table[:1], status[:1], NEVER)  # compiles
 
     def run(first: int, last: int) -> None:
         for cell in range(first, last):
             here = slice(cell, cell + 1)
             start = time.thread_time()
-            solve_cells(rows[here], table[here], status[here])
+            solve_cells(rows[here], table[here], status[here], NEVER)
             taken[cell] = time.thread_time() - start
 
     threads = os.cpu_count() or 1

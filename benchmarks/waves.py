@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from core.motion import waves
 from core.motion.groups import Contacts, Groups, cells_of, each
 from core.motion.kernels import planar, track
+from core.motion.kernels.arrays import NEVER
 from core.motion.methods.events import planar_motion
 from core.motion.methods.reference import reference_motion
 from core.motion.methods.spatial_events import spatial_motion
@@ -150,8 +151,9 @@ def times(name: str, sine: Groups, run: Callable, fields: tuple[str, ...], round
     for _ in range(rounds):
         for number, one in enumerate(rows.values()):
             for cell in range(cells):
+                piece = slice(cell, cell + 1)
                 begin = time.perf_counter()
-                run(one[cell : cell + 1], table[cell : cell + 1], status[cell : cell + 1])
+                run(one[piece], table[piece], status[piece], NEVER)
                 best[number, cell] = min(best[number, cell], time.perf_counter() - begin)
     print(f"{name}, {cells} cells, microseconds with the call; ratio to the sine cell by cell:")
     for number, key in enumerate(sets):
@@ -191,8 +193,8 @@ def main() -> None:
     flat = feeder_parts(given.timed, given.seed, 0.0)
     times("In the plane", flat, planar.solve_cells, planar.Cell._fields, given.rounds)
 
-    def in_space(rows: NDArray, table: NDArray, status: NDArray) -> None:
-        track.solve_cells(True, 0.0, rows, table, status)
+    def in_space(rows: NDArray, table: NDArray, status: NDArray, stop: NDArray) -> None:
+        track.solve_cells(True, 0.0, rows, table, status, stop)
 
     aslant = feeder_parts(given.timed, given.seed, 1.0)
     times("On the track", aslant, in_space, track.Cell._fields, max(3, given.rounds // 4))

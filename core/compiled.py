@@ -146,6 +146,22 @@ bits: Any = _bits
 """The bits of a float as an integer, in compiled code."""
 
 
+@intrinsic
+def _raised(context: Any, flag: Any) -> Any:
+    """Return whether the first byte of an array is not 0, as it is now and not as it was."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        array = context.make_array(signature.args[0])(context, builder, arguments[0])
+        now = builder.load_atomic(array.data, "monotonic", 1)  # no loop keeps what it once read
+        return builder.icmp_signed("!=", now, now.type(0))
+
+    return types.boolean(flag), generate
+
+
+raised: Any = _raised
+"""Whether a flag is raised, in compiled code that runs while another thread may raise it."""
+
+
 def by_type(
     argument: str, ways: Mapping[type, Any], *, borrows: bool = True
 ) -> Callable[[Function], Function]:

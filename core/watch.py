@@ -1,10 +1,26 @@
-"""What a long computation asks while it runs."""
+"""What a long computation asks while it runs.
+
+Python asks its watch. Compiled code cannot: it looks at a flag, which one thread of the process,
+the lookout, raises for whatever runs and is to stop. That costs a cell nothing, however short.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+LOOK = 0.05
+"""Seconds between two looks of the lookout."""
+
+
+class StoppedError(Exception):
+    """The watch asked to stop amid a cell."""
 
 
 @dataclass(frozen=True)
@@ -29,9 +45,27 @@ class Watch:
     threads: int | None = None
 
     def stopped(self) -> bool:
-        """Return whether no further cell is to be started."""
+        """Return whether no further cell is to be started, and none gone on with."""
         late = self.deadline is not None and time.monotonic() >= self.deadline
         return late or (self.stop is not None and self.stop())
+
+    def check(self) -> None:
+        """Raise `StoppedError` if it is time to stop."""
+        if self.stopped():
+            raise StoppedError
+
+    @contextlib.contextmanager
+    def flag(self) -> Iterator[NDArray[np.int8]]:
+        """Give an array of one flag for compiled code, not 0 once it is time to stop."""
+        flag = np.zeros(1, dtype=np.int8)
+        if self.stop is None and self.deadline is None:
+            yield flag
+            return
+        _lookout.begin(self, flag)
+        try:
+            yield flag
+        finally:
+            _lookout.end(flag)
 
     def advance(self, share: float) -> None:
         """Tell that a share of the cells is done."""
@@ -41,3 +75,43 @@ class Watch:
     def part(self, share: float) -> Watch:
         """Return a watch over a share of the work."""
         return replace(self, progress=lambda done: self.advance(done * share))
+
+
+class _Lookout:
+    """The thread that asks the watches of what runs, and raises their flags; it sleeps else."""
+
+    def __init__(self) -> None:
+        self._changed = threading.Condition()
+        self._watched: dict[int, tuple[Watch, NDArray[np.int8]]] = {}
+        self._thread: threading.Thread | None = None
+
+    def begin(self, watch: Watch, flag: NDArray[np.int8]) -> None:
+        """Look at a watch from now on."""
+        with self._changed:
+            self._watched[id(flag)] = watch, flag
+            if self._thread is None or not self._thread.is_alive():
+                self._thread = threading.Thread(target=self._look, name="lookout", daemon=True)
+                self._thread.start()
+            elif len(self._watched) == 1:
+                self._changed.notify()
+
+    def end(self, flag: NDArray[np.int8]) -> None:
+        """Look at it no more."""
+        with self._changed:
+            del self._watched[id(flag)]
+
+    def _look(self) -> None:
+        while True:
+            with self._changed:
+                while not self._watched:
+                    self._changed.wait()
+                watched = [*self._watched.values()]
+            for watch, flag in watched:
+                try:
+                    flag[0] = watch.stopped()
+                except Exception:  # raised again where cells are shared out
+                    flag[0] = True
+            time.sleep(LOOK)
+
+
+_lookout = _Lookout()

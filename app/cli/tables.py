@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from core.plan.prepared import Prepared
     from core.sweep.stream import Passed
 
+RARELY = 2.0
+"""Times what is likely from which on the most that a study may take is told, too."""
+
 
 def show_plan(path: Path, prepared: Prepared) -> None:
     """Print what a study would do: cells, bytes, dimensions kept, equations planned."""
@@ -34,10 +37,11 @@ def show_plan(path: Path, prepared: Prepared) -> None:
             f"of {len(prepared.work):,} boxes tell"
         )
     else:
-        seconds = prepared.cells * prepared.seconds_a_cell
+        seconds, most = prepared.seconds, prepared.most_seconds
+        rarely = f" (at most some {_duration(most)})" if most > RARELY * seconds else ""
         say(
             f"  {prepared.cells:,} cells, {prepared.bytes:,} bytes before compression, "
-            f"some {_duration(seconds)} on one core, {seconds / 3600:.1g} core hours"
+            f"some {_duration(seconds)} on one core{rarely}, {seconds / 3600:.1g} core hours"
         )
     grid = new_grid("output", "unit", "values", "dimensions kept")
     for name, dims in prepared.dims.items():

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from core.motion.result import COLUMNS, STATUS
 from core.watch import Watch
 
-Kernel = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.int8]], object]
+Kernel = Callable[
+    [NDArray[np.float64], NDArray[np.float64], NDArray[np.int8], NDArray[np.int8]], object
+]
 
 
 def run_cells(
@@ -28,8 +30,10 @@ def run_cells(
     Parameters
     ----------
     kernel : callable
-        Takes groups (n, g), a table (n, columns) and statuses (n,), and fills the last two. It
-        must release the interpreter's lock, and may not look across cells.
+        Takes groups (n, g), a table (n, columns), statuses (n,) and a flag (1,), and fills table
+        and statuses. It must release the interpreter's lock, and may not look across cells. Once
+        the flag is raised it returns, and leaves the cell that it was at and all after it as they
+        were, or NaN.
     groups : ndarray, shape (n, g)
         The dimensionless groups of each cell; equal rows are computed once.
     columns : int
@@ -37,7 +41,8 @@ def run_cells(
     piece : int
         Most cells of one call.
     watch : Watch, optional
-        Asked before each piece; what is not started has status `not_computed`, and NaN.
+        Asked before each piece and, by the flag, within cells; what is not finished has status
+        `not_computed`, and NaN.
 
     Returns
     -------
@@ -52,21 +57,23 @@ def run_cells(
     threads = watch.threads or os.cpu_count() or 1
     piece = max(1, min(piece, cells // (4 * threads)))
 
-    def run(start: int) -> int:
-        if watch.stopped():
-            return 0
-        end = min(start + piece, cells)
-        kernel(different[start:end], table[start:end], status[start:end])
-        return end - start
-
     starts = range(0, cells, piece)
-    if threads == 1 or len(starts) == 1:
-        for start in starts:
-            watch.advance(run(start) / cells)
-    else:
-        with ThreadPoolExecutor(threads, thread_name_prefix="motion") as pool:
-            for done in pool.map(run, starts):
-                watch.advance(done / cells)
+    with watch.flag() as flag:
+
+        def run(start: int) -> int:
+            if watch.stopped():
+                return 0
+            end = min(start + piece, cells)
+            kernel(different[start:end], table[start:end], status[start:end], flag)
+            return end - start
+
+        if threads == 1 or len(starts) == 1:
+            for start in starts:
+                watch.advance(run(start) / cells)
+        else:
+            with ThreadPoolExecutor(threads, thread_name_prefix="motion") as pool:
+                for done in pool.map(run, starts):
+                    watch.advance(done / cells)
     return (table, status) if where is None else (table[where], status[where])
 
 

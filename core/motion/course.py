@@ -12,6 +12,7 @@ from core.mechanics.arrays import Array
 from core.motion.groups import Groups
 from core.motion.waves import ALONG, NORMAL, place
 from core.quantities import MOTION_MODES, Flag
+from core.watch import Watch
 
 COURSE_FLAGS: dict[str, Mapping[str, Flag]] = {"motion_mode": MOTION_MODES}
 """The flags of courses, with their meanings."""
@@ -36,11 +37,14 @@ class CourseAsked(NamedTuple):
         Those of the equation that followed the part, each of one value.
     known : mapping
         Every quantity of the plan.
+    watch : Watch
+        May stop it; what was not reached is NaN.
     """
 
     samples: int | tuple[float, ...]
     arguments: Mapping[str, Any]
     known: Mapping[str, Any]
+    watch: Watch
 
     @property
     def groups(self) -> Groups:

@@ -9,6 +9,7 @@ from typing import Any
 
 from core.motion.course import Course, CourseAsked
 from core.motion.groups import Contacts
+from core.motion.price import Pricing
 from core.scenes import Constraint
 
 Follow = Callable[..., Any]
@@ -38,11 +39,9 @@ class Method:
         Where the theory tells of it.
     accuracy : str
         What is known of its error, in words.
-    seconds_a_cell : float
-        Roughly what a cell takes on one core: enough to tell short from long.
-    seconds_a_bounce, seconds_in_space : float or None
-        The same of a cell with restitution, and of one that leaves the vertical plane of the track,
-        where that takes longer.
+    seconds_a_cell : float or callable
+        Roughly what a cell takes on one core: enough to tell short from long. Where that depends on
+        numbers and settings, what tells the `Price` of some cells.
     defaults : mapping of str to float
         Its settings where a study leaves them out.
     course : callable or None
@@ -63,21 +62,10 @@ class Method:
     follow: Callable[[Contacts], Follow]
     source: str
     accuracy: str
-    seconds_a_cell: float
-    seconds_a_bounce: float | None = None
-    seconds_in_space: float | None = None
+    seconds_a_cell: float | Pricing
     defaults: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     course: Callable[[Contacts], FollowCourse] | None = None
     energy: Callable[[Contacts], Follow] | None = None
     checked_by: tuple[str, ...] = ()
     refuses: tuple[Constraint, ...] = ()
     follows: Callable[[Contacts], bool] = everything
-
-    def seconds(self, bounces: bool, in_space: bool) -> float:
-        """Return roughly what a cell takes, with restitution or without, in a plane or in space."""
-        seconds = self.seconds_a_cell
-        if bounces and self.seconds_a_bounce is not None:
-            seconds = max(seconds, self.seconds_a_bounce)
-        if in_space and self.seconds_in_space is not None:
-            seconds = max(seconds, self.seconds_in_space)
-        return seconds

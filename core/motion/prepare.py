@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 from core.errors import Problem, StudyError
 from core.motion.driven import driven
 from core.motion.drives import shape_of, what_is_open
+from core.motion.groups import Contacts
 from core.motion.method import Method
+from core.motion.price import seconds_of, some_cells
 from core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from core.plan.grid import Grid
 from core.plan.plan import Plan, choose_scene
@@ -22,7 +25,6 @@ from core.plan.prepared import (
     plan_study,
 )
 from core.quantities import QUANTITIES
-from core.quantities.drive import DRIVE
 from core.scenes import Scene
 from core.study.models import SimulateStudy
 from core.study.values import Fixed
@@ -30,16 +32,6 @@ from core.study.values import Fixed
 DEFAULT_OUTPUTS = ("conveying_velocity",)
 SCALES = ("velocity_scale", "length_scale")
 ERROR = "conveying_velocity_error"
-BOUNCES = frozenset(("restitution", "wall_restitution"))
-PER_ORDER = 0.5
-"""What each order of a wave adds to the time of a cell, as a share of that of a sine."""
-ACROSS = frozenset(
-    (
-        *("alpha", "delta", "radius", "curvature_number"),
-        *(name for name in DRIVE if "_across_" in name),
-    )
-)
-"""Parameters that push a part across the track."""
 
 
 class Simulation(Prepared):
@@ -52,10 +44,22 @@ class Simulation(Prepared):
         """The method that follows the motion."""
         return methods_of(self.plan.scene.name)[self.plan.variant]
 
+    @cached_property
+    def _price(self) -> tuple[float, float]:
+        """Seconds of a cell as is likely, and at most."""
+        likely, most = price_of(self.method, self.plan, self.grid)
+        # A course may be followed for all the periods that are allowed.
+        return (likely if self.study.trajectory is None else most), most
+
     @property
     def seconds_a_cell(self) -> float:
         """As in `Prepared`."""
-        return seconds_a_cell(self.method, self.grid)
+        return self._price[0]
+
+    @property
+    def most_seconds_a_cell(self) -> float:
+        """As in `Prepared`."""
+        return self._price[1]
 
     @property
     def verified_by(self) -> str:
@@ -67,7 +71,7 @@ class Simulation(Prepared):
     def seconds_a_verified_cell(self) -> float:
         """As in `Prepared`."""
         other = other_method(self.plan, self.grid)
-        return seconds_a_cell(other, self.grid) if other else 0.0
+        return price_of(other, self.plan, self.grid)[0] if other else 0.0
 
 
 def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method | None:
@@ -84,12 +88,21 @@ def other_method(plan: Plan, grid: Grid, free: Collection[str] = ()) -> Method |
     return None
 
 
-def seconds_a_cell(method: Method, grid: Grid, free: Collection[str] = ()) -> float:
-    """Return roughly what a cell of a grid takes; `free` are parameters that take any value."""
-    given = {*grid.axes, *free, *(name for name, value in grid.fixed.items() if value)}
-    seconds = method.seconds(bool(given & BOUNCES), bool(given & ACROSS))
-    shape, _ = shape_of(given)
-    return seconds * (1.0 + PER_ORDER * shape.orders) if shape else seconds
+def price_of(
+    method: Method, plan: Plan, grid: Grid, free: Mapping[str, tuple[float, float]] | None = None
+) -> tuple[float, float]:
+    """Return what a cell of a grid is likely to take by a method, and at most [s].
+
+    `free` are parameters that are not on the grid, and the ends of their values, SI units. Another
+    method than that of the plan has its own settings, by default.
+    """
+    settings = method.defaults if method.name != plan.variant else {}
+    contacts = CONTACTS.get(plan.scene.name, Contacts())
+    likely, most = seconds_of(
+        method.seconds_a_cell, lambda: some_cells(plan, grid, settings, contacts, free or {})
+    )
+    rounds = sum(one.takes_long for one in plan.equations) if method.name == plan.variant else 1
+    return rounds * likely, rounds * most
 
 
 def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen:

@@ -62,7 +62,7 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
     arrays = {name: _squeezed(prepared, name, known[name]) for name in plan.outputs}
     arrays["regime"] = _squeezed(prepared, "regime", regimes(plan, known))
     if prepared.study.trajectory is not None:
-        course = _course(prepared, known)
+        course = _course(prepared, known, watch)
         arrays |= {TIME: course.times, **course.values, **course.flags}
     return Computed(arrays)
 
@@ -106,7 +106,7 @@ def _evaluate(prepared: Simulation, watch: Watch) -> dict[str, Any]:
     return run_equations(plan, {name: given[name] for name in plan.parameters}, watch)
 
 
-def _course(prepared: Simulation, known: dict[str, Any]) -> Course:
+def _course(prepared: Simulation, known: dict[str, Any], watch: Watch) -> Course:
     """Return what the part does at the asked times."""
     samples, scene = prepared.study.trajectory, prepared.plan.scene.name
     follow = prepared.method.course
@@ -114,7 +114,7 @@ def _course(prepared: Simulation, known: dict[str, Any]) -> Course:
     assert follow is not None  # the study would have been refused
     motion = next(equation for equation in prepared.plan.equations if equation.takes_long)
     arguments = {name: known[name] for name in motion.inputs}
-    return follow(CONTACTS.get(scene, Contacts()))(CourseAsked(samples, arguments, known))
+    return follow(CONTACTS.get(scene, Contacts()))(CourseAsked(samples, arguments, known, watch))
 
 
 def _squeezed(prepared: Simulation, name: str, values: NDArray[Any]) -> NDArray[Any]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from core.motion.method import Method
-from core.motion.prepare import other_method, seconds_a_cell
+from core.motion.prepare import other_method, price_of
 from core.motion.systems import methods_of
 from core.optimise.problem import Problem
 from core.optimise.scipy_methods import search_budget
@@ -75,14 +75,31 @@ class Optimisation(Prepared):
         """The axes of each variable: all of them."""
         return dict.fromkeys(self.units, tuple(self.grid.axes))
 
+    @cached_property
+    def _price(self) -> tuple[float, float]:
+        """Seconds of a design as is likely, and at most."""
+        if not self.problem.is_motion:
+            seconds = QUICK_SECONDS if self.method in QUICK else OTHER_SECONDS
+            return seconds, seconds
+        method = methods_of(self.plan.scene.name)[self.plan.variant]
+        likely, most = self._priced_by(method)
+        motions = search_budget(len(self.problem.names))
+        return MOTION_SECONDS + motions * likely, MOTION_SECONDS + motions * most
+
+    def _priced_by(self, method: Method) -> tuple[float, float]:
+        """Return what a motion takes by a method, as is likely and at most."""
+        free = {one.name: (one.lower, one.upper) for one in self.problem.variables}
+        return price_of(method, self.plan, self.designs, free)
+
     @property
     def seconds_a_cell(self) -> float:
         """As in `Prepared`."""
-        if self.problem.is_motion:
-            method = methods_of(self.plan.scene.name)[self.plan.variant]
-            seconds = seconds_a_cell(method, self.designs, self.problem.names)
-            return MOTION_SECONDS + search_budget(len(self.problem.names)) * seconds
-        return QUICK_SECONDS if self.method in QUICK else OTHER_SECONDS
+        return self._price[0]
+
+    @property
+    def most_seconds_a_cell(self) -> float:
+        """As in `Prepared`."""
+        return self._price[1]
 
     @property
     def other_motion(self) -> Method | None:
@@ -101,8 +118,8 @@ class Optimisation(Prepared):
         """As in `Prepared`."""
         if not self.problem.is_motion:
             return super().seconds_a_verified_cell + RIVAL_SECONDS
-        other, free = self.other_motion, self.problem.names
-        return seconds_a_cell(other, self.designs, free) if other else 0.0
+        other = self.other_motion
+        return self._priced_by(other)[0] if other else 0.0
 
     @property
     def cut_axes(self) -> tuple[str, ...]:

@@ -92,6 +92,21 @@ class Prepared:
         raise NotImplementedError
 
     @property
+    def most_seconds_a_cell(self) -> float:
+        """Roughly what a point takes at most: the same, unless how long it takes is not known."""
+        return self.seconds_a_cell
+
+    @property
+    def seconds(self) -> float:
+        """Roughly what the study takes on one core, with verifying, as is likely."""
+        return self.cells * self.seconds_a_cell + self.seconds_to_verify
+
+    @property
+    def most_seconds(self) -> float:
+        """Roughly what the study takes at most."""
+        return self.cells * self.most_seconds_a_cell + self.seconds_to_verify
+
+    @property
     def verified_by(self) -> str:
         """What random cells are evaluated by again if the study says so; empty if nothing can."""
         return "50 digits"
@@ -130,7 +145,7 @@ class Prepared:
             each = self.seconds_a_verified_cell
             most = int(MOST_SECONDS_TO_VERIFY / each)
             message = f"{self.verified_by} take{'s' * self.verified_by.startswith('the')} some "
-            message += f"{each:g} s a cell"
+            message += f"{each:.2g} s a cell"
             raise StudyError([Problem("verify", message, f"Give at most {most:,}")])
         return self
 

@@ -139,6 +139,7 @@ def after_phases(tau, first, push, pull, d):
 @pytest.mark.parametrize("restitution", [0.0, 0.3])
 def test_a_quadrature_over_the_pieces_finds_the_same_and_balances_impulses(restitution):
     """The closed flows of 13.2, written anew: work, and the mean forces of floor and friction."""
+    from core.motion.kernels.arrays import NEVER
     from core.motion.kernels.planar import Cell, follow
     from core.motion.kernels.planar.tables import PIECE
     from core.motion.kernels.statuses import MODE
@@ -147,7 +148,7 @@ def test_a_quadrature_over_the_pieces_finds_the_same_and_balances_impulses(resti
     groups = Groups(c, s, gs, gn, mu, mu, restitution)
     motion, energy = both(groups, PLANE)
     (cell,), _ = cells_of(Cell._fields, groups, **SETTINGS)
-    pieces, _, _, repeats = follow(cell)
+    pieces, _, _, repeats = follow(cell, NEVER)
     assert repeats
     nodes, weights = np.polynomial.legendre.leggauss(40)
     friction = drive = impact = floor = along = 0.0

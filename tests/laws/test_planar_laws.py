@@ -190,9 +190,9 @@ def test_equal_cells_are_computed_once(monkeypatch):
     seen: list[int] = []
     kernel = planar.solve_cells
 
-    def counting(groups, table, status):
+    def counting(groups, table, status, stop):
         seen.append(len(groups))
-        kernel(groups, table, status)
+        kernel(groups, table, status, stop)
 
     monkeypatch.setattr(planar, "solve_cells", counting)
     groups = cells(50, 14, throw=np.linspace(0.3, 0.9, 50))

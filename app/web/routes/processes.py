@@ -150,9 +150,8 @@ def _read(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepar
 
 def is_small(prepared: Prepared, settings: Settings) -> bool:
     """Return whether a study is replied to at once: it is short, and so is its result."""
-    seconds = prepared.cells * prepared.seconds_a_cell + prepared.seconds_to_verify
     return (
-        seconds <= settings.max_synchronous_seconds
+        prepared.seconds <= settings.max_synchronous_seconds
         and prepared.stored * len(prepared.dims) <= MOST_JSON_VALUES
     )
 

@@ -8,3 +8,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Statuses = NDArray[np.int8]
 Flags = NDArray[np.int64]
+Stop = NDArray[np.int8]
+"""One flag, which another thread raises where a cell is not to be gone on with."""
+NEVER: Stop = np.zeros(1, dtype=np.int8)
+"""A flag for Python to hand over that nobody raises."""

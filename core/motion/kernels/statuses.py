@@ -10,6 +10,7 @@ from core.quantities.flags import MOTION_MODES, MOTION_STATUSES
 class Status(NamedTuple):
     """The values of the statuses that a kernel may give."""
 
+    not_computed: int
     periodic: int
     at_rest: int
     aperiodic: int

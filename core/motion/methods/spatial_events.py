@@ -46,7 +46,7 @@ def spatial_motion(
     most_periods : array_like
         Periods after which a motion counts as aperiodic.
     watch : Watch, optional
-        May stop it between cells.
+        May stop it.
     """
     from core.motion.kernels.track import Cell, solve_cells
 
@@ -54,19 +54,29 @@ def spatial_motion(
     cells, shape = cells_of(Cell._fields, groups, **settings)
 
     def kernel(
-        piece: NDArray[np.float64], rows: NDArray[np.float64], status: NDArray[np.int8]
+        piece: NDArray[np.float64],
+        rows: NDArray[np.float64],
+        status: NDArray[np.int8],
+        stop: NDArray[np.int8],
     ) -> None:
-        solve_cells(contacts.wall, float(contacts.rolling), piece, rows, status)
+        solve_cells(contacts.wall, float(contacts.rolling), piece, rows, status, stop)
 
     return motion_of(*run_cells(kernel, cells, piece=32, watch=watch), shape)
 
 
 def spatial_path(
-    groups: Groups, contacts: Contacts, *, tolerance: float, most_periods: float, phases: Array
+    groups: Groups,
+    contacts: Contacts,
+    *,
+    tolerance: float,
+    most_periods: float,
+    phases: Array,
+    watch: Watch | None = None,
 ) -> tuple[Path, NDArray[np.int8]]:
     """Return where one part is at ascending phases from the start of its cycle, and its modes.
 
-    A motion that does not repeat is shown after as many periods as it is followed for.
+    A motion that does not repeat is shown after as many periods as it is followed for. What the
+    watch did not let it reach is NaN.
 
     Raises
     ------
@@ -81,7 +91,8 @@ def spatial_path(
         raise ValueError(f"phases reach beyond {MOST_TURNS:,} periods")
     settings = {"tolerance": tolerance, "most_periods": most_periods}
     (cell,), _ = cells_of(Cell._fields, groups, **settings)
-    samples = follow(contacts.wall, float(contacts.rolling), cell, phases)
+    with (watch or Watch()).flag() as stop:
+        samples = follow(contacts.wall, float(contacts.rolling), cell, phases, stop)
     return Path(phases, samples[:, :3], samples[:, 3:6]), samples[:, 6].astype(np.int8)
 
 
@@ -92,7 +103,7 @@ def spatial_course(
     speed, length = asked.scale("velocity_scale"), asked.scale("length_scale")
     times, phases = asked.times()
     settings = {"tolerance": tolerance, "most_periods": most_periods}
-    path, modes = spatial_path(asked.groups, contacts, **settings, phases=phases)
+    path, modes = spatial_path(asked.groups, contacts, **settings, phases=phases, watch=asked.watch)
     position, velocity = path.position, path.velocity
     values = {
         "position_along": (position[:, 0] - position[0, 0]) * length,

@@ -26,6 +26,7 @@ from core.motion.course import Course, CourseAsked
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, cells_of
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.path import Path
+from core.motion.price import Price, Priced
 from core.motion.result import SHARES, Motion, motion_of, with_whole_shares
 from core.motion.steps import drives_of, sines_at
 from core.motion.waves import TURN, of_columns
@@ -38,6 +39,8 @@ MOST_STEPS = 100_000_000
 
 ROOM = 1_000_000
 """Numbers that the drives of one piece of cells may take, unless it is of one cell."""
+
+SECONDS_A_STEP, SECONDS_A_SPATIAL_STEP = 1.5e-8, 4e-8
 
 SLOW = 1e-9  # in g/w: a normal velocity of a part that stays on the floor
 
@@ -95,7 +98,7 @@ def stepped_motion(
     tolerance : float
         What counts as coming back, in terms of the largest change of velocity in one step.
     watch : Watch, optional
-        May stop it between cells.
+        May stop it.
 
     Returns
     -------
@@ -121,7 +124,10 @@ def stepped_motion(
         scene, rolling = WALL if contacts.wall else FLOOR, float(contacts.rolling)
 
     def kernel(
-        piece: NDArray[np.float64], rows: NDArray[np.float64], status: NDArray[np.int8]
+        piece: NDArray[np.float64],
+        rows: NDArray[np.float64],
+        status: NDArray[np.int8],
+        stop: NDArray[np.int8],
     ) -> None:
         numbers, columns = np.split(piece, [len(Cell._fields)], axis=1)
         coarse, shifted, finer = sines
@@ -130,7 +136,7 @@ def stepped_motion(
             coarse, shifted, finer = (drives_of(wave, n, TURN / n * shift) for n, shift in grids)
         step_cells(
             scene, rolling, absolute_speed, steps_per_period, coarse, shifted, finer,
-            most_periods, tolerance, np.ascontiguousarray(numbers), rows, status,
+            most_periods, tolerance, np.ascontiguousarray(numbers), rows, status, stop,
         )  # fmt: skip
 
     # A cell takes milliseconds: small pieces let a run be stopped soon and share out evenly.
@@ -166,6 +172,7 @@ def stepped_path(
     position: Sequence[float] = (0.0, 0.0, 0.0),
     velocity: Sequence[float] = (0.0, 0.0, 0.0),
     spin: float = 0.0,
+    watch: Watch | None = None,
 ) -> Path:
     """Return where one part is at given phases, from a given state at the first of them.
 
@@ -178,6 +185,8 @@ def stepped_path(
     spin : float
         Velocity across that the spin of a cylinder gives its lowest point; rolling has minus the
         velocity across. Of a block 0.
+    watch : Watch, optional
+        May stop it; what was not reached is NaN.
 
     Other parameters are those of `stepped_motion`.
 
@@ -212,10 +221,11 @@ def stepped_path(
         wave = drives_of(of_columns(columns[np.newaxis]), steps_per_period, asked[0])[0]
         most += math.ceil(most / steps_per_period) * (wave.shape[1] - steps_per_period)
     places, speeds = np.full((asked.size, 3), np.nan), np.full((asked.size, 3), np.nan)
-    path(
-        contacts.wall, float(contacts.rolling), absolute_speed, cell, asked, step,
-        most, start, wave, places, speeds,
-    )  # fmt: skip
+    with (watch or Watch()).flag() as stop:
+        path(
+            contacts.wall, float(contacts.rolling), absolute_speed, cell, asked, step,
+            most, start, wave, places, speeds, stop,
+        )  # fmt: skip
     return Path(asked, places, speeds)
 
 
@@ -266,6 +276,7 @@ def _course(contacts: Contacts) -> FollowCourse:
             contacts,
             steps_per_period=steps,
             phases=np.concatenate([[0.0], before + phases]),
+            watch=asked.watch,
         )
         position, velocity = path.position[1:], path.velocity[1:]
         values = {
@@ -297,12 +308,22 @@ def _modes(groups: Groups, position: Array, velocity: Array, steps: int) -> NDAr
     return np.array([MOTION_MODES[mode].value for mode in modes.tolist()], dtype=np.int8)
 
 
+def _price(cells: Priced) -> Price:
+    """Return the price: three runs, of 4 times the steps together, and the drives of each."""
+    steps = 4.0 * cells.setting("steps_per_period")
+    spatial = cells.contacts.wall or not cells.groups.planar
+    each = SECONDS_A_SPATIAL_STEP if spatial else SECONDS_A_STEP
+    drives = (2e-3 if cells.groups.wave is not None else 0.0) + 1e-7 * cells.orders * steps
+    allowed = cells.setting("most_periods")
+    return Price(drives + steps * each * cells.periods(60.0), drives + 2.0 * steps * each * allowed)
+
+
 TIME_STEPPING = Method(
     name="time-stepping",
     follow=_follow,
     source="theory 13.1, 13.9",
     accuracy="of first order in the step; of second for a planar motion without hops",
-    seconds_a_cell=1.5e-3,
+    seconds_a_cell=_price,
     defaults={"steps_per_period": 1000.0, "most_periods": 200.0},
     course=_course,
     checked_by=("events", "reference"),

@@ -67,7 +67,7 @@ class TestMethods:
             for method in system.variants if point_part else ():
                 curved = {"radius": "0.3 m"} if "track" in name else {}
                 prepared = prepare_content(study(name, method=method, parameters=curved))
-                assert 0 < prepared.seconds_a_cell < 10, (name, method)
+                assert 0 < prepared.seconds_a_cell < 60, (name, method)
 
     @pytest.mark.parametrize("method", ["regularised", "regularised-BDF", "regularised-LSODA"])
     def test_every_stiff_solver_agrees_within_its_error(self, method):
@@ -178,9 +178,9 @@ class TestDatasets:
         cells: list[int] = []
         kernel = planar.solve_cells
 
-        def counting(groups, table, status):
+        def counting(groups, table, status, stop):
             cells.append(len(groups))
-            kernel(groups, table, status)
+            kernel(groups, table, status, stop)
 
         monkeypatch.setattr(planar, "solve_cells", counting)
         found = run(parameters={

@@ -240,13 +240,14 @@ def test_a_wrong_number_is_refused_with_its_place(kind, wrong):
 
 
 def test_what_would_take_too_long_is_refused():
-    long = {**MOTION["parameters"], "amplitude": {"start": 1e-4, "stop": 2e-4, "num": 1000}}
-    with pytest.raises(StudyError, match=r"reference takes some 0\.5 s a cell") as refusal:
-        prepare_content({**MOTION, "parameters": long, "verify": 500})
-    assert refusal.value.problems[0].fix == "Give at most 200"
-    prepared = prepare_content({**MOTION, "parameters": long, "verify": 200})
-    assert prepared.seconds_to_verify == 100.0
-    assert prepare_content({**MOTION, "verify": 500}).seconds_to_verify == 8.0  # of 16 cells
+    long = {**MOTION["parameters"], "amplitude": {"start": 1e-4, "stop": 2e-4, "num": 100_000}}
+    with pytest.raises(StudyError, match=r"reference takes some 0\.\d+ s a cell") as refusal:
+        prepare_content({**MOTION, "parameters": long, "verify": 10_000})
+    most = int(refusal.value.problems[0].fix.removeprefix("Give at most ").replace(",", ""))
+    prepared = prepare_content({**MOTION, "parameters": long, "verify": most})
+    assert prepared.seconds_to_verify == pytest.approx(100.0, rel=1 / most)
+    few = prepare_content({**MOTION, "verify": 500})
+    assert few.seconds_to_verify == 16 * few.seconds_a_verified_cell  # it has 16 cells
 
 
 def test_the_schema_has_it():

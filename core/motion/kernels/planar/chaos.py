@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Floats, Stop
 from core.motion.kernels.means import SURE
 from core.motion.kernels.planar.cycle import (
     FIRST_LOOK,
@@ -82,7 +82,7 @@ def jolted(number: int, gn: float) -> float:
 @compiled
 def long_run(
     run: int, phase: float, periods: int, patience: int, drive: Drive, e: float, guess: float,
-    rows: Floats, sums: Floats,
+    rows: Floats, sums: Floats, stop: Stop,
 ) -> Run:  # fmt: skip
     """Follow a part from rest on the floor, each run from another phase of the drive.
 
@@ -113,6 +113,8 @@ def long_run(
         tau, w, total = lift_off(drive, tau), jolted(jolt, gn), span
         rest_at, rest_time = sums[DISTANCE], total
     for hop in range(hops + patience):
+        if raised(stop):
+            break
         if began == math.inf and (total >= settling or hop >= settling_hops):
             began, impacts, fastest, highest = total, 0, 0.0, 0.0
             dropped = sums[DISTANCE]
@@ -168,8 +170,9 @@ def long_run(
 
 @compiled
 def means_of(
-    run: Run, phase: float, cell: Cell, drive: Drive, rows: Floats, sums: Floats, result: Floats
-) -> int:
+    run: Run, phase: float, cell: Cell, drive: Drive, rows: Floats, sums: Floats, result: Floats,
+    stop: Stop,
+) -> int:  # fmt: skip
     """Fill `result` with the means of the motion of one run; return a status.
 
     A motion that ends in a cycle has the means of that. The error of another is how far the part
@@ -179,7 +182,7 @@ def means_of(
     if run.hops > 0:
         periods, no_log = round(run.time / TURN), np.empty((0, len(PIECE)))
         return repeating(
-            rows, run.hops, periods, phase, 0.0, drive, cell, sums, no_log, result
+            rows, run.hops, periods, phase, 0.0, drive, cell, sums, no_log, result, stop
         )[0]  # fmt: skip
     if run.time <= 0:
         return STATUS.limit_reached
@@ -196,7 +199,7 @@ def means_of(
 
 @compiled
 def from_phases(
-    cell: Cell, phase: float, drive: Drive, rows: Floats, sums: Floats, result: Floats
+    cell: Cell, phase: float, drive: Drive, rows: Floats, sums: Floats, result: Floats, stop: Stop
 ) -> int:
     """Fill the result of a motion that rounding decides; return a status.
 
@@ -219,11 +222,11 @@ def from_phases(
         patience = PATIENCE if number < SEARCHES else 0
         patience = MORE_PATIENCE if cycles > 0 else patience
         periods = max(1, most_periods // (PHASES if number < PHASES else starts))
-        run = long_run(number, phase, periods, patience, drive, e, guess, rows, sums)
+        run = long_run(number, phase, periods, patience, drive, e, guess, rows, sums, stop)
         least, most = min(least, run.least), max(most, run.most)
         way = run.first if number == 0 else way
         one = found[count]
-        status = means_of(run, phase, cell, drive, rows, sums, one)
+        status = means_of(run, phase, cell, drive, rows, sums, one, stop)
         if status == STATUS.runaway:
             away += 1
         elif status == STATUS.limit_reached:

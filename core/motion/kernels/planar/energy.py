@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats, Statuses
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.planar.drive import Drive, push, smooth_span
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.planar.path import at_piece
@@ -78,7 +78,7 @@ def spend_over_cycle(
 
 
 @compiled
-def spend_cells(groups: Floats, table: Floats, status: Statuses) -> None:
+def spend_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill table, columns as in `SPENT`, and status of cells; NaN where a motion has no cycle."""
     rows, sums, result = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS), np.empty(RESULTS)
     log, waves = np.empty((4 * MOST_SEGMENTS, len(PIECE))), new_table()
@@ -87,9 +87,11 @@ def spend_cells(groups: Floats, table: Floats, status: Statuses) -> None:
         cell = cell_of(row)
         spent[:] = math.nan
         if row.size > GROUPS:
-            found, first, count, u = solve_wave(row, waves, rows, sums, log[:0], result)
+            found, first, count, u = solve_wave(row, waves, rows, sums, log[:0], result, stop)
         else:
-            found, first, count, u = solve_sine(cell, False, rows, sums, log[:0], result)
+            found, first, count, u = solve_sine(cell, False, rows, sums, log[:0], result, stop)
+        if raised(stop):
+            return
         status[number] = found
         if found == STATUS.at_rest:
             spent[:] = 0.0

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
+from core.motion.kernels.arrays import Floats, Stop
 from core.motion.kernels.planar.cycle import normal_cycle
 from core.motion.kernels.planar.drive import Drive, fly, lifts, rise, slide
 from core.motion.kernels.planar.flow import TURN
@@ -47,7 +47,7 @@ SAMPLE = Sample(*range(len(Sample._fields)))
 
 
 @compiled
-def follow(row: Floats) -> tuple[Floats, float, float, bool]:
+def follow(row: Floats, stop: Stop) -> tuple[Floats, float, float, bool]:
     """Return the pieces of the cycle of one cell, the phase shift and the way of `upright`.
 
     The last value tells whether the motion repeats after them. A piece is a row of the log.
@@ -59,12 +59,12 @@ def follow(row: Floats) -> tuple[Floats, float, float, bool]:
     log[:, PIECE.span] = -1.0
     if row.size > GROUPS:
         table = new_table()
-        status, first, count, u = solve_wave(row, table, rows, sums, log, result)
+        status, first, count, u = solve_wave(row, table, rows, sums, log, result, stop)
         pieces, repeats = pieces_of(
             wave_of(cell, row, table), 0.0, cell, status, rows[first:], count - first, u, sums, log
         )
         return pieces, 0.0, 1.0, repeats
-    status, first, count, u = solve_sine(cell, False, rows, sums, log, result)
+    status, first, count, u = solve_sine(cell, False, rows, sums, log, result, stop)
     drive, phase, way = upright(cell)
     pieces, repeats = pieces_of(
         drive, phase, cell, status, rows[first:], count - first, u, sums, log

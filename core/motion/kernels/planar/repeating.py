@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
+from core.motion.kernels.arrays import Floats, Stop
 from core.motion.kernels.planar.cycle import phase_doubt
 from core.motion.kernels.planar.drive import (
     Drive,
@@ -96,7 +96,7 @@ def write_impacts(rows: Floats, count: int, drive: Drive, periods: int, result: 
 @compiled
 def repeating(
     rows: Floats, count: int, periods: int, phase: float, u: float, drive: Drive, cell: Cell,
-    sums: Floats, log: Floats, result: Floats,
+    sums: Floats, log: Floats, result: Floats, stop: Stop,
 ) -> tuple[int, float]:  # fmt: skip
     """Fill `result` with the means over a cycle of the motion normal to the floor.
 
@@ -110,7 +110,7 @@ def repeating(
         keep_speed(drive, phase, rows, count, periods, sums)
     else:
         u, error, cycles, status = settle(
-            rows, count, u, drive, cell.tolerance, int(cell.most_periods), sums, log
+            rows, count, u, drive, cell.tolerance, int(cell.most_periods), sums, log, stop
         )
         if cycles == 0:
             return status, 0.0

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Floats, Stop
 from core.motion.kernels.planar.drive import Drive, sizes
 from core.motion.kernels.planar.flow import EPSILON, MOST_ITERATIONS
 from core.motion.kernels.planar.slide import follow_cycle
@@ -31,6 +31,7 @@ def settle(
     most_periods: int,
     sums: Floats,
     log: Floats,
+    stop: Stop,
 ) -> Settled:
     """Return the velocity at the start of the cycle once the motion repeats.
 
@@ -41,7 +42,7 @@ def settle(
     """
     if drive.mu_s == drive.mu_k:
         return settle_bracketed(rows, count, u, drive, tolerance, sums, log)
-    return settle_followed(rows, count, u, drive, tolerance, most_periods, sums, log)
+    return settle_followed(rows, count, u, drive, tolerance, most_periods, sums, log, stop)
 
 
 @compiled
@@ -100,6 +101,7 @@ def settle_followed(
     most_periods: int,
     sums: Floats,
     log: Floats,
+    stop: Stop,
 ) -> Settled:
     """Return a periodic state by following the motion, where static friction is the larger.
 
@@ -111,6 +113,8 @@ def settle_followed(
     slopes = np.empty(LONGEST_MULTIPLE + 1)
     downhill = mu_k * gn < abs(gs)
     for cycle in range(max(8, most_periods)):
+        if raised(stop):
+            break
         after, slope, used = follow_cycle(rows, count, u, drive, sums, log)
         if used < 0:
             return u, math.inf, 0, STATUS.limit_reached

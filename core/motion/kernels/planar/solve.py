@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats, Statuses
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.planar.chaos import from_phases
 from core.motion.kernels.planar.cycle import normal_cycle
 from core.motion.kernels.planar.drive import Drive, always_holds, sizes
@@ -101,8 +101,9 @@ def slides_on(drive: Sine, result: Floats) -> bool:
 
 @compiled
 def solve(
-    drive: Drive, phase: float, cell: Cell, rows: Floats, sums: Floats, log: Floats, result: Floats
-) -> tuple[int, int, int, float]:
+    drive: Drive, phase: float, cell: Cell, rows: Floats, sums: Floats, log: Floats, result: Floats,
+    stop: Stop,
+) -> tuple[int, int, int, float]:  # fmt: skip
     """Fill `result`, one value a field of `Motion`; return status, segments and velocity.
 
     The part starts at rest at `phase`. `rows` then holds the cycle, from the first segment told to
@@ -113,13 +114,14 @@ def solve(
     if periods < 1:
         status = STATUS.limit_reached
         if periods == 0:
-            status = from_phases(cell, phase, drive, rows, sums, result)
+            status = from_phases(cell, phase, drive, rows, sums, result, stop)
         first, count, u = 0, 0, 0.0
     else:
         u = velocity_at_start(drive, phase, rows, first, count)
         status, u = repeating(
-            rows[first:], count - first, periods, phase, u, drive, cell, sums, log, result
-        )
+            rows[first:], count - first, periods, phase, u, drive, cell, sums, log, result,
+            stop,
+        )  # fmt: skip
     if math.isnan(result[COLUMN.velocity]):
         return status, 0, 0, 0.0
     return status, first, count, u
@@ -127,7 +129,7 @@ def solve(
 
 @compiled
 def solve_sine(
-    cell: Cell, closed: bool, rows: Floats, sums: Floats, log: Floats, result: Floats
+    cell: Cell, closed: bool, rows: Floats, sums: Floats, log: Floats, result: Floats, stop: Stop
 ) -> tuple[int, int, int, float]:
     """Do what `solve` does under a sine; `closed` allows the closed form of a motion without stick.
 
@@ -140,14 +142,14 @@ def solve_sine(
         if closed and slides_on(drive, result):
             status = STATUS.periodic
         else:
-            status, first, count, u = solve(drive, phase, cell, rows, sums, log, result)
+            status, first, count, u = solve(drive, phase, cell, rows, sums, log, result, stop)
     turn_round(result, way)
     return status, first, count, u
 
 
 @compiled
 def solve_wave(
-    row: Floats, table: Floats, rows: Floats, sums: Floats, log: Floats, result: Floats
+    row: Floats, table: Floats, rows: Floats, sums: Floats, log: Floats, result: Floats, stop: Stop
 ) -> tuple[int, int, int, float]:
     """Do what `solve` does under any other wave, which stands behind the cell in its row."""
     cell = cell_of(row)
@@ -156,11 +158,11 @@ def solve_wave(
     status = solve_at_once(drive, cell.restitution, result)
     if status != UNDECIDED:
         return status, 0, 0, 0.0
-    return solve(drive, 0.0, cell, rows, sums, log, result)
+    return solve(drive, 0.0, cell, rows, sums, log, result, stop)
 
 
 @compiled
-def solve_cells(groups: Floats, table: Floats, status: Statuses) -> None:
+def solve_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill table and status of cells; a row of `groups` holds the fields of `Cell`, and a wave."""
     rows = np.empty((MOST_SEGMENTS, len(SEGMENT)))
     sums = np.empty(SUMS)
@@ -168,8 +170,12 @@ def solve_cells(groups: Floats, table: Floats, status: Statuses) -> None:
     waved = groups.shape[1] > GROUPS
     waves = new_table() if waved else log
     for number in range(groups.shape[0]):
+        row, result = groups[number], table[number]
         if waved:
-            found = solve_wave(groups[number], waves, rows, sums, log, table[number])
+            found = solve_wave(row, waves, rows, sums, log, result, stop)
         else:
-            found = solve_sine(cell_of(groups[number]), True, rows, sums, log, table[number])
+            found = solve_sine(cell_of(row), True, rows, sums, log, result, stop)
+        if raised(stop):
+            result[:] = math.nan
+            return
         status[number] = found[0]

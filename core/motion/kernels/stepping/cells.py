@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats, Statuses
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.stepping.period import planar_period, spatial_period
@@ -38,7 +38,7 @@ a safety of 2 and nothing else the true error was larger in 3 % of random studie
 @compiled
 def run(
     scene: int, cell: Cell, rolling: float, absolute: bool, drive: Floats, steps: int, most: int,
-    tolerance: float, states: Floats, tallies: Floats, result: Floats,
+    tolerance: float, states: Floats, tallies: Floats, result: Floats, stop: Stop,
 ) -> int:  # fmt: skip
     """Run one cell from rest until it repeats; fill the result and return the status.
 
@@ -64,6 +64,8 @@ def run(
     seen = states[:, :width]
     done = 0
     for period in range(most):
+        if raised(stop):
+            return STATUS.not_computed
         tally = tallies[period]
         tally[:] = 0.0
         if scene == PLANAR:
@@ -133,7 +135,7 @@ def drive_of(scene: int, cell: Cell, waves: Floats, row: int, room: Floats) -> F
 def step_cells(
     scene: int, rolling: float, absolute: bool, steps: int, waves: Floats, shifted_waves: Floats,
     fine_waves: Floats, most: int, tolerance: float, groups: Floats, table: Floats,
-    status: Statuses,
+    status: Statuses, stop: Stop,
 ) -> None:  # fmt: skip
     """Fill the table, columns as in `results`, and the statuses, one cell a row.
 
@@ -153,18 +155,22 @@ def step_cells(
             continue
         drive = drive_of(scene, cell, fine_waves, i, fine_room)
         found = run(
-            scene, cell, rolling, absolute, drive, finest, most, tolerance, states, tallies, fine
-        )
+            scene, cell, rolling, absolute, drive, finest, most, tolerance, states, tallies, fine,
+            stop,
+        )  # fmt: skip
         frictionless = cell.friction_static == 0.0 and cell.friction_kinetic == 0.0
         if scene == WALL:
             frictionless = frictionless and cell.wall_friction == 0.0
         if frictionless and found != STATUS.no_solution and found != STATUS.at_rest:
             found = STATUS.neutral if cell.gravity_number_along == 0.0 else STATUS.runaway
-        status[i] = found
+        status[i] = STATUS.not_computed if raised(stop) else found
         if found in (STATUS.no_solution, STATUS.runaway):
             continue
         drive = drive_of(scene, cell, waves, i, room)
-        run(scene, cell, rolling, absolute, drive, steps, most, tolerance, states, tallies, coarse)
+        run(
+            scene, cell, rolling, absolute, drive, steps, most, tolerance, states, tallies, coarse,
+            stop,
+        )  # fmt: skip
         apart = abs(fine[COLUMN.velocity] - coarse[COLUMN.velocity])
         if not math.isfinite(apart):  # the coarser run found no solution in a step
             apart = abs(fine[COLUMN.velocity])
@@ -174,12 +180,15 @@ def step_cells(
             drive = drive_of(scene, cell, shifted_waves, i, shifted_room)
             run(
                 scene, cell, rolling, absolute, drive, steps, most, tolerance, states, tallies,
-                shifted,
+                shifted, stop,
             )  # fmt: skip
             apart = abs(fine[COLUMN.velocity] - shifted[COLUMN.velocity])
             error = SAFETY * max(error, apart if math.isfinite(apart) else 0.0)
         if fine[COLUMN.flight] > 0.0:
             # All three runs may agree by chance. A landing falls anywhere within a step.
             error += LANDING_SHARE * (2.0 * math.pi) / finest * push_of(scene, cell)
+        if raised(stop):
+            status[i] = STATUS.not_computed
+            return
         table[i] = fine
         table[i, COLUMN.error] = error

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Floats, Stop
 from core.motion.kernels.stepping.contacts import corner_step, floor_step
 from core.motion.kernels.stepping.period import acceleration, after_jump
 from core.motion.kernels.stepping.tables import DRIVE, cell_of
@@ -14,13 +14,13 @@ from core.motion.kernels.stepping.tables import DRIVE, cell_of
 @compiled
 def path(
     wall: bool, rolling: float, absolute: bool, group: Floats, phases: Floats, h: float,
-    steps: int, start: Floats, wave: Floats, position: Floats, velocity: Floats,
+    steps: int, start: Floats, wave: Floats, position: Floats, velocity: Floats, stop: Stop,
 ) -> None:  # fmt: skip
     """Fill position and velocity (n, 3) at ascending phases, from x, y, z, u_x, u_y, u_z, spin.
 
     The wave holds the drive of one period from the first phase, without columns for the plain sine.
     Within a step the velocity is taken as linear, as the scheme itself does. What comes after a
-    step without a solution is left as it was.
+    step without a solution, or after a stop, is left as it was.
     """
     cell = cell_of(group)
     x, y, z, ux, uy, uz, spin = start
@@ -29,6 +29,8 @@ def path(
     pressed, leaning = uz == 0.0 and z <= 0.0, uy == 0.0 and y <= 0.0
     begin, given, elapsed = phases[0], 0, 0.0
     for k in range(steps):
+        if raised(stop):
+            break
         tau = begin + (k + 0.5) * h
         before = spin
         if wave.size > 0:

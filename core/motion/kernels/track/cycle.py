@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Flags, Floats
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Flags, Floats, Stop
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.advance import advance
@@ -41,13 +41,15 @@ NO_PHASES = np.zeros(0)
 class History(NamedTuple):
     """States at starts and ends of periods, shape (periods + 1, 7), and what the periods tallied.
 
-    They differ from each other where a jump came between. `holds` are those at the starts.
+    They differ from each other where a jump came between. `holds` are those at the starts. Between
+    periods `stop` is looked at.
     """
 
     starts: Floats
     ends: Floats
     tallies: Floats
     holds: Flags
+    stop: Stop
 
 
 class Series(NamedTuple):
@@ -78,11 +80,12 @@ class Settled(NamedTuple):
 
 
 @compiled
-def new_history(most: int) -> History:
+def new_history(most: int, stop: Stop) -> History:
     """Return room for so many periods, which is not touched before it is used."""
     return History(
         np.empty((most + 1, len(STATE))), np.empty((most + 1, len(STATE))),
         np.empty((most + 1, len(TALLY))), np.empty((most + 1, len(HOLD)), dtype=np.int64),
+        stop,
     )  # fmt: skip
 
 
@@ -176,6 +179,8 @@ def settle(
     close = cell.tolerance * speed
     since, shrank = 0, 0
     for period in range(most):
+        if raised(history.stop):
+            return Settled(STATUS.limit_reached, 0, period, math.inf)
         tally = history.tallies[period]
         if not follow_period(cell, wall, rolling, series, period, state, hold, history, work):
             return Settled(STATUS.limit_reached, 0, period + 1, math.inf)

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats, Statuses
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.advance import advance
 from core.motion.kernels.track.cycle import NO_PHASES, new_history, settle
@@ -24,7 +24,7 @@ from core.motion.kernels.track.tables import (
 
 @compiled
 def spend_cells(
-    wall: bool, rolling: float, groups: Floats, table: Floats, status: Statuses
+    wall: bool, rolling: float, groups: Floats, table: Floats, status: Statuses, stop: Stop
 ) -> None:
     """Fill table, columns as in `SPENT`, and status of cells; NaN where a motion has no cycle.
 
@@ -32,7 +32,7 @@ def spend_cells(
     """
     if groups.shape[0] == 0:
         return
-    history, work = new_history(max(1, int(groups[:, GROUPS - 1].max()))), new_work()
+    history, work = new_history(max(1, int(groups[:, GROUPS - 1].max())), stop), new_work()
     tally = np.zeros(len(TALLY))
     for number in range(groups.shape[0]):
         row, spent = groups[number], table[number]
@@ -41,8 +41,10 @@ def spend_cells(
         state, hold = at_rest()
         most = int(cell.most_periods)
         found = settle(cell, wall, rolling, FINE, most, state, hold, history, work)
-        status[number] = found.status
         spent[:] = math.nan
+        if raised(stop):
+            return
+        status[number] = found.status
         if found.multiple == 0:
             continue
         first = found.done - found.multiple

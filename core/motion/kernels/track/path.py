@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Floats, Stop
 from core.motion.kernels.statuses import MODE, STATUS
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.advance import advance
@@ -20,7 +20,7 @@ SAMPLE = 7
 
 
 @compiled
-def follow(wall: bool, rolling: float, group: Floats, phases: Floats) -> Floats:
+def follow(wall: bool, rolling: float, group: Floats, phases: Floats, stop: Stop) -> Floats:
     """Return place, velocity and mode at ascending phases from the start of a cycle.
 
     Of a motion that does not repeat, from the end of the periods that it is followed for.
@@ -29,7 +29,7 @@ def follow(wall: bool, rolling: float, group: Floats, phases: Floats) -> Floats:
     samples = np.full((phases.size, SAMPLE), math.nan)
     samples[:, SAMPLE - 1] = MODE.unknown
     most = int(cell.most_periods)
-    history, work = new_history(most), new_work()
+    history, work = new_history(most, stop), new_work()
     drive.set_drive(cell, group, work)
     state, hold = at_rest()
     found = settle(cell, wall, rolling, FINE, most, state, hold, history, work)
@@ -40,7 +40,7 @@ def follow(wall: bool, rolling: float, group: Floats, phases: Floats) -> Floats:
         state, hold = history.starts[first].copy(), history.holds[first].copy()
     state[STATE.x] = 0.0
     tally, given, turns = np.zeros(len(TALLY)), 0, 0
-    while given < phases.size:
+    while given < phases.size and not raised(stop):
         before = turns * TURN
         end = given
         while end < phases.size and phases[end] < before + TURN:

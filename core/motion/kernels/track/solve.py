@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Flags, Floats, Statuses
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Flags, Floats, Statuses, Stop
 from core.motion.kernels.means import (
     BATCHES,
     SURE,
@@ -248,15 +248,18 @@ def settled_velocity(
 
 @compiled
 def solve_cells(
-    wall: bool, rolling: float, groups: Floats, table: Floats, status: Statuses
+    wall: bool, rolling: float, groups: Floats, table: Floats, status: Statuses, stop: Stop
 ) -> None:
     """Fill table and status of cells; a row of `groups` holds the fields of `Cell`."""
     if groups.shape[0] == 0:
         return
     most = max(1, int(groups[:, GROUPS - 1].max()))
-    history = new_history(most)
+    history = new_history(most, stop)
     for number in range(groups.shape[0]):
         found = solve(groups[number], wall, rolling, history, table[number])
+        if raised(stop):
+            table[number] = np.nan
+            return
         status[number] = found.status
         if found.status in (STATUS.runaway, STATUS.limit_reached):
             table[number] = np.nan

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats, Statuses
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.tumbling.events import run_events
 from core.motion.kernels.tumbling.run import fill
 from core.motion.kernels.tumbling.steps import run_steps
@@ -13,34 +13,38 @@ from core.motion.kernels.tumbling.tables import PATH_COLUMNS, STATE, cell_of
 
 
 @compiled
-def tumble_events(cells: Floats, table: Floats, status: Statuses) -> None:
+def tumble_events(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill the table of cells, from event to event."""
     state, times, rows = np.empty(len(STATE)), np.empty(0), np.empty((0, PATH_COLUMNS))
     for number in range(cells.shape[0]):
         cell = cell_of(cells[number])
-        run = run_events(cell, state, times, rows)
+        run = run_events(cell, state, times, rows, stop)
+        if raised(stop):
+            return
         fill(cell, run, state, table[number])
         status[number] = run.status
 
 
 @compiled
-def tumble_steps(cells: Floats, table: Floats, status: Statuses) -> None:
+def tumble_steps(cells: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill the table of cells, by time stepping."""
     state, times, rows = np.empty(len(STATE)), np.empty(0), np.empty((0, PATH_COLUMNS))
     for number in range(cells.shape[0]):
         cell = cell_of(cells[number])
-        run = run_steps(cell, state, times, rows)
+        run = run_steps(cell, state, times, rows, stop)
+        if raised(stop):
+            return
         fill(cell, run, state, table[number])
         status[number] = run.status
 
 
 @compiled
-def path_events(row: Floats, times: Floats, rows: Floats) -> None:
+def path_events(row: Floats, times: Floats, rows: Floats, stop: Stop) -> None:
     """Write the path of one cell at the times into the rows, from event to event."""
-    run_events(cell_of(row), np.empty(len(STATE)), times, rows)
+    run_events(cell_of(row), np.empty(len(STATE)), times, rows, stop)
 
 
 @compiled
-def path_steps(row: Floats, times: Floats, rows: Floats) -> None:
+def path_steps(row: Floats, times: Floats, rows: Floats, stop: Stop) -> None:
     """Write the path of one cell at the times into the rows, by time stepping."""
-    run_steps(cell_of(row), np.empty(len(STATE)), times, rows)
+    run_steps(cell_of(row), np.empty(len(STATE)), times, rows, stop)

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Floats, Stop
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.tumbling.carry import carry
 from core.motion.kernels.tumbling.geometry import (
@@ -128,7 +128,7 @@ def slowed(time: float, end: float, pitch_rate: float) -> float:
 
 
 @compiled
-def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats) -> Run:
+def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop) -> Run:
     """Run one cell from event to event, and write its state at the times into the rows."""
     after, trial = np.empty_like(state), np.empty_like(state)
     start_of(cell, state)
@@ -153,7 +153,7 @@ def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats) -> Run:
         if time >= cell.duration:
             status = STATUS.moving
             break
-        if steps_left <= 0 or events >= most_events:
+        if steps_left <= 0 or events >= most_events or raised(stop):
             break
         steps_left -= 1
         end = min(time + cell.time_step, cell.duration)

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from core.compiled import compiled
-from core.motion.kernels.arrays import Flags, Floats
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Flags, Floats, Stop
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.tumbling.forces import free_acceleration, response_of
 from core.motion.kernels.tumbling.geometry import (
@@ -114,7 +114,7 @@ def drift(state: Floats, rates: Floats, time: float) -> None:
 
 
 @compiled
-def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats) -> Run:
+def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop) -> Run:
     """Run one cell by the midpoint rule of Moreau and Jean (theory 13.9), with Moreau's law."""
     corners = corner_count(cell)
     near = np.zeros(corners, dtype=np.int64)
@@ -127,6 +127,8 @@ def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats) -> Run:
     steps = math.ceil(min(cell.duration / cell.time_step, MOST_STEPS))
     support, status = FREE, STATUS.moving if steps < MOST_STEPS else STATUS.limit_reached
     for _ in range(steps):
+        if raised(stop):
+            break
         if written < times.size and times[written] <= time:
             written = record_until(cell, state, time, support, times, written, rows)
         step = min(cell.time_step, cell.duration - time)

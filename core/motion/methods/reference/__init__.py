@@ -22,9 +22,10 @@ from core.motion.methods.reference.laws import UX, UZ, Laws, X, Z
 from core.motion.methods.reference.part import FailedError, Part, Tally
 from core.motion.methods.reference.repeats import PERIOD, Run
 from core.motion.path import Path
+from core.motion.price import Price, Priced
 from core.motion.result import STATUS, Motion, motion_of, with_whole_shares
 from core.scenes import Constraint
-from core.watch import Watch
+from core.watch import StoppedError, Watch
 
 
 def reference_path(
@@ -74,6 +75,7 @@ def reference_motion(
     *,
     absolute_speed: bool = True,
     most_periods: int = 100,
+    watch: Watch | None = None,
 ) -> Motion:
     """Return the motion of one part once it repeats, with its error; arrays of no dimension.
 
@@ -94,10 +96,17 @@ def reference_motion(
         relative to the track.
     most_periods : int
         Periods after which the motion counts as aperiodic.
+    watch : Watch, optional
+        May stop it.
+
+    Raises
+    ------
+    StoppedError
+        If the watch did.
     """
     if not _is_finite(groups):
         return _result(math.nan, math.nan, math.nan, [], 0, "no_solution")
-    run = Run(Laws(groups, contacts, absolute_speed))
+    run = Run(Laws(groups, contacts, absolute_speed), watch or Watch())
     for _ in range(most_periods):
         try:
             run.follow()
@@ -188,13 +197,17 @@ def _follow(contacts: Contacts) -> Follow:
         for cell, part in enumerate(parts):
             if watch.stopped():
                 break
-            watch.advance(1 / len(rows))
             if _slides_away(part, contacts):
                 status[cell] = STATUS["runaway"]
+                watch.advance(1 / len(rows))
                 continue
-            *rows[cell], status[cell] = reference_motion(
-                part, contacts, most_periods=int(most_periods)
-            )
+            try:
+                *rows[cell], status[cell] = reference_motion(
+                    part, contacts, most_periods=int(most_periods), watch=watch
+                )
+            except StoppedError:
+                break
+            watch.advance(1 / len(rows))
         return motion_of(rows, status, shape)
 
     return motion
@@ -206,12 +219,23 @@ def _slides_away(part: Groups, contacts: Contacts) -> bool:
     return not contacts.wall and abs(part.gravity_number_along) > held
 
 
+def _price(cells: Priced) -> Price:
+    """Return the price: of a motion that repeats to find its cycle, of another all its periods."""
+    allowed = cells.setting("most_periods")
+    wide = np.where(cells.across, 2.0, 1.0) * (1.0 + (cells.steps > 0))
+    waves = 1.0 + 2.0 * cells.orders
+    finding = 0.03 * wide * waves * np.where(cells.hops, 3.0, 1.0)
+    finding = finding * (np.minimum(allowed, 100.0) / 100.0) ** 0.25
+    likely = finding + cells.restless * allowed * 1.5e-3 * wide**2 * waves
+    return Price(likely, np.maximum(likely, 2.0 * finding + allowed * 1e-2 * wide**2 * waves))
+
+
 REFERENCE = Method(
     name="reference",
     follow=_follow,
     source="theory 13.1",
     accuracy="about twelve digits, where the motion repeats",
-    seconds_a_cell=0.5,
+    seconds_a_cell=_price,
     defaults={"most_periods": 100.0},
     checked_by=("events", "time-stepping"),
     refuses=tuple(

@@ -19,6 +19,7 @@ from core.motion.methods.reference.polynomials import (
     values,
 )
 from core.motion.methods.reference.stretch import Stretch, solve
+from core.watch import Watch
 
 STOPPED = 1e-13
 """Slips and speeds off a contact below this, in g/w, are taken as zero."""
@@ -92,11 +93,13 @@ class FailedError(Exception):
 
 
 class Part:
-    """One part on its way: its state, the contacts that touch, the phase."""
+    """One part on its way: its state, the contacts that touch, the phase; the watch may stop it."""
 
-    def __init__(self, laws: Laws, state: Array, care: Care = USUAL) -> None:
+    def __init__(
+        self, laws: Laws, state: Array, care: Care = USUAL, watch: Watch | None = None
+    ) -> None:
         self.laws, self.state, self.phase, self.tally = laws, state, 0.0, Tally()
-        self.care, self.reach = care, care.longest
+        self.care, self.reach, self.watch = care, care.longest, watch or Watch()
         self.until = math.inf  # the phase at which the push may jump
         # Touching: no distance and no speed off the contact.
         self.on_floor = bool(state[Z] == 0.0 and state[UZ] == 0.0)
@@ -256,6 +259,7 @@ class Part:
         for _ in range(MOST_EVENTS):
             if self.phase >= end:
                 return
+            self.watch.check()
             if missed := self.missed():
                 opened = self.happen(missed, Mode(False, False, True))
                 continue

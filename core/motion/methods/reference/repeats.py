@@ -16,6 +16,7 @@ from core.mechanics.arrays import Array
 from core.motion.methods.reference.laws import SPIN, UX, UY, UZ, Laws, X, Y, Z
 from core.motion.methods.reference.part import FINER, USUAL, Care, FailedError, Part, Tally
 from core.motion.waves import size
+from core.watch import Watch
 
 PERIOD = 2.0 * math.pi
 MOST_MULTIPLE = 32
@@ -105,8 +106,9 @@ class Run:
         Whether one did by a change that neither grows nor dies out so that it could be seen.
     """
 
-    def __init__(self, laws: Laws) -> None:
-        self.laws, self.part = laws, Part(laws, np.zeros(7))
+    def __init__(self, laws: Laws, watch: Watch) -> None:
+        self.laws, self.watch = laws, watch
+        self.part = Part(laws, np.zeros(7), watch=watch)
         p = laws.groups
         numbers = p.drive_number_along, p.drive_number_across, p.drive_number_normal
         self.scale = (math.hypot(*numbers) if p.wave is None else float(size(p.wave))) or 1.0
@@ -286,7 +288,7 @@ class Run:
 
     def followed(self, state: Array, flags: tuple[bool, bool], multiple: int, care: Care) -> Part:
         """Return the part after a cycle from some state."""
-        part = Part(self.laws, state.copy(), care)
+        part = Part(self.laws, state.copy(), care, self.watch)
         part.on_floor, part.on_wall = flags
         part.reach = self.part.reach
         for _ in range(multiple):

@@ -19,15 +19,20 @@ from core.motion.groups import Contacts, Groups, cells_of
 from core.motion.method import Follow, Method
 from core.motion.methods.regularised.laws import Cell, laws
 from core.motion.methods.regularised.orbit import Orbit, Run, SpentError, measures_of, orbit_of
+from core.motion.price import Price, Priced, Pricing
 from core.motion.result import STATUS, Motion, with_whole_shares
 from core.motion.waves import of_row
-from core.watch import Watch
+from core.watch import StoppedError, Watch
 
 SOLVERS = ("Radau", "BDF", "LSODA")
 """The implicit integrators of scipy."""
 
 MOST_EVALUATIONS = 1_000_000
 """Evaluations of the right-hand side after which a cell is given up: about ten seconds."""
+
+SPENT = 60.0  # s: of a cell whose four runs spend all their evaluations
+
+TOLERANCE, SLIP_SPEED = 1e-7, 1e-4  # by default
 
 COARSER, SOFTER = 4.0, 16.0
 """Factors of the slip speed and of the stiffness for the estimate of the error.
@@ -72,18 +77,23 @@ FIELDS = (
 
 
 def followed(
-    cell: Cell, solver: str, tolerance: float, most_periods: int
+    cell: Cell, solver: str, tolerance: float, most_periods: int, watch: Watch | None = None
 ) -> tuple[Run, Orbit, float]:
     """Return the run, the motion once it repeats, and how close two states then are."""
     # Closer than this the regularisation itself is not known: it moves velocities by shares of
     # the slip speed. The other bound is the integrator's own noise over hundreds of steps.
     closeness = max(0.1 * cell.laws.slip_speed, 100 * tolerance)
-    run = Run(cell, solver, tolerance, MOST_EVALUATIONS)
+    run = Run(cell, solver, tolerance, MOST_EVALUATIONS, watch or Watch())
     return run, orbit_of(run, cell.rest(), most_periods, closeness), closeness
 
 
 def _cell_motion(
-    cell: Cell, coarse: tuple[Cell, Cell], solver: str, tolerance: float, most_periods: int
+    cell: Cell,
+    coarse: tuple[Cell, Cell],
+    solver: str,
+    tolerance: float,
+    most_periods: int,
+    watch: Watch,
 ) -> dict[str, float | str]:
     """Return the fields of `Motion` for one cell, the status by its name."""
     nothing: dict[str, float | str] = {**dict.fromkeys(Motion._fields, math.nan), "multiple": 0}
@@ -93,7 +103,7 @@ def _cell_motion(
     if frictionless and any(cell.gravity[:-1]):
         return {**nothing, "status": "runaway"}
 
-    run, orbit, closeness = followed(cell, solver, tolerance, most_periods)
+    run, orbit, closeness = followed(cell, solver, tolerance, most_periods, watch)
     unfinished = {**nothing, "velocity": orbit.velocity, "status": orbit.status}
     if orbit.status != "periodic":
         return unfinished
@@ -105,7 +115,7 @@ def _cell_motion(
     # Runs of their own, since the errors of the laws and of the integrator can cancel in one.
     once, twice, loose = (
         orbit_of(
-            Run(changed, solver, looser * tolerance, MOST_EVALUATIONS),
+            Run(changed, solver, looser * tolerance, MOST_EVALUATIONS, watch),
             orbit.states[-1],
             most_periods,
             max(wider * closeness, 100 * looser * tolerance),
@@ -165,7 +175,7 @@ def regularised_motion(
     planar : bool
         True for motion along and normal to the track only; the groups across must then be 0.
     watch : Watch, optional
-        May stop it between cells; what is not started is `not_computed`.
+        May stop it; what is not finished is `not_computed`.
 
     Returns
     -------
@@ -205,13 +215,13 @@ def regularised_motion(
     for place, row in zip(np.ndindex(shape), rows, strict=True):
         if watch.stopped():
             break
-        status[place] = STATUS["no_solution"]
         numbers = row[: len(FIELDS)].tolist()
         drive = tuple(numbers[i] for i in kept)
         gravity = tuple(numbers[3 + i] for i in kept)
         kinetic, static, rebound, slip, stiffness, error, periods = numbers[6:]
         usable = bool(np.isfinite(row).all()) and min(slip, stiffness, error, periods) > 0
         if not (usable and kinetic >= 0 and 0 <= rebound <= 1):
+            status[place] = STATUS["no_solution"]
             continue
         wave = None if groups.wave is None else of_row(row[len(FIELDS) :])
         cell = Cell(laws(kinetic, static, rebound, slip, stiffness), drive, gravity, wave)
@@ -221,14 +231,40 @@ def regularised_motion(
             )
             for n in (1, 2)
         )
-        found = _cell_motion(cell, (once, twice), solver, error, int(periods))
+        try:
+            found = _cell_motion(cell, (once, twice), solver, error, int(periods), watch)
+        except StoppedError:
+            break
         for name, values in fields.items():
             values[place] = found[name]
         status[place] = STATUS[str(found["status"])]
     return with_whole_shares(Motion(**fields, status=status))
 
 
-def _by(name: str, solver: str, seconds: float) -> Method:
+def _pricing(seconds: float, waves: float, hops: float, tolerance: float, slip: float) -> Pricing:
+    """Return what tells the price of one of the integrators.
+
+    `seconds` are those of a part that slides under a sine by the settings by default; the others
+    tell how that grows: with the order of the drive, where a part hops, and by the powers of the
+    settings.
+    """
+
+    def price(cells: Priced) -> Price:
+        allowed = cells.setting("most_periods")
+        finer = (cells.setting("tolerance") / TOLERANCE) ** -tolerance
+        finer = finer * (cells.setting("slip_speed") / SLIP_SPEED) ** -slip
+        each = seconds / 100.0 * finer * np.maximum(1.0, cells.orders) ** waves
+        each = each * np.where(cells.hops, hops, 1.0)
+        periods = (
+            cells.restless * allowed
+            + (1.0 - cells.restless) * 100.0 * np.minimum(1.0, allowed / 100.0) ** 0.44
+        )
+        return Price(np.minimum(each * periods, SPENT), np.minimum(10.0 * each * allowed, SPENT))
+
+    return price
+
+
+def _by(name: str, solver: str, seconds_a_cell: Pricing) -> Method:
     """Return the method by one of the integrators."""
 
     def follow(contacts: Contacts) -> Follow:
@@ -265,11 +301,11 @@ def _by(name: str, solver: str, seconds: float) -> Method:
         follow=follow,
         source="theory 13.1",
         accuracy="falls with slip_speed and with the inverse of contact_stiffness",
-        seconds_a_cell=seconds,
+        seconds_a_cell=seconds_a_cell,
         defaults={
-            "tolerance": 1e-7,
+            "tolerance": TOLERANCE,
             "most_periods": 100.0,
-            "slip_speed": 1e-4,
+            "slip_speed": SLIP_SPEED,
             "contact_stiffness": 1e8,
         },
         checked_by=("events", "reference"),
@@ -278,6 +314,6 @@ def _by(name: str, solver: str, seconds: float) -> Method:
     )
 
 
-RADAU = _by("regularised", "Radau", 2.0)
-BDF = _by("regularised-BDF", "BDF", 2.0)
-LSODA = _by("regularised-LSODA", "LSODA", 0.5)
+RADAU = _by("regularised", "Radau", _pricing(4.0, 1.7, 3.3, 0.27, 0.14))
+BDF = _by("regularised-BDF", "BDF", _pricing(6.0, 0.4, 4.5, 0.12, 0.4))
+LSODA = _by("regularised-LSODA", "LSODA", _pricing(0.7, 0.5, 7.0, 0.05, 0.4))

@@ -12,6 +12,7 @@ import numpy as np
 
 from core.mechanics.arrays import Array
 from core.motion.methods.regularised.laws import PEAK, Cell
+from core.watch import Watch
 
 LARGEST_MULTIPLE = 8
 """Periods of the drive over which the motion may repeat."""
@@ -21,6 +22,9 @@ MOST_RESTARTS = 20
 
 STEPS = 50
 """Fewest steps a period: none may leap over a whole hop or slip."""
+
+LOOK = 64
+"""Evaluations from one look at the watch to the next: some milliseconds."""
 
 PERIOD = 2 * math.pi
 
@@ -62,8 +66,10 @@ class _Period:
 class Run:
     """Integration of a cell, period by period, with an account of the evaluations."""
 
-    def __init__(self, cell: Cell, solver: str, tolerance: float, evaluations: int) -> None:
-        self.cell, self.solver, self.left = cell, solver, evaluations
+    def __init__(
+        self, cell: Cell, solver: str, tolerance: float, evaluations: int, watch: Watch
+    ) -> None:
+        self.cell, self.solver, self.left, self.watch = cell, solver, evaluations, watch
         n = cell.coordinates
         slip, stiffness = cell.laws.slip_speed, cell.laws.stiffness
         # What counts is a creep as a share of the slip speed, and a depth as a share of the
@@ -79,10 +85,15 @@ class Run:
         }
 
     def rate(self, cell: Cell, phase: float, state: Array) -> list[float]:
-        """Return the derivative of the state; raise `SpentError` if no evaluation is left."""
+        """Return the derivative of the state; raise `SpentError` if no evaluation is left.
+
+        Raises `StoppedError` where the watch says so.
+        """
         if self.left <= 0:
             raise SpentError
         self.left -= 1
+        if self.left % LOOK == 0:
+            self.watch.check()
         return cell.rate(phase, state)
 
     def period(self, state: Array) -> _Period:

@@ -1,0 +1,149 @@
+"""What cells are likely to take, and at most, told from their numbers before any is followed.
+
+A motion that repeats is followed for some tens of periods whatever the study allows, one that does
+not for all of them. Which it will be nobody knows before; where a part hops and rebounds much it
+seldom repeats. Prices are seconds of one core, by measurements that `benchmarks.prices` repeats.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.motion.groups import Contacts, Groups
+from core.plan.equations import run
+from core.plan.grid import Grid, random_places
+from core.plan.plan import Plan
+from core.scenes.graph import behind
+
+CELLS = 32
+"""Most cells of a study by whose numbers it is priced."""
+
+LEAST, MOST = 1e-7, 1e9  # s of a cell
+REBOUNDS = 0.2, 0.5
+"""Restitutions up to which hops mostly repeat, and from which on they mostly do not."""
+
+
+class Price(NamedTuple):
+    """Seconds of a cell on one core: as is likely, and what no cell is known to exceed by much."""
+
+    likely: Array
+    most: Array
+
+
+@dataclass(frozen=True)
+class Priced:
+    """Some cells of a study, of which a method tells the price.
+
+    Attributes
+    ----------
+    known : mapping
+        What the equation that takes long is given: `groups` or `throw`, and settings.
+    contacts : Contacts
+        What the parts can touch.
+    """
+
+    known: Mapping[str, Any]
+    contacts: Contacts
+
+    @property
+    def groups(self) -> Groups:
+        """The groups of the parts."""
+        found: Groups = self.known["groups"]
+        return found
+
+    def setting(self, name: str) -> Array:
+        """Return a setting in force."""
+        return np.asarray(self.known[name], dtype=np.float64)
+
+    @property
+    def hops(self) -> Array:
+        """Where a part leaves the floor."""
+        g = self.groups
+        return np.greater(np.abs(g.drive_number_normal), g.gravity_number_normal)
+
+    @property
+    def restless(self) -> Array:
+        """How likely a part is not to repeat, 0 to 1."""
+        few, many = REBOUNDS
+        rebounds = np.maximum(self.groups.restitution, self.groups.wall_restitution)
+        return np.where(self.hops, np.clip((rebounds - few) / (many - few), 0.0, 1.0), 0.0)
+
+    @property
+    def across(self) -> Array:
+        """Where a part leaves the vertical plane of the track."""
+        g = self.groups
+        pushed = np.not_equal(g.drive_number_across, 0.0)
+        pushed = pushed | np.not_equal(g.gravity_number_across, 0.0)
+        return pushed | np.not_equal(g.curvature_number, 0.0)
+
+    @property
+    def orders(self) -> float:
+        """The highest order of the drive, 1 for steps, 0 for the plain sine."""
+        wave = self.groups.wave
+        return 0.0 if wave is None else float(max(1, wave.harmonics.shape[2]))
+
+    @property
+    def steps(self) -> int:
+        """The steps of the drive in a period."""
+        wave = self.groups.wave
+        return 0 if wave is None else wave.steps.shape[1]
+
+    def periods(self, usual: float) -> Array:
+        """Return how many periods are likely to be followed; `usual` of a motion that repeats."""
+        allowed, share = self.setting("most_periods"), self.restless
+        return share * allowed + (1.0 - share) * np.minimum(allowed, usual)
+
+
+Pricing = Callable[[Priced], Price]
+"""Tells the price of cells."""
+
+
+def seconds_of(price: float | Pricing, cells: Callable[[], Priced]) -> tuple[float, float]:
+    """Return the mean price of some cells [s]: as is likely, and at most."""
+    if not callable(price):
+        return price, price
+    with np.errstate(all="ignore"):
+        told = price(cells())
+        means = [np.mean(np.clip(np.nan_to_num(part), LEAST, MOST)) for part in told]
+    return float(means[0]), float(max(means))
+
+
+def some_cells(
+    plan: Plan,
+    grid: Grid,
+    settings: Mapping[str, float],
+    contacts: Contacts,
+    free: Mapping[str, tuple[float, float]],
+) -> Priced:
+    """Return some cells of a grid, evenly chosen; the same for equal grids.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of a method; others have the same numbers of a part.
+    settings : mapping of str to float
+        Those in force.
+    free : mapping of str to (float, float)
+        Parameters that are not on the grid, and between which values they lie, SI units.
+    """
+    count = CELLS if free else min(CELLS, grid.cells)
+    places = random_places(grid, count, 0)
+    found = min(count, grid.cells)
+    on_grid = grid.at(places, found, plan.parameters)
+    given = {name: np.resize(values, count) for name, values in on_grid.items()}
+    random = np.random.default_rng(0)
+    for name, (low, high) in free.items():
+        given[name] = random.uniform(low, high, count)
+    by_name = {one.gives: one for one in plan.equations}
+    long = next(one for one in plan.equations if one.takes_long)
+    needed = behind([n for n in long.inputs if n in by_name], by_name.get)
+    known: dict[str, Any] = {name: np.asarray(value) for name, value in plan.defaults.items()}
+    known |= {name: np.asarray(value) for name, value in settings.items()}
+    equations = [one for one in plan.equations if one.gives in needed]
+    with np.errstate(all="ignore"):
+        return Priced(run(equations, known | given), contacts)
