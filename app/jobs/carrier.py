@@ -70,7 +70,11 @@ class Carrier:
         most = self._settings.max_job_seconds
         try:
             async with asyncio.timeout(most) as limit:
-                await self._compute_and_write(item)
+                try:
+                    await self._compute_and_write(item)
+                except BaseException:
+                    self._store.give_up(item.key, item.owner)
+                    raise
         except TimeoutError as error:
             if not limit.expired():
                 raise
@@ -116,8 +120,9 @@ class Carrier:
             while True:
                 for index in waiting:
                     block = self._on_worker(
-                        work.compute_block, item.key, item.process, item.block_cells, index
-                    )
+                        work.compute_block, item.key, item.process, item.block_cells, index,
+                        item.owner,
+                    )  # fmt: skip
                     running.add(asyncio.create_task(block))
                     # Enough to keep workers busy, few enough for other jobs to have a turn.
                     if len(running) >= max(1, 2 * self._workers):

@@ -170,6 +170,20 @@ class Store:
             raise TornBlockError(f"block {index} of {key} is not what was written")
         return computed
 
+    def give_up(self, key: str, claim: str) -> None:
+        """Tell the workers that nobody waits for their blocks of a claim on a study."""
+        with contextlib.suppress(OSError):  # the study may be gone, and its blocks with it
+            self._given_up(key, claim).parent.mkdir(exist_ok=True)
+            self._given_up(key, claim).touch()
+
+    def is_given_up(self, key: str, claim: str) -> bool:
+        """Return whether workers have been told so."""
+        return self._given_up(key, claim).exists()
+
+    def _given_up(self, key: str, claim: str) -> Path:
+        name = hashlib.sha256(claim.encode()).hexdigest()[:32]
+        return self.folder(key) / "blocks" / f"{name}.given-up"
+
     def drop_blocks(self, key: str) -> None:
         """Remove the blocks of a study whose result is there; a late worker may have left one."""
         if self._manifest(key) is not None:

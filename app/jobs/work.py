@@ -15,6 +15,7 @@ import core
 from app.jobs import parts
 from app.jobs.errors import OtherVersionError
 from app.jobs.store import Store, identifier
+from core.errors import StoppedError
 from core.kinds import KINDS
 from core.plan.pieces import Cut, join
 from core.plan.prepared import Prepared
@@ -48,26 +49,34 @@ def missing_blocks(directory: str, key: str, process: str, cells: int, count: in
     return found.missing()
 
 
-def compute_block(directory: str, key: str, process: str, cells: int, index: int) -> float:
+def compute_block(
+    directory: str, key: str, process: str, cells: int, index: int, claim: str = ""
+) -> float:
     """Compute a block of a study and keep it; return the seconds that it took.
 
-    `cells` is the size of the pieces that the study is cut into, or `IN_PARTS`.
+    `cells` is the size of the pieces that the study is cut into, or `IN_PARTS`. A block whose
+    claim has been given up meanwhile is not kept.
 
     Raises
     ------
     OtherVersionError
         If this version of vibrafeed knows the study by another identifier.
+    StoppedError
+        If the claim was given up.
     """
     started = time.perf_counter()
     store = Store(Path(directory))
+    # One thread: each worker thread is given a block of its own.
+    watch = Watch(threads=1, stop=lambda: store.is_given_up(key, claim))
     if cells == IN_PARTS:
         ours = parts.parts_of_job(store, key, _study(directory, key, process))
-        ours.keep(index, ours.compute(index, Watch(threads=1)))
+        ours.keep(index, ours.compute(index, watch))
     elif not store.has_block(key, cells, index):
         prepared = _study(directory, key, process)
         part = prepared.within(Cut(prepared, cells).box(index))
-        # One thread: each worker thread is given a block of its own.
-        computed = KINDS[prepared.study.kind].compute(part, Watch(threads=1))
+        computed = KINDS[prepared.study.kind].compute(part, watch)
+        if watch.stopped():
+            raise StoppedError("nobody wants the block any more")
         store.write_block(key, cells, index, computed)
     return time.perf_counter() - started
 

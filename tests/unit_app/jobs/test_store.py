@@ -26,6 +26,7 @@ from app.jobs.store import Store, identifier
 from app.settings import Settings
 from app.web.zarr_views import ZarrViews
 from core.dataset.netcdf import write_netcdf
+from core.errors import StoppedError
 from core.kinds import prepare_content, tabulate
 from core.plan.pieces import Computed, Cut
 
@@ -409,3 +410,17 @@ class TestDesk:
         folder.mkdir(parents=True)
         desk().tidy()
         assert folder.exists()
+
+
+def test_a_block_whose_claim_is_given_up_is_not_kept(store):
+    prepared = prepare_content(SIMULATION)
+    key, _ = store.add(prepared.study)
+    directory = str(store.directory.parent)
+    store.give_up(key, "one")
+    assert not store.is_given_up(key, "another")
+    with pytest.raises(StoppedError):
+        work.compute_block(directory, key, "simulate", 10, 0, "one")
+    assert not store.has_block(key, 10, 0)
+    work.compute_block(directory, key, "simulate", 10, 0, "another")
+    assert store.has_block(key, 10, 0)
+    store.give_up("0" * 64, "one")  # a study that is gone
