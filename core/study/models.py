@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import reprlib
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -21,7 +22,7 @@ from pydantic_core import PydanticCustomError
 
 from core.quantities import QUANTITIES, Quantity
 from core.study.drive import Drive
-from core.study.levels import Level, OpenLevel, refusal
+from core.study.levels import Level, OpenLevel, at_most, refusal
 from core.study.reduction import Reduction
 from core.study.units import UnitError
 from core.study.values import Between, Values, read_between, read_values
@@ -225,14 +226,15 @@ def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
         "value",
         "{message}",
         {
-            "message": f"{str(raw)[:40]!r} is neither a number of steps nor a list of times",
+            "message": f"{reprlib.repr(raw)[:40]} is neither a number of steps nor a list of times",
             "fix": f"Write a whole number from 2 to {MOST_SAMPLES:,}, or times in seconds that rise"
             " from 0 or later",
         },
     )
 
 
-_Outputs = tuple[Annotated[str, Field(max_length=100)], ...]
+MOST_OUTPUTS = 100
+_Outputs = Annotated[tuple[Annotated[str, Field(max_length=100)], ...], at_most(MOST_OUTPUTS)]
 
 
 class SweepStudy(GridStudy):
@@ -245,7 +247,9 @@ class SweepStudy(GridStudy):
         "default where left out.",
         max_length=100,
     )
-    outputs: _Outputs = Field(description="Names of the outputs.", min_length=1, max_length=100)
+    outputs: _Outputs = Field(
+        description="Names of the outputs.", min_length=1, max_length=MOST_OUTPUTS
+    )
     precision: Literal["double", "single"] | None = Field(
         None,
         description="double (64-bit floats, the default) or single: values are computed in double "
@@ -277,7 +281,10 @@ class SimulateStudy(DrivenStudy):
         max_length=100,
     )
     outputs: _Outputs = Field(
-        ("conveying_velocity",), description="Names of the outputs.", min_length=1, max_length=100
+        ("conveying_velocity",),
+        description="Names of the outputs.",
+        min_length=1,
+        max_length=MOST_OUTPUTS,
     )
     tolerance: float | None = Field(
         None, description="Largest error of a periodic state, as a share of the drive.", gt=0, le=1
@@ -388,6 +395,9 @@ class OptimiseStudy(DrivenStudy):
     variant: str | None = Field(
         None,
         description="thesis (as printed), derived (errors corrected) or physical; the scene's "
+MOST_CONSTRAINTS = 20
+
+
         "default where left out.",
         max_length=100,
     )
@@ -403,8 +413,8 @@ class OptimiseStudy(DrivenStudy):
         "left out, as far as they are not given and the outputs depend on them.",
     )
     criterion: Criterion = Field(description="What is looked for.", discriminator="kind")
-    constraints: tuple[OutputLimit, ...] = Field(
-        (), description="Bounds that outputs have to keep.", max_length=20
+    constraints: Annotated[tuple[OutputLimit, ...], at_most(MOST_CONSTRAINTS)] = Field(
+        (), description="Bounds that outputs have to keep.", max_length=MOST_CONSTRAINTS
     )
     floor_contact: bool = Field(
         True, description="Whether the part is to stay on the floor, where the scene has one."
@@ -427,7 +437,7 @@ class OptimiseStudy(DrivenStudy):
         strict=True,
     )
     outputs: _Outputs = Field(
-        (), description="Further outputs to tell at the optimum.", max_length=100
+        (), description="Further outputs to tell at the optimum.", max_length=MOST_OUTPUTS
     )
 
     def intervals(self) -> dict[str, Between]:
