@@ -197,7 +197,7 @@ class DrivenStudy(GridStudy):
 
 
 MOST_SAMPLES = 100_000
-LATEST = 1e9  # s, of a course in time
+LATEST = 1e6  # s, of a course in time: eleven days, and floats still tell a microsecond
 _TRAJECTORY_SCHEMA = {
     "anyOf": [
         {"type": "integer", "minimum": 2, "maximum": MOST_SAMPLES},
@@ -266,6 +266,8 @@ class SweepStudy(GridStudy):
         return None if value == "double" else value
 
 
+FEWEST_PERIODS = 8  # no fewer tell a motion that repeats over some from one that does not
+MOST_PERIODS = 100_000  # half an hour at 50 Hz: what has not repeated by then does not
 SETTINGS = ("tolerance", "most_periods", "steps_per_period", "slip_speed", "contact_stiffness")
 
 
@@ -286,22 +288,27 @@ class SimulateStudy(DrivenStudy):
         min_length=1,
         max_length=MOST_OUTPUTS,
     )
+    # Near 100 roundings of a state nothing is told apart any more, and integrators give up.
     tolerance: float | None = Field(
-        None, description="Largest error of a periodic state, as a share of the drive.", gt=0, le=1
+        None,
+        description="Largest error of a periodic state, as a share of the drive.",
+        ge=1e-13,
+        le=1,
     )
     most_periods: int | None = Field(
         None,
         description="Most periods of the drive that one point is followed for.",
         strict=True,
-        ge=1,
-        le=1_000_000,
+        ge=FEWEST_PERIODS,
+        le=MOST_PERIODS,
     )
     steps_per_period: int | None = Field(
         None,
-        description="Time steps in a period, of time-stepping.",
+        description="Time steps in a period, of time-stepping; steps times periods are 25 million "
+        "at most.",
         strict=True,
         ge=8,
-        le=1_000_000,
+        le=100_000,
     )
     slip_speed: float | None = Field(
         None,
@@ -388,6 +395,9 @@ class OutputLimit(_Frozen):
     absolute: bool = Field(False, description="Whether the bounds are those of its absolute value.")
 
 
+MOST_CONSTRAINTS = 20
+
+
 class OptimiseStudy(DrivenStudy):
     """The best values of some parameters, over a grid of the others."""
 
@@ -395,9 +405,6 @@ class OptimiseStudy(DrivenStudy):
     variant: str | None = Field(
         None,
         description="thesis (as printed), derived (errors corrected) or physical; the scene's "
-MOST_CONSTRAINTS = 20
-
-
         "default where left out.",
         max_length=100,
     )
