@@ -10,7 +10,7 @@ VibrafeedError
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 
 
@@ -85,17 +85,19 @@ class SceneError(VibrafeedError):
 
 
 MEANT = 4  # letters of a name that tell which is meant
+LONGEST = 60  # letters of a name that are looked at; no name of ours has more
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """Return the known name that a mistyped or shortened one stands for; None if none is near."""
-    choice = sorted(known)
+    choice, name = sorted(known), name[:LONGEST]
     longer = [known for known in choice if len(name) >= MEANT and known.startswith(name)]
     near = longer or difflib.get_close_matches(name, choice, n=1, cutoff=0.6)
     return near[0] if near else None
 
 
 FEWEST_OF_A_FAMILY = 3
+SEARCHED = 8  # names of one request that are worth a search for what was meant
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
@@ -103,6 +105,22 @@ def suggestion(name: str, known: Iterable[str]) -> str:
     choice = sorted(known)
     meant = nearest(name, choice)
     return f"Did you mean '{meant}'?" if meant else "Known: " + ", ".join(_in_families(choice))
+
+
+class Suggestions:
+    """Searches for the first few names alone: nobody reads more, and each search takes time."""
+
+    def __init__(self) -> None:
+        self.left = SEARCHED
+
+    def __call__(self, name: str, known: Iterable[str]) -> str:
+        """Return what `suggestion` does, or a plain word once that has been asked often enough."""
+        return self.within(lambda: suggestion(name, known))
+
+    def within(self, search: Callable[[], str]) -> str:
+        """Return what a search gives, as above."""
+        self.left -= 1
+        return search() if self.left >= 0 else "Mend those before it first"
 
 
 def _in_families(names: Iterable[str]) -> list[str]:

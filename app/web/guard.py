@@ -27,8 +27,7 @@ DOCS = ("/docs", "/static-offline-docs")
 OPEN = HEALTH | {"/openapi.json"}
 
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
-# The last is the name of the test client.
-LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]", "testserver"})
+LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]"})
 _HOST = re.compile(r"([a-z0-9._-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
 
 # Pairs as ASGI has them: added to every reply, and no route sets one of them.

@@ -12,6 +12,7 @@ from pydantic import BaseModel
 from core.errors import Problem
 
 PROBLEM_TYPE = "application/problem+json"
+MOST_PROBLEMS = 100  # that one reply names
 
 
 class ProblemItem(BaseModel):
@@ -73,7 +74,14 @@ def problem_document(
     instance: str | None = None,
     headers: dict[str, str] | None = None,
 ) -> Response:
-    """Return a problem document; `kind` is a word of ours, or a whole address."""
+    """Return a problem document; `kind` is a word of ours, or a whole address.
+
+    Of many problems it names the first, and says how many there are besides.
+    """
+    problems = tuple(problems)
+    if len(problems) > MOST_PROBLEMS:
+        more = len(problems) - MOST_PROBLEMS
+        detail += f" The first {MOST_PROBLEMS} are named; there are {more:,} more."
     content: dict[str, Any] = {
         "type": kind if ":" in kind else f"urn:vibrafeed:problem:{kind}",
         "title": title,
@@ -82,7 +90,9 @@ def problem_document(
     }
     if instance:
         content["instance"] = instance
-    errors = [{"place": p.place, "message": p.message, "fix": p.fix} for p in problems]
+    errors = [
+        {"place": p.place, "message": p.message, "fix": p.fix} for p in problems[:MOST_PROBLEMS]
+    ]
     if errors:
         content["errors"] = errors
     return Response(orjson.dumps(content), status, headers, PROBLEM_TYPE)

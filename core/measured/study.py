@@ -100,12 +100,19 @@ def _which(files: bool) -> str:
 
 
 def _table(source: str | Path, place: str, files: bool) -> Table:
+    # Most lines are rows: what has far too many is not read.
+    lines = source.count("\n") if isinstance(source, str) else 0
+    if not files and lines > 2 * MOST_ROWS_SENT:
+        raise StudyError([_too_long(place, lines, "lines")])
     table = read_table(source)
     if not files and len(table.lines) > MOST_ROWS_SENT:
-        message = f"it has {len(table.lines):,} rows, the limit over HTTP is {MOST_ROWS_SENT:,}"
-        fix = "Cut it: a second of recording states a drive well"
-        raise StudyError([Problem(place, message, fix)])
+        raise StudyError([_too_long(place, len(table.lines), "rows")])
     return table
+
+
+def _too_long(place: str, count: int, what: str) -> Problem:
+    message = f"it has {count:,} {what}, the limit over HTTP is {MOST_ROWS_SENT:,}"
+    return Problem(place, message, "Cut it: a second of recording states a drive well")
 
 
 def _recording(given: RecordedDrive) -> Recording:

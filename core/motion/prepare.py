@@ -26,7 +26,7 @@ from core.plan.prepared import (
 )
 from core.quantities import QUANTITIES
 from core.scenes import Scene
-from core.study.models import SimulateStudy
+from core.study.models import MOST_PERIODS, SimulateStudy
 from core.study.values import Fixed
 
 DEFAULT_OUTPUTS = ("conveying_velocity",)
@@ -154,6 +154,7 @@ def prepare(study: SimulateStudy) -> Simulation:
     shape, _ = shape_of(study.values())
     if shape is not None and not set(shape.inputs) & set(grid.axes):
         problems += what_is_open(shape, grid.si())
+    problems += _too_many_steps(study, methods_of(scene.name)[method], grid)
     if problems:
         raise StudyError(problems)
     plan = replace(plan, defaults={**plan.defaults, **settings})
@@ -194,3 +195,23 @@ def _wrong_course(study: SimulateStudy, scene: Scene, method: str) -> list[Probl
         message = f"the method {method} of {scene.name} gives means only"
         problems.append(Problem("trajectory", message, fix))
     return problems
+
+
+def _too_many_steps(study: SimulateStudy, method: Method, grid: Grid) -> Iterable[Problem]:
+    """Yield why a cell, or the course of a part, would take longer than a method allows."""
+    settings = {**method.defaults, **study.settings()}
+    periods, steps = settings.get("most_periods", 0.0), settings.get("steps_per_period", 0.0)
+    if method.most_steps is not None and 4 * steps * periods > method.most_steps:
+        message = f"4 x {steps:,.0f} steps x {periods:,.0f} periods are more than one cell may take"
+        fix = f"Keep steps_per_period x most_periods within {method.most_steps // 4:,}"
+        yield Problem("steps_per_period", message, fix)
+    if not isinstance(study.trajectory, tuple):
+        return
+    shown = study.trajectory[-1] * grid.fixed.get("frequency", 0.0)
+    most = float(MOST_PERIODS)
+    if method.most_steps is not None:
+        most = min(most, method.most_steps / (2 * steps + 1) - periods - 1)
+    if shown > most >= 0:
+        latest = most / grid.fixed["frequency"]
+        message = f"its latest time is {shown:,.0f} periods of the drive from the first"
+        yield Problem("trajectory", message, f"End it by {latest:.3g} s, {most:,.0f} periods")

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from core.errors import Problem, StudyError, suggestion
+from core.errors import Problem, StudyError, Suggestions, suggestion
 from core.quantities import QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE
 from core.scenes import ALIASES, SCENES, Condition, Equation, Scene
@@ -140,15 +140,12 @@ def plan_scene(
     scene: Scene, variant: str, outputs: Collection[str], given: Collection[str]
 ) -> Plan:
     """Return the plan of the outputs of a scene, as `make_plan` does."""
+    gives, suggest = scene.outputs(variant), Suggestions()
     problems = [
-        *(
-            _unknown_output(scene, variant, name)
-            for name in outputs
-            if name not in scene.outputs(variant)
-        ),
+        *(_unknown_output(scene, variant, name, suggest) for name in outputs if name not in gives),
         *_doubled_friction(given),
     ]
-    known_outputs = tuple(name for name in dict.fromkeys(outputs) if name in scene.outputs(variant))
+    known_outputs = tuple(name for name in dict.fromkeys(outputs) if name in gives)
     walk = _Walk(scene, variant, given, known_outputs)
     problems += [_missing(scene, name, user) for name, user in walk.missing.items()]
     if known_outputs:  # otherwise nothing is known to be used, and every parameter would be blamed
@@ -224,7 +221,7 @@ class _Walk:
         return equation
 
 
-def _unknown_output(scene: Scene, variant: str, name: str) -> Problem:
+def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions) -> Problem:
     others = [v for v in scene.variants if name in scene.outputs(v)]
     if others:
         return Problem(
@@ -236,7 +233,7 @@ def _unknown_output(scene: Scene, variant: str, name: str) -> Problem:
     return Problem(
         "outputs",
         f"{scene.name} has no output '{name[:60]}'",
-        suggestion(name, scene.outputs(variant)),
+        suggest(name, scene.outputs(variant)),
         about=name,
     )
 

@@ -9,12 +9,12 @@ from typing import Any, Self
 
 from numpy.typing import NDArray
 
-from core.errors import LimitError, Problem, StudyError, nearest
+from core.errors import SEARCHED, LimitError, Problem, StudyError, nearest
 from core.plan.grid import Grid, from_si
 from core.plan.plan import Plan, plan_scene
 from core.quantities import QUANTITIES
 from core.scenes import Scene
-from core.study.models import PARAMETERS, GridStudy, Study
+from core.study.models import MOST_OUTPUTS, PARAMETERS, GridStudy, Study
 from core.study.values import Values
 
 Box = Mapping[str, tuple[int, int]]
@@ -198,7 +198,10 @@ def plan_study(
 
 def names_meant(parameters: Iterable[object]) -> list[str]:
     """Return the parameters that a user means, who may have misspelt some; unknown ones go."""
-    names = (n if n in PARAMETERS else nearest(n, PARAMETERS) for n in map(str, parameters))
+    given = [*map(str, parameters)]
+    unknown = [name for name in given if name not in PARAMETERS]
+    meant = {name: nearest(name, PARAMETERS) for name in unknown[:SEARCHED]}
+    names = (name if name in PARAMETERS else meant.get(name) for name in given)
     return [name for name in names if name]
 
 
@@ -235,7 +238,7 @@ def further_problems(
     found: list[Problem] = []
     try:
         scene, variant, found = chosen(content)
-        plan_scene(scene, variant, asked, given)
+        plan_scene(scene, variant, asked[:MOST_OUTPUTS], given)
     except StudyError as error:
         found = [*found, *error.problems]
     places = {problem.place for problem in known.problems}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 
-from core.errors import Problem, suggestion
+from core.errors import Problem, Suggestions
 from core.plan.grid import Grid
 from core.plan.plan import Plan
 from core.study.reduction import Reduction
@@ -16,24 +16,28 @@ def problems_of_names(
 ) -> list[Problem]:
     """Return what is wrong with the names of a reduction, given those of its study."""
     axes = [name for name, value in values.items() if not isinstance(value, Fixed)]
+    suggest = Suggestions()
     problems = [
-        _no_axis(name, f"reduce.over.{k}", axes, values) for k, name in enumerate(asked.over)
+        _no_axis(name, f"reduce.over.{k}", axes, values, suggest)
+        for k, name in enumerate(asked.over)
     ]
-    problems += [_no_output(name, f"reduce.of.{k}", outputs) for k, name in enumerate(asked.of)]
+    problems += [
+        _no_output(name, f"reduce.of.{k}", outputs, suggest) for k, name in enumerate(asked.of)
+    ]
     for share, conditions in asked.shares.items():
         place = f"reduce.shares.{share}"
         if not conditions:
             problems.append(Problem(place, "it has no condition", "Give at least one"))
         problems += [
-            _no_output(one.name, f"{place}.{k}", outputs)
+            _no_output(one.name, f"{place}.{k}", outputs, suggest)
             for k, one in enumerate(conditions)
             if one.name != "regime"
         ]
     for name, level in asked.levels.items():
         place = f"reduce.levels.{name}"
-        problems.append(_no_output(level.output, f"{place}.output", outputs))
+        problems.append(_no_output(level.output, f"{place}.output", outputs, suggest))
         if level.along not in asked.over:
-            fix = suggestion(level.along, asked.over)
+            fix = suggest(level.along, asked.over)
             message = f"'{level.along[:60]}' is not among the axes that go (over)"
             problems.append(Problem(f"{place}.along", message, fix))
     if not (asked.statistics or asked.quantiles or asked.regimes or asked.shares or asked.levels):
@@ -75,21 +79,27 @@ def _levels(asked: Reduction, plan: Plan, grid: Grid) -> Iterator[Problem]:
 
 
 def _no_axis(
-    name: str, place: str, axes: Collection[str], values: Mapping[str, Values]
+    name: str,
+    place: str,
+    axes: Collection[str],
+    values: Mapping[str, Values],
+    suggest: Suggestions,
 ) -> Problem | None:
     if name in axes:
         return None
     if name in values:
         fix = f"Give {name} several values, or leave it out here"
         return Problem(place, f"{name} has one value, and is no axis", fix)
-    fix = suggestion(name, axes) if axes else "Give a parameter several values"
+    fix = suggest(name, axes) if axes else "Give a parameter several values"
     return Problem(place, f"'{name[:60]}' is not an axis of this study", fix)
 
 
-def _no_output(name: str, place: str, outputs: Collection[str]) -> Problem | None:
+def _no_output(
+    name: str, place: str, outputs: Collection[str], suggest: Suggestions
+) -> Problem | None:
     if name in outputs:
         return None
-    fix = suggestion(name, outputs).removesuffix("?") + "? If not, add it to outputs"
+    fix = suggest(name, outputs).removesuffix("?") + "? If not, add it to outputs"
     message = f"'{name[:60]}' is not among the outputs of this study"
     if not fix.startswith("Did"):
         fix = f"Add it to outputs, or take one of them: {', '.join(outputs)}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
@@ -11,9 +12,23 @@ from core.quantities import QUANTITIES, Quantity
 from core.study.units import UnitError, read_number
 
 
-def refusal(message: str, fix: str) -> PydanticCustomError:
-    """Return the error of one value, in our words."""
+def refusal(message: str, fix: str | Callable[[], str]) -> PydanticCustomError:
+    """Return the error of one value, in our words; a fix that has to be searched for is called.
+
+    Of many errors it is called for the first few alone.
+    """
     return PydanticCustomError("value", "{message}", {"message": message, "fix": fix})
+
+
+def at_most(count: int) -> BeforeValidator:
+    """Return what refuses a longer list at once, where pydantic would look at every entry first."""
+
+    def check(raw: object) -> object:
+        if isinstance(raw, list | tuple) and len(raw) > count:
+            raise refusal(f"it has {len(raw):,} entries", f"Give at most {count:,}")
+        return raw
+
+    return BeforeValidator(check)
 
 
 def read_level(name: str, raw: object) -> float:

@@ -7,13 +7,13 @@ import os
 import re
 import sys
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from pydantic import ValidationError
 
-from core.errors import Problem, StudyError, suggestion
+from core.errors import Problem, StudyError, Suggestions
 from core.study.drive import RecordedDrive
 from core.study.models import CRITERIA, PARAMETERS, STUDIES, Study
 from core.study.reduction import LevelSet, Reduction
@@ -22,7 +22,11 @@ if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
 DEEPEST = 32  # levels; a study has 5, an execute request around it 2
-MOST_PROBLEMS = 100  # that are worth a search for what was meant
+MOST_PROBLEMS = 100  # that are told one by one
+# What no study comes near: who sends more is refused before it is looked at closely.
+MOST_KEYS = 1_000  # of one object of JSON
+ONE = "Send one JSON object, a study"
+MOST_BRACKETS = 10_000  # of the objects and lists of one text
 LARGEST = sys.float_info.max
 _HALVES = re.compile("[\ud800-\udfff]")
 
@@ -68,15 +72,17 @@ def read_json(text: str | bytes) -> object:
     """Return what stands in a JSON text; raise `StudyError` if it is none."""
     try:
         # By itself json would let halves of characters through, and take other encodings.
+        text = text if isinstance(text, str) else text.decode("utf-8")
+        if text.count("[") + text.count("{") > MOST_BRACKETS:
+            _fail("body", f"it holds more than {MOST_BRACKETS:,} objects and lists", ONE)
         content: object = json.loads(
-            text if isinstance(text, str) else text.decode("utf-8"),
-            object_pairs_hook=_unique,
-            parse_constant=_refuse_constant,
+            text, object_pairs_hook=_unique, parse_constant=_refuse_constant
         )
     except (ValueError, RecursionError) as error:
         reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
-        _fail("body", f"it is not JSON: {reason}"[:300], "Send one JSON object, a study", error)
-    _check_values(content)
+        _fail("body", f"it is not JSON: {reason}"[:300], ONE, error)
+    # What is no text can stand there as an escape only, or as itself in what Python hands over.
+    _check_values(content, texts="\\u" in text or not text.isascii())
     return content
 
 
@@ -109,7 +115,7 @@ def parse_study(content: object) -> Study:
     try:
         return STUDIES[kind].model_validate(content)
     except ValidationError as error:
-        raise StudyError(_problems(kind, error.errors(include_url=False))) from None
+        raise StudyError(_problems(kind, error)) from None
 
 
 def parse_recorded(drive: Mapping[str, Any]) -> RecordedDrive:
@@ -117,30 +123,32 @@ def parse_recorded(drive: Mapping[str, Any]) -> RecordedDrive:
     try:
         return RecordedDrive.model_validate(drive)
     except ValidationError as error:
-        found = error.errors(include_url=False)
-        for one in found:
-            one["loc"] = ("drive", *one["loc"])
-        raise StudyError(_problems("drive", found)) from None
+        raise StudyError(_problems("drive", error, "drive")) from None
 
 
 def _problems_of(content: dict[str, Any]) -> Iterable[Problem]:
     try:
         STUDIES[content["kind"]].model_validate(content)
     except ValidationError as error:
-        return _problems(content["kind"], error.errors(include_url=False))
+        return _problems(content["kind"], error)
     return ()
 
 
-def _problems(kind: str, errors: Iterable[ErrorDetails]) -> list[Problem]:
-    found = list(errors)
-    problems = [_problem(kind, error) for error in found[:MOST_PROBLEMS]]
+def _problems(kind: str, error: ValidationError, *place: str) -> list[Problem]:
+    """Return what pydantic found, in our words; `place` is where what it looked at stands."""
+    found = error.errors(include_url=False, include_input=False)
+    suggest = Suggestions()
+    problems = []
+    for one in found[:MOST_PROBLEMS]:
+        one["loc"] = (*place, *one["loc"])
+        problems.append(_problem(kind, one, suggest))
     if len(found) > MOST_PROBLEMS:
         more = f"{len(found) - MOST_PROBLEMS:,} further problems are not listed"
         problems.append(Problem("study", more, "Mend these first"))
     return problems
 
 
-def _problem(kind: str, error: ErrorDetails) -> Problem:
+def _problem(kind: str, error: ErrorDetails, suggest: Suggestions) -> Problem:
     """Return one error of pydantic in our words."""
     path = list(error["loc"])
     if len(path) > 1 and path[0] == "criterion" and path[1] in CRITERIA:
@@ -151,17 +159,20 @@ def _problem(kind: str, error: ErrorDetails) -> Problem:
     name = str(path[-1])[:60] if path else ""
     context: dict[str, Any] = error.get("ctx", {})
     if error["type"] == "value":
-        return Problem(place, context["message"], context["fix"])
+        fix = context["fix"]
+        if callable(fix):
+            fix = suggest.within(fix)
+        return Problem(place, context["message"], fix)
     if error["type"] == "extra_forbidden":
         within = path[0] if len(path) > 1 else ""
         if within in ("parameters", "variables"):
-            return Problem(place, f"'{name}' is not a parameter", suggestion(name, PARAMETERS))
+            return Problem(place, f"'{name}' is not a parameter", suggest(name, PARAMETERS))
         if within == "drive":
-            fix = suggestion(name, RecordedDrive.model_fields)
+            fix = suggest(name, RecordedDrive.model_fields)
             return Problem(place, f"'{name}' is not a key of the drive", fix)
         if within == "reduce":
             part = LevelSet if len(path) > 2 else Reduction
-            fix = suggestion(name, part.model_fields)
+            fix = suggest(name, part.model_fields)
             return Problem(place, f"'{name}' is not a key of reduce", fix)
         if within:
             which = f" '{error['loc'][1]}'" if within == "criterion" else ""
@@ -171,10 +182,10 @@ def _problem(kind: str, error: ErrorDetails) -> Problem:
             message = "closed forms know the plain sine of amplitude, alpha and beta only"
             return Problem(place, message, 'Write kind = "simulate", or give these')
         known = tuple(STUDIES[kind].model_fields)
-        return Problem(place, f"'{name}' is not a key of kind '{kind}'", suggestion(name, known))
+        return Problem(place, f"'{name}' is not a key of kind '{kind}'", suggest(name, known))
     if error["type"] == "union_tag_invalid":
         tag = str(context["tag"])[:60]
-        return Problem(f"{place}.kind", f"'{tag}' is not a criterion", suggestion(tag, CRITERIA))
+        return Problem(f"{place}.kind", f"'{tag}' is not a criterion", suggest(tag, CRITERIA))
     if error["type"] == "union_tag_not_found":
         fix = "Write kind = " + " or ".join(f'"{name}"' for name in CRITERIA)
         return Problem(f"{place}.kind", "it is missing", fix)
@@ -184,11 +195,14 @@ def _problem(kind: str, error: ErrorDetails) -> Problem:
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    content: dict[str, Any] = {}
-    for key, value in pairs:
-        if key in content:
-            raise ValueError(f"the key '{_shown(key)}' stands twice in one object")
-        content[key] = value
+    if len(pairs) > MOST_KEYS:
+        begins = f"the object that begins with '{_shown(pairs[0][0])}'"
+        _fail("body", f"{begins} has {len(pairs):,} keys", f"Give at most {MOST_KEYS:,}")
+    content = dict(pairs)
+    if len(content) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for k, name in enumerate(names) if name in names[:k])
+        raise ValueError(f"the key '{_shown(twice)}' stands twice in one object")
     return content
 
 
@@ -196,41 +210,49 @@ def _refuse_constant(constant: str) -> NoReturn:
     raise ValueError(f"{constant} is not a number that JSON knows")
 
 
-def _check_values(content: object) -> None:
+def _check_values(content: object, *, texts: bool) -> None:
     """Raise `StudyError` for what JSON can say and nothing else here can.
 
-    That is: objects within objects without end, numbers beyond floats, NUL and halves of
-    characters in texts.
+    That is: objects within objects without end, numbers beyond floats and, where `texts` are to be
+    looked at, NUL and halves of characters in them.
     """
-    level: list[tuple[str, object]] = [("", content)]
-    for _ in range(DEEPEST):
-        below: list[tuple[str, object]] = []
-        for place, value in level:
-            wrong = _wrong(value)
-            if wrong:
-                _fail(place or "body", wrong, "Mend the value")
-            if isinstance(value, dict):
-                for key, item in value.items():
+    level: list[tuple[str, Any]] = [("", [content])]
+    for _ in range(DEEPEST + 1):
+        below: list[tuple[str, Any]] = []
+        for place, part in level:
+            if isinstance(part, dict):
+                for key, value in part.items():
                     within = f"{place}.{_shown(key)}".lstrip(".")
-                    if _wrong(key):
+                    if texts and _is_no_text(key):
                         _fail(within, "its name holds a character that is no text", "Mend the name")
-                    below.append((within, item))
-            elif isinstance(value, list):
-                below.extend((place, item) for item in value)
+                    _check_plain(within, (value,), texts)
+                    if isinstance(value, dict | list):
+                        below.append((within, value))
+            else:
+                _check_plain(place, part, texts)
+                below.extend((place, item) for item in part if isinstance(item, dict | list))
         if not below:
             return
         level = below
-    _fail(level[0][0][:100] or "body", "it is nested too deeply", "Send one JSON object, a study")
+    _fail(level[0][0][:100] or "body", "it is nested too deeply", ONE)
 
 
-def _wrong(value: object) -> str | None:
-    """Return what is wrong with one value of JSON, if anything is."""
-    if isinstance(value, str):
-        if "\0" in value or (not value.isascii() and _HALVES.search(value)):
-            return "it holds a character that is no text: NUL, or half of one"
-    elif isinstance(value, int | float) and not -LARGEST <= value <= LARGEST:
-        return "it is a number larger than 1.8e308"
-    return None
+def _check_plain(place: str, values: Sequence[Any], texts: bool) -> None:
+    """Raise `StudyError` if one of some values is a number beyond floats, or no text."""
+    kinds = {*map(type, values)}
+    if kinds <= {int, float}:
+        numbers = values
+    else:
+        numbers = [value for value in values if type(value) in (int, float)]
+    if numbers and not -LARGEST <= min(numbers) <= max(numbers) <= LARGEST:
+        _fail(place or "body", "it is a number larger than 1.8e308", "Mend the value")
+    if texts and any(isinstance(value, str) and _is_no_text(value) for value in values):
+        wrong = "it holds a character that is no text: NUL, or half of one"
+        _fail(place or "body", wrong, "Mend the value")
+
+
+def _is_no_text(text: str) -> bool:
+    return "\0" in text or (not text.isascii() and _HALVES.search(text) is not None)
 
 
 def _shown(text: str) -> str:

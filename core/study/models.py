@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import reprlib
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -21,7 +22,7 @@ from pydantic_core import PydanticCustomError
 
 from core.quantities import QUANTITIES, Quantity
 from core.study.drive import Drive
-from core.study.levels import Level, OpenLevel, refusal
+from core.study.levels import Level, OpenLevel, at_most, refusal
 from core.study.reduction import Reduction
 from core.study.units import UnitError
 from core.study.values import Between, Values, read_between, read_values
@@ -196,7 +197,7 @@ class DrivenStudy(GridStudy):
 
 
 MOST_SAMPLES = 100_000
-LATEST = 1e9  # s, of a course in time
+LATEST = 1e6  # s, of a course in time: eleven days, and floats still tell a microsecond
 _TRAJECTORY_SCHEMA = {
     "anyOf": [
         {"type": "integer", "minimum": 2, "maximum": MOST_SAMPLES},
@@ -225,14 +226,15 @@ def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
         "value",
         "{message}",
         {
-            "message": f"{str(raw)[:40]!r} is neither a number of steps nor a list of times",
+            "message": f"{reprlib.repr(raw)[:40]} is neither a number of steps nor a list of times",
             "fix": f"Write a whole number from 2 to {MOST_SAMPLES:,}, or times in seconds that rise"
             " from 0 or later",
         },
     )
 
 
-_Outputs = tuple[Annotated[str, Field(max_length=100)], ...]
+MOST_OUTPUTS = 100
+_Outputs = Annotated[tuple[Annotated[str, Field(max_length=100)], ...], at_most(MOST_OUTPUTS)]
 
 
 class SweepStudy(GridStudy):
@@ -245,7 +247,9 @@ class SweepStudy(GridStudy):
         "default where left out.",
         max_length=100,
     )
-    outputs: _Outputs = Field(description="Names of the outputs.", min_length=1, max_length=100)
+    outputs: _Outputs = Field(
+        description="Names of the outputs.", min_length=1, max_length=MOST_OUTPUTS
+    )
     precision: Literal["double", "single"] | None = Field(
         None,
         description="double (64-bit floats, the default) or single: values are computed in double "
@@ -262,6 +266,8 @@ class SweepStudy(GridStudy):
         return None if value == "double" else value
 
 
+FEWEST_PERIODS = 8  # no fewer tell a motion that repeats over some from one that does not
+MOST_PERIODS = 100_000  # half an hour at 50 Hz: what has not repeated by then does not
 SETTINGS = ("tolerance", "most_periods", "steps_per_period", "slip_speed", "contact_stiffness")
 
 
@@ -277,24 +283,32 @@ class SimulateStudy(DrivenStudy):
         max_length=100,
     )
     outputs: _Outputs = Field(
-        ("conveying_velocity",), description="Names of the outputs.", min_length=1, max_length=100
+        ("conveying_velocity",),
+        description="Names of the outputs.",
+        min_length=1,
+        max_length=MOST_OUTPUTS,
     )
+    # Near 100 roundings of a state nothing is told apart any more, and integrators give up.
     tolerance: float | None = Field(
-        None, description="Largest error of a periodic state, as a share of the drive.", gt=0, le=1
+        None,
+        description="Largest error of a periodic state, as a share of the drive.",
+        ge=1e-13,
+        le=1,
     )
     most_periods: int | None = Field(
         None,
         description="Most periods of the drive that one point is followed for.",
         strict=True,
-        ge=1,
-        le=1_000_000,
+        ge=FEWEST_PERIODS,
+        le=MOST_PERIODS,
     )
     steps_per_period: int | None = Field(
         None,
-        description="Time steps in a period, of time-stepping.",
+        description="Time steps in a period, of time-stepping; steps times periods are 25 million "
+        "at most.",
         strict=True,
         ge=8,
-        le=1_000_000,
+        le=100_000,
     )
     slip_speed: float | None = Field(
         None,
@@ -381,6 +395,9 @@ class OutputLimit(_Frozen):
     absolute: bool = Field(False, description="Whether the bounds are those of its absolute value.")
 
 
+MOST_CONSTRAINTS = 20
+
+
 class OptimiseStudy(DrivenStudy):
     """The best values of some parameters, over a grid of the others."""
 
@@ -403,8 +420,8 @@ class OptimiseStudy(DrivenStudy):
         "left out, as far as they are not given and the outputs depend on them.",
     )
     criterion: Criterion = Field(description="What is looked for.", discriminator="kind")
-    constraints: tuple[OutputLimit, ...] = Field(
-        (), description="Bounds that outputs have to keep.", max_length=20
+    constraints: Annotated[tuple[OutputLimit, ...], at_most(MOST_CONSTRAINTS)] = Field(
+        (), description="Bounds that outputs have to keep.", max_length=MOST_CONSTRAINTS
     )
     floor_contact: bool = Field(
         True, description="Whether the part is to stay on the floor, where the scene has one."
@@ -427,7 +444,7 @@ class OptimiseStudy(DrivenStudy):
         strict=True,
     )
     outputs: _Outputs = Field(
-        (), description="Further outputs to tell at the optimum.", max_length=100
+        (), description="Further outputs to tell at the optimum.", max_length=MOST_OUTPUTS
     )
 
     def intervals(self) -> dict[str, Between]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -19,7 +20,7 @@ from pydantic import (
 
 from core.errors import suggestion
 from core.quantities import QUANTITIES, REGIMES
-from core.study.levels import Level, read_level, refusal
+from core.study.levels import Level, at_most, read_level, refusal
 from core.study.units import UnitError
 
 STATISTICS = ("max", "min", "mean", "argmax", "argmin")
@@ -28,7 +29,8 @@ QUANTILE = "quantile"
 """The dimension of quantiles, and what ends their names."""
 COMPARISONS = ("<=", ">=", "==", "!=", "<", ">")
 ENDS = ("smallest", "largest")
-MOST = 20  # names of shares, or of levels
+MOST = 20  # names of shares, or of levels; conditions of one share
+MOST_NAMES = 100
 
 _CONDITION = re.compile(r"\s*(\w{1,100})\s*(<=|>=|==|!=|<|>)\s*(.{1,200}?)\s*")
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
@@ -70,10 +72,10 @@ def _read_condition(raw: object) -> Condition:
             fix = f"Write 'regime == {value}' or 'regime != {value}'"
             raise refusal("regimes have no order", fix)
         if value not in REGIMES:
-            raise refusal(f"'{value[:60]}' is not a regime", suggestion(value, REGIMES))
+            raise refusal(f"'{value[:60]}' is not a regime", partial(suggestion, value, REGIMES))
         return Condition(name, comparison, value)
     if name not in QUANTITIES:
-        raise refusal(f"'{name[:60]}' is not an output", suggestion(name, QUANTITIES))
+        raise refusal(f"'{name[:60]}' is not an output", partial(suggestion, name, QUANTITIES))
     try:
         number: object = float(value)
     except ValueError:
@@ -87,8 +89,10 @@ def _read_condition(raw: object) -> Condition:
 def _read_statistic(raw: object) -> str:
     if raw not in STATISTICS:
         text = str(raw)[:60]
-        fix = "Write quantiles = [0.5]" if text == "median" else suggestion(text, STATISTICS)
-        raise refusal(f"'{text}' is not a statistic", fix)
+        message = f"'{text}' is not a statistic"
+        if text == "median":
+            raise refusal(message, "Write quantiles = [0.5]")
+        raise refusal(message, partial(suggestion, text, STATISTICS))
     return str(raw)
 
 
@@ -124,6 +128,7 @@ _TEXT = {"type": "string", "maxLength": 300}
 _Condition = Annotated[
     Condition, PlainValidator(_read_condition), PlainSerializer(str), WithJsonSchema(_TEXT)
 ]
+_Conditions = Annotated[tuple[_Condition, ...], at_most(MOST), Field(max_length=MOST)]
 _Statistic = Annotated[
     str, PlainValidator(_read_statistic), WithJsonSchema({"enum": list(STATISTICS)})
 ]
@@ -154,23 +159,23 @@ class LevelSet(_Part):
 class Reduction(_Part):
     """Answers over some axes of a sweep, in place of its cells."""
 
-    over: Annotated[tuple[_Known, ...], _ordered(QUANTITIES)] = Field(
-        description="The axes that go; all others stay.", min_length=1, max_length=100
+    over: Annotated[tuple[_Known, ...], at_most(MOST_NAMES), _ordered(QUANTITIES)] = Field(
+        description="The axes that go; all others stay.", min_length=1, max_length=MOST_NAMES
     )
-    statistics: Annotated[tuple[_Statistic, ...], _ordered(STATISTICS)] = Field(
+    statistics: Annotated[tuple[_Statistic, ...], at_most(MOST), _ordered(STATISTICS)] = Field(
         (),
         description="What to tell of each output: max, min, mean, and where the largest and least "
         "value lie (argmax, argmin: one variable for each axis that goes).",
-        max_length=20,
+        max_length=MOST,
     )
-    of: tuple[_Known, ...] = Field(
+    of: Annotated[tuple[_Known, ...], at_most(MOST_NAMES)] = Field(
         (),
         description="The outputs that statistics and quantiles are of; all where left out.",
-        max_length=100,
+        max_length=MOST_NAMES,
     )
-    quantiles: Annotated[tuple[_Quantile, ...], AfterValidator(lambda q: tuple(sorted({*q})))] = (
-        Field((), description="Quantiles of each output, from 0 to 1.", max_length=100)
-    )
+    quantiles: Annotated[
+        tuple[_Quantile, ...], at_most(MOST_NAMES), AfterValidator(lambda q: tuple(sorted({*q})))
+    ] = Field((), description="Quantiles of each output, from 0 to 1.", max_length=MOST_NAMES)
     cells: Literal["valid", "all"] = Field(
         "valid",
         description="Which cells count: those whose regime describes a real part, or all. Cells "
@@ -179,7 +184,7 @@ class Reduction(_Part):
     regimes: bool = Field(
         False, description="Count the cells in each regime, valid or not.", strict=True
     )
-    shares: Annotated[dict[_Name, tuple[_Condition, ...]], _BY_NAME] = Field(
+    shares: Annotated[dict[_Name, _Conditions], _BY_NAME] = Field(
         {},
         description="For each name the share of all cells that meet all of its conditions.",
         max_length=MOST,

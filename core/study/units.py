@@ -5,6 +5,8 @@ from __future__ import annotations
 import functools
 import math
 import re
+import reprlib
+from collections.abc import Sequence
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
 PER_MINUTE = frozenset(
     ("rpm", "vpm", "cpm", "rev/min", "vib/min", "cycles/min", "1/min", "min^-1", "min-1", "/min")
 )
+MOST_UNITS = 10  # that the values of one list are written in: to look one up takes long
 _TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*(.*?)\s*")
 _UNIT = re.compile(r"(?:1/)?[A-Za-zµμ°'\"_][\w µμ°*/^().'\"-]{0,40}")
 _PINT_NAMES = {"1": "dimensionless", "m s-2": "m/s**2", "m s-1": "m/s", "rad s-1": "rad/s"}
@@ -41,10 +44,15 @@ def read_number(name: str, quantity: Quantity, raw: object) -> float:
     UnitError
         If it is no finite number of that kind, or lies outside the quantity's bounds.
     """
+    return _read_one(name, quantity, raw, {})
+
+
+def _read_one(name: str, quantity: Quantity, raw: object, factors: dict[str, Fraction]) -> float:
+    """Return what `read_number` does; `factors` holds what units are that have been met."""
     if isinstance(raw, bool) or not isinstance(raw, (int, float, str)):
         raise UnitError(f"{_shown(raw)} is not a number", _how_to_write(name, quantity))
     if isinstance(raw, str):
-        number = _read_text(name, quantity, raw)
+        number = _read_text(name, quantity, raw, factors)
     else:
         try:
             number = float(raw)
@@ -56,26 +64,52 @@ def read_number(name: str, quantity: Quantity, raw: object) -> float:
     return number + 0.0  # -0.0 and 0.0 are one value
 
 
+def read_numbers(name: str, quantity: Quantity, raw: Sequence[object]) -> tuple[float, ...]:
+    """Return what `read_number` does for each of many, plain numbers a good deal faster.
+
+    Raises
+    ------
+    UnitError
+        For the first that is wrong, or if they are written in very many units.
+    """
+    if {*map(type, raw)} <= {int, float}:
+        try:
+            numbers = [float(number) + 0.0 for number in raw]  # type: ignore[arg-type]
+        except OverflowError:
+            numbers = [math.inf]
+        low, high = quantity.lower, quantity.upper
+        inside = low < min(numbers) if quantity.strict else low <= min(numbers)
+        if inside and max(numbers) <= high and all(map(math.isfinite, numbers)):
+            return tuple(numbers)
+    factors: dict[str, Fraction] = {}
+    return tuple(_read_one(name, quantity, item, factors) for item in raw)
+
+
 def problem(place: str, error: UnitError) -> Problem:
     """Return the error as a problem at `place`."""
     return Problem(place, error.message, error.fix)
 
 
-def _read_text(name: str, quantity: Quantity, text: str) -> float:
+def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Fraction]) -> float:
     match = _TEXT.fullmatch(text[:200])
     if match is None:
         raise UnitError(
             f"{_shown(text)} is not a number with a unit", _how_to_write(name, quantity)
         )
     try:
-        number = Fraction(Decimal(match[1]))
+        numerator, denominator = Decimal(match[1]).as_integer_ratio()
     except InvalidOperation as error:  # pragma: no cover (the pattern admits decimals only)
         raise UnitError(f"{_shown(text)} is not a number", _how_to_write(name, quantity)) from error
     unit = match[2]
+    if unit and unit not in factors:
+        if len(factors) >= MOST_UNITS:
+            raise UnitError(f"{name} is written in many units", "Write all values in one unit")
+        factors[unit] = _factor(name, quantity, unit)
     if unit:
-        number *= _factor(name, quantity, unit)
+        numerator *= factors[unit].numerator
+        denominator *= factors[unit].denominator
     try:
-        return float(number)
+        return numerator / denominator  # of whole numbers: rounded once
     except OverflowError:
         return math.inf
 
@@ -134,5 +168,5 @@ def _how_to_write(name: str, quantity: Quantity) -> str:
 
 
 def _shown(raw: object) -> str:
-    text = repr(raw)
+    text = reprlib.repr(raw) if isinstance(raw, list | tuple | dict) else repr(raw)
     return text if len(text) <= 60 else text[:57] + "..."

@@ -10,11 +10,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from operator import gt, lt
 from typing import TYPE_CHECKING, Any, Literal
 
 from core.errors import suggestion
 from core.quantities import QUANTITIES, Quantity
-from core.study.units import UnitError, read_number
+from core.study.units import UnitError, read_number, read_numbers
 
 if TYPE_CHECKING:
     import numpy as np
@@ -175,12 +176,12 @@ def position_on_axis(name: str, values: NDArray[np.float64], wanted: float) -> i
 def _read_points(name: str, quantity: Quantity, raw: list[object] | tuple[object, ...]) -> Points:
     if not raw:
         raise UnitError(f"{name} is an empty list", "Give at least one value")
-    values = tuple(read_number(name, quantity, item) for item in raw)
-    steps = [after - before for before, after in pairwise(values)]
-    if 0.0 in steps:
-        repeated = values[steps.index(0.0)]
-        raise UnitError(f"{name} lists {repeated:g} twice", "List each value once")
-    if not (all(step > 0 for step in steps) or all(step < 0 for step in steps)):
+    values = read_numbers(name, quantity, raw)
+    following = values[1:]
+    if not (all(map(lt, values, following)) or all(map(gt, values, following))):
+        repeated = next((one for one, after in pairwise(values) if one == after), None)
+        if repeated is not None:
+            raise UnitError(f"{name} lists {repeated:g} twice", "List each value once")
         raise UnitError(f"the values of {name} go up and down", "Sort them")
     return Points(values)
 

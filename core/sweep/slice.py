@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from core.errors import LimitError, Problem, StudyError, suggestion
+from core.errors import LimitError, Problem, StudyError, Suggestions
 from core.plan.evaluate import evaluate
 from core.plan.grid import Grid, from_si
 from core.quantities import QUANTITIES, REGIMES
@@ -98,9 +98,9 @@ def _problems(
     sweep: Sweep, output: str, axes: Sequence[str], at: Mapping[str, str]
 ) -> Iterator[Problem]:
     """Yield what is wrong with the names in a request."""
-    known = sweep.grid.axes
+    known, suggest = sweep.grid.axes, Suggestions()
     if output not in sweep.dims:
-        fix = suggestion(output, sweep.dims)
+        fix = suggest(output, sweep.dims)
         yield Problem("output", f"'{output}' is not an output of this sweep", fix)
     if not 1 <= len(axes) <= MOST_AXES:
         yield Problem(
@@ -108,11 +108,11 @@ def _problems(
         )
     for name in axes:
         if name not in known:
-            fix = suggestion(name, known)
+            fix = suggest(name, known)
             yield Problem("axes", f"'{name}' is not an axis of this sweep", fix)
     for name in at:
         if name not in known:
-            fix = suggestion(name, known)
+            fix = suggest(name, known)
             yield Problem(name, f"'{name}' is not an axis of this sweep", fix)
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
-from fastapi.testclient import TestClient
 from typer.testing import CliRunner
 
 from app.cli import app
@@ -19,6 +18,7 @@ from core.scenes import SCENES
 from core.study import parse_study
 from core.study.models import STUDIES
 from core.sweep import sweep
+from local_client import local_client
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 EXAMPLES: dict[str, dict[str, Path]] = {kind: {} for kind in STUDIES}
@@ -41,7 +41,7 @@ def test_motion_by_file_by_request_and_by_call(scene, tmp_path):
     assert ran.exit_code == 0, ran.output
     read = xarray.load_dataset(tmp_path / "by_file.nc", engine="netcdf4", decode_times=False)
     xarray.testing.assert_equal(read, called)
-    with TestClient(create_app(Settings(data_directory=tmp_path / "data"))) as client:
+    with local_client(create_app(Settings(data_directory=tmp_path / "data"))) as client:
         reply = client.post("/processes/simulate/execution", json=content)
     assert reply.status_code == 200, reply.text
     for name, variable in reply.json()["variables"].items():
@@ -55,7 +55,7 @@ def test_a_scene_by_file_by_request_and_by_call(scene, tmp_path):
     called = sweep(parse_study(content))
     ran = CliRunner().invoke(app, ["run", str(path), "-o", str(tmp_path / "by_file.nc")])
     assert ran.exit_code == 0, ran.output
-    with TestClient(create_app(Settings(data_directory=tmp_path / "data"))) as client:
+    with local_client(create_app(Settings(data_directory=tmp_path / "data"))) as client:
         posted = client.post("/sweeps", json=content)
         assert posted.status_code == 201, posted.text
         download = client.get(f"/sweeps/{posted.json()['id']}/netcdf")

@@ -19,6 +19,7 @@ from starlette.requests import ClientDisconnect
 from app import logs
 from app.main import create_app
 from app.settings import Settings
+from local_client import local_client
 
 Lines = Callable[[], list[dict[str, Any]]]
 
@@ -40,7 +41,7 @@ def lines() -> Iterator[Lines]:
 
 @pytest.fixture
 def client(tmp_path: Path) -> TestClient:
-    return TestClient(create_app(Settings(data_directory=tmp_path)))
+    return local_client(create_app(Settings(data_directory=tmp_path)))
 
 
 def requests(lines: Lines) -> list[dict[str, Any]]:

@@ -326,5 +326,6 @@ TIME_STEPPING = Method(
     seconds_a_cell=_price,
     defaults={"steps_per_period": 1000.0, "most_periods": 200.0},
     course=_course,
+    most_steps=MOST_STEPS,
     checked_by=("events", "reference"),
 )

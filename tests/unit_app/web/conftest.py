@@ -9,6 +9,7 @@ from fastapi.testclient import TestClient
 
 from app.main import create_app
 from app.settings import Settings
+from local_client import local_client
 from posted_sweeps import STUDY
 
 
@@ -17,7 +18,7 @@ def client(tmp_path: Path):
     """Return a client of the service whose replies to GET and HEAD have equal headers."""
     app = create_app(Settings(data_directory=tmp_path, max_cells=10**6))
     headers = {"X-Request-ID": "one"}
-    with TestClient(app, raise_server_exceptions=False, headers=headers) as client:
+    with local_client(app, raise_server_exceptions=False, headers=headers) as client:
         yield client
 
 

@@ -16,6 +16,7 @@ from app.main import create_app
 from app.settings import Settings
 from core.study import parse_study
 from core.sweep import sweep
+from local_client import local_client
 
 pytestmark = pytest.mark.service  # a server with workers of its own
 
@@ -73,7 +74,7 @@ def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
         max_synchronous_seconds=1.0,
         max_wait_seconds=50,
     )
-    with TestClient(create_app(settings), raise_server_exceptions=False) as client:
+    with local_client(create_app(settings), raise_server_exceptions=False) as client:
         yield client
 
 
@@ -238,7 +239,7 @@ class TestFailure:
     def test_the_results_of_a_failed_job_are_why(self, tmp_path):
         # No study ends within a nanosecond: it is stopped at the limit after its first block.
         settings = Settings(data_directory=tmp_path, workers=1, max_job_seconds=1e-9)
-        with TestClient(create_app(settings)) as client:
+        with local_client(create_app(settings)) as client:
             job = client.post("/processes/simulate/execution", json=ENDLESS).json()
             job = waited(client, job["jobID"])
             assert job["status"] == "failed"
@@ -252,7 +253,7 @@ class TestFailure:
 
     def test_a_full_disk_is_told_before_any_work(self, tmp_path):
         settings = Settings(data_directory=tmp_path, workers=1, disk_quota_bytes=100)
-        with TestClient(create_app(settings)) as client:
+        with local_client(create_app(settings)) as client:
             found = problem(client.post(PATH, json=study(), headers=ASYNC), 507)
             assert found["type"] == "urn:vibrafeed:problem:storage"
             assert client.get("/jobs").json()["jobs"] == []
@@ -260,7 +261,7 @@ class TestFailure:
 
     def test_a_file_of_a_sweep_asks_for_room_too(self, tmp_path):
         settings = Settings(data_directory=tmp_path, disk_quota_bytes=1000)
-        with TestClient(create_app(settings)) as client:
+        with local_client(create_app(settings)) as client:
             many = study(frequency={"start": 20, "stop": 120, "num": 600})
             posted = client.post("/sweeps", json=many).json()
             found = problem(client.get(f"/sweeps/{posted['id']}/netcdf"), 507)
@@ -269,7 +270,7 @@ class TestFailure:
 
     def test_a_file_that_takes_long_is_sent_to_the_jobs(self, tmp_path):
         settings = Settings(data_directory=tmp_path, max_execution_seconds=0.01)
-        with TestClient(create_app(settings)) as client:
+        with local_client(create_app(settings)) as client:
             posted = client.post("/sweeps", json=study(frequency=LONG)).json()
             found = problem(client.get(f"/sweeps/{posted['id']}/netcdf"), 422)
             assert found["type"] == "urn:vibrafeed:problem:limit"
@@ -277,7 +278,7 @@ class TestFailure:
 
     def test_a_report_of_a_grid_beyond_all_limits_is_refused(self, tmp_path):
         settings = Settings(data_directory=tmp_path, max_sweep_cells=10)
-        with TestClient(create_app(settings)) as client:
+        with local_client(create_app(settings)) as client:
             reply = client.post("/processes/accuracy/execution", json=study())
             assert "12 cells" in problem(reply, 422)["detail"]
 

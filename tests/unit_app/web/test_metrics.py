@@ -16,11 +16,12 @@ from prometheus_client.parser import text_string_to_metric_families
 
 from app.main import create_app
 from app.settings import Settings
+from local_client import local_client
 
 
 @pytest.fixture
 def client(tmp_path: Path) -> TestClient:
-    return TestClient(create_app(Settings(data_directory=tmp_path / "data")))
+    return local_client(create_app(Settings(data_directory=tmp_path / "data")))
 
 
 def figures(client: TestClient) -> dict[tuple[str, ...], float]:
@@ -96,7 +97,7 @@ def test_parts_add_gauges_and_apps_share_nothing(client, tmp_path):
     values.update(cold=4.0, warm=1.0)
     assert figures(client)["vibrafeed_pots", "cold"] == 4
     assert figures(client)["vibrafeed_pots", "warm"] == 1
-    other = TestClient(create_app(Settings(data_directory=tmp_path)))
+    other = local_client(create_app(Settings(data_directory=tmp_path)))
     assert ("vibrafeed_pots", "cold") not in figures(other)
 
 

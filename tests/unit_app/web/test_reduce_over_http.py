@@ -13,6 +13,7 @@ from fastapi.testclient import TestClient
 from app.main import create_app
 from app.settings import Settings
 from core.kinds import prepare_content, tabulate
+from local_client import local_client
 
 pytestmark = pytest.mark.service  # a server with workers of its own
 
@@ -45,7 +46,7 @@ def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
         data_directory=tmp_path_factory.mktemp("data"), workers=1, max_cells=100, max_bytes=1000,
         block_seconds=0.1,
     )  # fmt: skip
-    with TestClient(create_app(settings), raise_server_exceptions=False) as client:
+    with local_client(create_app(settings), raise_server_exceptions=False) as client:
         yield client
 
 

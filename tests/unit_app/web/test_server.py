@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from fastapi.testclient import TestClient
 from typer.testing import CliRunner
 
 import core
@@ -27,6 +26,7 @@ from app.jobs.manifest import NETCDF, Manifest
 from app.main import create_app
 from app.settings import Settings
 from app.web.guard import new_key
+from local_client import local_client
 
 ROOT = Path(__file__).parents[3]
 KEY, HASH = new_key()
@@ -256,4 +256,4 @@ def test_a_signal_tells_the_app_before_connections_are_waited_for(tmp_path):
     server.handle_exit(signal.SIGTERM, None)
     assert app.state.stopping.is_set()
     assert server.should_exit
-    problem(TestClient(app).get("/readyz"), 503, "not-ready")
+    problem(local_client(app).get("/readyz"), 503, "not-ready")

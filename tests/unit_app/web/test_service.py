@@ -19,6 +19,7 @@ from core.motion import simulate
 from core.scenes import SCENES
 from core.study import parse_study
 from core.sweep import sweep
+from local_client import local_client
 from posted_sweeps import STUDY
 
 
@@ -29,7 +30,7 @@ def settings(tmp_path: Path) -> Settings:
 
 @pytest.fixture
 def client(settings: Settings):
-    with TestClient(create_app(settings), raise_server_exceptions=False) as client:
+    with local_client(create_app(settings), raise_server_exceptions=False) as client:
         yield client
 
 
@@ -313,14 +314,14 @@ class TestSimulation:
 
     def test_limits(self, settings):
         small = settings.model_copy(update={"max_cells": 5})
-        with TestClient(create_app(small)) as client:
+        with local_client(create_app(small)) as client:
             reply = problem(client.post(self.PATH, json=SIMULATION))
             assert reply["type"].endswith("limit")
             assert "4" in reply["detail"]
 
     def test_what_is_finished_in_time_is_replied(self, settings):
         hurried = settings.model_copy(update={"max_execution_seconds": 1e-9})
-        with TestClient(create_app(hurried)) as client:
+        with local_client(create_app(hurried)) as client:
             document = client.post(self.PATH, json=SIMULATION).json()
         assert document["complete"] is False
         assert document["variables"]["motion_status"]["data"][0][0] == 0

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fastapi.testclient import TestClient
 from typer.testing import CliRunner
 
 from app.cli import app
@@ -21,6 +20,7 @@ from core.optimise import METHODS, optimise
 from core.optimise.codes import STATUS
 from core.quantities import REGIMES
 from core.study import load_study, parse_json, parse_study
+from local_client import local_client
 
 CONFIGS = sorted((Path(__file__).parents[3] / "configs").glob("optimise-*.toml"))
 # The data of figure 5.1 of the source, less strong: below lift-off at the best angles.
@@ -187,12 +187,12 @@ def test_by_command_by_request_and_by_call(tmp_path):
     planned = CliRunner().invoke(app, ["run", "--dry-run", str(path)])
     assert planned.exit_code == 0
     assert "by the choice of alpha, beta" in planned.output
-    with TestClient(create_app(Settings(data_directory=tmp_path / "data"))) as client:
+    with local_client(create_app(Settings(data_directory=tmp_path / "data"))) as client:
         reply = client.post("/processes/optimise/execution", json={"inputs": {"study": study}})
         assert reply.status_code == 200, reply.text
         wrong = client.post("/processes/optimise/execution", json={**study, "kind": "sweep"})
         assert wrong.status_code == 422
-        stopped = TestClient(
+        stopped = local_client(
             create_app(Settings(data_directory=tmp_path / "more", max_execution_seconds=1e-9))
         )
         with stopped:

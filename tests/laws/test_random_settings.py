@@ -1,0 +1,129 @@
+"""Studies of motion with settings at random, at their bounds and beyond, fail with our words only.
+
+`VIBRAFEED_FUZZ_CASES=5000 pytest tests/laws/test_random_settings.py` searches for longer.
+"""
+
+import os
+import time
+
+import numpy as np
+import pytest
+
+from core.errors import VibrafeedError
+from core.kinds import prepare_content, tabulate
+from core.motion.methods import regularised
+from core.motion.systems import CONTACTS, SYSTEMS
+from core.watch import Watch
+
+CASES = int(os.environ.get("VIBRAFEED_FUZZ_CASES", "25"))
+# Bounds of the schema; floats are drawn evenly in their logarithm.
+FLOATS = {"tolerance": (1e-13, 1.0), "slip_speed": (1e-12, 1.0), "contact_stiffness": (100, 1e16)}
+COUNTS = {"most_periods": (8, 100_000), "steps_per_period": (8, 100_000)}
+MOST_STEPS = 100_000  # of a case: larger ones are prepared, and not carried out
+
+
+@pytest.fixture(autouse=True)
+def _few_evaluations(monkeypatch):
+    """A cell of `regularised` is given up soon: as many give up as are followed to the end."""
+    monkeypatch.setattr(regularised, "MOST_EVALUATIONS", 3_000)
+
+
+def drawn(random, low, high):
+    """Return a number between two bounds, or one of them, or one just beyond."""
+    inside = float(np.exp(random.uniform(np.log(low), np.log(high))))
+    return random.choice([inside, inside, inside, low, high, low / 2, high * 2])
+
+
+def course(random):
+    """Return what a study may ask of a course: steps, or times of any size."""
+    latest = float(10.0 ** random.uniform(-6, 9))
+    kinds = (int(random.integers(2, 50)), [latest], [0, latest / 2, latest], [0.0])
+    return kinds[random.integers(len(kinds))]
+
+
+def study(random):
+    """Return the content of a study of any system, method and settings."""
+    scene = str(random.choice([*SYSTEMS]))
+    method = str(random.choice([*SYSTEMS[scene].variants]))
+    parameters = {"friction": round(random.uniform(0, 1.2), 3)}
+    content = {"kind": "simulate", "scene": scene, "method": method, "parameters": parameters}
+    if scene in CONTACTS:
+        parameters |= {
+            "frequency": float(random.choice([1e-3, 20, 50, 1e4])),
+            "amplitude": f"{10 ** random.uniform(-3, 1):.3g} mm",
+            "beta": round(random.uniform(0, 90), 2),
+            "restitution": float(random.choice([0, 0, 0.5, 0.9, 1])),
+        }
+        if scene == "rectangle-on-track":
+            parameters["delta"] = 10
+        for name in SYSTEMS[scene].variant_defaults[method]:
+            if random.random() < 0.3:
+                continue
+            if name in FLOATS:
+                content[name] = drawn(random, *FLOATS[name])
+            else:
+                low, high = COUNTS[name]
+                content[name] = int(drawn(random, low, random.choice([12, 40, high])))
+    else:
+        parameters |= {"duration": "0.3 s", "length": "10 mm", "restitution": 0.3}
+        parameters["height" if scene.startswith("rectangle") else "diameter"] = "4 mm"
+        parameters["drop_height"] = f"{10 ** random.uniform(-2, 2):.3g} mm"
+        content["outputs"] = ["final_pitch"]
+    if random.random() < 0.3:
+        content["trajectory"] = course(random)
+    return content
+
+
+def is_long(prepared):
+    """Return whether a case would take longer than a search has for it."""
+    settings = {**prepared.method.defaults, **prepared.study.settings()}
+    periods, steps = settings.get("most_periods", 0), settings.get("steps_per_period", 1)
+    shown = prepared.study.trajectory
+    if isinstance(shown, tuple):
+        periods += shown[-1] * prepared.grid.fixed.get("frequency", 1.0)
+    # A period takes as long as so many steps, of methods without them.
+    steps = {"reference": 3e4, "events": 300}.get(prepared.method.name, steps)
+    return steps * periods > MOST_STEPS
+
+
+def test_random_settings_are_followed_or_refused():
+    random = np.random.default_rng(17)
+    ends = {"followed": 0, "refused": 0, "left": 0}
+    for _ in range(CASES):
+        content = study(random)
+        try:
+            prepared = prepare_content(content)
+            if is_long(prepared):
+                ends["left"] += 1
+                continue
+            tabulate(prepared, Watch(deadline=time.monotonic() + 5))
+            ends["followed"] += 1
+        except VibrafeedError:
+            ends["refused"] += 1
+        except Exception as error:
+            raise AssertionError(f"{content} ends in {error!r}") from error
+    assert min(ends["followed"], ends["refused"]) > 0.1 * CASES, ends
+
+
+HOP = {"frequency": 50, "amplitude": "1 mm", "beta": 30, "friction": 0.3}
+
+
+@pytest.mark.parametrize(
+    ("settings", "place"),
+    [
+        ({"method": "time-stepping", "most_periods": 5}, "most_periods"),
+        ({"method": "time-stepping", "steps_per_period": 1_000_000}, "steps_per_period"),
+        ({"method": "time-stepping", "steps_per_period": 100_000, "most_periods": 251},
+         "steps_per_period"),
+        ({"method": "time-stepping", "trajectory": [1e8]}, "trajectory"),
+        ({"method": "time-stepping", "trajectory": [1e4]}, "trajectory"),
+        ({"method": "events", "trajectory": [9e5]}, "trajectory"),
+        ({"method": "regularised", "tolerance": 1e-300, "slip_speed": 1e-12,
+          "contact_stiffness": 1e16, "most_periods": 8}, "tolerance"),
+    ],
+)  # fmt: skip
+def test_settings_that_no_method_can_follow_are_refused_by_name(settings, place):
+    content = {"kind": "simulate", "scene": "rectangle-on-plane", "parameters": HOP, **settings}
+    with pytest.raises(VibrafeedError) as caught:
+        prepare_content(content)
+    assert place in {problem.place for problem in caught.value.problems}
