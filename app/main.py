@@ -10,6 +10,7 @@ import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+from anyio import CapacityLimiter
 from anyio.to_thread import current_default_thread_limiter
 from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
@@ -25,6 +26,7 @@ from app.settings import Settings
 from app.web import guard, openapi, problems
 from app.web.metrics import Metrics
 from app.web.observe import Observe
+from app.web.outgoing import Outgoing, Unsent
 from app.web.routes import health, jobs, processes, results, scenes, sweeps, zarr
 from app.web.zarr_views import ZarrViews
 
@@ -47,6 +49,7 @@ def create_app(settings: Settings) -> FastAPI:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         current_default_thread_limiter().total_tokens = THREADS
+        app.state.large_slices = CapacityLimiter(os.cpu_count() or 1)
         await runner.start()
         stopping = asyncio.Event()
         tidying = asyncio.create_task(_tidy(desk, stopping))
@@ -71,6 +74,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.writer = writer
     app.state.desk = desk
     app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
+    app.state.unsent = Unsent(settings.max_unsent_bytes)
     app.state.metrics = Metrics()  # other parts add gauges
     # Of (name, check): see `app.web.routes.health.readyz`.
     app.state.readiness = [("jobs", runner.wrong)]
@@ -80,6 +84,7 @@ def create_app(settings: Settings) -> FastAPI:
     for part in (health, scenes, sweeps, zarr, processes, jobs, results):
         app.include_router(part.router)
     openapi.install(app)
+    app.add_middleware(Outgoing, unsent=app.state.unsent)
     guard.install(app, settings)
     app.add_middleware(Observe, metrics=app.state.metrics)
     app.add_middleware(guard.SafeHeaders)

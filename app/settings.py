@@ -138,6 +138,11 @@ class Settings(BaseSettings):
     max_requests: int = Field(
         default=512, gt=0, description="Most requests under way; more are answered by 503."
     )
+    max_unsent_bytes: int = Field(
+        default=256_000_000,
+        gt=0,
+        description="Most bytes of replies that wait for their readers; more are answered by 503.",
+    )
     shutdown_seconds: int = Field(
         default=10, gt=0, description="Longest wait for replies under way when the service stops."
     )

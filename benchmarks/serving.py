@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import socket
 import subprocess
 import sys
@@ -14,6 +15,7 @@ import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +30,7 @@ class Served:
     address: str
     pid: int
     data: Path
+    log: Path
 
     @property
     def place(self) -> tuple[str, int]:
@@ -69,8 +72,8 @@ class Served:
 
 
 @contextmanager
-def served(**settings: object) -> Iterator[Served]:
-    """Yield a server with these settings; stop it at the end."""
+def served(open_files: int | None = None, **settings: object) -> Iterator[Served]:
+    """Yield a server with these settings, and at most so many open files; stop it at the end."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -79,17 +82,26 @@ def served(**settings: object) -> Iterator[Served]:
         given = {"data_directory": data, **settings}
         environment = {f"VIBRAFEED_{name.upper()}": str(value) for name, value in given.items()}
         command = [sys.executable, "-c", "from app.cli import main; main()", "serve"]
-        with (Path(folder) / "log").open("wb") as log:
+        path = Path(folder) / "log"
+        limit = None if open_files is None else partial(_limit_files, open_files)
+        with path.open("wb") as log:
             process = subprocess.Popen(
-                [*command, "--port", str(port)], stderr=log, env={**os.environ, **environment}
+                [*command, "--port", str(port)],
+                stderr=log,
+                env={**os.environ, **environment},
+                preexec_fn=limit,
             )
             try:
-                found = Served(f"http://127.0.0.1:{port}", process.pid, data)
+                found = Served(f"http://127.0.0.1:{port}", process.pid, data, path)
                 _wait_for(found)
                 yield found
             finally:
                 process.terminate()
                 process.wait(60)
+
+
+def _limit_files(most: int) -> None:
+    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
 
 
 def _wait_for(server: Served) -> None:

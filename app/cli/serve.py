@@ -43,8 +43,11 @@ def serve(
         refuse({Path("serve"): [Problem(f"--host {host}", message, fix)]})
     from app import logs
     from app.main import create_app
+    from app.web.connections import most_requests, raise_open_files
     from app.web.server import serve_until_stopped
 
+    most = min(settings.max_requests, most_requests(raise_open_files()))
+    settings = settings.model_copy(update={"max_requests": most})
     service = create_app(settings)
     _check_directory(settings.data_directory.absolute(), service.state.desk.ledger)
     logs.configure()

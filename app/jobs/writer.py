@@ -45,9 +45,18 @@ class Writer:
         NoRoomError
             If the file would not fit.
         """
-        known = await asyncio.to_thread(self._store.manifest, key)
+        known = await self.known(key)
         if known is not None:
             return known
+        self.check(sweep)
+        return await asyncio.wrap_future(self._thread.submit(self._write, key, sweep))
+
+    async def known(self, key: str) -> Manifest | None:
+        """Return the manifest of the result of a sweep; None if it is not made yet."""
+        return await asyncio.to_thread(self._store.manifest, key)
+
+    def check(self, sweep: Sweep) -> None:
+        """Raise `LimitError` if a sweep is too large, or takes too long, for one reply."""
         settings = self._settings
         sweep.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
         seconds = sweep.cells * sweep.seconds_a_cell + sweep.seconds_to_verify
@@ -55,7 +64,6 @@ class Writer:
         if seconds > most:
             fix = "POST the study to /processes/sweep/execution: that makes a job of it"
             raise LimitError("seconds in one reply", math.ceil(seconds), math.floor(most), fix)
-        return await asyncio.wrap_future(self._thread.submit(self._write, key, sweep))
 
     def close(self) -> None:
         """Finish the write under way, and take no more."""

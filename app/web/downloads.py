@@ -17,6 +17,7 @@ from fastapi.responses import Response, StreamingResponse
 from starlette.types import Receive, Scope, Send
 
 from app.jobs.errors import NotFoundError
+from app.web.outgoing import expect
 from app.web.replies import problem_document
 
 PIECE = 1 << 20  # as fast as sendfile, where the 64 KiB of FileResponse take three times as long
@@ -100,6 +101,7 @@ def file_reply(
     headers["Content-Length"] = str(stop - start)
     if request.method == "HEAD":
         return Response(status_code=status, headers=headers, media_type=media_type)
+    expect(request, min(stop - start, 2 * PIECE))  # one is read while the last is sent
     return _FileResponse(path, start, stop, status, headers, media_type)
 
 

@@ -39,6 +39,10 @@ class TooLargeError(VibrafeedError):
         super().__init__(f"A body may hold {most:,} bytes; this one holds more.")
 
 
+class BusyError(VibrafeedError):
+    """The service has too much under way to take this now."""
+
+
 OGC = "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/"
 
 # What each error means over HTTP: status, kind, title.
@@ -52,6 +56,7 @@ STATUS: dict[type[Exception], tuple[int, str, str]] = {
     NoSuchJobError: (404, f"{OGC}no-such-job", "There is no such job"),
     NotReadyError: (404, f"{OGC}result-not-ready", "The results are not there yet"),
     QueueFullError: (429, "queue", "The queue of jobs is full"),
+    BusyError: (503, "busy", "The service is busy"),
     NoRoomError: (507, "storage", "There is no room for the result"),
 }
 RETRY_AFTER = {429: "5", 503: "1"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import ctypes
+import os
 import socket
 import sys
 from types import FrameType
@@ -13,6 +14,10 @@ import uvicorn
 from fastapi import FastAPI
 
 from app.settings import Settings
+from app.web.connections import ACCEPTED_AT_ONCE, Connection
+
+# Connections that wait to be taken in; the system drops one more, which comes back after seconds.
+QUEUE = 4096
 
 
 class Server(uvicorn.Server):
@@ -22,6 +27,22 @@ class Server(uvicorn.Server):
         """Take note of the signal."""
         self.config.app.state.stopping.set()  # type: ignore[union-attr]
         super().handle_exit(sig, frame)
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Start to listen; let many wait, of whom few are taken in at a time."""
+        await super().startup(sockets)
+        for listener in (one for server in self.servers for one in server.sockets):
+            with socket.socket(fileno=os.dup(listener.fileno())) as same:
+                same.listen(QUEUE)
+
+    async def on_tick(self, counter: int) -> bool:
+        """Look after connections and memory, ten times a second and once."""
+        if counter % 10 == 0:
+            for connection in list(self.server_state.connections):
+                connection.look()  # type: ignore[union-attr]
+            if self.config.app.state.unsent.has_fallen(KEPT):  # type: ignore[union-attr]
+                await asyncio.to_thread(give_memory_back)
+        return await super().on_tick(counter)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Finish, or cut short, what is under way."""
@@ -37,9 +58,10 @@ TURN = 0.001
 
 # Of glibc's mallopt: what to set, to how much. Arrays of a reply are given back to the system and
 # taken again otherwise, page by page, and that takes longer than computing them.
+KEPT = 128 << 20
 MALLOPT = {
     -3: 32 << 20,  # M_MMAP_THRESHOLD: blocks up to here, its largest value, come from the heap
-    -1: 128 << 20,  # M_TRIM_THRESHOLD: of the heap so much stays when it is free
+    -1: KEPT,  # M_TRIM_THRESHOLD: of the heap so much stays when it is free
     -8: 1,  # M_ARENA_MAX: one heap, or each thread would keep as much
 }
 
@@ -52,12 +74,21 @@ def keep_memory() -> None:
             library.mallopt(name, value)
 
 
+def give_memory_back() -> None:
+    """Give back what is free between what is used, of which the C library thinks only when told."""
+    library = ctypes.CDLL(None)
+    if hasattr(library, "malloc_trim"):
+        library.malloc_trim(0)
+
+
 def serve_until_stopped(app: FastAPI, settings: Settings, host: str, port: int) -> None:
     """Serve an app until a signal ends it; the log is `app.logs.configure`'s."""
     sys.setswitchinterval(TURN)
     keep_memory()
     config = uvicorn.Config(
         app,
+        http=Connection,
+        backlog=ACCEPTED_AT_ONCE,
         host=host,
         port=port,
         log_config=None,

@@ -16,7 +16,7 @@ HOURS: dict[str, Any] = {
     "kind": "simulate",
     "scene": "rectangle-on-plane",
     "method": "reference",
-    "most_periods": 1_000_000,
+    "most_periods": 100_000,
     "parameters": {
         "frequency": 50,
         "amplitude": "2.1 mm",

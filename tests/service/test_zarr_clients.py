@@ -177,6 +177,7 @@ class TestCurl:
 
     def test_a_broken_download_is_resumed(self, curl, download, tmp_path):
         file, headers = tmp_path / "x.nc", tmp_path / "headers"
+        assert self.run(curl, "-o", file, download).returncode == 0  # HEAD makes no file
         told = self.run(curl, "--head", download)
         assert told.returncode == 0, told.stderr
         fields = dict(line.split(": ", 1) for line in told.stdout.splitlines() if ": " in line)

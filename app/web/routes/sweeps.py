@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from typing import Annotated, Any, Literal
 
 import numpy as np
 import orjson
+from anyio import to_thread
 from fastapi import APIRouter, Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
@@ -14,8 +16,10 @@ from fastapi.responses import Response
 from app.jobs.manifest import NETCDF
 from app.settings import Settings
 from app.web.dependencies import Body, DeskOf, Key, SettingsOf, StoreOf, WriterOf, once
-from app.web.downloads import FOR_EVER, content_reply, etag_of, file_reply, not_modified
+from app.web.documents import NETCDF_TYPE
+from app.web.downloads import ASK_AGAIN, FOR_EVER, content_reply, etag_of, file_reply, not_modified
 from app.web.execution import PROCESSES
+from app.web.outgoing import expect
 from app.web.replies import component, json_reply, problems
 from app.web.sweep_document import SweepDescription, description
 from core.errors import LimitError
@@ -30,6 +34,8 @@ router = APIRouter(prefix="/sweeps", tags=["sweeps"])
 
 BINARY = {"type": "string", "format": "binary"}
 BINARY_TYPE = "application/octet-stream"
+LARGE = 100_000  # values of a slice
+BYTES_A_VALUE = 24  # in JSON, with its regime; less in binary
 NUMPY = orjson.OPT_SERIALIZE_NUMPY
 STUDY_BODY = {
     "requestBody": {
@@ -107,12 +113,16 @@ def get_sweep(key: Key, store: StoreOf) -> Response:
             "headers": {"ETag": {"schema": {"type": "string"}}},
         },
         304: {"description": "The client has it: its ETag stands in If-None-Match"},
-        **problems(s404="No such sweep", s422="The slice cannot be taken"),
+        **problems(
+            s404="No such sweep",
+            s422="The slice cannot be taken",
+            s503="Too much waits to be sent",
+        ),
     },
     openapi_extra=AXIS_VALUES,
     dependencies=[once()],
 )
-def get_slice(
+async def get_slice(
     request: Request,
     key: Key,
     store: StoreOf,
@@ -135,15 +145,23 @@ def get_slice(
     is_binary = form == "binary" if form else prefers_binary(request.headers.get("accept", ""))
     words = [f"{name}={value}" for name, value in sorted(fixed.items())]
     etag = etag_of(key, np.__version__, "binary" if is_binary else "json", output, axes, *words)
-    sweep = store.sweep(key)
+    sweep = await run_in_threadpool(store.sweep, key)
     reply = not_modified(request, etag, FOR_EVER)
     if reply is None:
-        piece = cut(
-            sweep, output=output, axes=axes.split(","), at=fixed, most=settings.max_slice_cells
-        )
-        content = binary(piece) if is_binary else orjson.dumps(piece, option=NUMPY)
+        names = axes.split(",")
+        values = math.prod(sweep.grid.shape.get(name, 1) for name in names)
+        expect(request, BYTES_A_VALUE * min(values, settings.max_slice_cells))
+
+        def content() -> bytes:
+            most = settings.max_slice_cells
+            piece = cut(sweep, output=output, axes=names, at=fixed, most=most)
+            return binary(piece) if is_binary else orjson.dumps(piece, option=NUMPY)
+
+        # Small ones do not wait for a thread behind large ones.
+        lane = request.app.state.large_slices if values > LARGE else None
+        made = await to_thread.run_sync(content, limiter=lane)
         media_type = BINARY_TYPE if is_binary else "application/json"
-        reply = content_reply(content, etag=etag, media_type=media_type)
+        reply = content_reply(made, etag=etag, media_type=media_type)
     reply.headers["Vary"] = "Accept"
     return reply
 
@@ -179,18 +197,34 @@ async def get_netcdf(request: Request, key: Key, store: StoreOf, writer: WriterO
     """Return the whole sweep as a CF-1.11 NetCDF-4 file; the first request computes it.
 
     One range of bytes can be asked for, so that a broken download resumes. The ETag is the SHA-256
-    of the file.
+    of the file. HEAD computes nothing: of a file that is not made it tells neither size nor ETag.
     """
     sweep = await run_in_threadpool(store.sweep, key)
+    if request.method == "HEAD" and await writer.known(key) is None:
+        writer.check(sweep)
+        return _not_made(key)
     manifest = await writer.result(key, sweep)
     return await asyncio.to_thread(
         file_reply,
         request,
         store.folder(key) / NETCDF,
         digest=manifest.files[NETCDF]["sha256"],
-        media_type="application/x-netcdf",
-        filename=f"vibrafeed-{key[:12]}.nc",
+        media_type=NETCDF_TYPE,
+        filename=_filename(key),
     )
+
+
+def _filename(key: str) -> str:
+    return f"vibrafeed-{key[:12]}.nc"
+
+
+def _not_made(key: str) -> Response:
+    """Return what HEAD tells of a file that GET would make."""
+    headers = {"Cache-Control": ASK_AGAIN, "Accept-Ranges": "bytes"}
+    headers["Content-Disposition"] = f'attachment; filename="{_filename(key)}"'
+    reply = Response(headers=headers, media_type=NETCDF_TYPE)
+    del reply.headers["Content-Length"]  # 0, which it will not be
+    return reply
 
 
 def prefers_binary(accept: str) -> bool:

@@ -11,6 +11,7 @@ from fastapi.responses import Response
 from app.jobs.errors import NotFoundError
 from app.web.dependencies import Key, ViewsOf
 from app.web.downloads import FOR_EVER, content_reply, etag_of, not_modified
+from app.web.outgoing import expect
 from app.web.replies import problems
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
@@ -41,7 +42,11 @@ ZarrKey = Annotated[
             "headers": {"ETag": {"schema": {"type": "string"}}},
         },
         304: {"description": "The client has it: its ETag stands in If-None-Match"},
-        **problems(s404="No such sweep, or no such key", s422="The key is too long"),
+        **problems(
+            s404="No such sweep, or no such key",
+            s422="The key is too long",
+            s503="Too much waits to be sent",
+        ),
     },
 )
 @router.head("/{key}/zarr/{path:path}", include_in_schema=False)
@@ -73,4 +78,5 @@ def get_zarr(request: Request, key: Key, path: ZarrKey, views: ViewsOf) -> Respo
     if request.method == "HEAD":
         headers = {"ETag": etag, "Cache-Control": FOR_EVER, "Content-Length": str(length)}
         return Response(headers=headers, media_type=media_type)
+    expect(request, length)
     return content_reply(views.read(key, path), etag=etag, media_type=media_type)

@@ -171,7 +171,8 @@ class TestFile:
         path = tmp_path / "result"
         path.write_bytes(b"12345")
         scope = {
-            "type": "http", "method": "GET", "headers": [], "asgi": {"spec_version": version}
+            "type": "http", "method": "GET", "headers": [], "asgi": {"spec_version": version},
+            "state": {"enlarge": lambda size: None},
         }  # fmt: skip
         reply = file_reply(
             Request(scope), path, digest="00" * 32, media_type="text/plain", filename="x"

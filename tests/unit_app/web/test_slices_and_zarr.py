@@ -142,7 +142,7 @@ class TestZarr:
     def test_the_sweep_names_its_group(self, client, address):
         assert client.get(address).json()["links"]["zarr"] == f"{address}/zarr"
         documented = client.get("/openapi.json").json()["paths"]["/sweeps/{key}/zarr/{path}"]
-        assert set(documented["get"]["responses"]) == {"200", "304", "401", "404", "422"}
+        assert set(documented["get"]["responses"]) == {"200", "304", "401", "404", "422", "503"}
 
     def test_an_etag_is_known_without_computing(self, client, monkeypatch):
         key = client.post("/sweeps", json=TRILLION).json()["id"]

@@ -1,0 +1,103 @@
+"""Connections: how many there may be, and how long a client may keep one waiting.
+
+A client that sends its request, or reads its reply, too slowly is cut off; where there are too many
+connections, one without a request under way makes room for the next, so that whoever comes last is
+heard, /healthz too.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import heapq
+import resource
+from typing import Any
+
+import h11
+from uvicorn.protocols.http.h11_impl import H11Protocol
+
+HEAD_SECONDS = 10.0  # for the head of a request, and before its body has to keep its rate
+BODY_RATE = 10_000.0  # bytes/s of a body, at least
+SEND_SECONDS = 20.0  # for a piece of a reply (`app.web.outgoing.PIECE`) to leave
+
+ACCEPTED_AT_ONCE = 64  # between two of them connections that make room are really closed
+SPARE = 64  # connections beyond the requests that may be under way
+CUT_AT_ONCE = 32  # looking for whom to cut takes time, and is done for several
+# Files beside those of connections and of downloads: ledger, workers, connections that are closing.
+OTHER_FILES = 256 + 2 * ACCEPTED_AT_ONCE
+
+
+def raise_open_files() -> int:
+    """Let this process open as many files as it may; return how many that is."""
+    _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
+    return hard
+
+
+def most_requests(open_files: int) -> int:
+    """Return how many requests have room in so many files: each has a connection and a file."""
+    if open_files == resource.RLIM_INFINITY:
+        return 10**9
+    return max(1, (open_files - OTHER_FILES - SPARE) // 2)
+
+
+class Connection(H11Protocol):
+    """uvicorn's, with an eye on the time that its client takes."""
+
+    def __init__(self, *arguments: Any, **options: Any):
+        super().__init__(*arguments, **options)
+        self._most = self.config.app.state.settings.max_requests + SPARE  # type: ignore[union-attr]
+        self._since = self._sent = self.loop.time()
+        self._received = 0
+        self._was_answered = False
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Take part, if need be in another's place."""
+        if len(self.connections) >= self._most:
+            self._cut_others()
+        super().connection_made(transport)
+
+    def data_received(self, data: bytes) -> None:
+        """Take what the client sends."""
+        self._received += len(data)
+        super().data_received(data)
+
+    def resume_writing(self) -> None:
+        """Note that a piece has left."""
+        self._sent = self.loop.time()
+        super().resume_writing()
+
+    def on_response_complete(self) -> None:
+        """Wait for the next request."""
+        self._since, self._received, self._was_answered = self.loop.time(), 0, True
+        super().on_response_complete()
+
+    def look(self) -> None:
+        """Cut the connection if its client is late; to be called about once a second."""
+        now = self.loop.time()
+        if self.transport.get_write_buffer_size() == 0:
+            self._sent = now
+        # Not closed: that waits until all is sent.
+        if now > self._sent + SEND_SECONDS or now > self._due():
+            self.transport.abort()
+
+    @property
+    def _is_idle(self) -> bool:
+        """Whether no whole request is under way."""
+        is_whole = self.conn.their_state not in (h11.IDLE, h11.SEND_BODY)
+        return not is_whole or self.cycle is None or self.cycle.response_complete
+
+    def _due(self) -> float:
+        """Return when the request must be whole [s on the loop's clock]."""
+        if not self.transport.is_closing() and self.transport.get_write_buffer_size() == 0:
+            if self.conn.their_state is h11.IDLE:
+                return self._since + HEAD_SECONDS
+            if self.conn.their_state is h11.SEND_BODY and not self.flow.read_paused:
+                return self._since + HEAD_SECONDS + self._received / BODY_RATE
+        return float("inf")
+
+    def _cut_others(self) -> None:
+        """Cut those that have waited longest for their clients; first those never heard of."""
+        idle = [one for one in self.connections if isinstance(one, Connection) and one._is_idle]
+        for one in heapq.nsmallest(CUT_AT_ONCE, idle, lambda one: (one._was_answered, one._since)):
+            self.connections.discard(one)
+            one.transport.abort()

@@ -1,0 +1,134 @@
+"""Replies on their way out: in pieces, and no more of them in memory than a bound allows."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+from starlette.requests import Request
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from app.web.problems import STATUS, BusyError
+from app.web.replies import problem_document
+
+PIECE = 1 << 18  # bytes; what a connection holds of a reply beside the reply itself
+SMALL = 1 << 16  # bytes of a body that is not counted: a connection holds as much anyway
+
+
+class Unsent:
+    """Counts the bytes of replies that are made or wait for their readers.
+
+    Threads may use it at the same time.
+
+    Parameters
+    ----------
+    most : int
+        The bound; a single reply may be larger, so that it can be sent at all.
+    """
+
+    def __init__(self, most: int):
+        self._most, self._lock = most, threading.Lock()
+        self._bytes = 0
+        self._peak = 0
+
+    def take(self, size: int) -> None:
+        """Count so many bytes; raise `BusyError` if they are too many."""
+        with self._lock:
+            if self._bytes and self._bytes + size > self._most:
+                raise BusyError("Too many replies wait for their readers; ask again.")
+            self._bytes += size
+            self._peak = max(self._peak, self._bytes)
+
+    def give_back(self, size: int) -> None:
+        """Count so many bytes no longer."""
+        with self._lock:
+            self._bytes -= size
+
+    def has_fallen(self, by: int) -> bool:
+        """Return whether so much less is counted than once, since this was last true."""
+        with self._lock:
+            if self._peak - self._bytes < by:
+                return False
+            self._peak = self._bytes
+            return True
+
+
+class _Share:
+    """What one request has taken."""
+
+    def __init__(self, unsent: Unsent):
+        self._unsent, self.size = unsent, 0
+
+    def enlarge(self, size: int) -> None:
+        if size > max(self.size, SMALL):
+            self._unsent.take(size - self.size)
+            self.size = size
+
+    def close(self) -> None:
+        self._unsent.give_back(self.size)
+
+
+def expect(request: Request, size: int) -> None:
+    """Count the bytes of a reply before it is made; raise `BusyError` if they are too many."""
+    enlarge: Callable[[int], None] = request.state.enlarge
+    enlarge(size)
+
+
+class Outgoing:
+    """Sends bodies in pieces, the next when the last has left; what is too much becomes a 503."""
+
+    def __init__(self, app: ASGIApp, unsent: Unsent):
+        self.app, self.unsent = app, unsent
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on."""
+        if scope["type"] != "http":
+            await self.app(scope, receive, send)
+            return
+        share = _Share(self.unsent)
+        scope.setdefault("state", {})["enlarge"] = share.enlarge
+        try:
+            await self.app(scope, receive, _bounded(scope, receive, send, share))
+        finally:
+            share.close()
+
+
+def _bounded(scope: Scope, receive: Receive, send: Send, share: _Share) -> Send:
+    """Return a `send` that waits with the head of a reply until its body is counted."""
+    head: Message | None = None
+    is_refused = False
+
+    async def bounded(message: Message) -> None:
+        nonlocal head, is_refused
+        if is_refused:
+            return
+        if message["type"] == "http.response.start":
+            head = message
+            return
+        body = message.get("body", b"")
+        if head is not None:
+            try:
+                share.enlarge(len(body))
+            except BusyError as error:
+                is_refused = True
+                await _busy(scope, receive, send, error)
+                return
+            await send(head)
+            head = None
+        if len(body) <= PIECE:
+            await send(message)
+            return
+        view = memoryview(body)
+        for start in range(0, len(body), PIECE):
+            piece = view[start : start + PIECE]
+            await send({"type": "http.response.body", "body": piece, "more_body": True})
+        # This waits until nearly all has left.
+        await send({**message, "body": b""})
+
+    return bounded
+
+
+async def _busy(scope: Scope, receive: Receive, send: Send, error: BusyError) -> None:
+    """Send the refusal."""
+    reply = problem_document(*STATUS[BusyError], str(error), headers={"Retry-After": "1"})
+    await reply(scope, receive, send)
