@@ -13,7 +13,6 @@ from types import SimpleNamespace
 import pytest
 import uvicorn
 from fastapi import FastAPI, Response
-from fastapi.testclient import TestClient
 
 from app.main import create_app
 from app.settings import Settings
@@ -21,6 +20,7 @@ from app.web import connections
 from app.web.connections import BODY_RATE, HEAD_SECONDS, SEND_SECONDS, Connection
 from app.web.outgoing import PIECE, Outgoing, Unsent
 from app.web.problems import BusyError
+from local_client import local_client
 from posted_sweeps import STUDY, problem
 
 HEAD = b"POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 500000\r\n\r\n"
@@ -240,7 +240,7 @@ def test_memory_is_looked_at_once_after_much_has_left():
 
 def test_a_slice_is_refused_before_it_is_computed(tmp_path, monkeypatch):
     settings = Settings(data_directory=tmp_path, max_unsent_bytes=1_000_000)
-    with TestClient(create_app(settings)) as client:
+    with local_client(create_app(settings)) as client:
         large = {**STUDY["parameters"], "alpha": {"start": 0, "stop": 90, "num": 10_000}}
         key = client.post("/sweeps", json={**STUDY, "parameters": large}).json()["id"]
         path = f"/sweeps/{key}/slice?output=acceleration_x&axes=alpha,beta&amplitude=0.35 mm"

@@ -30,16 +30,16 @@ def price(*given, **changed):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_they_grow_with_the_periods_of_a_motion_that_seldom_repeats(method):
-    few, many = (price(method, most_periods=n) for n in (1000, 50_000))
+    few, many = (price(method, most_periods=n) for n in (500, 20_000))
     if method == "regularised":  # until the evaluations of a cell are spent
-        assert few <= many == price(method, most_periods=1_000_000) < 600
+        assert few <= many == price(method, most_periods=100_000) < 600
     else:
         assert 10 * few < many < 100 * few
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_motion_that_repeats_does_not_cost_what_is_allowed(method):
-    few, many = (price(method, parameters=SLIDES, most_periods=n) for n in (1000, 50_000))
+    few, many = (price(method, parameters=SLIDES, most_periods=n) for n in (500, 20_000))
     assert many < 2 * few
     prepared = [
         prepare_content(study(method, parameters=SLIDES, most_periods=n)) for n in (100, 20_000)
@@ -79,7 +79,7 @@ def test_they_follow_the_numbers_of_the_cells_and_not_what_is_given():
 
 
 def test_the_study_that_took_hours_is_no_small_one():
-    assert price("reference", most_periods=1_000_000) > 1000
+    assert price("reference", most_periods=100_000) > 100
     content = {
         "kind": "optimise", "scene": "rectangle-on-plane", "parameters": {**HOPS},
         "criterion": {"kind": "maximise", "output": "conveying_velocity"},
