@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from app.jobs.ledger import Ledger
     from app.settings import Settings
 
+PRIVATE = 0o077  # what others on the machine may not do with files
 ROOM = 256 * 1024  # bytes that the ledger needs to begin with, and some more
 
 
@@ -46,11 +48,16 @@ def serve(
     from app.web.connections import most_requests, raise_open_files
     from app.web.server import serve_until_stopped
 
+    os.umask(PRIVATE)  # studies and results are their owner's, those of the workers too
+    _check_address(host, port)
     most = min(settings.max_requests, most_requests(raise_open_files()))
     settings = settings.model_copy(update={"max_requests": most})
     service = create_app(settings)
     _check_directory(settings.data_directory.absolute(), service.state.desk.ledger)
     logs.configure()
+    if port and sys.stdout.isatty():  # else it would be a line among those of the log
+        shown = f"[{host}]" if ":" in host else host
+        typer.echo(f"vibrafeed answers at http://{shown}:{port}, its pages are at /docs.")
     serve_until_stopped(service, settings, host, port)
 
 
@@ -70,6 +77,24 @@ def _settings() -> Settings:
     if wrong:
         refuse({Path("environment"): wrong})
     return settings
+
+
+def _check_address(host: str, port: int) -> None:
+    """Listen for a moment, or say in one line why that cannot be and exit."""
+    import socket
+
+    from app.cli import console
+
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        socket.create_server((host, port), family=family).close()
+    except OSError as error:
+        if error.errno == errno.EADDRINUSE:
+            why = f"Port {port} of {host} is taken. Stop what listens there, or give another --port"
+        else:
+            why = f"{host}, port {port}, cannot be listened on: {error.strerror or error}"
+        console.fail(f"{why}.")
+        raise typer.Exit(WRONG_INPUT) from None
 
 
 def _check_directory(directory: Path, ledger: Ledger) -> None:

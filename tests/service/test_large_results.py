@@ -92,6 +92,9 @@ def test_it_is_read_while_it_grows_and_survives_kills(server: Server, tmp_path: 
     assert sorted(one.name for one in folder.iterdir()) == [
         "manifest.json", "result.zarr", "study.json",
     ]  # fmt: skip
+    # Nobody else on the machine reads a study or a result.
+    for path in (tmp_path / "data").rglob("*"):
+        assert path.stat().st_mode & 0o077 == 0, path
 
 
 def test_only_keys_of_the_group_are_served(server: Server) -> None:

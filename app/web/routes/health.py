@@ -37,6 +37,7 @@ class Readiness(BaseModel):
 
 
 @router.get("/healthz", summary="Alive", response_model=Health)
+@router.head("/healthz", include_in_schema=False)
 async def healthz() -> Response:
     """Return ``ok`` and the version; touches neither disk nor store."""
     return json_reply({"status": "ok", "version": core.__version__})
@@ -48,6 +49,7 @@ async def healthz() -> Response:
     response_model=Readiness,
     responses=problems(s503="It is not ready; errors names what fails"),
 )
+@router.head("/readyz", include_in_schema=False)
 def readyz(request: Request, settings: SettingsOf) -> Response:
     """Return ``ready`` if the data directory can be written and every part is ready.
 

@@ -52,6 +52,7 @@ LOOK, LONGEST_LOOK = 0.05, 0.5
 
 
 @router.get("/", summary="Landing page", response_model=LandingPage)
+@router.head("/", include_in_schema=False)
 def landing_page(base: BaseOf) -> Response:
     """Return links to what the service offers."""
     links = [

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import pty
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -233,6 +235,36 @@ def test_a_ledger_that_is_none_is_told_and_left_alone(tmp_path, monkeypatch):
         run("serve", "--port", "0"), tmp_path, "its jobs.sqlite3: file is not a database"
     )
     assert ledger.read_bytes() == b"no ledger " * 1000
+
+
+def test_a_port_that_is_taken_is_told_in_one_line(tmp_path, monkeypatch):
+    monkeypatch.setenv("VIBRAFEED_DATA_DIRECTORY", str(tmp_path / "data"))
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        result = run("serve", "--port", str(port))
+    assert result.exit_code == 2, result.output
+    (line,) = result.stderr.splitlines()
+    assert line.startswith(f"Port {port} of 127.0.0.1 is taken.")
+    assert not (tmp_path / "data").exists()
+
+
+def test_who_starts_it_by_hand_reads_which_address_to_open(tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    ours, theirs = pty.openpty()
+    process = subprocess.Popen(
+        [sys.executable, "-c", "from app.cli import main; main()", "serve", "--port", str(port)],
+        env={**os.environ, "VIBRAFEED_DATA_DIRECTORY": str(tmp_path)},
+        stdout=theirs, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        line = os.read(ours, 1000).decode()
+    finally:
+        process.terminate()
+        process.wait(60)
+        os.close(ours)
+        os.close(theirs)
+    assert line.strip() == f"vibrafeed answers at http://127.0.0.1:{port}, its pages are at /docs."
 
 
 def assert_one_line(result, directory: Path, why: str) -> None:

@@ -51,6 +51,10 @@ def problem(response, status: int = 422) -> dict:
 
 def test_health(client):
     assert client.get("/healthz").json()["status"] == "ok"
+    for path in ("/", "/healthz", "/readyz"):
+        head = client.head(path)
+        assert head.status_code == client.get(path).status_code
+        assert head.headers["content-type"] == client.get(path).headers["content-type"]
 
 
 def test_the_catalogue_lists_and_describes_every_scene(client):
