@@ -60,6 +60,9 @@ best = models.OptimiseStudy.from_dict({
     "criterion": {"kind": "maximise", "output": "acceleration_x"}, "outputs": [],
     "parameters": {"frequency": 50, "amplitude": "0.1 mm", "gamma": "5 deg", "friction": 0.4},
 })
+large = sweep.to_dict()
+large["parameters"]["beta"] = {"start": 0, "stop": 60, "num": 2000}
+large = models.SweepStudy.from_dict(large)
 
 call("healthz")
 call("readyz")
@@ -94,6 +97,9 @@ results = call("get_results", job.job_id)
 content = call("get_dataset", job.job_id).payload.read()
 assert len(content) == results.dataset.length
 open(file, "wb").write(content)
+job = call("execute_sweep", body=large, prefer="respond-async")
+call("follow_job", job.job_id)
+assert json.load(call("get_group", job.job_id, "zarr.json").payload)["zarr_format"] == 3
 job = call("execute_accuracy", body=best, prefer="respond-async")
 call("follow_job", job.job_id)
 measured = call("get_results", job.job_id)
@@ -126,6 +132,7 @@ PARSED = {
     "get_results": "Results",
     "get_dataset": "File",
     "get_file": "str",
+    "get_group": "File",
 }
 
 
@@ -140,7 +147,7 @@ def generator(find_tool: Callable[[str | Path, str], str]) -> str:
 @pytest.fixture(scope="module")
 def server(serve: Callable[..., Any]) -> str:
     """Return the address of a service of its own: replies tell what is new from what is known."""
-    return serve(workers=2).address
+    return serve(workers=2, max_cells=1000).address
 
 
 @pytest.fixture(scope="module")
