@@ -56,8 +56,8 @@ def serve(
     _check_directory(settings.data_directory.absolute(), service.state.desk.ledger)
     logs.configure()
     if port and sys.stdout.isatty():  # else it would be a line among those of the log
-        shown = f"[{host}]" if ":" in host else host
-        typer.echo(f"vibrafeed answers at http://{shown}:{port}, its pages are at /docs.")
+        address = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+        typer.echo("vibrafeed answers at http://" + address + ", its pages are at /docs.")
     serve_until_stopped(service, settings, host, port)
 
 
