@@ -97,6 +97,7 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
 
 FEWEST_OF_A_FAMILY = 3
+MOST_PROBLEMS = 100  # that are told one by one
 SEARCHED = 8  # names of one request that are worth a search for what was meant
 
 

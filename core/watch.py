@@ -15,12 +15,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from core.errors import StoppedError
+
 LOOK = 0.05
 """Seconds between two looks of the lookout."""
-
-
-class StoppedError(Exception):
-    """The watch asked to stop amid a cell."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +50,7 @@ class Watch:
     def check(self) -> None:
         """Raise `StoppedError` if it is time to stop."""
         if self.stopped():
-            raise StoppedError
+            raise StoppedError("it was stopped amid a cell")
 
     @contextlib.contextmanager
     def flag(self) -> Iterator[NDArray[np.int8]]:

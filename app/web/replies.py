@@ -9,10 +9,9 @@ import orjson
 from fastapi.responses import Response
 from pydantic import BaseModel
 
-from core.errors import Problem
+from core.errors import MOST_PROBLEMS, Problem
 
 PROBLEM_TYPE = "application/problem+json"
-MOST_PROBLEMS = 100  # that one reply names
 
 
 class ProblemItem(BaseModel):

@@ -137,7 +137,8 @@ class GrowingZarr:
         """
         with _told_plainly():
             self._write_untiled()
-            attributes = {**self._table.attributes, "comment": UNDER_WAY}
+            said = self._table.attributes.get("comment", "")
+            attributes = {**self._table.attributes, "comment": f"{UNDER_WAY} {said}".rstrip()}
             group = group_document(replace(self._table, attributes=attributes), self._documents)
             self._put(GROWING, _as_json(group))
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from pydantic import ValidationError
 
-from core.errors import Problem, StudyError, Suggestions
+from core.errors import MOST_PROBLEMS, Problem, StudyError, Suggestions
 from core.study.drive import RecordedDrive
 from core.study.models import CRITERIA, PARAMETERS, STUDIES, Study
 from core.study.reduction import LevelSet, Reduction
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
 DEEPEST = 32  # levels; a study has 5, an execute request around it 2
-MOST_PROBLEMS = 100  # that are told one by one
 # What no study comes near: who sends more is refused before it is looked at closely.
 MOST_KEYS = 1_000  # of one object of JSON
 ONE = "Send one JSON object, a study"

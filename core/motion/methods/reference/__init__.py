@@ -15,6 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from core.errors import StoppedError
 from core.mechanics.arrays import Array
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, each
 from core.motion.method import Follow, Method
@@ -25,7 +26,7 @@ from core.motion.path import Path
 from core.motion.price import Price, Priced
 from core.motion.result import STATUS, Motion, motion_of, with_whole_shares
 from core.scenes import Constraint
-from core.watch import StoppedError, Watch
+from core.watch import Watch
 
 
 def reference_path(

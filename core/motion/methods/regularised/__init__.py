@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from core.errors import StoppedError
 from core.mechanics.arrays import Array
 from core.motion.groups import Contacts, Groups, cells_of
 from core.motion.method import Follow, Method
@@ -22,7 +23,7 @@ from core.motion.methods.regularised.orbit import Orbit, Run, SpentError, measur
 from core.motion.price import Price, Priced, Pricing
 from core.motion.result import STATUS, Motion, with_whole_shares
 from core.motion.waves import of_row
-from core.watch import StoppedError, Watch
+from core.watch import Watch
 
 SOLVERS = ("Radau", "BDF", "LSODA")
 """The implicit integrators of scipy."""
