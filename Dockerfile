@@ -20,6 +20,11 @@ ENV PATH=/opt/vibrafeed/bin:$PATH \
     NUMBA_CACHE_DIR=/var/cache/vibrafeed \
     VIBRAFEED_DATA_DIRECTORY=/var/lib/vibrafeed
 USER 10001
+# Nobody waits for the compiler. It compiles for the processor that builds, or for the one that is
+# named, as in --build-arg NUMBA_CPU_NAME=x86-64-v3 (run with the same name); elsewhere the service
+# compiles when it starts, beside its work.
+ARG NUMBA_CPU_NAME
+RUN vibrafeed warm
 VOLUME /var/lib/vibrafeed
 EXPOSE 8000
 HEALTHCHECK --interval=30s --timeout=5s --start-period=10s \

@@ -28,6 +28,7 @@ from app.web.metrics import Metrics
 from app.web.observe import Observe
 from app.web.outgoing import Outgoing, Unsent
 from app.web.routes import health, jobs, processes, results, scenes, sweeps, zarr
+from app.web.warmth import Warmth
 from app.web.zarr_views import ZarrViews
 
 logger = logging.getLogger("vibrafeed")
@@ -75,6 +76,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.desk = desk
     app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
     app.state.unsent = Unsent(settings.max_unsent_bytes)
+    app.state.warmth = Warmth()  # started where the service is served
     app.state.metrics = Metrics()  # other parts add gauges
     # Of (name, check): see `app.web.routes.health.readyz`.
     app.state.readiness = [("jobs", runner.wrong)]

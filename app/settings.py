@@ -143,6 +143,10 @@ class Settings(BaseSettings):
         gt=0,
         description="Most bytes of replies that wait for their readers; more are answered by 503.",
     )
+    warm_at_start: bool = Field(
+        default=True,
+        description="Compile in the background, when the service starts, what is not compiled yet.",
+    )
     shutdown_seconds: int = Field(
         default=10, gt=0, description="Longest wait for replies under way when the service stops."
     )

@@ -24,9 +24,12 @@ from typing import Any, TypeVar
 import llvmlite
 import numba
 import numpy as np
-from numba.core import caching, types
+from numba.core import caching, event, types
+from numba.core.registry import cpu_target
 from numba.extending import intrinsic, overload
 from numba.misc.appdirs import AppDirs
+
+from core.compiling import stopwatch
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -235,6 +238,13 @@ def folder() -> Path | None:
     return next((found for found in folders if os.access(found, os.R_OK)), None)
 
 
+@functools.cache
+def processor() -> str:
+    """Return the name of what code is compiled for: processor and instructions, 16 digits."""
+    target: Any = cpu_target.target_context.codegen()
+    return hashlib.sha256(repr(target.magic_tuple()).encode()).hexdigest()[:16]
+
+
 def _forget_old(current: Path) -> None:
     """Remove the folders of other digests but the last used."""
     others = set(current.parent.glob("kernels-" + 16 * "[0-9a-f]")) - {current}
@@ -286,3 +296,17 @@ class _Cache(caching.FunctionCache):
     def save_overload(self, signature: Any, data: Any) -> None:
         with contextlib.suppress(OSError):
             super().save_overload(signature, data)  # type: ignore[no-untyped-call]
+
+
+class _Told(event.Listener):
+    """Has the stopwatch run while numba compiles what it did not find on the disk."""
+
+    def on_start(self, event: event.Event) -> None:
+        stopwatch.begin()
+
+    def on_end(self, event: event.Event) -> None:
+        stopwatch.end()
+
+
+register: Any = event.register
+register("numba:compile", _Told())

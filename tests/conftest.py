@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
+
+# `scripts/test` has compiled everything: services that tests start need not look.
+os.environ.setdefault("VIBRAFEED_WARM_AT_START", "false")
 
 HERE = Path(__file__).parent
 SLOW = frozenset((HERE / "slow.txt").read_text().split())

@@ -18,6 +18,8 @@ from rich.progress import (
 )
 from rich.table import Table as Grid
 
+from core.compiling import stopwatch
+
 stdout = Console(highlight=False)
 stderr = Console(stderr=True, highlight=False)
 
@@ -46,7 +48,13 @@ def progress(label: str, size: int | None = None) -> Iterator[Callable[[float], 
     )
     with bar:
         task = bar.add_task(label, total=size or 1.0)
-        yield lambda done: bar.advance(task, done * (size or 1.0))
+
+        def tell(compiles: bool) -> None:
+            more = ", compiling once" if compiles else ""
+            bar.update(task, description=f"{label}{more}")
+
+        with stopwatch.telling(tell):
+            yield lambda done: bar.advance(task, done * (size or 1.0))
 
 
 def new_grid(*columns: str) -> Grid:

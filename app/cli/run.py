@@ -18,6 +18,7 @@ from app.cli.studies import (
     refuse_beyond_memory,
     refuse_clashes,
 )
+from core.compiling import stopwatch
 from core.errors import Problem, StoppedError
 
 if TYPE_CHECKING:
@@ -104,7 +105,7 @@ def run(
     from core.watch import Watch
 
     deadline = None if time_limit is None else time.monotonic() + time_limit
-    sound, left = True, list(studies)
+    sound, left, compiled = True, list(studies), stopwatch.spent
     for path, prepared in studies.items():
         history = _history(path)
         target = targets[path]
@@ -144,6 +145,9 @@ def run(
         written = time.perf_counter()
         seconds = float(table.price["elapsed_seconds"])
         tables.show_table(path, target, table, prepared.cells, seconds, written - evaluated)
+        if stopwatch.spent > compiled:
+            console.say(f"  compiled in {stopwatch.spent - compiled:.1f} s: once, it is kept")
+            compiled = stopwatch.spent
         sound &= is_whole(table) and not not_verified(table)
         left.remove(path)
         if interrupted():

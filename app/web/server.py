@@ -34,6 +34,8 @@ class Server(uvicorn.Server):
         for listener in (one for server in self.servers for one in server.sockets):
             with socket.socket(fileno=os.dup(listener.fileno())) as same:
                 same.listen(QUEUE)
+        if self.config.app.state.settings.warm_at_start:  # type: ignore[union-attr]
+            self.config.app.state.warmth.start()  # type: ignore[union-attr]
 
     async def on_tick(self, counter: int) -> bool:
         """Look after connections and memory, ten times a second and once."""
@@ -46,6 +48,7 @@ class Server(uvicorn.Server):
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Finish, or cut short, what is under way."""
+        await self.config.app.state.warmth.stop()  # type: ignore[union-attr]
         await super().shutdown(sockets)
         if self.server_state.tasks:  # cancelled, and their lines in the log not yet written
             await asyncio.wait(self.server_state.tasks, timeout=1)

@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from core.compiling import stopwatch
 from core.dataset.table import Table
 from core.plan.prepared import Box, Prepared
 from core.watch import Watch
@@ -44,11 +45,14 @@ def carry_out(
     label: Callable[[Study, Computed, Watch], Table],
     watch: Watch | None = None,
 ) -> Table:
-    """Return the labelled results of a study, with what computing them cost."""
+    """Return the labelled results of a study, with what computing them cost.
+
+    That counts neither verifying, which is a part of the labels, nor compiling, which is done once.
+    """
     watch, share = watch or Watch(), prepared.computing_share
-    started = time.perf_counter()
+    started, compiling = time.perf_counter(), stopwatch.spent
     computed = compute(prepared, watch.part(share))
-    seconds = time.perf_counter() - started  # without verifying, which is a part of the labels
+    seconds = time.perf_counter() - started - (stopwatch.spent - compiling)
     table = label(prepared, computed, watch.part(1 - share))
     return table.with_price(price(prepared.cells, seconds))
 

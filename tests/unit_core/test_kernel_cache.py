@@ -50,7 +50,7 @@ def small_package(where: Path) -> Path:
     for folder in {where / "core", where / "core/toy", kernels, *(file.parent for file in frozen)}:
         folder.mkdir(exist_ok=True)
         (folder / "__init__.py").write_text("")
-    for file in frozen:
+    for file in (*frozen, where / "core/compiling.py"):
         shutil.copy(core / file.relative_to(where / "core"), file)
     (kernels / "callee.py").write_text(CALLEE.format(added="1.0"))
     (kernels / "caller.py").write_text(CALLER)
@@ -162,16 +162,47 @@ def test_the_digest_covers_all_that_kernels_import():
             assert found, f"{file.name} imports {module}"
 
 
-def test_every_kernel_file_takes_part_in_what_is_compiled_before_the_tests():
+def test_every_kernel_file_takes_part_in_what_is_compiled_beforehand():
     code = (
-        "import sys; from benchmarks.compile_kernels import STUDIES, main;"
-        "main(list(STUDIES)); print(*(m for m in sys.modules if '.kernels' in m))"
+        "import sys; from core.warm import GROUPS, carry_out; [carry_out(one) for one in GROUPS];"
+        "print(*(m for m in sys.modules if '.kernels' in m))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stderr
     files = [file for file in compiled.sources() if "kernels" in file.parts]
     names = {".".join(file.relative_to(ROOT).with_suffix("").parts) for file in files}
     assert {name.removesuffix(".__init__") for name in names} <= set(done.stdout.split())
+
+
+def test_after_warming_no_study_waits_for_the_compiler():
+    """Methods, drives and outputs of all kinds find what `vibrafeed warm` has compiled."""
+    code = """
+from core.compiling import stopwatch
+from core.kinds import prepare_content, tabulate
+from core.warm import GROUPS, carry_out
+[carry_out(group) for group in GROUPS]
+spent = stopwatch.spent
+sine = {"amplitude": "0.3 mm", "beta": 30}
+wave = {"amplitude_along_1": "0.3 mm", "amplitude_along_2": "0.1 mm", "phase_along_2": 30,
+        "amplitude_normal_1": "0.1 mm"}
+tracks = {"rectangle-on-plane": {}, "cylinder-on-plane": {}, "rectangle-on-track": {"radius": 0.2}}
+for scene, more in tracks.items():
+    for method in ("events", "time-stepping"):
+        for drive in (sine, wave):
+            for rest in ({}, {"trajectory": 10}, {"outputs": ["efficiency", "hop_height"]}):
+                parameters = {"frequency": 50, "friction": 0.3, **drive, **more}
+                study = {"kind": "simulate", "scene": scene, "method": method, "most_periods": 20}
+                tabulate(prepare_content(study | {"parameters": parameters} | rest))
+print(stopwatch.spent - spent)
+import numba
+numba.njit(lambda: 1)()
+print(stopwatch.spent - spent)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    waited, beyond = map(float, done.stdout.split())
+    assert waited == 0, "something is not compiled beforehand"
+    assert beyond > 0, "the stopwatch does not see what is compiled"
 
 
 def test_every_function_of_a_kernel_file_is_compiled():

@@ -10,7 +10,7 @@ from pathlib import Path
 from fastapi import APIRouter, Request
 from fastapi.responses import PlainTextResponse, Response
 from prometheus_client.exposition import CONTENT_TYPE_LATEST
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
 import core
 from app.web.dependencies import SettingsOf
@@ -30,10 +30,11 @@ class Health(BaseModel):
 
 
 class Readiness(BaseModel):
-    """The service takes work; what has been looked at."""
+    """The service takes work; what has been looked at, and whether kernels are compiled."""
 
     status: str
     checks: list[str]
+    warm: bool = Field(description="Everything is compiled: no first study of a kind waits.")
 
 
 @router.get("/healthz", summary="Alive", response_model=Health)
@@ -77,7 +78,8 @@ def readyz(request: Request, settings: SettingsOf) -> Response:
         return problem_document(
             503, "not-ready", "The service is not ready", detail, failed, headers=retry
         )
-    return json_reply({"status": "ready", "checks": [name for name, _ in checks]})
+    warm = request.app.state.warmth.is_warm
+    return json_reply({"status": "ready", "checks": [name for name, _ in checks], "warm": warm})
 
 
 @router.get("/metrics", summary="Figures for Prometheus", response_class=PlainTextResponse)

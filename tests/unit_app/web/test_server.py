@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import http.client
 import json
@@ -11,6 +12,7 @@ import socket
 import subprocess
 import sys
 import time
+import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -115,6 +117,35 @@ def server(
     finally:
         process.kill()
         process.wait(20)
+
+
+def is_warm(port: int) -> bool:
+    with urllib.request.urlopen(f"http://127.0.0.1:{port}/readyz", timeout=30) as reply:
+        return json.load(reply)["warm"]
+
+
+def test_a_service_says_when_all_is_compiled(tmp_path):
+    with server(tmp_path, VIBRAFEED_WARM_AT_START="true") as (_, port, _log):
+        until = time.monotonic() + 300
+        while not is_warm(port):
+            assert time.monotonic() < until
+            time.sleep(0.2)
+
+
+def test_a_service_that_stops_compiles_no_more(tmp_path):
+    cache = tmp_path / "empty"
+    settings = {"VIBRAFEED_WARM_AT_START": "true", "NUMBA_CACHE_DIR": str(cache)}
+    with server(tmp_path, **settings) as (process, port, _):
+        until = time.monotonic() + 120
+        while not list(cache.glob("kernels-*/*.nbi")):  # it compiles
+            assert time.monotonic() < until
+            time.sleep(0.2)
+        assert not is_warm(port)
+        process.terminate()
+        process.wait(30)
+    for environment in Path("/proc").glob("[0-9]*/environ"):
+        with contextlib.suppress(OSError):
+            assert str(cache).encode() not in environment.read_bytes(), "somebody still compiles"
 
 
 def test_the_service_refuses_to_open_itself_without_keys(tmp_path):

@@ -1,15 +1,14 @@
-"""Compile the kernels that are not compiled yet, by a point of every kind of study that has some.
+"""Kernels compiled before anybody waits for them: when an image is built, or a service starts.
 
-    python -m benchmarks.compile_kernels space
-    python -m benchmarks.compile_kernels conveying tumbling optimise reduce
-
-Kernels of one name share hardly any with those of another, so that several processes can do them at
-a time. It takes two to three minutes in all; where all is compiled, a second.
+Each group of studies has kernels of its own, so that several processes can do them at a time. Where
+everything is compiled already, it takes seconds.
 """
 
 from __future__ import annotations
 
-import sys
+import multiprocessing
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
 from typing import Any
 
 from core.kinds import prepare_content, tabulate
@@ -25,7 +24,7 @@ PIN = {
         "friction": 0.3, "restitution": 0.4, "duration": "0.1 s",
     },
 }  # fmt: skip
-STUDIES: dict[str, list[dict[str, Any]]] = {
+GROUPS: dict[str, list[dict[str, Any]]] = {
     "space": [
         {"kind": "simulate", **TRACK, "method": "events", **shown}
         for shown in ({}, {"trajectory": 10})
@@ -72,12 +71,46 @@ STUDIES: dict[str, list[dict[str, Any]]] = {
 }  # fmt: skip
 
 
-def main(names: list[str]) -> None:
-    """Carry out the studies of these names."""
-    for name in names:
-        for study in STUDIES[name]:
-            tabulate(prepare_content(study))
+def warm(processes: int) -> Path | None:
+    """Compile every kernel that is not compiled yet for this processor.
+
+    Parameters
+    ----------
+    processes : int
+        Most processes at a time.
+
+    Returns
+    -------
+    Path or None
+        Where compiled code is kept; None if no folder can be written.
+    """
+    from core.compiled import folder
+
+    if not is_warm():
+        spawn = multiprocessing.get_context("spawn")
+        with ProcessPoolExecutor(min(processes, len(GROUPS)), mp_context=spawn) as pool:
+            list(pool.map(carry_out, GROUPS))
+        mark = _mark()
+        if mark is not None:
+            mark.touch()
+    return folder()
 
 
-if __name__ == "__main__":
-    main(sys.argv[1:] or list(STUDIES))
+def is_warm() -> bool:
+    """Return whether every kernel has been compiled for this processor, and kept."""
+    mark = _mark()
+    return mark is not None and mark.exists()
+
+
+def carry_out(group: str) -> None:
+    """Carry out the studies of a group."""
+    for study in GROUPS[group]:
+        tabulate(prepare_content(study))
+
+
+def _mark() -> Path | None:
+    """Return the file that says so; it goes with the code that it speaks of."""
+    from core.compiled import folder, processor
+
+    path = folder()
+    return None if path is None else path / f"warm-{processor()}"

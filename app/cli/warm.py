@@ -1,0 +1,45 @@
+"""`vibrafeed warm`: kernels compiled before anybody waits for them."""
+
+from __future__ import annotations
+
+import os
+import time
+from typing import Annotated
+
+import typer
+
+from app.cli.studies import FAILED
+
+
+def warm(
+    processes: Annotated[
+        int, typer.Option(min=1, help="Most processes that compile at a time.")
+    ] = os.cpu_count() or 1,
+    check: Annotated[
+        bool, typer.Option("--check", help="Only say whether all is compiled: exit code 1 if not.")
+    ] = False,
+) -> None:
+    """Compile what follows motion in time, once for this processor; some minutes.
+
+    Without it the first study of each kind waits. Compiled code is kept in NUMBA_CACHE_DIR, or
+    beside the program.
+    """
+    from app.cli import console
+    from core.warm import is_warm
+    from core.warm import warm as compile_all
+
+    if check:
+        if not is_warm():
+            console.fail("Not all is compiled for this processor. Run `vibrafeed warm`.")
+            raise typer.Exit(FAILED)
+        console.say("All is compiled for this processor.")
+        return
+    started = time.perf_counter()
+    place = compile_all(processes)
+    if place is None:
+        console.fail(
+            "Compiled code cannot be kept: no folder can be written. "
+            "Set NUMBA_CACHE_DIR to one that can."
+        )
+        raise typer.Exit(FAILED)
+    console.say(f"All is compiled, and kept in {place}: {time.perf_counter() - started:.1f} s.")

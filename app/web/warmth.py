@@ -1,0 +1,60 @@
+"""Kernels compiled beside the service when it starts, so that no client waits for them."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import os
+import signal
+import sys
+
+logger = logging.getLogger("vibrafeed")
+
+POLITE = 15  # niceness: whoever asks comes first
+
+
+class Warmth:
+    """Has `vibrafeed warm` run in a process of its own.
+
+    Attributes
+    ----------
+    is_warm : bool
+        Everything is known to be compiled.
+    """
+
+    def __init__(self) -> None:
+        self.is_warm = False
+        self._task: asyncio.Task[None] | None = None
+
+    def start(self) -> None:
+        """Begin, on the running event loop."""
+        self._task = asyncio.create_task(self._run(), name="warm")
+
+    async def stop(self) -> None:
+        """End it, if it still runs."""
+        if self._task is not None:
+            self._task.cancel()
+            await asyncio.gather(self._task, return_exceptions=True)
+
+    async def _run(self) -> None:
+        try:
+            process = await asyncio.create_subprocess_exec(
+                sys.executable, "-m", "vibrafeed", "warm", "--processes", "1",
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=asyncio.subprocess.DEVNULL,
+                stderr=asyncio.subprocess.DEVNULL,
+                start_new_session=True,
+            )  # fmt: skip
+        except OSError:
+            logger.exception("kernels cannot be compiled beforehand")
+            return
+        try:
+            os.setpriority(os.PRIO_PGRP, process.pid, POLITE)
+            self.is_warm = await process.wait() == 0
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            await process.wait()
+        if not self.is_warm:
+            logger.warning("kernels could not be compiled beforehand: `vibrafeed warm` says why")

@@ -1,0 +1,54 @@
+"""How long compiling has kept this process; knows no compiler and loads none."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+
+class Stopwatch:
+    """Runs while something is compiled; the compiler compiles one thing at a time, and its parts.
+
+    Attributes
+    ----------
+    spent : float
+        Time that compiling has taken so far [s].
+    """
+
+    def __init__(self) -> None:
+        self.spent = 0.0
+        self._depth = 0
+        self._began = 0.0
+        self._told: list[Callable[[bool], object]] = []
+
+    def begin(self) -> None:
+        """Begin to compile something, perhaps a part of what is compiled already."""
+        self._depth += 1
+        if self._depth == 1:
+            self._began = time.perf_counter()
+            self._tell(True)
+
+    def end(self) -> None:
+        """End what was begun last."""
+        self._depth -= 1
+        if not self._depth:
+            self.spent += time.perf_counter() - self._began
+            self._tell(False)
+
+    @contextmanager
+    def telling(self, told: Callable[[bool], object]) -> Iterator[None]:
+        """Tell a function, until the block ends, when compiling begins (True) and ends (False)."""
+        self._told.append(told)
+        try:
+            yield
+        finally:
+            self._told.remove(told)
+
+    def _tell(self, compiles: bool) -> None:
+        for told in tuple(self._told):
+            told(compiles)
+
+
+stopwatch = Stopwatch()
+"""That of this process."""
