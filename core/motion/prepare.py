@@ -16,6 +16,7 @@ from core.motion.price import seconds_of, some_cells
 from core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from core.plan.grid import Grid
 from core.plan.plan import Plan, choose_scene
+from core.plan.price import pace
 from core.plan.prepared import (
     Chosen,
     Prepared,
@@ -102,7 +103,7 @@ def price_of(
         method.seconds_a_cell, lambda: some_cells(plan, grid, settings, contacts, free or {})
     )
     rounds = sum(one.takes_long for one in plan.equations) if method.name == plan.variant else 1
-    return rounds * likely, rounds * most
+    return rounds * likely * pace(), rounds * most * pace()
 
 
 def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen:

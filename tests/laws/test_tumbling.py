@@ -411,6 +411,7 @@ def test_where_a_sliding_corner_has_no_solution_the_run_says_so():
         ({"gap_normal": -0.1}, "gap_normal"),
         ({"friction_static": 0.1}, "friction_static"),
         ({"duration": 0.0}, "duration"),
+        ({"gravity": 0.0}, "gravity"),
         ({"velocity_along": np.nan}, "finite"),
         ({"method": "stepping"}, "law"),
     ],
@@ -418,6 +419,28 @@ def test_where_a_sliding_corner_has_no_solution_the_run_says_so():
 def test_wrong_values_are_refused(change, message):
     with pytest.raises(ValueError, match=message):
         ball(**change)
+
+
+@pytest.mark.parametrize("method", ["events", "stepping"])
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"gravity": 5e-324},  # the time of a fall overflows
+        {"amplitude": 1e306, "frequency": 50.0},
+        {"amplitude": 1e-3, "frequency": 1e200},
+        {"part": Ball(5e-324), "gamma": 1.0},
+    ],
+)
+def test_what_overflows_is_said_by_a_status(change, method):
+    change = {"part": Ball(1.0), "law": "moreau", **change}
+    size = change.pop("part")
+    arguments = {"part": size, "friction_kinetic": 0.3, "restitution": 0.5, **change}
+    with np.errstate(all="ignore"):
+        found = tumbling_motion(method=method, duration=0.1, **arguments)
+        path = tumbling_path(times=[0.0, 0.1], method=method, **arguments)
+    assert found.status == STATUS["limit_reached"]
+    assert np.isnan(found.pitch)
+    assert np.all(np.isnan(path.along))
 
 
 def test_arguments_broadcast():

@@ -277,10 +277,10 @@ def _course(contacts: Contacts) -> FollowCourse:
 def _price(cells: Priced) -> Price:
     """Return the price: in closed form next to nothing, by series some microseconds a period."""
     waves = cells.orders * (1.0 + cells.orders)
-    flat = 5e-6 + 3e-5 * waves + cells.restless * 1e-3
-    flat = flat + (1.0 + waves) * 6e-7 * cells.restless * cells.setting("most_periods")
+    flat = 1.2e-5 + 7e-5 * waves + cells.restless * 2e-3
+    flat = flat + (1.0 + waves) * 1.2e-6 * cells.restless * cells.setting("most_periods")
     wide = (1.0 + cells.orders) * (3.0 if cells.contacts.wall else 1.0) * 6e-6
-    spatial = 3e-4 + wide * cells.periods(60.0)
+    spatial = 2e-4 + 0.6 * wide * cells.periods(60.0)
     allowed = cells.setting("most_periods")
     most = np.where(
         cells.across, 1e-3 + 10.0 * wide * allowed, 1e-3 + (1.0 + waves) * 3e-6 * allowed

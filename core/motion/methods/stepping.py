@@ -315,7 +315,8 @@ def _price(cells: Priced) -> Price:
     each = SECONDS_A_SPATIAL_STEP if spatial else SECONDS_A_STEP
     drives = (2e-3 if cells.groups.wave is not None else 0.0) + 1e-7 * cells.orders * steps
     allowed = cells.setting("most_periods")
-    return Price(drives + steps * each * cells.periods(60.0), drives + 2.0 * steps * each * allowed)
+    likely = 0.5 * (drives + steps * each * cells.periods(60.0))
+    return Price(likely, drives + 2.0 * steps * each * allowed)
 
 
 TIME_STEPPING = Method(

@@ -225,10 +225,10 @@ def _price(cells: Priced) -> Price:
     allowed = cells.setting("most_periods")
     wide = np.where(cells.across, 2.0, 1.0) * (1.0 + (cells.steps > 0))
     waves = 1.0 + 2.0 * cells.orders
-    finding = 0.03 * wide * waves * np.where(cells.hops, 3.0, 1.0)
+    finding = 0.008 * wide * waves * np.where(cells.hops, 3.0, 1.0)
     finding = finding * (np.minimum(allowed, 100.0) / 100.0) ** 0.25
-    likely = finding + cells.restless * allowed * 1.5e-3 * wide**2 * waves
-    return Price(likely, np.maximum(likely, 2.0 * finding + allowed * 1e-2 * wide**2 * waves))
+    likely = finding + cells.restless * allowed * 4e-4 * wide**2 * waves
+    return Price(likely, np.maximum(likely, 8.0 * finding + allowed * 1e-2 * wide**2 * waves))
 
 
 REFERENCE = Method(

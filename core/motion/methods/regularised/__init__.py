@@ -260,7 +260,7 @@ def _pricing(seconds: float, waves: float, hops: float, tolerance: float, slip: 
             cells.restless * allowed
             + (1.0 - cells.restless) * 100.0 * np.minimum(1.0, allowed / 100.0) ** 0.44
         )
-        return Price(np.minimum(each * periods, SPENT), np.minimum(10.0 * each * allowed, SPENT))
+        return Price(np.minimum(each * periods, SPENT), np.minimum(40.0 * each * allowed, SPENT))
 
     return price
 
@@ -315,6 +315,6 @@ def _by(name: str, solver: str, seconds_a_cell: Pricing) -> Method:
     )
 
 
-RADAU = _by("regularised", "Radau", _pricing(4.0, 1.7, 3.3, 0.27, 0.14))
-BDF = _by("regularised-BDF", "BDF", _pricing(6.0, 0.4, 4.5, 0.12, 0.4))
-LSODA = _by("regularised-LSODA", "LSODA", _pricing(0.7, 0.5, 7.0, 0.05, 0.4))
+RADAU = _by("regularised", "Radau", _pricing(1.2, 1.7, 3.3, 0.27, 0.14))
+BDF = _by("regularised-BDF", "BDF", _pricing(1.6, 0.4, 4.5, 0.12, 0.4))
+LSODA = _by("regularised-LSODA", "LSODA", _pricing(0.26, 0.5, 7.0, 0.05, 0.4))
