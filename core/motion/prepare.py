@@ -16,7 +16,6 @@ from core.motion.price import seconds_of, some_cells
 from core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from core.plan.grid import Grid
 from core.plan.plan import Plan, choose_scene
-from core.plan.price import pace
 from core.plan.prepared import (
     Chosen,
     Prepared,
@@ -25,6 +24,7 @@ from core.plan.prepared import (
     names_meant,
     plan_study,
 )
+from core.plan.price import pace
 from core.quantities import QUANTITIES
 from core.scenes import Scene
 from core.study.models import MOST_PERIODS, SimulateStudy

@@ -317,7 +317,7 @@ def _can_be_followed(rows: NDArray[np.float64]) -> Mask:
     from core.motion.kernels import tumbling as kernel
 
     named = dict(zip(kernel.Cell._fields, rows.T, strict=True))
-    sound = np.isfinite(rows).all(axis=1)
+    sound: Mask = np.asarray(np.isfinite(rows).all(axis=1))
     for name in ("half_diagonal", "pull_normal", "time_step"):
         sound &= named[name] > 0
     return sound
