@@ -40,15 +40,13 @@ class Lanes:
 
         `active` are the keys of what this server has taken up.
         """
-        long = sum(self._known(key) > self._short for key in active)
+        long = sum(self._prices.get(key, 0.0) > self._short for key in active)
         short = len(active) - long
+        if min(long, short) >= self._most:
+            return None
         for item in waiting:
-            if item.key in active:
-                continue
-            if long < self._most and short < self._most:
-                return item
             is_long = self.price(item) > self._short
-            if (long if is_long else short) < self._most:
+            if item.key not in active and (long if is_long else short) < self._most:
                 return item
         return None
 
@@ -63,9 +61,6 @@ class Lanes:
     def block_price(self, item: Work) -> float:
         """Return how long a block of it is expected to take [s]."""
         return self.price(item) / max(1, item.blocks)
-
-    def _known(self, key: str) -> float:
-        return self._prices.get(key, 0.0)
 
     def _priced(self, item: Work) -> float:
         if item.process not in KINDS:

@@ -1,8 +1,8 @@
 """Whose turn it is: which block gets the next place on a worker.
 
-Fair shares: the next place goes to whoever has had least of the workers' time, so that what is
-posted later starts within about a block's time, and what is long goes on. Who comes anew has had as
-much as the one that has had least: waiting long saves up nothing.
+Fair shares: the next place goes to the block that would be over first if all shares had the same
+part of the workers' time from the moment that they came (weighted fair queueing). What is small
+starts within about a block's time, and what is long goes on, however much small work comes.
 """
 
 from __future__ import annotations
@@ -60,6 +60,7 @@ class Turns:
         self._taken: list[Place] = []
         self._waiting: list[tuple[int, str, float, asyncio.Future[Place]]] = []
         self._had: dict[str, float] = {}  # seconds of each share that is here
+        self._due = 0.0  # seconds that each share would have had that was here from the start
         self._number = itertools.count()
 
     @property
@@ -75,7 +76,7 @@ class Turns:
     async def take(self, share: str, seconds: float) -> Place:
         """Wait for a place, which is expected to be taken for so many seconds."""
         if share not in self._had:
-            self._had[share] = min(self._had.values(), default=0.0)
+            self._had[share] = max(self._due, min(self._had.values(), default=0.0))
         got: asyncio.Future[Place] = asyncio.get_running_loop().create_future()
         asked = (next(self._number), share, seconds, got)
         self._waiting.append(asked)
@@ -93,8 +94,9 @@ class Turns:
     def leave(self, place: Place) -> None:
         """Give a place back."""
         self._taken.remove(place)
-        # It was charged for what was expected.
-        self._had[place.share] += time.monotonic() - place.since - place.seconds
+        used = time.monotonic() - place.since
+        self._had[place.share] += used - place.seconds  # it was charged for what was expected
+        self._due += used / len(self._had)
         self._forget(place.share)
         self._hand_out()
 
@@ -105,7 +107,7 @@ class Turns:
             fits = [one for one in self._waiting if not (no_more and self._lasts(one[2]))]
             if not fits:
                 return
-            chosen = min(fits, key=lambda one: (self._had[one[1]], self._held(one[1]), one[0]))
+            chosen = min(fits, key=lambda one: (self._had[one[1]] + one[2], one[0]))
             self._waiting.remove(chosen)
             _, share, seconds, got = chosen
             place = Place(share, seconds)

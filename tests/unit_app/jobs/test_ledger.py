@@ -78,6 +78,8 @@ def test_equal_studies_are_computed_once(ledgers):
     jobs = [post(here), post(there)]
     work = here.claim("a", LEASE)
     assert there.claim("b", LEASE) is None
+    assert post(there).state == "accepted"  # nobody has begun
+    here.advance(work, done=0, seconds=0.0)
     late = post(there)
     assert late.state == "running"
     here.succeed(work)
@@ -101,7 +103,7 @@ def test_a_lease_that_runs_out_is_taken_over_and_its_owner_has_no_say_any_more(l
     assert not here.renew(work, LEASE)
     here.advance(work, done=9, seconds=9.0)
     here.fail(work, {"status": 500, "kind": "x", "title": "x", "detail": "x"})
-    assert (there.job(job.id).state, there.job(job.id).done) == ("running", 0)
+    assert (there.job(job.id).state, there.job(job.id).done) == ("accepted", 0)
 
 
 def test_leases_are_given_up(ledgers):
