@@ -103,7 +103,9 @@ class Settings(BaseSettings):
         default=100, gt=0, description="Most different studies that are computed or wait for it."
     )
     concurrent_jobs: int = Field(
-        default=4, gt=0, description="Most different studies that are computed at a time."
+        default=4,
+        gt=0,
+        description="Most long studies that are computed at a time, and most short ones besides.",
     )
     scheduler: str | None = Field(
         default=None,
