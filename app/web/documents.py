@@ -198,9 +198,10 @@ def status_info(
     # The last percent is the writing of the result.
     progress = 100 if job.state == "successful" else min(99, int(100 * share))
     left = None
-    if job.began is not None and job.done > job.done_then:
-        # The clock may have been set since, until the next block is noted.
-        pace = max(0.0, time.time() - job.began) / (job.done - job.done_then)
+    # Negative where the clock has been set: the next block that is noted puts it right.
+    elapsed = -1.0 if job.began is None else time.time() - job.began
+    if elapsed >= 0 and job.done > job.done_then:
+        pace = elapsed / (job.done - job.done_then)
         left = round(pace * (job.blocks - job.done), 1)
     here = f"{base}/jobs/{job.id}"
     links = [
