@@ -48,7 +48,7 @@ class Running:
     def begin(self) -> None:
         """Note that a worker has begun."""
         self._blocks += 1
-        if self._blocks == 1:
+        if self._blocks == 1 and not self._limit.expired():
             self._since = asyncio.get_running_loop().time()
             self._limit.reschedule(self._since + self._left)
 
@@ -164,7 +164,7 @@ class Carrier:
     async def _compute(self, progress: _Progress, missing: list[int]) -> float:
         """Have blocks computed, a few at a time; return the seconds that they took."""
         item, total = progress.item, 0.0
-        progress.done = item.blocks - len(missing)
+        progress.done = max(0, item.blocks - len(missing))
         waiting = iter(missing)
         running: set[asyncio.Task[float]] = set()
         finished: set[asyncio.Task[float]] = set()

@@ -54,6 +54,8 @@ def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, i
 def missing_blocks(directory: str, key: str, process: str, cells: int, count: int) -> list[int]:
     """Return the blocks of a study that are not there; readers may follow its parts from then."""
     store = Store(Path(directory))
+    if process not in KINDS:  # their number follows from the study
+        count = len(families_of(_study(directory, key, process)))
     if cells != IN_PARTS or process not in KINDS:
         return [index for index in range(count) if not store.has_block(key, cells, index)]
     if store.has_group(key):  # joined already, and not yet told so

@@ -63,6 +63,7 @@ class Workers:
         self.count, self.instead = count, instead
         self.calls: list[str] = []
         self.restarted: list[str] = []
+        self.nannies = True
         self.begun: Callable[[str, str], object] = lambda key, worker: None
 
     async def client(self) -> Workers:
@@ -84,7 +85,7 @@ class Workers:
         return future
 
     async def has_nanny(self, worker: str) -> bool:
-        return True
+        return self.nannies
 
     async def restart(self, worker: str) -> None:
         self.restarted.append(worker)
@@ -174,6 +175,23 @@ def test_a_worker_that_does_not_stop_what_was_dismissed_is_killed(tmp_path):
         done.set()
 
     carried_out(tmp_path, workers, play, grace_seconds=0.2)
+
+
+def test_a_worker_without_a_nanny_is_waited_for(tmp_path, caplog):
+    done = threading.Event()
+    workers = Workers(1, compute_block=lambda *_: done.wait(60))
+    workers.nannies = False
+
+    async def play(runner: Runner, desk: Desk, job: Job) -> None:
+        await until(lambda: desk.ledger.job(job.id).state == "running")
+        desk.dismiss(job.id)
+        await until(lambda: "has no nanny" in caplog.text)
+        assert runner._carrier.hands._ending  # its place is taken
+        done.set()
+        await until(lambda: not runner._carrier.hands._ending)
+
+    carried_out(tmp_path, workers, play, grace_seconds=0.1)
+    assert workers.restarted == []
 
 
 def test_a_worker_that_stops_in_time_is_left_alone(tmp_path):
