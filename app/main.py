@@ -44,7 +44,7 @@ def create_app(settings: Settings) -> FastAPI:
     store = Store(settings.data_directory)
     ledger = Ledger(settings.data_directory / "jobs.sqlite3")
     runner = Runner(ledger, store, Cluster(settings.scheduler, settings.workers), settings)
-    desk = Desk(ledger, store, settings, runner.wake)
+    desk = Desk(ledger, store, settings, runner.wake, runner.waits)
     writer = Writer(store, desk.make_room, settings)
 
     @asynccontextmanager

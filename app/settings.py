@@ -83,7 +83,15 @@ class Settings(BaseSettings):
         default=60.0, ge=0, description="Longest that a client may wait for a job in one request."
     )
     max_job_seconds: float = Field(
-        default=86_400.0, gt=0, description="Longest run of a job; what is done by then is kept."
+        default=86_400.0,
+        gt=0,
+        description="Longest run of a job, while workers work on it; what is done by then is kept.",
+    )
+    grace_seconds: float = Field(
+        default=5.0,
+        gt=0,
+        description="How long a worker may go on with what was dismissed or is over its time; then "
+        "it is killed, and started again.",
     )
     block_seconds: float = Field(
         default=1.0,
@@ -95,7 +103,9 @@ class Settings(BaseSettings):
         default=100, gt=0, description="Most different studies that are computed or wait for it."
     )
     concurrent_jobs: int = Field(
-        default=4, gt=0, description="Most different studies that are computed at a time."
+        default=4,
+        gt=0,
+        description="Most long studies that are computed at a time, and most short ones besides.",
     )
     scheduler: str | None = Field(
         default=None,

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from app.cli import console
 from app.jobs.accuracy import PAGE, draw
+from core.accuracy.families import SECONDS
 from core.accuracy.page import Section, head_of, sections_of, write_page
-from core.accuracy.report import SECONDS, machine, measure_study
+from core.accuracy.report import machine, measure_study
 from core.dataset.files import whole
 from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table

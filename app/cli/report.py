@@ -45,7 +45,7 @@ def report(
     """
     from app.cli import console
     from app.cli.accuracy import EXTREMES, dataset_of, write_report
-    from core.accuracy.report import families_of
+    from core.accuracy.families import families_of
 
     files = files or []
     if not files and not extremes:

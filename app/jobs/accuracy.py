@@ -3,24 +3,45 @@
 from __future__ import annotations
 
 import logging
-import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from app.jobs.store import Store
+from core.accuracy.families import families_of
+from core.accuracy.kept import keep, kept
 from core.accuracy.page import head_of, sections_of, write_page
-from core.accuracy.report import machine, measure_study
+from core.accuracy.report import machine, measure_family, part_of
+from core.plan.pieces import Computed
 from core.plan.prepared import Prepared
+from core.watch import Watch
 
 logger = logging.getLogger("vibrafeed.jobs")
 
 PAGE = "accuracy.md"
 
 
-def write_report(store: Store, key: str, process: str, prepared: Prepared) -> None:
-    """Measure the accuracy of a study and write the report."""
-    started, facts = time.perf_counter(), machine()
-    part = measure_study(prepared, name="study.json")
+def measure_block(prepared: Prepared, index: int, watch: Watch) -> Computed:
+    """Return a block of the report: one family of measurements."""
+    facts = machine()
+    return keep(measure_family(prepared, families_of(prepared)[index], watch), facts)
+
+
+def write_report(
+    store: Store, key: str, process: str, prepared: Prepared, cells: int, seconds: float
+) -> None:
+    """Write the report from its blocks; raise `TornBlockError` if one cannot be read.
+
+    Parameters
+    ----------
+    cells : int
+        Under which the blocks are kept.
+    seconds : float
+        What they took.
+    """
+    count = len(families_of(prepared))
+    blocks = [kept(store.read_block(key, cells, index)) for index in range(count)]
+    facts = blocks[0][1]
+    part = part_of(prepared, "study.json", [one for one, _ in blocks if one is not None], facts)
 
     def more(dataset: Path, folder: Path) -> list[Path]:
         families = [one.family for one in part.measured if one.curves]
@@ -31,10 +52,10 @@ def write_report(store: Store, key: str, process: str, prepared: Prepared) -> No
         (folder / PAGE).write_text(page, encoding="utf-8")
         return [folder / PAGE, *pictures.values()]
 
-    seconds = time.perf_counter() - started
     store.finish(
-        key, part.table, process=process, cells=prepared.cells, blocks=0, seconds=seconds, more=more
-    )
+        key, part.table, process=process, cells=prepared.cells, blocks=count, seconds=seconds,
+        more=more,
+    )  # fmt: skip
 
 
 def draw(

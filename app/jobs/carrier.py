@@ -3,39 +3,89 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import logging
+import time
 from collections import Counter
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 from app.jobs import work
 from app.jobs.aside import Aside
-from app.jobs.cluster import Cluster, by_name
+from app.jobs.cluster import Cluster
 from app.jobs.errors import TornBlockError
+from app.jobs.hands import Hands
 from app.jobs.ledger import Ledger, Work
 from app.jobs.store import Store
+from app.jobs.turns import Turns, share_of
 from app.settings import Settings
 from core.errors import VibrafeedError
 
-if TYPE_CHECKING:
-    from distributed import Client
-
 logger = logging.getLogger("vibrafeed.jobs")
 
-LOOK_AT_WORKERS = 5.0  # s between looks at whether there are some, while none has finished
 MOST_TORN = 3  # times that one block is found damaged
-
-
-class LostError(VibrafeedError):
-    """The cluster is gone, or what else soon comes back; the study is not to blame."""
+LASTS = 10  # blocks' time; what lasts longer leaves a worker to others
 
 
 class TooLongError(VibrafeedError):
     """A study takes longer than a job may."""
 
 
-class WorkersDieError(VibrafeedError):
-    """A block takes its workers down."""
+class Running:
+    """The time during which workers really work on an item: what waits does not run.
+
+    Parameters
+    ----------
+    most : float
+        After this long it is over [s].
+    limit : asyncio.Timeout
+        What then stops it.
+    """
+
+    def __init__(self, most: float, limit: asyncio.Timeout):
+        self._left, self._limit = most, limit
+        self._blocks, self._since = 0, 0.0
+
+    def begin(self) -> None:
+        """Note that a worker has begun."""
+        self._blocks += 1
+        if self._blocks == 1 and not self._limit.expired():
+            self._since = asyncio.get_running_loop().time()
+            self._limit.reschedule(self._since + self._left)
+
+    def end(self) -> None:
+        """Note that it has ended."""
+        self._blocks -= 1
+        if self._blocks == 0 and not self._limit.expired():
+            self._left -= asyncio.get_running_loop().time() - self._since
+            self._limit.reschedule(None)
+
+
+@dataclass
+class _Progress:
+    """How far an item is.
+
+    Attributes
+    ----------
+    item : Work
+        The item.
+    seconds : float
+        How long one of its blocks is expected to take.
+    running : Running
+        How long it has run.
+    done : int
+        Blocks that are there.
+    began : float
+        The `time.monotonic` at which the first block began.
+    told : asyncio.Task or None
+        The ledger's first note.
+    """
+
+    item: Work
+    seconds: float
+    running: Running
+    done: int = 0
+    began: float = 0.0
+    told: asyncio.Task[None] | None = None
 
 
 class Carrier:
@@ -52,26 +102,29 @@ class Carrier:
 
     Attributes
     ----------
-    trouble : str or None
-        What keeps the work from being carried out.
+    hands : Hands
+        Who does it.
     """
 
     def __init__(
         self, ledger: Ledger, store: Store, cluster: Cluster, aside: Aside, settings: Settings
     ):
-        self._ledger, self._store, self._cluster = ledger, store, cluster
+        self._ledger, self._store = ledger, store
         self._aside, self._settings = aside, settings
         self._directory = str(settings.data_directory.resolve())
-        self._workers = 0  # when they were last looked at
-        self.trouble: str | None = None
+        turns = Turns(LASTS * settings.block_seconds)
+        self.hands = Hands(cluster, turns, settings.grace_seconds)
 
-    async def carry_out(self, item: Work) -> None:
-        """Have the missing blocks of an item computed, then its result written, within its time."""
+    async def carry_out(self, item: Work, seconds: float) -> None:
+        """Have the missing blocks of an item computed, then its result written, within its time.
+
+        `seconds` is what one of its blocks is expected to take.
+        """
         most = self._settings.max_job_seconds
         try:
-            async with asyncio.timeout(most) as limit:
+            async with asyncio.timeout(None) as limit:
                 try:
-                    await self._compute_and_write(item)
+                    await self._compute_and_write(_Progress(item, seconds, Running(most, limit)))
                 except BaseException:
                     self._store.give_up(item.key, item.owner)
                     raise
@@ -83,36 +136,35 @@ class Carrier:
                 "are done."
             ) from error
 
-    async def _compute_and_write(self, item: Work) -> None:
-        key, cells = item.key, item.block_cells
-        spent = item.seconds
-        torn: Counter[str] = Counter()
-        while True:
-            if await self.is_there(item):
-                return
-            missing = await self._aside(
-                work.missing_blocks, self._directory, key, item.process, cells, item.blocks
-            )
-            spent += await self._compute(item, missing)
-            try:
-                await self._on_worker(work.write_result, key, item.process, cells, spent)
-            except TornBlockError as error:
-                torn[str(error)] += 1
-                if torn[str(error)] == MOST_TORN:
-                    raise
-                logger.warning("a block is computed again: %s", error, extra={"key": key})
-            else:
-                return
-
     async def is_there(self, item: Work) -> bool:
         """Return whether a result is there; blocks that a late worker left go then."""
         await self._aside(self._store.drop_blocks, item.key)
         return await self._aside(self._store.manifest, item.key) is not None
 
-    async def _compute(self, item: Work, missing: list[int]) -> float:
+    async def _compute_and_write(self, progress: _Progress) -> None:
+        item = progress.item
+        about = item.key, item.process, item.block_cells
+        spent = item.seconds
+        torn: Counter[str] = Counter()
+        while True:
+            if await self.is_there(item):
+                return
+            missing = await self._aside(work.missing_blocks, self._directory, *about, item.blocks)
+            spent += await self._compute(progress, missing)
+            try:
+                await self._on_worker(progress, work.write_result, *about, spent)
+            except TornBlockError as error:
+                torn[str(error)] += 1
+                if torn[str(error)] == MOST_TORN:
+                    raise
+                logger.warning("a block is computed again: %s", error, extra={"key": item.key})
+            else:
+                return
+
+    async def _compute(self, progress: _Progress, missing: list[int]) -> float:
         """Have blocks computed, a few at a time; return the seconds that they took."""
-        done, total = item.blocks - len(missing), 0.0
-        await self._aside(self._ledger.advance, item, done=done, seconds=0.0)
+        item, total = progress.item, 0.0
+        progress.done = max(0, item.blocks - len(missing))
         waiting = iter(missing)
         running: set[asyncio.Task[float]] = set()
         finished: set[asyncio.Task[float]] = set()
@@ -120,67 +172,49 @@ class Carrier:
             while True:
                 for index in waiting:
                     block = self._on_worker(
-                        work.compute_block, item.key, item.process, item.block_cells, index,
-                        item.owner,
+                        progress, work.compute_block, item.key, item.process, item.block_cells,
+                        index, item.owner,
                     )  # fmt: skip
                     running.add(asyncio.create_task(block))
-                    # Enough to keep workers busy, few enough for other jobs to have a turn.
-                    if len(running) >= max(1, 2 * self._workers):
+                    # Most of them wait for their turn; no worker is to wait for them.
+                    if len(running) >= max(1, 2 * self.hands.workers):
                         break
                 if not running:
                     return total
                 finished, running = await asyncio.wait(running, return_when=asyncio.FIRST_COMPLETED)
                 seconds = sum(task.result() for task in finished)
-                done, total = done + len(finished), total + seconds
-                await self._aside(self._ledger.advance, item, done=done, seconds=seconds)
+                progress.done += len(finished)
+                total += seconds
+                await self._note(progress, seconds)
         finally:
             for task in running:
                 task.cancel()
             await asyncio.gather(*running, *finished, return_exceptions=True)
 
-    async def _on_worker(self, function: Any, *arguments: Any) -> float:
+    async def _on_worker(self, progress: _Progress, function: Any, *arguments: Any) -> float:
         """Run a function of `app.jobs.work` on the cluster."""
-        client = await self._client()
-        from distributed import KilledWorker
-        from distributed.client import FutureCancelledError
-        from distributed.comm.core import CommClosedError
+        has_begun = False
 
-        future = client.submit(by_name(function), self._directory, *arguments, pure=False)
-        result = asyncio.create_task(_result_of(future))
+        async def began() -> None:
+            nonlocal has_begun
+            has_begun = True
+            progress.running.begin()
+            if progress.told is None:
+                progress.began = time.monotonic()
+                progress.told = asyncio.create_task(self._note(progress, 0.0))
+            await asyncio.shield(progress.told)  # before any other note
+
+        share, seconds = share_of(progress.item), progress.seconds
         try:
-            while not (await asyncio.wait([result], timeout=LOOK_AT_WORKERS))[0]:
-                await self._client()
-            return result.result()
-        except KilledWorker as error:
-            raise WorkersDieError(
-                "A block took down each worker that it was given to, perhaps for want of memory."
-            ) from error
-        except (FutureCancelledError, CommClosedError) as error:
-            raise LostError(f"{type(error).__name__}: {error}") from error
-        except asyncio.CancelledError:
-            await _cancel(future)
-            raise
+            return await self.hands.run(
+                share, seconds, began, function, self._directory, *arguments
+            )
         finally:
-            result.cancel()
-            await asyncio.gather(result, return_exceptions=True)
+            if has_begun:
+                progress.running.end()
 
-    async def _client(self) -> Client:
-        """Return the connection; note how many workers there are, or why there are none."""
-        try:
-            client = await self._cluster.client()
-            self._workers = await self._cluster.workers()
-        except Exception as error:  # of many kinds: no scheduler, no worker process
-            self.trouble = f"the workers cannot be reached: {type(error).__name__}"
-            raise LostError(str(error)) from error
-        self.trouble = None if self._workers else "there are no workers"
-        return client
-
-
-async def _result_of(future: Any) -> float:
-    seconds: float = await future
-    return seconds
-
-
-async def _cancel(future: Any) -> None:
-    with contextlib.suppress(Exception):
-        await future.cancel()
+    async def _note(self, progress: _Progress, seconds: float) -> None:
+        await self._aside(
+            self._ledger.advance, progress.item, done=progress.done, seconds=seconds,
+            elapsed=time.monotonic() - progress.began,
+        )  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import importlib
 import os
 from collections.abc import Callable
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 _T = TypeVar("_T")
 
 MOST_FAILURES = 10  # workers that die under one block
+BEGUN = "vibrafeed-begun"  # Dask's topic under which workers tell what they begin
+RESTART = 30.0  # s that a worker may take to end and come again
 POLITE = 10  # niceness of our own workers: the service answers while they work
 
 
@@ -29,12 +32,18 @@ class Cluster:
         That of a running scheduler; None for workers of our own.
     workers : int
         How many of our own, one process and one thread each.
+
+    Attributes
+    ----------
+    begun : callable
+        Is told the key of each call that a worker begins, and the worker's address.
     """
 
     def __init__(self, address: str | None, workers: int):
         self._address, self._workers = address, workers
         # A task of its own: who waits for it may be cancelled, and leaves nothing half made.
         self._start: asyncio.Task[_Made] | None = None
+        self.begun: Callable[[str, str], object] = lambda key, worker: None
 
     async def client(self) -> Client:
         """Return the connection; make it if there is none or it has been lost.
@@ -59,6 +68,20 @@ class Cluster:
         threads: dict[str, int] = await client.nthreads()  # type: ignore[no-untyped-call]
         return sum(threads.values())
 
+    async def has_nanny(self, worker: str) -> bool:
+        """Return whether a worker would be started again if it were killed, or is gone."""
+        client = await self.client()
+        # All of them: by default the scheduler tells of a few.
+        scheduler: Any = client.scheduler
+        known = (await scheduler.identity(n_workers=-1))["workers"]
+        return worker not in known or known[worker]["nanny"] is not None
+
+    async def restart(self, worker: str) -> None:
+        """End the process of a worker, by force if need be, and wait for the one in its place."""
+        client = await self.client()
+        with contextlib.suppress(KeyError):  # it is gone
+            await client.restart_workers([worker], timeout=RESTART, raise_for_error=False)
+
     async def close(self) -> None:
         """Close the connection, and our own workers; wait for them if they are being started."""
         start, self._start = self._start, None
@@ -81,22 +104,34 @@ class Cluster:
             client = distributed.Client(local or self._address, asynchronous=True, timeout=20)
             made.push_async_callback(client.close)
             await client
+            client.subscribe_topic(BEGUN, self._heard)
             if local is not None:
                 await client.register_plugin(_polite())
             return client, made.pop_all()
+
+    def _heard(self, event: tuple[float, dict[str, str]]) -> None:
+        told = event[1]
+        self.begun(told["key"], told["worker"])
 
 
 def by_name(function: Callable[..., _T]) -> Callable[..., _T]:
     """Return what calls a function of this program by its name, wherever it is sent.
 
-    It is sent with all it holds, and finds the rest by the name `vibrafeed`: schedulers and workers
-    may have other packages called `app` and `core`.
+    It is sent with all it holds, tells that it begins, and finds the rest by the name `vibrafeed`:
+    schedulers and workers may have other packages called `app` and `core`.
     """
-    module, name = function.__module__, function.__name__
+    module, name, topic = function.__module__, function.__name__, BEGUN
 
     def call(*arguments: Any) -> _T:
+        from contextlib import suppress
         from importlib import import_module
 
+        from distributed import get_worker
+
+        with suppress(ValueError):  # it is called elsewhere than on a worker
+            worker = get_worker()
+            told = {"key": worker.get_current_task(), "worker": worker.address}
+            worker.log_event(topic, told)
         import_module("vibrafeed._packages").claim("core", "app")
         called: _T = getattr(import_module(module), name)(*arguments)
         return called

@@ -5,13 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from app.jobs import parts, work
+from app.jobs import work
 from app.jobs.ledger import Job, Ledger
 from app.jobs.room import Room
 from app.jobs.store import Store, identifier
 from app.settings import Settings
 from core.kinds import KINDS
-from core.plan.pieces import Cut
 from core.plan.prepared import Prepared
 from core.sweep import Sweep
 
@@ -31,13 +30,21 @@ class Desk:
         The service's.
     wake : callable
         Tells whoever works that the queue has changed.
+    waits : callable
+        Tells what work that has not begun waits for, besides its turn.
     """
 
     def __init__(
-        self, ledger: Ledger, store: Store, settings: Settings, wake: Callable[[], object]
+        self,
+        ledger: Ledger,
+        store: Store,
+        settings: Settings,
+        wake: Callable[[], object],
+        waits: Callable[[], str | None] = lambda: None,
     ):
         self.ledger, self.store = ledger, store
         self._settings, self._wake = settings, wake
+        self.waits = waits
         self._room = Room(ledger, store, settings)
 
     def post(self, prepared: Prepared, process: str) -> Job:
@@ -51,10 +58,7 @@ class Desk:
             If too much is waiting.
         """
         key = identifier(prepared.study, process)
-        block_cells = work.block_cells(prepared, self._settings.block_seconds)
-        blocks = len(Cut(prepared, block_cells)) if process in KINDS else 0
-        if process in KINDS and parts.is_in_parts(prepared, self._settings):
-            block_cells, blocks = work.IN_PARTS, parts.count_of(prepared)
+        block_cells, blocks = work.blocks(prepared, process, self._settings)
         # Blocks and the result are there at the same time, for a moment.
         needed = prepared.bytes + prepared.computed_bytes if process in KINDS else REPORT_BYTES
         self._room.look(key, needed)

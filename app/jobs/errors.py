@@ -23,3 +23,7 @@ class TornBlockError(VibrafeedError):
 
 class OtherVersionError(VibrafeedError):
     """A study was posted to another version of vibrafeed."""
+
+
+class BlindWorkerError(VibrafeedError):
+    """A worker does not see the data directory of the service."""

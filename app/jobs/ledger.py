@@ -257,10 +257,10 @@ class Ledger:
                     (key, process, cells, block_cells, blocks, bytes_, now),
                 )
                 # It may have been cut when blocks were of another size.
-                [owner, blocks] = database.execute(
-                    "SELECT owner, blocks FROM work WHERE key = ?", (key,)
+                [began, blocks] = database.execute(
+                    "SELECT began, blocks FROM work WHERE key = ?", (key,)
                 ).fetchone()
-                if owner is not None:
+                if began is not None:
                     state, started = "running", now
             database.execute(
                 "INSERT INTO jobs (id, key, process, state, cells, blocks, created, started, "
@@ -312,13 +312,26 @@ class Ledger:
 
     # --- what servers do
 
-    def claim(self, server: str, lease_seconds: float) -> Work | None:
-        """Take the lease of the item of work that has waited longest; None if none is free."""
+    def waiting(self) -> list[Work]:
+        """Return the items of work that are free to be claimed, what has waited longest first."""
+        rows = self._read(
+            "SELECT key, process, block_cells, blocks, seconds, '' AS owner FROM work "
+            "WHERE owner IS NULL OR lease < ? ORDER BY created",
+            time.time(),
+        )
+        return [Work(**row) for row in rows]
+
+    def claim(self, server: str, lease_seconds: float, key: str | None = None) -> Work | None:
+        """Take the lease of an item of work; None if it is not free.
+
+        Without a key it is the one that has waited longest. Its jobs run from the first `advance`.
+        """
         now, owner = time.time(), f"{server} {uuid.uuid4().hex[:8]}"
         with self.transaction() as database:
             row = database.execute(
-                "SELECT * FROM work WHERE owner IS NULL OR lease < ? ORDER BY created LIMIT 1",
-                (now,),
+                "SELECT * FROM work WHERE (owner IS NULL OR lease < ?1) "
+                "AND (?2 IS NULL OR key = ?2) ORDER BY created LIMIT 1",
+                (now, key),
             ).fetchone()
             if row is None:
                 return None
@@ -326,11 +339,6 @@ class Ledger:
                 "UPDATE work SET owner = ?, lease = ?, began = NULL, done_then = NULL "
                 "WHERE key = ?",
                 (owner, now + lease_seconds, row["key"]),
-            )
-            database.execute(
-                "UPDATE jobs SET state = 'running', started = ? "
-                "WHERE key = ? AND state = 'accepted'",
-                (now, row["key"]),
             )
         names = ("key", "process", "block_cells", "blocks", "seconds")
         return Work(**{name: row[name] for name in names}, owner=owner)
@@ -350,17 +358,25 @@ class Ledger:
             )
             return changed.rowcount == 1
 
-    def advance(self, work: Work, *, done: int, seconds: float) -> None:
+    def advance(self, work: Work, *, done: int, seconds: float, elapsed: float = 0.0) -> None:
         """Note how many blocks are done, and time spent since the last note.
 
-        The first note of a claim tells what is there already.
+        The first note of a claim tells what is there already; its jobs run from then. `elapsed` is
+        the time since, by a clock that nobody sets.
         """
+        now = time.time()
         with self.transaction() as database:
-            database.execute(
-                "UPDATE work SET done = ?1, seconds = seconds + ?2, began = coalesce(began, ?3), "
+            changed = database.execute(
+                "UPDATE work SET done = ?1, seconds = seconds + ?2, began = ?3, "
                 "done_then = coalesce(done_then, ?1) WHERE key = ?4 AND owner = ?5",
-                (done, seconds, time.time(), work.key, work.owner),
+                (done, seconds, now - elapsed, work.key, work.owner),
             )
+            if changed.rowcount:
+                database.execute(
+                    "UPDATE jobs SET state = 'running', started = ? "
+                    "WHERE key = ? AND state = 'accepted'",
+                    (now, work.key),
+                )
 
     def succeed(self, work: Work) -> None:
         """Note that an item of work is done; its result is on the disk."""

@@ -17,9 +17,11 @@ from typing import IO, Any
 
 from app.jobs import disk
 from app.jobs.aside import Aside
-from app.jobs.carrier import Carrier, LostError, TooLongError, WorkersDieError
+from app.jobs.carrier import Carrier, TooLongError
 from app.jobs.cluster import Cluster
-from app.jobs.errors import OtherVersionError, TornBlockError
+from app.jobs.errors import BlindWorkerError, OtherVersionError, TornBlockError
+from app.jobs.hands import LostError, WorkersDieError
+from app.jobs.lanes import Lanes
 from app.jobs.ledger import Ledger, Work
 from app.jobs.store import Store
 from app.settings import Settings
@@ -49,9 +51,10 @@ class Runner:
         self._server = f"{socket.gethostname()} {os.getpid()} {uuid.uuid4().hex[:8]}"
         self._aside = Aside()
         self._carrier = Carrier(ledger, store, cluster, self._aside, settings)
+        self._lanes = Lanes(store, settings)
         self._loop: asyncio.AbstractEventLoop | None = None
         self._wake = asyncio.Event()
-        self._active: dict[str, asyncio.Task[None]] = {}
+        self._active: dict[str, tuple[Work, asyncio.Task[None]]] = {}
         self._main: asyncio.Task[None] | None = None
         self._alone: IO[bytes] | None = None
 
@@ -63,10 +66,12 @@ class Runner:
 
     async def stop(self) -> None:
         """Stop; what is under way goes on with the next server, where it was."""
-        tasks = [task for task in (self._main, *self._active.values()) if task is not None]
+        keeping = [task for _, task in self._active.values()]
+        tasks = [task for task in (self._main, *keeping) if task is not None]
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
+        await self._carrier.hands.close()
         try:
             await self._aside(self._ledger.release, self._server)
         except Exception:  # such as a full disk: the leases run out
@@ -88,7 +93,11 @@ class Runner:
         """Return what keeps jobs from being carried out, or None."""
         if self._main is None or self._main.done():
             return "no work is looked for"
-        return self._carrier.trouble
+        return self._carrier.hands.trouble
+
+    def waits(self) -> str | None:
+        """Return what work that has not begun waits for, besides its turn."""
+        return self._carrier.hands.waits()
 
     def _clear_up(self) -> None:
         """Take over at once, if no other server uses the directory; leases say nothing then."""
@@ -119,19 +128,28 @@ class Runner:
                     await self._wake.wait()
 
     async def _claim_some(self) -> None:
-        while len(self._active) < self._settings.concurrent_jobs:
-            lease = self._settings.lease_seconds
-            item = await self._aside(self._ledger.claim, self._server, lease)
-            if item is None:
+        while True:
+            found = await self._aside(self._next)
+            if found is None:
                 if not self._active:  # nothing waits for the workers
-                    self._carrier.trouble = None
+                    self._carrier.hands.trouble = None
                 return
-            self._active[item.owner] = asyncio.create_task(self._keep(item), name=item.key)
+            lease = self._settings.lease_seconds
+            item = await self._aside(self._ledger.claim, self._server, lease, found.key)
+            if item is not None:  # no other server was quicker
+                keeping = asyncio.create_task(self._keep(item), name=item.key)
+                self._active[item.owner] = item, keeping
+
+    def _next(self) -> Work | None:
+        """Return what is to be claimed next; this takes long where studies have to be read."""
+        active = {item.key for item, _ in self._active.copy().values()}
+        return self._lanes.next(self._ledger.waiting(), active)
 
     async def _keep(self, item: Work) -> None:
         """Carry out an item for as long as its lease is ours."""
         about = {"key": item.key, "kind": item.process, "blocks": item.blocks}
-        carrying = asyncio.create_task(self._carrier.carry_out(item))
+        seconds = await self._aside(self._lanes.block_price, item)
+        carrying = asyncio.create_task(self._carrier.carry_out(item, seconds))
         try:
             logger.info("work started", extra=about)
             await self._hold(item, carrying)
@@ -190,6 +208,10 @@ class Runner:
                 raise LostError(str(error)) from error
             logger.exception("storage failed")
             return disk.problem(error)
+        except BlindWorkerError as error:
+            logger.error("%s", error)
+            title = "A worker does not see the data directory"
+            return _problem(500, "workers", title, error)
         except WorkersDieError as error:
             return _problem(500, "workers", "The workers do not survive the study", error)
         except Exception:

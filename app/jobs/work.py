@@ -6,6 +6,7 @@ is computed goes to the disk.
 
 from __future__ import annotations
 
+import socket
 import threading
 import time
 from functools import lru_cache
@@ -13,8 +14,10 @@ from pathlib import Path
 
 import core
 from app.jobs import parts
-from app.jobs.errors import OtherVersionError
+from app.jobs.errors import BlindWorkerError, NotFoundError, OtherVersionError
 from app.jobs.store import Store, identifier
+from app.settings import Settings
+from core.accuracy.families import families_of
 from core.errors import StoppedError
 from core.kinds import KINDS
 from core.plan.pieces import Cut, join
@@ -22,6 +25,7 @@ from core.plan.prepared import Prepared
 from core.watch import Watch
 
 IN_PARTS = 0  # for the cells of a block: it is a part of a sweep, see `app.jobs.parts`
+UNWANTED = "nobody wants the block any more"
 MOST_BLOCK_CELLS = 1_000_000
 MOST_BLOCKS = 100_000
 
@@ -37,10 +41,22 @@ def block_cells(prepared: Prepared, seconds: float) -> int:
     return int(min(most, max(cells, fewest, 1)))
 
 
+def blocks(prepared: Prepared, process: str, settings: Settings) -> tuple[int, int]:
+    """Return the cells of a block of a job, or `IN_PARTS`, and how many blocks it has."""
+    cells = block_cells(prepared, settings.block_seconds)
+    if process not in KINDS:
+        return cells, len(families_of(prepared))  # one each
+    if parts.is_in_parts(prepared, settings):
+        return IN_PARTS, parts.count_of(prepared)
+    return cells, len(Cut(prepared, cells))
+
+
 def missing_blocks(directory: str, key: str, process: str, cells: int, count: int) -> list[int]:
     """Return the blocks of a study that are not there; readers may follow its parts from then."""
     store = Store(Path(directory))
-    if cells != IN_PARTS:
+    if process not in KINDS:  # their number follows from the study
+        count = len(families_of(_study(directory, key, process)))
+    if cells != IN_PARTS or process not in KINDS:
         return [index for index in range(count) if not store.has_block(key, cells, index)]
     if store.has_group(key):  # joined already, and not yet told so
         return []
@@ -61,6 +77,8 @@ def compute_block(
     ------
     OtherVersionError
         If this version of vibrafeed knows the study by another identifier.
+    BlindWorkerError
+        If this worker does not find the study.
     StoppedError
         If the claim was given up.
     """
@@ -68,15 +86,23 @@ def compute_block(
     store = Store(Path(directory))
     # One thread: each worker thread is given a block of its own.
     watch = Watch(threads=1, stop=lambda: store.is_given_up(key, claim))
-    if cells == IN_PARTS:
+    if watch.stopped():  # before it began
+        raise StoppedError(UNWANTED)
+    if process in KINDS and cells == IN_PARTS:
         ours = parts.parts_of_job(store, key, _study(directory, key, process))
         ours.keep(index, ours.compute(index, watch))
     elif not store.has_block(key, cells, index):
         prepared = _study(directory, key, process)
-        part = prepared.within(Cut(prepared, cells).box(index))
-        computed = KINDS[prepared.study.kind].compute(part, watch)
+        if process in KINDS:
+            part = prepared.within(Cut(prepared, cells).box(index))
+            computed = KINDS[prepared.study.kind].compute(part, watch)
+        else:
+            from app.jobs.accuracy import measure_block
+
+            with _netcdf:
+                computed = measure_block(prepared, index, watch)
         if watch.stopped():
-            raise StoppedError("nobody wants the block any more")
+            raise StoppedError(UNWANTED)
         store.write_block(key, cells, index, computed)
     return time.perf_counter() - started
 
@@ -100,7 +126,7 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
             prepared = _study(directory, key, process)
             from app.jobs.accuracy import write_report
 
-            write_report(store, key, process, prepared)
+            write_report(store, key, process, prepared, cells, seconds)
         elif cells == IN_PARTS:
             ours = parts.parts_of_job(store, key, _study(directory, key, process))
             parts.write_result(store, key, process, ours, seconds)
@@ -120,7 +146,14 @@ def write_result(directory: str, key: str, process: str, cells: int, seconds: fl
 @lru_cache(maxsize=16)
 def _study(directory: str, key: str, process: str) -> Prepared:
     """Return a study; a worker computes many blocks of one."""
-    prepared = Store(Path(directory)).get(key)
+    try:
+        prepared = Store(Path(directory)).get(key)
+    except NotFoundError:
+        raise BlindWorkerError(
+            f"A worker on {socket.gethostname()} does not find the study in {directory}. All "
+            "workers of VIBRAFEED_SCHEDULER must see the data directory of the service "
+            "(VIBRAFEED_DATA_DIRECTORY) under the same path. Post it again when they do."
+        ) from None
     if identifier(prepared.study, process) != key:
         raise OtherVersionError(
             f"The study was posted to another version of vibrafeed than {core.__version__}, which "

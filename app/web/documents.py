@@ -178,14 +178,30 @@ def description(name: str, process: Process, base: str) -> dict[str, Any]:
     }
 
 
-def status_info(job: Job, base: str, *, is_group: bool = False) -> dict[str, Any]:
-    """Return how a job stands; `is_group` if its result is a Zarr group that can be read by now."""
+def status_info(
+    job: Job, base: str, *, is_group: bool = False, waits: str | None = None
+) -> dict[str, Any]:
+    """Return how a job stands.
+
+    Parameters
+    ----------
+    job : Job
+        The job.
+    base : str
+        The service's address.
+    is_group : bool
+        Whether its result is a Zarr group that can be read by now.
+    waits : str or None
+        What work that has not begun waits for, besides its turn.
+    """
     share = job.done / job.blocks if job.blocks else 0.0
     # The last percent is the writing of the result.
     progress = 100 if job.state == "successful" else min(99, int(100 * share))
     left = None
-    if job.began is not None and job.done > job.done_then:
-        pace = (time.time() - job.began) / (job.done - job.done_then)
+    # Negative where the clock has been set: the next block that is noted puts it right.
+    elapsed = -1.0 if job.began is None else time.time() - job.began
+    if elapsed >= 0 and job.done > job.done_then:
+        pace = elapsed / (job.done - job.done_then)
         left = round(pace * (job.blocks - job.done), 1)
     here = f"{base}/jobs/{job.id}"
     links = [
@@ -205,7 +221,7 @@ def status_info(job: Job, base: str, *, is_group: bool = False) -> dict[str, Any
         "type": "process",
         "jobID": job.id,
         "status": job.state,
-        "message": _message(job),
+        "message": _message(job, waits),
         "created": _time(job.created),
         "started": _time(job.started),
         "finished": _time(job.finished),
@@ -251,7 +267,7 @@ def media_type_of(name: str) -> str:
     )
 
 
-def _message(job: Job) -> str:
+def _message(job: Job, waits: str | None) -> str:
     if job.problem is not None:
         return f"{job.problem['title']}. {job.problem['detail']}"
     if job.state not in ACTIVE:
@@ -260,8 +276,8 @@ def _message(job: Job) -> str:
             "dismissed": "It was dismissed.",
         }.get(job.state, "It failed.")
     if job.state == "accepted":
-        return "It waits for its turn."
-    return f"{job.done:,} of {job.blocks:,} blocks are done." if job.blocks else "It is measured."
+        return f"It waits for its turn: {waits}." if waits else "It waits for its turn."
+    return f"{job.done:,} of {job.blocks:,} blocks are done."
 
 
 def _time(seconds: float | None) -> str | None:

@@ -228,7 +228,7 @@ def _warm(
 ) -> Means:
     """Run a method once on one cell, which loads and compiles it, then on all."""
     one = {name: values[:1] for name, values in cells.items()}
-    run_method(scene, method, one, settings, Watch())
+    run_method(scene, method, one, settings, Watch(stop=watch.stop))
     return run_method(scene, method, cells, settings, watch)
 
 
@@ -243,7 +243,7 @@ def _repeated(
     first = _warm(scene, method, cells, settings, watch)
     times = [first.seconds]
     while len(times) < 3 and times[0] * first.velocity.size < 0.5 and not watch.stopped():
-        times.append(run_method(scene, method, cells, settings, Watch()).seconds)
+        times.append(run_method(scene, method, cells, settings, Watch(stop=watch.stop)).seconds)
     return replace(first, seconds=float(np.median(times)))
 
 

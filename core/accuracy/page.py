@@ -10,7 +10,8 @@ from pathlib import Path
 from urllib.parse import quote
 
 from core.accuracy.curves import FAMILIES, STEEP, Curve, Measured, Point, numbers_of
-from core.accuracy.report import SECONDS, Part
+from core.accuracy.families import SECONDS
+from core.accuracy.report import Part
 
 TITLES = {
     "closed_forms": "Rounding of the closed forms",

@@ -6,7 +6,7 @@ import math
 import os
 import platform
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -17,9 +17,9 @@ import core
 from core import motion as motion_package
 from core import sweep
 from core.accuracy import closed_forms, model, motion, optimisers, storage
-from core.accuracy.curves import FAMILIES, Measured, tabulate_curves
+from core.accuracy.curves import Measured, tabulate_curves
+from core.accuracy.families import SECONDS, families_of
 from core.dataset.table import Table
-from core.errors import Problem, StudyError
 from core.kinds import share_left_out, tabulate
 from core.plan.grid import Grid, axis_values
 from core.plan.labels import global_attributes
@@ -27,17 +27,9 @@ from core.plan.prepared import Prepared
 from core.study.values import Points
 from core.watch import Watch
 
-SECONDS = 60.0  # of one family; what is fast takes less
 MOST_CELLS = 400_000  # of a result that is stored; a larger grid is thinned
 MOST_CELLS_MOTION = 2_000  # of one whose cells take milliseconds
 LIBRARIES = ("numpy", "numba", "scipy", "mpmath", "netCDF4")
-
-ORDER = {
-    "sweep": ("closed_forms", "model", "motion", "storage"),
-    "simulate": ("motion", "storage"),
-    "optimise": ("optimisers",),
-}
-"""The families of each kind of study, in the order of the page."""
 
 
 @dataclass(frozen=True)
@@ -61,23 +53,6 @@ class Part:
     scene: str
     measured: tuple[Measured, ...]
     table: Table
-
-
-def families_of(prepared: Prepared, only: Collection[str] = ()) -> tuple[str, ...]:
-    """Return the families that a study has, in order.
-
-    Raises
-    ------
-    StudyError
-        If `only` names one that there is not, or that this kind of study has not.
-    """
-    known = ORDER[prepared.study.kind]
-    wrong = [name for name in only if name not in known]
-    if wrong:
-        kind = prepared.study.kind
-        what = "is no family of measurements" if wrong[0] not in FAMILIES else f"is not for {kind}"
-        raise StudyError([Problem("only", f"'{wrong[0]}' {what}", f"Known: {', '.join(known)}")])
-    return tuple(name for name in known if not only or name in only)
 
 
 def measure_study(
@@ -114,22 +89,35 @@ def measure_study(
     for family in families:
         if watch.stopped():
             break
-        ends = time.monotonic() + seconds
-        mine = Watch(
-            lambda done: watch.advance(done / len(families)),
-            watch.stop,
-            min(ends, watch.deadline or math.inf),
-        )
-        found = _measure(family, prepared, mine, seconds)
+        share = replace(watch, progress=lambda done: watch.advance(done / len(families)))
+        found = measure_family(prepared, family, share, seconds)
         if found is not None:
             measured.append(found)
+    return part_of(prepared, name, measured, machine())
+
+
+def measure_family(
+    prepared: Prepared, family: str, watch: Watch, seconds: float = SECONDS
+) -> Measured | None:
+    """Return what one family gives for a study; None if it has nothing to say.
+
+    After so many seconds it starts nothing new.
+    """
+    ends = min(time.monotonic() + seconds, watch.deadline or math.inf)
+    return _measure(family, prepared, replace(watch, deadline=ends), seconds)
+
+
+def part_of(
+    prepared: Prepared, name: str, measured: Sequence[Measured], facts: Mapping[str, str]
+) -> Part:
+    """Return the measurements of a study together; `facts` is what `machine` told."""
     plan = prepared.plan
     return Part(
         name,
         prepared.study.title or plan.scene.title,
         f"{plan.scene.name}, {plan.scene.choice} {plan.variant}",
         tuple(measured),
-        tabulate_curves(measured, {**global_attributes(prepared, "accuracy report"), **machine()}),
+        tabulate_curves(measured, {**global_attributes(prepared, "accuracy report"), **facts}),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -49,12 +50,62 @@ def test_dismissed_work_frees_its_worker(server: Server) -> None:
 
 
 def test_work_over_its_time_fails_alone(tmp_path: Path) -> None:
-    server = Server(tmp_path, **QUICK, VIBRAFEED_WORKERS="1", VIBRAFEED_MAX_JOB_SECONDS="20")
+    """What waited behind it as long has not run for so long."""
+    server = Server(tmp_path, **QUICK, VIBRAFEED_WORKERS="1", VIBRAFEED_MAX_JOB_SECONDS="10")
     try:
-        long = server.finished(server.post(HOURS), seconds=120)
-        assert long["status"] == "failed"
-        assert "longer than this service allows" in long["message"]
-        small = server.finished(server.post(SMALL), seconds=120)
+        long = server.post(HOURS)
+        server.waited(long, lambda job: job["status"] == "running")
+        number = server.post(SMALL)
+        waits = server.waited(number, lambda job: "all workers are busy" in job["message"], 60)
+        assert (waits["status"], waits.get("started")) == ("accepted", None)
+        over = server.finished(long, seconds=120)
+        assert over["status"] == "failed"
+        assert "longer than this service allows" in over["message"]
+        small = server.finished(number, seconds=120)
         assert small["status"] == "successful", small
     finally:
         server.stop()
+
+
+def test_a_small_job_does_not_wait_for_long_ones(tmp_path: Path) -> None:
+    server = Server(tmp_path, **QUICK, VIBRAFEED_WORKERS="2")
+    try:
+        grid = {"start": "0.05 mm", "stop": "0.75 mm", "num": 1001}
+        long = [
+            server.post(
+                {**SMALL, "parameters": {**SMALL["parameters"], "frequency": 40 + n, **axes}}
+            )
+            for n in range(6)
+            for axes in [{"amplitude": grid, "beta": {"start": 5, "stop": 60, "num": 1001}}]
+        ]
+        server.begun(long[0])
+        small = server.finished(server.post(SMALL), seconds=120)
+        assert small["status"] == "successful", small
+        assert {server.job(number)["status"] for number in long} <= {"accepted", "running"}
+    finally:
+        server.stop()
+
+
+def test_accuracy_is_measured_in_blocks_and_can_be_dismissed(tmp_path: Path) -> None:
+    server = Server(tmp_path, **QUICK, VIBRAFEED_WORKERS="1")
+    try:
+        path = "/processes/accuracy/execution"
+        number = json.loads(server.ask(path, SMALL))["jobID"]
+        half = server.waited(number, lambda job: job["progress"] >= 50)
+        assert half["elapsedSeconds"] > 0
+        assert server.finished(number)["status"] == "successful"
+        assert server.job(number)["elapsedSeconds"] > 0
+        others = [json.loads(server.ask(path, study_at(60 + n)))["jobID"] for n in range(3)]
+        server.waited(others[0], lambda job: job["status"] == "running")
+        for one in others:
+            server.ask(f"/jobs/{one}", method="DELETE")
+        dismissed = time.monotonic()
+        small = server.finished(server.post(study_at(70)), seconds=120)
+        assert small["status"] == "successful", small
+        assert time.monotonic() - dismissed < 30  # and not the minute of a family
+    finally:
+        server.stop()
+
+
+def study_at(frequency: float) -> dict[str, Any]:
+    return {**SMALL, "parameters": {**SMALL["parameters"], "frequency": frequency}}

@@ -116,7 +116,8 @@ def list_jobs(
         asked = {k: v for k, v in {**wishes, "offset": start}.items() if v is not None}
         href = f"{base}/jobs?{urlencode(asked, doseq=True)}"
         links.append({"href": href, "rel": rel, "type": "application/json"})
-    return json_reply({"jobs": [status_info(job, base) for job in found[:limit]], "links": links})
+    shown = [status_info(job, base, waits=desk.waits()) for job in found[:limit]]
+    return json_reply({"jobs": shown, "links": links})
 
 
 @router.get("/{number}", summary="Tell how a job stands", response_model=StatusInfo,
@@ -125,7 +126,7 @@ def get_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
     """Return the state of a job, its progress, and the time that is left."""
     job = find_job(desk, number)
     is_group = job.state in ("running", "successful") and desk.store.in_group(job.key).exists()
-    return json_reply(status_info(job, base, is_group=is_group))
+    return json_reply(status_info(job, base, is_group=is_group, waits=desk.waits()))
 
 
 @router.delete("/{number}", summary="Dismiss a job", response_model=StatusInfo, responses=NO_JOB)
@@ -134,7 +135,7 @@ def dismiss_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
     job = desk.dismiss(number)
     if job is None:
         raise no_such_job(number)
-    return json_reply(status_info(job, base))
+    return json_reply(status_info(job, base, waits=desk.waits()))
 
 
 @router.get(
@@ -168,7 +169,8 @@ async def _events(
             return
         if (job.state, job.done) != told:
             told, at = (job.state, job.done), time.monotonic()
-            yield b"event: status\ndata: " + orjson.dumps(status_info(job, base)) + b"\n\n"
+            status = orjson.dumps(status_info(job, base, waits=desk.waits()))
+            yield b"event: status\ndata: " + status + b"\n\n"
             if job.state not in ACTIVE:
                 return
         elif time.monotonic() - at > SIGN_OF_LIFE:

@@ -73,11 +73,34 @@ def test_the_pace_is_that_of_the_claim(ledgers):
     assert here.job(job.id).began is None
 
 
+def test_the_pace_outlives_a_clock_that_is_set(ledgers, monkeypatch):
+    here, _ = ledgers
+    job = post(here)
+    work = here.claim("a", LEASE)
+    here.advance(work, done=0, seconds=0.0)
+    now = time.time()
+    monkeypatch.setattr("app.jobs.ledger.time.time", lambda: now + 86_400)
+    here.advance(work, done=5, seconds=10.0, elapsed=10.0)
+    assert here.job(job.id).began == pytest.approx(now + 86_400 - 10)
+
+
+def test_what_waits_is_told_in_order_and_can_be_chosen(ledgers):
+    here, there = ledgers
+    for key in "klm":
+        post(here, key)
+    assert [item.key for item in there.waiting()] == ["k", "l", "m"]
+    assert there.claim("b", LEASE, "l").key == "l"
+    assert here.claim("a", LEASE, "l") is None
+    assert [item.key for item in here.waiting()] == ["k", "m"]
+
+
 def test_equal_studies_are_computed_once(ledgers):
     here, there = ledgers
     jobs = [post(here), post(there)]
     work = here.claim("a", LEASE)
     assert there.claim("b", LEASE) is None
+    assert post(there).state == "accepted"  # nobody has begun
+    here.advance(work, done=0, seconds=0.0)
     late = post(there)
     assert late.state == "running"
     here.succeed(work)
@@ -101,7 +124,7 @@ def test_a_lease_that_runs_out_is_taken_over_and_its_owner_has_no_say_any_more(l
     assert not here.renew(work, LEASE)
     here.advance(work, done=9, seconds=9.0)
     here.fail(work, {"status": 500, "kind": "x", "title": "x", "detail": "x"})
-    assert (there.job(job.id).state, there.job(job.id).done) == ("running", 0)
+    assert (there.job(job.id).state, there.job(job.id).done) == ("accepted", 0)
 
 
 def test_leases_are_given_up(ledgers):

@@ -7,6 +7,7 @@ import errno
 import sqlite3
 import threading
 import time
+import uuid
 from collections.abc import Callable, Coroutine
 from pathlib import Path
 from typing import Any
@@ -37,10 +38,16 @@ STUDY = {
 
 
 class Future:
-    """Runs a function in a thread."""
+    """Runs a function in a thread, or waits for a worker that is not there."""
 
-    def __init__(self, function: Callable[..., Any], arguments: tuple[Any, ...]):
-        self._task = asyncio.ensure_future(asyncio.to_thread(function, *arguments))
+    def __init__(self, function: Callable[..., Any] | None, arguments: tuple[Any, ...] = ()):
+        self.key = uuid.uuid4().hex
+        waits = asyncio.sleep(1000)
+        self._task = asyncio.ensure_future(
+            waits if function is None else asyncio.to_thread(function, *arguments)
+        )
+        if function is not None:
+            waits.close()
 
     def __await__(self) -> Any:
         return self._task.__await__()
@@ -55,6 +62,9 @@ class Workers:
     def __init__(self, count: int = 2, **instead: Callable[..., Any]):
         self.count, self.instead = count, instead
         self.calls: list[str] = []
+        self.restarted: list[str] = []
+        self.nannies = True
+        self.begun: Callable[[str, str], object] = lambda key, worker: None
 
     async def client(self) -> Workers:
         return self
@@ -69,8 +79,16 @@ class Workers:
         name = function.__name__
         self.calls.append(name)
         if self.count == 0:
-            return asyncio.ensure_future(asyncio.sleep(1000))
-        return Future(self.instead.get(name, function), arguments)
+            return Future(None)
+        future = Future(self.instead.get(name, function), arguments)
+        asyncio.get_running_loop().call_soon(self.begun, future.key, "worker")
+        return future
+
+    async def has_nanny(self, worker: str) -> bool:
+        return self.nannies
+
+    async def restart(self, worker: str) -> None:
+        self.restarted.append(worker)
 
 
 Play = Callable[[Runner, Desk, Job], Coroutine[Any, Any, None]]
@@ -118,15 +136,91 @@ def test_work_is_carried_out(tmp_path):
     assert Store(tmp_path).manifest(job.key) is not None
 
 
-def test_time_runs_out_also_while_nothing_is_done(tmp_path):
-    job = carried_out(tmp_path, Workers(0), max_job_seconds=0.5)
+def test_time_runs_out_while_a_block_runs(tmp_path):
+    done = threading.Event()
+    workers = Workers(1, compute_block=lambda *_: done.wait(30))
+
+    async def play(runner: Runner, desk: Desk, job: Job) -> None:
+        await until(lambda: desk.ledger.job(job.id).state == "failed")
+        done.set()
+
+    job = carried_out(tmp_path, workers, play, max_job_seconds=0.5)
     assert job.state == "failed"
     assert (job.problem["status"], job.problem["kind"]) == (422, "limit")
     assert "Posted again" in job.problem["detail"]
 
 
+def test_time_does_not_run_out_while_a_job_waits_and_it_says_for_what(tmp_path, monkeypatch):
+    monkeypatch.setattr("app.jobs.hands.LOOK_AT_WORKERS", 0.1)
+    workers = Workers(0)
+
+    async def play(runner: Runner, desk: Desk, job: Job) -> None:
+        await until(lambda: runner.waits() == "there are no workers")
+        await asyncio.sleep(0.6)  # longer than it may run
+        found = desk.ledger.job(job.id)
+        assert found is not None
+        assert (found.state, found.started) == ("accepted", None)
+
+    carried_out(tmp_path, workers, play, max_job_seconds=0.5)
+
+
+def test_a_worker_that_does_not_stop_what_was_dismissed_is_killed(tmp_path):
+    done = threading.Event()
+    workers = Workers(1, compute_block=lambda *_: done.wait(60))
+
+    async def play(runner: Runner, desk: Desk, job: Job) -> None:
+        await until(lambda: desk.ledger.job(job.id).state == "running")
+        desk.dismiss(job.id)
+        await until(lambda: workers.restarted == ["worker"])
+        done.set()
+
+    carried_out(tmp_path, workers, play, grace_seconds=0.2)
+
+
+def test_a_worker_without_a_nanny_is_waited_for(tmp_path, caplog):
+    done = threading.Event()
+    workers = Workers(1, compute_block=lambda *_: done.wait(60))
+    workers.nannies = False
+
+    async def play(runner: Runner, desk: Desk, job: Job) -> None:
+        await until(lambda: desk.ledger.job(job.id).state == "running")
+        desk.dismiss(job.id)
+        await until(lambda: "has no nanny" in caplog.text)
+        assert runner._carrier.hands._ending  # its place is taken
+        done.set()
+        await until(lambda: not runner._carrier.hands._ending)
+
+    carried_out(tmp_path, workers, play, grace_seconds=0.1)
+    assert workers.restarted == []
+
+
+def test_a_worker_that_stops_in_time_is_left_alone(tmp_path):
+    done = threading.Event()
+    workers = Workers(1, compute_block=lambda *_: done.wait(60))
+
+    async def play(runner: Runner, desk: Desk, job: Job) -> None:
+        await until(lambda: desk.ledger.job(job.id).state == "running")
+        desk.dismiss(job.id)
+        await until(lambda: not runner._active)
+        done.set()
+        await until(lambda: not runner._carrier.hands._ending)
+
+    carried_out(tmp_path, workers, play)
+    assert workers.restarted == []
+
+
+def test_a_worker_without_the_shared_files_is_told(tmp_path):
+    def blind(directory: str, *arguments: Any) -> float:
+        return work.compute_block(str(tmp_path / "elsewhere"), *arguments)
+
+    job = carried_out(tmp_path, Workers(compute_block=blind))
+    assert (job.problem["status"], job.problem["kind"]) == (500, "workers")
+    assert job.problem["title"] == "A worker does not see the data directory"
+    assert "VIBRAFEED_DATA_DIRECTORY" in job.problem["detail"]
+
+
 def test_that_there_are_no_workers_is_told_while_work_waits_for_them(tmp_path, monkeypatch):
-    monkeypatch.setattr("app.jobs.carrier.LOOK_AT_WORKERS", 0.1)
+    monkeypatch.setattr("app.jobs.hands.LOOK_AT_WORKERS", 0.1)
 
     async def play(runner: Runner, desk: Desk, job: Job) -> None:
         assert runner.wrong() is None
@@ -138,7 +232,7 @@ def test_that_there_are_no_workers_is_told_while_work_waits_for_them(tmp_path, m
 
 
 def test_workers_that_go_and_come_again_are_noticed(tmp_path, monkeypatch):
-    monkeypatch.setattr("app.jobs.carrier.LOOK_AT_WORKERS", 0.1)
+    monkeypatch.setattr("app.jobs.hands.LOOK_AT_WORKERS", 0.1)
     go_on = threading.Event()
     workers = Workers(1, compute_block=lambda *_: go_on.wait(30))
 
@@ -174,7 +268,7 @@ def test_a_dismissal_is_noticed_soon(tmp_path):
     """By another server, which cannot wake this one, and long before the lease is renewed."""
 
     async def play(runner: Runner, desk: Desk, job: Job) -> None:
-        await until(lambda: desk.ledger.job(job.id).state == "running")
+        await until(lambda: bool(runner._active))
         await asyncio.sleep(0.1)
         desk.ledger.dismiss(job.id)
         assert await until(lambda: not runner._active) < 2.5

@@ -12,8 +12,9 @@ import xarray
 from core.accuracy import closed_forms, model, motion, optimisers, storage
 from core.accuracy.cells import random_cells
 from core.accuracy.curves import STEEP, Curve, Measured, Point, fitted_slope, tabulate_curves
+from core.accuracy.families import families_of
 from core.accuracy.page import Section, head_of, sections_of, write_page
-from core.accuracy.report import families_of, measure_study, thinned
+from core.accuracy.report import measure_study, thinned
 from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table, Variable
 from core.errors import StudyError

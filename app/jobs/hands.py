@@ -1,0 +1,237 @@
+"""Has single calls carried out by workers, in turn, and sees that they end."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from app.jobs.cluster import Cluster, by_name
+from app.jobs.turns import Place, Turns
+from core.errors import VibrafeedError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+logger = logging.getLogger("vibrafeed.jobs")
+
+LOOK_AT_WORKERS = 5.0  # s between looks at whether there are some, while a call does not end
+SETTLE = 1.0  # s until it is known that a worker has taken up a call that it was given
+
+
+class LostError(VibrafeedError):
+    """The cluster is gone, or what else soon comes back; the study is not to blame."""
+
+
+class WorkersDieError(VibrafeedError):
+    """A block takes its workers down."""
+
+
+@dataclass(eq=False)
+class _Call:
+    """A call on its way: the cluster's future, its end, and which worker has it once it begins."""
+
+    future: Any
+    result: asyncio.Task[float]
+    begun: asyncio.Future[None]
+    worker: str = ""
+
+
+class Hands:
+    """Carries out calls on a cluster, as many at a time as it has threads.
+
+    Parameters
+    ----------
+    cluster : Cluster
+        Where they run.
+    turns : Turns
+        Who is next.
+    grace : float
+        How long a worker may go on with what was given up [s], before it is killed.
+
+    Attributes
+    ----------
+    trouble : str or None
+        What keeps calls from being carried out.
+    workers : int
+        How many calls can run at a time, when that was last looked at.
+    """
+
+    def __init__(self, cluster: Cluster, turns: Turns, grace: float):
+        self._cluster, self._turns, self._grace = cluster, turns, grace
+        self._calls: dict[object, _Call] = {}
+        self._killed: set[str] = set()  # addresses of workers; one is never used again
+        self._ending: set[asyncio.Task[None]] = set()
+        self.trouble: str | None = None
+        self.workers = 0
+        cluster.begun = self._heard
+
+    async def run(
+        self,
+        share: str,
+        seconds: float,
+        began: Callable[[], Awaitable[None]],
+        function: Callable[..., float],
+        *arguments: Any,
+    ) -> float:
+        """Return what a function returns on a worker.
+
+        Whoever is cancelled need not wait for the worker. What a worker does not end by itself
+        within the grace ends with its process.
+
+        Parameters
+        ----------
+        share : str
+            On whose account.
+        seconds : float
+            How long it is expected to take.
+        began : callable
+            Is awaited once a worker has begun.
+        function, arguments
+            The function, by its name in its module, and what it takes.
+
+        Raises
+        ------
+        LostError
+            If the cluster is gone.
+        WorkersDieError
+            If its workers die by it.
+        """
+        if not self.workers:
+            await self._client()
+        place = await self._turns.take(share, seconds)
+        kept = False
+        try:
+            from distributed import KilledWorker
+
+            while True:
+                call = await self._submitted(function, arguments)
+                try:
+                    return await self._followed(call, began)
+                except KilledWorker as error:
+                    if error.last_worker.address not in self._killed:
+                        raise WorkersDieError(
+                            "A block took down each worker that it was given to, perhaps for want "
+                            "of memory."
+                        ) from error
+                    logger.info("a call goes to another worker: its own was killed for another")
+                finally:
+                    if not call.result.done():
+                        kept = True
+                        self._see_off(call, place)
+                    else:
+                        self._calls.pop(call.future.key, None)
+                        await asyncio.gather(call.result, return_exceptions=True)
+        finally:
+            if not kept:
+                self._turns.leave(place)
+
+    async def close(self) -> None:
+        """Look after nothing any more."""
+        for task in self._ending:
+            task.cancel()
+        await asyncio.gather(*self._ending, return_exceptions=True)
+
+    def waits(self) -> str | None:
+        """Return what new work has to wait for, or None."""
+        return self.trouble or ("all workers are busy" if self._turns.waiting else None)
+
+    async def _submitted(self, function: Callable[..., float], arguments: Any) -> _Call:
+        client = await self._client()
+        future = client.submit(by_name(function), *arguments, pure=False)
+        begun = asyncio.get_running_loop().create_future()
+        call = _Call(future, asyncio.create_task(_result_of(future)), begun)
+        self._calls[future.key] = call
+        return call
+
+    def _heard(self, key: str, worker: str) -> None:
+        """Note which worker has begun with which call."""
+        call = self._calls.get(key)
+        if call is not None:
+            call.worker = worker  # another one, if the first has died
+            if not call.begun.done():
+                call.begun.set_result(None)
+
+    async def _followed(self, call: _Call, began: Callable[[], Awaitable[None]]) -> float:
+        from distributed.client import FutureCancelledError
+        from distributed.comm.core import CommClosedError
+
+        told = False
+        while True:
+            events: set[asyncio.Future[Any]] = {call.result}
+            if not told:
+                events.add(call.begun)
+            done, _ = await asyncio.wait(
+                events, timeout=LOOK_AT_WORKERS, return_when=asyncio.FIRST_COMPLETED
+            )
+            try:
+                if call.result.done() and call.result.exception() is not None:
+                    return call.result.result()
+            except (FutureCancelledError, CommClosedError) as error:
+                raise LostError(f"{type(error).__name__}: {error}") from error
+            if done and not told:
+                told = True
+                await began()
+            if call.result.done():
+                return call.result.result()
+            if not done:
+                await self._client()
+
+    def _see_off(self, call: _Call, place: Place) -> None:
+        task = asyncio.create_task(self._ended(call, place))
+        self._ending.add(task)
+        task.add_done_callback(self._ending.discard)
+
+    async def _ended(self, call: _Call, place: Place) -> None:
+        """Wait until nobody works on a call that was given up; its place is taken until then."""
+        try:
+            either: set[asyncio.Future[Any]] = {call.result, call.begun}
+            await asyncio.wait(either, timeout=SETTLE, return_when=asyncio.FIRST_COMPLETED)
+            if call.begun.done() and not call.result.done():
+                await asyncio.wait({call.result}, timeout=self._grace)
+            if call.begun.done() and not call.result.done():
+                await self._kill(call)
+        except Exception:  # such as a scheduler that is gone
+            logger.exception("work that was given up cannot be ended")
+        finally:
+            with contextlib.suppress(Exception):
+                await call.future.cancel()
+            call.result.cancel()
+            await asyncio.gather(call.result, return_exceptions=True)
+            self._calls.pop(call.future.key, None)
+            self._turns.leave(place)
+
+    async def _kill(self, call: _Call) -> None:
+        about = {"worker": call.worker}
+        if not await self._cluster.has_nanny(call.worker):
+            logger.error(
+                "a worker does not stop what was given up, and has no nanny to start it again: it "
+                "is waited for",
+                extra=about,
+            )
+            await asyncio.wait({call.result})
+            return
+        logger.warning("a worker that does not stop what was given up is killed", extra=about)
+        self._killed.add(call.worker)
+        await call.future.cancel()  # first: else another worker would be given it
+        await self._cluster.restart(call.worker)
+
+    async def _client(self) -> Client:
+        """Return the connection; note how many workers there are, or why there are none."""
+        try:
+            client = await self._cluster.client()
+            self.workers = await self._cluster.workers()
+        except Exception as error:  # of many kinds: no scheduler, no worker process
+            self.trouble = f"the workers cannot be reached: {type(error).__name__}"
+            raise LostError(str(error)) from error
+        self.trouble = None if self.workers else "there are no workers"
+        self._turns.resize(self.workers)
+        return client
+
+
+async def _result_of(future: Any) -> float:
+    seconds: float = await future
+    return seconds

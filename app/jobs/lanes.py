@@ -1,0 +1,72 @@
+"""Which work a server takes up: some that is long, and some besides that is short."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Collection, Sequence
+
+from app.jobs.ledger import Work
+from app.jobs.store import Store
+from app.settings import Settings
+from core.accuracy.families import SECONDS
+from core.kinds import KINDS
+
+SHORT = 10  # blocks' time; what takes longer is long
+MOST_KNOWN = 1000
+
+
+class Lanes:
+    """Chooses among the work that waits.
+
+    As many items as may be computed at a time are long, and as many more short: what is short does
+    not wait until something long is over. On the workers they share: see `app.jobs.turns`.
+
+    Parameters
+    ----------
+    store : Store
+        Where studies are, which tell their price.
+    settings : Settings
+        The service's.
+    """
+
+    def __init__(self, store: Store, settings: Settings):
+        self._store = store
+        self._most = settings.concurrent_jobs
+        self._short = SHORT * settings.block_seconds
+        self._prices: OrderedDict[str, float] = OrderedDict()
+
+    def next(self, waiting: Sequence[Work], active: Collection[str]) -> Work | None:
+        """Return what is to be taken up of the work that waits, in order; None if nothing is.
+
+        `active` are the keys of what this server has taken up.
+        """
+        long = sum(self._prices.get(key, 0.0) > self._short for key in active)
+        short = len(active) - long
+        if min(long, short) >= self._most:
+            return None
+        for item in waiting:
+            is_long = self.price(item) > self._short
+            if item.key not in active and (long if is_long else short) < self._most:
+                return item
+        return None
+
+    def price(self, item: Work) -> float:
+        """Return how long an item is expected to take on one core [s]."""
+        if item.key not in self._prices:
+            self._prices[item.key] = self._priced(item)
+            while len(self._prices) > MOST_KNOWN:
+                self._prices.popitem(last=False)
+        return self._prices[item.key]
+
+    def block_price(self, item: Work) -> float:
+        """Return how long a block of it is expected to take [s]."""
+        return self.price(item) / max(1, item.blocks)
+
+    def _priced(self, item: Work) -> float:
+        if item.process not in KINDS:
+            return item.blocks * SECONDS
+        try:
+            prepared = self._store.get(item.key)
+        except Exception:  # it holds up no other: who carries it out says what is wrong with it
+            return 0.0
+        return prepared.cells * prepared.seconds_a_cell

@@ -1,0 +1,128 @@
+"""Whose turn it is: which block gets the next place on a worker.
+
+Fair shares: the next place goes to the block that would be over first if all shares had the same
+part of the workers' time from the moment that they came (weighted fair queueing). What is small
+starts within about a block's time, and what is long goes on, however much small work comes.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import time
+from dataclasses import dataclass, field
+
+from app.jobs.ledger import Work
+
+
+def share_of(item: Work) -> str:
+    """Return on whose account an item of work runs: each on its own.
+
+    Work of one share takes turns in the order of asking. The owner of a job goes in here: equal
+    shares for owners are then shares for the names that this returns.
+    """
+    return item.key
+
+
+@dataclass(eq=False)
+class Place:
+    """A place on a worker that somebody has.
+
+    Attributes
+    ----------
+    share : str
+        On whose account.
+    seconds : float
+        How long it is expected to be taken.
+    since : float
+        The `time.monotonic` at which it was taken.
+    """
+
+    share: str
+    seconds: float
+    since: float = field(default_factory=time.monotonic)
+
+
+class Turns:
+    """Gives out places on workers, one for each block that can run at a time.
+
+    Blocks that last leave one place to others, if there are two: they cannot be interrupted.
+
+    Parameters
+    ----------
+    longest : float
+        What lasts longer [s] is a block that lasts.
+    """
+
+    def __init__(self, longest: float):
+        self._longest = longest
+        self._places = 1
+        self._taken: list[Place] = []
+        self._waiting: list[tuple[int, str, float, asyncio.Future[Place]]] = []
+        self._had: dict[str, float] = {}  # seconds of each share that is here
+        self._due = 0.0  # seconds that each share would have had that was here from the start
+        self._number = itertools.count()
+
+    @property
+    def waiting(self) -> bool:
+        """Whether somebody waits for a place."""
+        return bool(self._waiting)
+
+    def resize(self, places: int) -> None:
+        """Note how many places there are; the first is there before any worker is."""
+        self._places = max(1, places)
+        self._hand_out()
+
+    async def take(self, share: str, seconds: float) -> Place:
+        """Wait for a place, which is expected to be taken for so many seconds."""
+        if share not in self._had:
+            self._had[share] = max(self._due, min(self._had.values(), default=0.0))
+        got: asyncio.Future[Place] = asyncio.get_running_loop().create_future()
+        asked = (next(self._number), share, seconds, got)
+        self._waiting.append(asked)
+        self._hand_out()
+        try:
+            return await got
+        except asyncio.CancelledError:
+            if asked in self._waiting:
+                self._waiting.remove(asked)
+            if got.done() and not got.cancelled():
+                self.leave(got.result())
+            self._forget(share)
+            raise
+
+    def leave(self, place: Place) -> None:
+        """Give a place back."""
+        self._taken.remove(place)
+        used = time.monotonic() - place.since
+        self._had[place.share] += used - place.seconds  # it was charged for what was expected
+        self._due += used / len(self._had)
+        self._forget(place.share)
+        self._hand_out()
+
+    def _hand_out(self) -> None:
+        while self._waiting and len(self._taken) < self._places:
+            lasting = sum(self._lasts(place.seconds, place) for place in self._taken)
+            no_more = self._places > 1 and lasting >= self._places - 1
+            fits = [one for one in self._waiting if not (no_more and self._lasts(one[2]))]
+            if not fits:
+                return
+            chosen = min(fits, key=lambda one: (self._had[one[1]] + one[2], one[0]))
+            self._waiting.remove(chosen)
+            _, share, seconds, got = chosen
+            place = Place(share, seconds)
+            self._taken.append(place)
+            self._had[share] += seconds
+            got.set_result(place)
+
+    def _lasts(self, seconds: float, place: Place | None = None) -> bool:
+        run = 0.0 if place is None else time.monotonic() - place.since
+        return max(seconds, run) > self._longest
+
+    def _held(self, share: str) -> int:
+        return sum(place.share == share for place in self._taken)
+
+    def _forget(self, share: str) -> None:
+        """Forget a share that neither has a place nor waits for one."""
+        if not self._held(share) and all(one[1] != share for one in self._waiting):
+            self._had.pop(share, None)

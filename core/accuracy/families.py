@@ -1,0 +1,36 @@
+"""The families of measurements that a study has."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from core.accuracy.curves import FAMILIES
+from core.errors import Problem, StudyError
+from core.plan.prepared import Prepared
+
+SECONDS = 60.0
+"""Of one family; what is fast takes less."""
+
+ORDER = {
+    "sweep": ("closed_forms", "model", "motion", "storage"),
+    "simulate": ("motion", "storage"),
+    "optimise": ("optimisers",),
+}
+"""The families of each kind of study, in the order of the page."""
+
+
+def families_of(prepared: Prepared, only: Collection[str] = ()) -> tuple[str, ...]:
+    """Return the families that a study has, in order.
+
+    Raises
+    ------
+    StudyError
+        If `only` names one that there is not, or that this kind of study has not.
+    """
+    known = ORDER[prepared.study.kind]
+    wrong = [name for name in only if name not in known]
+    if wrong:
+        kind = prepared.study.kind
+        what = "is no family of measurements" if wrong[0] not in FAMILIES else f"is not for {kind}"
+        raise StudyError([Problem("only", f"'{wrong[0]}' {what}", f"Known: {', '.join(known)}")])
+    return tuple(name for name in known if not only or name in only)

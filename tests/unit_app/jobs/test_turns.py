@@ -1,0 +1,171 @@
+"""Whose turn it is on the workers, and what a server takes up."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Any
+
+from app.jobs.lanes import Lanes
+from app.jobs.ledger import Work
+from app.jobs.store import Store
+from app.jobs.turns import Turns
+from app.settings import Settings
+from core.kinds import prepare_content
+
+
+async def turned() -> None:
+    """Let all go on that can."""
+    for _ in range(5):
+        await asyncio.sleep(0)
+
+
+def test_who_comes_late_is_next():
+    async def scene() -> None:
+        turns = Turns(10.0)
+        turns.resize(2)
+        order: list[str] = []
+
+        async def block(share: str, seconds: float) -> None:
+            place = await turns.take(share, seconds)
+            order.append(share)
+            await turned()
+            place.since -= seconds  # it took as long as was expected
+            turns.leave(place)
+
+        long = [asyncio.create_task(block(f"long {n % 6}", 1.0)) for n in range(24)]
+        await turned()
+        begun = len(order)
+        await block("small", 0.01)
+        assert order.index("small") - begun <= 2
+        await asyncio.gather(*long)
+
+    asyncio.run(scene())
+
+
+def test_many_who_come_late_do_not_keep_out_who_was_there():
+    async def scene() -> None:
+        turns = Turns(10.0)
+        turns.resize(1)
+        order: list[str] = []
+
+        async def block(share: str, seconds: float) -> None:
+            place = await turns.take(share, seconds)
+            order.append(share)
+            if place.share != "long":
+                small.append(asyncio.create_task(block(f"small {len(small)}", 0.2)))
+            await turned()
+            place.since -= seconds
+            turns.leave(place)
+
+        small: list[asyncio.Task[None]] = []
+        small.extend(asyncio.create_task(block(f"first {n}", 0.2)) for n in range(2))
+        await turned()
+        long = asyncio.create_task(block("long", 1.0))
+        await asyncio.wait_for(long, 30)
+        assert order.index("long") < 60
+        for task in small:
+            task.cancel()
+        await asyncio.gather(*small, return_exceptions=True)
+
+    asyncio.run(scene())
+
+
+def test_places_are_shared_out_evenly():
+    async def scene() -> None:
+        turns = Turns(10.0)
+        turns.resize(2)
+        order: list[str] = []
+
+        async def block(share: str, seconds: float) -> None:
+            place = await turns.take(share, seconds)
+            order.append(share)
+            await turned()
+            place.since -= seconds  # it took as long as was expected
+            turns.leave(place)
+
+        blocks = [block(f"{n}", 1.0 + n) for n in range(3) for _ in range(20)]
+        await asyncio.gather(*blocks)
+        # Of a time each has the same: of blocks who has short ones has more.
+        half = order[:22]
+        assert half.count("0") > half.count("1") > half.count("2") > 0
+
+    asyncio.run(scene())
+
+
+def test_blocks_that_last_leave_a_place_to_others():
+    async def scene() -> None:
+        turns = Turns(10.0)
+        turns.resize(2)
+        await turns.take("hours", 1000.0)
+        other = asyncio.create_task(turns.take("more hours", 1000.0))
+        await turned()
+        assert not other.done()
+        small = await asyncio.wait_for(turns.take("small", 0.1), 5)
+        turns.leave(small)
+        await turned()
+        assert not other.done()
+        turns.resize(3)
+        await asyncio.wait_for(other, 5)
+
+    asyncio.run(scene())
+
+
+def test_one_worker_takes_what_lasts_too():
+    async def scene() -> None:
+        turns = Turns(10.0)
+        await asyncio.wait_for(turns.take("hours", 1000.0), 5)
+
+    asyncio.run(scene())
+
+
+def test_who_gives_up_waiting_leaves_no_gap():
+    async def scene() -> None:
+        turns = Turns(10.0)
+        place = await turns.take("a", 1.0)
+        waiting = [asyncio.create_task(turns.take(name, 1.0)) for name in "bc"]
+        await turned()
+        waiting[0].cancel()
+        await turned()
+        turns.leave(place)
+        turns.leave(await asyncio.wait_for(waiting[1], 5))
+        place = await turns.take("a", 1.0)
+        given = asyncio.create_task(turns.take("d", 1.0))
+        await turned()
+        turns.leave(place)
+        given.cancel()  # with the place in its hand
+        await turned()
+        await asyncio.wait_for(turns.take("e", 1.0), 5)
+        assert set(turns._had) == {"e"}
+
+    asyncio.run(scene())
+
+
+def test_short_work_is_taken_up_beside_long_work(tmp_path: Path):
+    store = Store(tmp_path)
+    lanes = Lanes(store, Settings(data_directory=tmp_path, concurrent_jobs=2, block_seconds=1.0))
+
+    def posted(frequency: float, **more: Any) -> Work:
+        study = {
+            "kind": "simulate",
+            "scene": "rectangle-on-plane",
+            "parameters": {"frequency": frequency, "amplitude": 2.1e-3, "beta": 41, "friction": 0.4}
+            | {"restitution": 0.6},
+            **more,
+        }
+        key, _ = store.add(prepare_content(study).study)
+        return Work(key, "simulate", 1, 1, 0.0, "")
+
+    most = {"method": "reference", "most_periods": 100_000}
+    long = [posted(50.0 + n, **most) for n in range(4)]
+    short = [posted(60.0 + n) for n in range(3)]
+    waiting, active = [*long, *short], set()
+    taken = []
+    while (item := lanes.next(waiting, active)) is not None:
+        active.add(item.key)
+        taken.append(item)
+    assert taken == [*long[:2], *short[:2]]
+    assert lanes.next(waiting, active - {short[0].key}) == short[0]
+    # What cannot be read holds up nobody.
+    lost = Work("0" * 64, "simulate", 1, 1, 0.0, "")
+    assert lanes.next([lost], set()) == lost
