@@ -8,7 +8,8 @@ from collections.abc import Callable
 from app.jobs import parts, work
 from app.jobs.ledger import Job, Ledger
 from app.jobs.room import Room
-from app.jobs.store import Store, identifier
+from app.jobs.store import Store
+from app.jobs.studies import identifier
 from app.settings import Settings
 from core.kinds import KINDS
 from core.plan.pieces import Cut

@@ -14,6 +14,16 @@ MOST_JSON_VALUES = 1_000_000  # of a result that is also kept as JSON: some 20 M
 
 
 @dataclass(frozen=True)
+class Making:
+    """How a result was made: by which process, of how many points and pieces, in what time [s]."""
+
+    process: str
+    cells: int
+    blocks: int
+    seconds: float
+
+
+@dataclass(frozen=True)
 class Manifest:
     """What is known of a result.
 

@@ -14,7 +14,8 @@ from pathlib import Path
 import core
 from app.jobs import parts
 from app.jobs.errors import OtherVersionError
-from app.jobs.store import Store, identifier
+from app.jobs.store import Store
+from app.jobs.studies import identifier
 from core.errors import StoppedError
 from core.kinds import KINDS
 from core.plan.pieces import Cut, join
