@@ -59,6 +59,7 @@ def create_app(settings: Settings) -> FastAPI:
         await tidying
         await runner.stop()
         await asyncio.to_thread(writer.close)
+        store.sound.close()
         ledger.close()
 
     app = FastAPIOffline(

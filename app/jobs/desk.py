@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Callable
 
 from app.jobs import parts, work
+from app.jobs.errors import NotFoundError
 from app.jobs.ledger import Job, Ledger
 from app.jobs.room import Room
 from app.jobs.store import Store
 from app.jobs.studies import identifier
 from app.settings import Settings
+from core.errors import StudyError
 from core.kinds import KINDS
 from core.plan.pieces import Cut
 from core.plan.prepared import Prepared
 from core.sweep import Sweep
+
+logger = logging.getLogger("vibrafeed.store")
 
 DAY = 86_400.0
 MOST_JOBS = 100_000  # that are over, of which the ledger tells
@@ -52,12 +57,7 @@ class Desk:
             If too much is waiting.
         """
         key = identifier(prepared.study, process)
-        block_cells = work.block_cells(prepared, self._settings.block_seconds)
-        blocks = len(Cut(prepared, block_cells)) if process in KINDS else 0
-        if process in KINDS and parts.is_in_parts(prepared, self._settings):
-            block_cells, blocks = work.IN_PARTS, parts.count_of(prepared)
-        # Blocks and the result are there at the same time, for a moment.
-        needed = prepared.bytes + prepared.computed_bytes if process in KINDS else REPORT_BYTES
+        block_cells, blocks, needed = self._measured(prepared, process)
         self._room.look(key, needed)
         # In one transaction, so that what is found here is not removed before the job is entered.
         with self.ledger.transaction():
@@ -77,6 +77,50 @@ class Desk:
             )
         self._wake()
         return job
+
+    def mend(self, job: Job) -> bool:
+        """Have the result of a job that was successful computed again, if it is there no more.
+
+        Its jobs are accepted again then. Return False if the study itself is gone.
+
+        Raises
+        ------
+        NoRoomError
+            If its result would not fit.
+        """
+        try:
+            prepared = self.store.get(job.key)
+        except (NotFoundError, StudyError):
+            return False
+        block_cells, blocks, needed = self._measured(prepared, job.process)
+        self._room.look(job.key, needed)
+        with self.ledger.transaction():
+            if self.store.manifest(job.key) is None:
+                if not self.store.used(job.key):  # it has just made room for another
+                    return False
+                self._room.make(job.key, needed)
+                self.ledger.reenter(
+                    job.key,
+                    job.process,
+                    cells=prepared.cells,
+                    block_cells=block_cells,
+                    blocks=blocks,
+                    bytes_=needed,
+                )
+        logger.warning("a result is computed again: %s", job.key)
+        self._wake()
+        return True
+
+    def _measured(self, prepared: Prepared, process: str) -> tuple[int, int, int]:
+        """Return the cells of a block, the number of blocks, and the bytes that it all takes."""
+        if process not in KINDS:
+            return work.block_cells(prepared, self._settings.block_seconds), 0, REPORT_BYTES
+        # Blocks and the result are there at the same time, for a moment.
+        needed = prepared.bytes + prepared.computed_bytes
+        if parts.is_in_parts(prepared, self._settings):
+            return work.IN_PARTS, parts.count_of(prepared), needed
+        block_cells = work.block_cells(prepared, self._settings.block_seconds)
+        return block_cells, len(Cut(prepared, block_cells)), needed
 
     def keep(self, sweep: Sweep) -> tuple[str, bool]:
         """Keep a sweep of which nothing is computed yet; return its identifier, and if it is new.

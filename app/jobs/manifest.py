@@ -36,7 +36,7 @@ class Manifest:
     seconds : float
         Time that computing took, summed over all workers.
     files : mapping
-        Size in bytes and SHA-256 of each file; the size alone of a group.
+        Size in bytes and SHA-256 of each file; of a group the SHA-256 of the list of its digests.
     """
 
     key: str
@@ -49,12 +49,7 @@ class Manifest:
 
 
 def fingerprint(path: Path) -> dict[str, Any]:
-    """Return the size of a file in bytes and its SHA-256, as a manifest holds them.
-
-    Of a group, whose shards all have checksums of their own, it is the size alone.
-    """
-    if path.is_dir():
-        return {"bytes": sum(one.stat().st_size for one in path.rglob("*") if one.is_file())}
+    """Return the size of a file in bytes and its SHA-256, as a manifest holds them."""
     with path.open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()
     return {"bytes": path.stat().st_size, "sha256": digest}

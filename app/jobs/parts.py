@@ -118,7 +118,8 @@ def write_result(store: Store, key: str, process: str, parts: Parts, seconds: fl
                 key, table, process=process, cells=sweep.cells, blocks=count, seconds=seconds
             )
         else:
-            store.finish_group(key, parts.join, Making(process, sweep.cells, count, seconds))
+            making = Making(process, sweep.cells, count, seconds)
+            store.finish_group(key, parts.join, parts.digests, making)
     except PartsMissingError as error:
         parts.forget(error.numbers)
         raise TornBlockError(f"of the parts of {key}, {error}") from None

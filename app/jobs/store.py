@@ -1,7 +1,8 @@
 """Studies and results on disk, addressed by content: equal studies share one folder.
 
 A folder each, named by the study's identifier: ``study.json``; ``blocks/`` while it is computed;
-``result.nc`` and, where it is small, ``result.json``; last ``manifest.json``. A file appears
+``result.nc`` and, where it is small, ``result.json``, or ``result.zarr`` and a list of its digests;
+last ``manifest.json``. A file appears
 complete or not at all, and a result is there when its manifest is. Servers and workers use the same
 folders; who finishes a study holds a lock on its folder.
 """
@@ -16,14 +17,16 @@ import os
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import orjson
 
 import core
 from app.jobs.blocks import Blocks
+from app.jobs.groups import LIST, complete_list, files_of, read_list, write_list
 from app.jobs.manifest import (
     JSON,
     MANIFEST,
@@ -34,6 +37,7 @@ from app.jobs.manifest import (
     Manifest,
     fingerprint,
 )
+from app.jobs.sound import Sound
 from app.jobs.studies import kept
 from core.dataset.document import to_document
 from core.dataset.files import PART, partial
@@ -51,10 +55,22 @@ class Store(Blocks):
     """Keeps studies and what is computed of them, below one directory.
 
     Threads and processes may use it at the same time.
+
+    Attributes
+    ----------
+    sound : Sound
+        Tells whether files of results are what was written.
     """
 
+    def __init__(self, directory: Path):
+        super().__init__(directory)
+        self.sound = Sound()
+
     def manifest(self, key: str) -> Manifest | None:
-        """Return what is known of a result; None while there is none."""
+        """Return what is known of a result; None while there is none.
+
+        One of which a file is missing, or has another size, is none.
+        """
         found = self._manifest(key)
         if found is not None:
             self.note_use(key)
@@ -63,12 +79,50 @@ class Store(Blocks):
     def _manifest(self, key: str) -> Manifest | None:
         path = self.folder(key) / MANIFEST
         try:
-            return Manifest(**json.loads(path.read_bytes()))
+            found = Manifest(**json.loads(path.read_bytes()))
+            broken = [name for name in found.files if not _has_size(path.parent, name, found)]
         except FileNotFoundError:
             return None
-        except (ValueError, TypeError):  # damaged: the result is made again
+        except (ValueError, TypeError, KeyError, AttributeError):  # damaged: it is made again
             logger.warning("a manifest cannot be read: %s", key)
             return None
+        if broken:
+            logger.warning("a result is cut or gone: %s of %s", ", ".join(broken), key)
+            return None
+        return found
+
+    def digest(self, key: str, name: str, manifest: Manifest) -> str | None:
+        """Return the SHA-256 of a file of a result, or of a key of its group; None if unknown.
+
+        Groups of earlier versions have none.
+        """
+        if name in manifest.files:
+            return manifest.files[name].get("sha256")
+        return read_list(self.folder(key)).get(name)
+
+    def take_away(self, key: str, path: Path, found: os.stat_result | None = None) -> None:
+        """Remove a result of which a file is broken, the manifest first: it is computed again.
+
+        Parameters
+        ----------
+        key : str
+            The study.
+        path : Path
+            The file.
+        found : stat_result, optional
+            The file that was looked at; if another has taken its place meanwhile, it stays.
+        """
+        with contextlib.suppress(FileNotFoundError), self._locked(key) as folder:
+            if found is not None and path.exists() and not os.path.samestat(found, path.stat()):
+                return
+            logger.warning("a broken result is taken away: %s of %s", path.name, key)
+            (folder / MANIFEST).unlink(missing_ok=True)
+            (folder / LIST).unlink(missing_ok=True)
+            if (folder / ZARR).exists():
+                with tempfile.TemporaryDirectory(prefix=".", suffix=PART, dir=folder) as scratch:
+                    (folder / ZARR).replace(Path(scratch) / ZARR)  # never half of it
+            if path.is_file() and path.parent == folder:
+                path.unlink()
 
     def finish(
         self,
@@ -106,19 +160,33 @@ class Store(Blocks):
 
         return self._finish(key, write, Making(process, cells, blocks, seconds))
 
-    def finish_group(self, key: str, join: Callable[[], object], making: Making) -> Manifest:
-        """Have the parts of a Zarr group joined, and write its manifest, as `finish` does."""
+    def finish_group(
+        self,
+        key: str,
+        join: Callable[[], object],
+        digests: Callable[[], Mapping[str, str]],
+        making: Making,
+    ) -> Manifest:
+        """Have the parts of a Zarr group joined, and write its manifest, as `finish` does.
+
+        `digests` returns those of all shards; joining takes them away.
+        """
 
         def write(folder: Path) -> list[str]:
             if not (folder / ZARR).exists():
+                write_list(folder, digests())
                 join()
+            complete_list(folder)
             return [ZARR]
 
         return self._finish(key, write, making)
 
     def has_group(self, key: str) -> bool:
-        """Return whether the Zarr group of a study is whole."""
-        return (self.folder(key) / ZARR).exists()
+        """Return whether the Zarr group of a study has been joined; a torn one is taken away."""
+        group = self.folder(key) / ZARR
+        if group.exists() and not (group / GROUP).is_file():
+            self.take_away(key, group)
+        return group.exists()
 
     def in_group(self, key: str, path: str = GROUP) -> Path:
         """Return where a key of the Zarr group of a study is, be the group whole or growing."""
@@ -135,7 +203,7 @@ class Store(Blocks):
                 self.drop_blocks(key)
                 return known
             names = write(folder)
-            files = {name: fingerprint(folder / name) for name in names}
+            files = {name: _known(folder, name) for name in names}
             manifest = Manifest(key=key, version=core.__version__, files=files, **asdict(making))
             with kept(folder / MANIFEST) as temporary:
                 temporary.write_text(json.dumps(asdict(manifest), indent=1), encoding="utf-8")
@@ -198,6 +266,25 @@ class Store(Blocks):
                         path.unlink()
                     count += 1
         return count
+
+
+def _known(folder: Path, name: str) -> dict[str, Any]:
+    """Return what a manifest holds of a file, or of a group."""
+    if name != ZARR:
+        return fingerprint(folder / name)
+    size = sum(path.stat().st_size for _, path in files_of(folder / ZARR))
+    return {**fingerprint(folder / LIST), "bytes": size}
+
+
+def _has_size(folder: Path, name: str, manifest: Manifest) -> bool:
+    """Return whether a file of a result is there, with its size; of a group, its documents are."""
+    if name == ZARR:
+        listed = "sha256" not in manifest.files[name] or (folder / LIST).is_file()
+        return listed and (folder / ZARR / GROUP).is_file()
+    try:
+        return (folder / name).stat().st_size == manifest.files[name]["bytes"]
+    except FileNotFoundError:
+        return False
 
 
 def _sizes(folder: Path) -> Iterator[int]:
