@@ -98,6 +98,7 @@ async def _tidy(desk: Desk, stopping: asyncio.Event) -> None:
     while not stopping.is_set():
         try:
             await asyncio.to_thread(desk.tidy)
+            await asyncio.to_thread(desk.scrub, stopping.is_set)
         except Exception:
             logger.exception("tidying failed")
         with contextlib.suppress(TimeoutError):

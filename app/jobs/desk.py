@@ -10,6 +10,7 @@ from app.jobs import parts, work
 from app.jobs.errors import NotFoundError
 from app.jobs.ledger import Job, Ledger
 from app.jobs.room import Room
+from app.jobs.scrub import BROKEN, scrub
 from app.jobs.store import Store
 from app.jobs.studies import identifier
 from app.settings import Settings
@@ -21,6 +22,7 @@ from core.sweep import Sweep
 
 logger = logging.getLogger("vibrafeed.store")
 
+SCRUBBED = 4_000_000_000  # bytes that a turn of scrubbing reads, or one result more
 DAY = 86_400.0
 MOST_JOBS = 100_000  # that are over, of which the ledger tells
 REPORT_BYTES = 10_000_000  # of an accuracy report
@@ -45,6 +47,7 @@ class Desk:
         self.ledger, self.store = ledger, store
         self._settings, self._wake = settings, wake
         self._room = Room(ledger, store, settings)
+        self._scrubbed = ""  # the study that was looked at last
 
     def post(self, prepared: Prepared, process: str) -> Job:
         """Enter a job for a study; it is on the disk when this returns.
@@ -161,3 +164,19 @@ class Desk:
                     self.store.drop_blocks(key)
                     if self.store.used(key) < before:
                         self.store.remove(key)
+
+    def scrub(self, stopped: Callable[[], bool]) -> None:
+        """Compare some results with their digests, those after the ones of the last turn.
+
+        What is broken is taken away; it is computed again when it is asked for.
+        """
+        read = 0
+        for found in scrub(self.store, self._scrubbed, stopped):
+            self._scrubbed = found.name
+            if found.state == BROKEN:
+                path = self.store.folder(found.name) / found.files[0]
+                self.store.take_away(found.name, path)
+            read += found.bytes
+            if read >= SCRUBBED:
+                return
+        self._scrubbed = ""

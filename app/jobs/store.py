@@ -77,19 +77,28 @@ class Store(Blocks):
         return found
 
     def _manifest(self, key: str) -> Manifest | None:
+        found = self.manifest_as_it_is(key)
+        if found is None:
+            return None
+        folder = self.folder(key)
+        broken = [name for name in found.files if not _has_size(folder, name, found)]
+        if broken:
+            logger.warning("a result is cut or gone: %s of %s", ", ".join(broken), key)
+        return None if broken else found
+
+    def manifest_as_it_is(self, key: str) -> Manifest | None:
+        """Return what a manifest says, be its files there or not; None if it cannot be read."""
         path = self.folder(key) / MANIFEST
         try:
             found = Manifest(**json.loads(path.read_bytes()))
-            broken = [name for name in found.files if not _has_size(path.parent, name, found)]
+            if all(isinstance(known["bytes"], int) for known in found.files.values()):
+                return found
         except FileNotFoundError:
             return None
-        except (ValueError, TypeError, KeyError, AttributeError):  # damaged: it is made again
-            logger.warning("a manifest cannot be read: %s", key)
-            return None
-        if broken:
-            logger.warning("a result is cut or gone: %s of %s", ", ".join(broken), key)
-            return None
-        return found
+        except (ValueError, TypeError, KeyError, AttributeError):
+            pass
+        logger.warning("a manifest cannot be read: %s", key)  # the result is made again
+        return None
 
     def digest(self, key: str, name: str, manifest: Manifest) -> str | None:
         """Return the SHA-256 of a file of a result, or of a key of its group; None if unknown.

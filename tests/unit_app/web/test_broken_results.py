@@ -65,7 +65,7 @@ def carried_out(client: TestClient, study: dict[str, Any]) -> tuple[str, Path]:
 
 def ended(client: TestClient, address: str) -> dict[str, Any]:
     """Return the status of a job once it has ended again."""
-    until = time.monotonic() + 120
+    until = time.monotonic() + 30
     while (status := client.get(address).json())["status"] in ("accepted", "running"):
         assert time.monotonic() < until, status
         time.sleep(0.05)
@@ -135,7 +135,7 @@ class TestGroup:
     LARGE = with_axes(frequency=20, amplitude=20, alpha=20, beta=20)
 
     @pytest.mark.parametrize("damage", DAMAGE)
-    @pytest.mark.parametrize("what", ["zarr.json", "frequency/c/0", "throw_number/c/*/*/*/*"])
+    @pytest.mark.parametrize("what", ["zarr.json", "frequency/c/0", "transport_velocity/c/*/*/*/*"])
     def test_what_a_group_has_is_computed_again(self, client, damage, what):
         address, folder = carried_out(client, self.LARGE)
         [file, *_] = (folder / ZARR).glob(what)
@@ -211,7 +211,7 @@ class TestSound:
     def test_small_requests_do_not_wait_for_a_large_file(self, client, monkeypatch):
         """The large file is held while it is looked at; all else is answered meanwhile."""
         key = client.post("/sweeps", json=STUDY).json()["id"]
-        other = client.post("/sweeps", json=with_axes(frequency=9)).json()["id"]
+        other = client.post("/sweeps", json=with_axes(frequency=2)).json()["id"]
         for one in (key, other):
             assert client.get(f"/sweeps/{one}/netcdf").status_code == 200
         store = client.app.state.store
