@@ -41,7 +41,7 @@ TIDY = 3600.0  # s between looks for what nobody has used for long
 
 def create_app(settings: Settings) -> FastAPI:
     """Return the service with these settings."""
-    store = Store(settings.data_directory)
+    store = Store(settings.data_directory, settings.results_url)
     ledger = Ledger(settings.data_directory / "jobs.sqlite3")
     runner = Runner(ledger, store, Cluster(settings.scheduler, settings.workers), settings)
     desk = Desk(ledger, store, settings, runner.wake)
@@ -59,7 +59,7 @@ def create_app(settings: Settings) -> FastAPI:
         await tidying
         await runner.stop()
         await asyncio.to_thread(writer.close)
-        store.sound.close()
+        store.close()
         ledger.close()
 
     app = FastAPIOffline(

@@ -102,12 +102,23 @@ class Carrier:
                     raise
                 logger.warning("a block is computed again: %s", error, extra={"key": key})
             else:
+                await self._send(item)
                 return
 
     async def is_there(self, item: Work) -> bool:
         """Return whether a result is there; blocks that a late worker left go then."""
         await self._aside(self._store.drop_blocks, item.key)
-        return await self._aside(self._store.manifest, item.key) is not None
+        if await self._aside(self._store.manifest, item.key) is None:
+            return False
+        await self._send(item)
+        return True
+
+    async def _send(self, item: Work) -> None:
+        """Send a result to where results are kept besides."""
+        try:
+            await asyncio.to_thread(self._store.send, item.key)
+        except OSError as error:
+            raise LostError(f"the result cannot be sent: {error}") from error
 
     async def _compute(self, item: Work, missing: list[int]) -> float:
         """Have blocks computed, a few at a time; return the seconds that they took."""

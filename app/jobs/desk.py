@@ -62,6 +62,11 @@ class Desk:
         key = identifier(prepared.study, process)
         block_cells, blocks, needed = self._measured(prepared, process)
         self._room.look(key, needed)
+        if self.store.manifest(key) is None:
+            try:
+                self.store.fetch(key)
+            except OSError:  # it is computed again, then
+                logger.exception("a result cannot be fetched: %s", key)
         # In one transaction, so that what is found here is not removed before the job is entered.
         with self.ledger.transaction():
             manifest = self.store.manifest(key)
@@ -91,6 +96,8 @@ class Desk:
         NoRoomError
             If its result would not fit.
         """
+        if self.store.fetch(job.key) is not False:
+            return True
         try:
             prepared = self.store.get(job.key)
         except (NotFoundError, StudyError):

@@ -25,6 +25,7 @@ from typing import Any
 import orjson
 
 import core
+from app.jobs.away import Away
 from app.jobs.blocks import Blocks
 from app.jobs.groups import LIST, complete_list, files_of, read_list, write_list
 from app.jobs.manifest import (
@@ -60,11 +61,29 @@ class Store(Blocks):
     ----------
     sound : Sound
         Tells whether files of results are what was written.
+    away : Away or None
+        Where results are kept besides, if they are.
     """
 
-    def __init__(self, directory: Path):
+    def __init__(self, directory: Path, results_url: str = ""):
         super().__init__(directory)
         self.sound = Sound()
+        self.away = Away(results_url) if results_url else None
+
+    def send(self, key: str) -> None:
+        """Send a result to where results are kept besides; raise `OSError` if that fails."""
+        if self.away is not None:
+            self.away.send(key, self.folder(key))
+
+    def fetch(self, key: str) -> bool | None:
+        """Return whether a result was there, and now is here; None if it is still on its way."""
+        return False if self.away is None else self.away.fetch(key, self.folder(key))
+
+    def close(self) -> None:
+        """Look at files no more, and fetch none."""
+        self.sound.close()
+        if self.away is not None:
+            self.away.close()
 
     def manifest(self, key: str) -> Manifest | None:
         """Return what is known of a result; None while there is none.

@@ -13,7 +13,7 @@ from app.jobs.ledger import ACTIVE, Job
 from app.jobs.manifest import Manifest
 from app.web.documents import results
 from app.web.downloads import Check
-from app.web.problems import NoSuchJobError, NotReadyError
+from app.web.problems import BusyError, NoSuchJobError, NotReadyError
 from app.web.replies import json_reply, problem_document
 
 
@@ -37,6 +37,11 @@ def manifest_of(desk: Desk, job: Job) -> Manifest | Response:
     if job.state in ACTIVE:
         raise NotReadyError(f"The job {job.id} is {job.state}; its results are not there yet.")
     manifest = None if job.state == "dismissed" else desk.store.manifest(job.key)
+    if manifest is None and job.state == "successful":
+        found = desk.store.fetch(job.key)
+        if found is None:
+            raise BusyError(f"The results of the job {job.id} are being fetched; ask again.")
+        manifest = desk.store.manifest(job.key) if found else None
     if manifest is None:
         raise _mended(desk, job)
     return manifest
