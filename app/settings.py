@@ -54,7 +54,7 @@ class Settings(BaseSettings):
     )
     results_url: str = Field(
         default="",
-        pattern=r"^$|^(s3|gs|az|file)://.+",
+        pattern=r"^$|^(s3|gs|az)://.+",
         description="Object store in which results are kept besides, as in `s3://bucket/prefix`; "
         "servers fetch from it what their data directory has not got. Its keys and address come "
         "from the environment, as for its other clients.",
