@@ -95,9 +95,11 @@ class Away:
                     logger.warning("a result in the object store is broken: %s", key)
                     store.delete(MANIFEST)
                     return False
-                for path in there.iterdir():
-                    if not (folder / path.name).exists():
-                        path.replace(folder / path.name)
+                for path in list(there.iterdir()):
+                    place = folder / path.name
+                    if place.is_dir():  # a torn group, which goes with the scratch
+                        place.replace(there / f"old-{path.name}")
+                    path.replace(place)
         sync(folder)
         with kept(folder / MANIFEST) as temporary:
             temporary.write_bytes(told)

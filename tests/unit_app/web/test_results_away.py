@@ -140,6 +140,17 @@ def test_what_was_killed_in_the_middle_is_not_there(bucket, tmp_path):
         store.close()
 
 
+def test_what_is_cut_here_is_replaced(bucket, tmp_path):
+    one = Store(tmp_path / "one", URL)
+    key = finished(one)
+    one.send(key)
+    (one.folder(key) / NETCDF).write_bytes(b"cut")
+    assert one.manifest(key) is None
+    assert one.fetch(key) is True
+    assert one.manifest(key) is not None
+    one.close()
+
+
 def test_what_is_broken_there_is_no_result_and_is_sent_again(bucket, tmp_path):
     one, two = Store(tmp_path / "one", URL), Store(tmp_path / "two", URL)
     key = finished(one)
