@@ -41,7 +41,7 @@ TIDY = 3600.0  # s between looks for what nobody has used for long
 
 def create_app(settings: Settings) -> FastAPI:
     """Return the service with these settings."""
-    store = Store(settings.data_directory)
+    store = Store(settings.data_directory, settings.results_url)
     ledger = Ledger(settings.data_directory / "jobs.sqlite3")
     runner = Runner(ledger, store, Cluster(settings.scheduler, settings.workers), settings)
     desk = Desk(ledger, store, settings, runner.wake, runner.waits)
@@ -59,6 +59,7 @@ def create_app(settings: Settings) -> FastAPI:
         await tidying
         await runner.stop()
         await asyncio.to_thread(writer.close)
+        store.close()
         ledger.close()
 
     app = FastAPIOffline(
@@ -97,6 +98,7 @@ async def _tidy(desk: Desk, stopping: asyncio.Event) -> None:
     while not stopping.is_set():
         try:
             await asyncio.to_thread(desk.tidy)
+            await asyncio.to_thread(desk.scrub, stopping.is_set)
         except Exception:
             logger.exception("tidying failed")
         with contextlib.suppress(TimeoutError):

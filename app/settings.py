@@ -52,6 +52,13 @@ class Settings(BaseSettings):
     data_directory: Path = Field(
         default=Path("data"), description="Where studies and their files are kept; made if missing."
     )
+    results_url: str = Field(
+        default="",
+        pattern=r"^$|^(s3|gs|az)://.+",
+        description="Object store in which results are kept besides, as in `s3://bucket/prefix`; "
+        "servers fetch from it what their data directory has not got. Its keys and address come "
+        "from the environment, as for its other clients.",
+    )
     max_body_bytes: int = Field(default=1_000_000, gt=0, description="Largest body of a request.")
     max_cells: int = Field(
         default=20_000_000,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import typer
 
-from app.cli import drive, key, parts, plot, report, run, scenes, schema, serve, warm
+from app.cli import drive, key, parts, plot, report, run, scenes, schema, scrub, serve, warm
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -17,7 +17,7 @@ app = typer.Typer(
 )
 for _command in (
     run.run, parts.join, plot.plot, drive.drive, report.report, scenes.scenes, schema.schema,
-    serve.serve, key.key, warm.warm,
+    serve.serve, scrub.scrub, key.key, warm.warm,
 ):  # fmt: skip
     app.command()(_command)
 

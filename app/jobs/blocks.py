@@ -1,13 +1,17 @@
-"""A block of a study as bytes: arrays and notes, behind their digest."""
+"""Blocks of studies on disk: arrays and notes, each file behind its digest."""
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import io
 import json
+from pathlib import Path
 
 import numpy as np
 
+from app.jobs.errors import TornBlockError
+from app.jobs.studies import Studies, kept
 from core.plan.pieces import Computed
 
 DIGEST = 32  # bytes of a SHA-256, in front of a block
@@ -32,3 +36,60 @@ def unpack(block: bytes) -> Computed | None:
         arrays = dict(file)
     notes = json.loads(arrays.pop(_NOTES).tobytes())
     return Computed(arrays, notes)
+
+
+class Blocks(Studies):
+    """Keeps studies, and the blocks that are computed of them, in a folder within each."""
+
+    def has_block(self, key: str, cells: int, index: int) -> bool:
+        """Return whether a block of a study cut into pieces of so many cells is there."""
+        return self._block(key, cells, index).exists()
+
+    def write_block(self, key: str, cells: int, index: int, computed: Computed) -> None:
+        """Keep what was computed of a piece."""
+        path = self._block(key, cells, index)
+        digest, content = pack(computed)
+        for last in (False, True):
+            # Not the study's own folder: if that is gone, so is the study.
+            path.parent.parent.mkdir(exist_ok=True)
+            path.parent.mkdir(exist_ok=True)
+            try:
+                with kept(path) as temporary, temporary.open("wb") as file:
+                    file.write(digest)
+                    file.write(content)
+            except FileNotFoundError:  # whoever finished the study has just removed its blocks
+                if last:
+                    raise
+            else:
+                return
+
+    def read_block(self, key: str, cells: int, index: int) -> Computed:
+        """Return what was computed of a piece; raise `TornBlockError` if it cannot be read."""
+        path = self._block(key, cells, index)
+        try:
+            block = path.read_bytes()
+        except FileNotFoundError:
+            raise TornBlockError(f"block {index} of {key} is gone") from None
+        computed = unpack(block)
+        if computed is None:
+            path.unlink(missing_ok=True)
+            raise TornBlockError(f"block {index} of {key} is not what was written")
+        return computed
+
+    def give_up(self, key: str, claim: str) -> None:
+        """Tell the workers that nobody waits for their blocks of a claim on a study."""
+        with contextlib.suppress(OSError):  # the study may be gone, and its blocks with it
+            self._given_up(key, claim).parent.mkdir(exist_ok=True)
+            self._given_up(key, claim).touch()
+
+    def is_given_up(self, key: str, claim: str) -> bool:
+        """Return whether workers have been told so."""
+        return self._given_up(key, claim).exists()
+
+    def _given_up(self, key: str, claim: str) -> Path:
+        name = hashlib.sha256(claim.encode()).hexdigest()[:32]
+        return self.folder(key) / "blocks" / f"{name}.given-up"
+
+    def _block(self, key: str, cells: int, index: int) -> Path:
+        # Blocks of another size, left by a job that was given up, are never taken for these.
+        return self.folder(key) / "blocks" / str(cells) / f"{index:06d}.block"

@@ -13,7 +13,7 @@ from app.jobs import work
 from app.jobs.aside import Aside
 from app.jobs.cluster import Cluster
 from app.jobs.errors import TornBlockError
-from app.jobs.hands import Hands
+from app.jobs.hands import Hands, LostError
 from app.jobs.ledger import Ledger, Work
 from app.jobs.store import Store
 from app.jobs.turns import Turns, share_of
@@ -139,7 +139,17 @@ class Carrier:
     async def is_there(self, item: Work) -> bool:
         """Return whether a result is there; blocks that a late worker left go then."""
         await self._aside(self._store.drop_blocks, item.key)
-        return await self._aside(self._store.manifest, item.key) is not None
+        if await self._aside(self._store.manifest, item.key) is None:
+            return False
+        await self._send(item)
+        return True
+
+    async def _send(self, item: Work) -> None:
+        """Send a result to where results are kept besides."""
+        try:
+            await asyncio.to_thread(self._store.send, item.key)
+        except OSError as error:
+            raise LostError(f"the result cannot be sent: {error}") from error
 
     async def _compute_and_write(self, progress: _Progress) -> None:
         item = progress.item
@@ -159,6 +169,7 @@ class Carrier:
                     raise
                 logger.warning("a block is computed again: %s", error, extra={"key": item.key})
             else:
+                await self._send(item)
                 return
 
     async def _compute(self, progress: _Progress, missing: list[int]) -> float:

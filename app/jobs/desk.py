@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Callable
 
 from app.jobs import work
+from app.jobs.errors import NotFoundError
 from app.jobs.ledger import Job, Ledger
 from app.jobs.room import Room
-from app.jobs.store import Store, identifier
+from app.jobs.scrub import BROKEN, scrub
+from app.jobs.store import Store
+from app.jobs.studies import identifier
 from app.settings import Settings
+from core.errors import StudyError
 from core.kinds import KINDS
 from core.plan.prepared import Prepared
 from core.sweep import Sweep
 
+logger = logging.getLogger("vibrafeed.store")
+
+SCRUBBED = 4_000_000_000  # bytes that a turn of scrubbing reads, or one result more
 DAY = 86_400.0
 MOST_JOBS = 100_000  # that are over, of which the ledger tells
 REPORT_BYTES = 10_000_000  # of an accuracy report
@@ -46,6 +54,7 @@ class Desk:
         self._settings, self._wake = settings, wake
         self.waits = waits
         self._room = Room(ledger, store, settings)
+        self._scrubbed = ""  # the study that was looked at last
 
     def post(self, prepared: Prepared, process: str) -> Job:
         """Enter a job for a study; it is on the disk when this returns.
@@ -58,10 +67,13 @@ class Desk:
             If too much is waiting.
         """
         key = identifier(prepared.study, process)
-        block_cells, blocks = work.blocks(prepared, process, self._settings)
-        # Blocks and the result are there at the same time, for a moment.
-        needed = prepared.bytes + prepared.computed_bytes if process in KINDS else REPORT_BYTES
+        block_cells, blocks, needed = self._measured(prepared, process)
         self._room.look(key, needed)
+        if self.store.manifest(key) is None:
+            try:
+                self.store.fetch(key)
+            except OSError:  # it is computed again, then
+                logger.exception("a result cannot be fetched: %s", key)
         # In one transaction, so that what is found here is not removed before the job is entered.
         with self.ledger.transaction():
             manifest = self.store.manifest(key)
@@ -80,6 +92,48 @@ class Desk:
             )
         self._wake()
         return job
+
+    def mend(self, job: Job) -> bool:
+        """Have the result of a job that was successful computed again, if it is there no more.
+
+        Its jobs are accepted again then. Return False if the study itself is gone.
+
+        Raises
+        ------
+        NoRoomError
+            If its result would not fit.
+        """
+        if self.store.fetch(job.key) is not False:
+            return True
+        try:
+            prepared = self.store.get(job.key)
+        except (NotFoundError, StudyError):
+            return False
+        block_cells, blocks, needed = self._measured(prepared, job.process)
+        self._room.look(job.key, needed)
+        with self.ledger.transaction():
+            if self.store.manifest(job.key) is None:
+                if not self.store.used(job.key):  # it has just made room for another
+                    return False
+                self._room.make(job.key, needed)
+                self.ledger.reenter(
+                    job.key,
+                    job.process,
+                    cells=prepared.cells,
+                    block_cells=block_cells,
+                    blocks=blocks,
+                    bytes_=needed,
+                )
+        logger.warning("a result is computed again: %s", job.key)
+        self._wake()
+        return True
+
+    def _measured(self, prepared: Prepared, process: str) -> tuple[int, int, int]:
+        """Return the cells of a block, the number of blocks, and the bytes that it all takes."""
+        cells, blocks = work.blocks(prepared, process, self._settings)
+        # Blocks and the result are there at the same time, for a moment.
+        needed = prepared.bytes + prepared.computed_bytes if process in KINDS else REPORT_BYTES
+        return cells, blocks, needed
 
     def keep(self, sweep: Sweep) -> tuple[str, bool]:
         """Keep a sweep of which nothing is computed yet; return its identifier, and if it is new.
@@ -120,3 +174,19 @@ class Desk:
                     self.store.drop_blocks(key)
                     if self.store.used(key) < before:
                         self.store.remove(key)
+
+    def scrub(self, stopped: Callable[[], bool]) -> None:
+        """Compare some results with their digests, those after the ones of the last turn.
+
+        What is broken is taken away; it is computed again when it is asked for.
+        """
+        read = 0
+        for found in scrub(self.store, self._scrubbed, stopped):
+            self._scrubbed = found.name
+            if found.state == BROKEN:
+                path = self.store.folder(found.name) / found.files[0]
+                self.store.take_away(found.name, path)
+            read += found.bytes
+            if read >= SCRUBBED:
+                return
+        self._scrubbed = ""

@@ -272,6 +272,22 @@ class Ledger:
         assert job is not None
         return job
 
+    def reenter(
+        self, key: str, process: str, *, cells: int, block_cells: int, blocks: int, bytes_: int
+    ) -> None:
+        """Enter work again whose result is lost; its successful jobs wait for it as at first."""
+        with self.transaction() as database:
+            database.execute(
+                "INSERT INTO work (key, process, cells, block_cells, blocks, bytes, created) "
+                "VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT DO NOTHING",
+                (key, process, cells, block_cells, blocks, bytes_, time.time()),
+            )
+            database.execute(
+                "UPDATE jobs SET state = 'accepted', started = NULL, finished = NULL, "
+                "seconds = NULL WHERE key = ? AND state = 'successful'",
+                (key,),
+            )
+
     def job(self, number: str) -> Job | None:
         """Return a job, or None if there is no such job."""
         rows = self._read(f"{_JOB} WHERE jobs.id = ?", number)

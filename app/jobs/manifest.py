@@ -14,6 +14,16 @@ MOST_JSON_VALUES = 1_000_000  # of a result that is also kept as JSON: some 20 M
 
 
 @dataclass(frozen=True)
+class Making:
+    """How a result was made: by which process, of how many points and pieces, in what time [s]."""
+
+    process: str
+    cells: int
+    blocks: int
+    seconds: float
+
+
+@dataclass(frozen=True)
 class Manifest:
     """What is known of a result.
 
@@ -26,7 +36,7 @@ class Manifest:
     seconds : float
         Time that computing took, summed over all workers.
     files : mapping
-        Size in bytes and SHA-256 of each file; the size alone of a group.
+        Size in bytes and SHA-256 of each file; of a group the SHA-256 of the list of its digests.
     """
 
     key: str
@@ -39,12 +49,7 @@ class Manifest:
 
 
 def fingerprint(path: Path) -> dict[str, Any]:
-    """Return the size of a file in bytes and its SHA-256, as a manifest holds them.
-
-    Of a group, whose shards all have checksums of their own, it is the size alone.
-    """
-    if path.is_dir():
-        return {"bytes": sum(one.stat().st_size for one in path.rglob("*") if one.is_file())}
+    """Return the size of a file in bytes and its SHA-256, as a manifest holds them."""
     with path.open("rb") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()
     return {"bytes": path.stat().st_size, "sha256": digest}

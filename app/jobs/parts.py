@@ -8,7 +8,7 @@ import time
 from importlib.util import find_spec
 
 from app.jobs.errors import TornBlockError
-from app.jobs.manifest import NETCDF, ZARR
+from app.jobs.manifest import NETCDF, ZARR, Making
 from app.jobs.store import Store
 from app.settings import Settings
 from core.errors import LimitError, VibrafeedError
@@ -118,8 +118,8 @@ def write_result(store: Store, key: str, process: str, parts: Parts, seconds: fl
                 key, table, process=process, cells=sweep.cells, blocks=count, seconds=seconds
             )
         else:
-            about = {"process": process, "cells": sweep.cells, "blocks": count, "seconds": seconds}
-            store.finish_group(key, parts.join, about)
+            making = Making(process, sweep.cells, count, seconds)
+            store.finish_group(key, parts.join, parts.digests, making)
     except PartsMissingError as error:
         parts.forget(error.numbers)
         raise TornBlockError(f"of the parts of {key}, {error}") from None

@@ -1,7 +1,8 @@
 """Studies and results on disk, addressed by content: equal studies share one folder.
 
 A folder each, named by the study's identifier: ``study.json``; ``blocks/`` while it is computed;
-``result.nc`` and, where it is small, ``result.json``; last ``manifest.json``. A file appears
+``result.nc`` and, where it is small, ``result.json``, or ``result.zarr`` and a list of its digests;
+last ``manifest.json``. A file appears
 complete or not at all, and a result is there when its manifest is. Servers and workers use the same
 folders; who finishes a study holds a lock on its folder.
 """
@@ -10,16 +11,12 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
-import hashlib
 import json
 import logging
 import os
-import re
 import shutil
 import tempfile
-import threading
 import time
-from collections import OrderedDict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -28,193 +25,132 @@ from typing import Any
 import orjson
 
 import core
-from app.jobs.blocks import pack, unpack
-from app.jobs.errors import NotFoundError, TornBlockError
+from app.jobs.away import Away
+from app.jobs.blocks import Blocks
+from app.jobs.groups import LIST, complete_list, files_of, read_list, write_list
 from app.jobs.manifest import (
     JSON,
     MANIFEST,
     MOST_JSON_VALUES,
     NETCDF,
     ZARR,
+    Making,
     Manifest,
     fingerprint,
 )
+from app.jobs.sound import Sound
+from app.jobs.studies import kept
 from core.dataset.document import to_document
-from core.dataset.files import PART, partial, whole
+from core.dataset.files import PART, partial
 from core.dataset.netcdf import write_netcdf
 from core.dataset.records import ENDING
 from core.dataset.shards import GROUP, GROWING
 from core.dataset.table import Table
-from core.kinds import prepare_content
-from core.plan.pieces import Computed
-from core.plan.prepared import Prepared
-from core.study.load import read_json
-from core.study.models import Study
-from core.sweep import Sweep
 
 logger = logging.getLogger("vibrafeed.store")
 
-IDENTIFIER = re.compile(r"[0-9a-f]{64}")
-USED_EVERY = 3600.0  # s; the use of a study is noted no more often
-MOST_KNOWN = 64  # studies that are kept in memory
-MOST_KNOWN_BYTES = 20_000  # of such a study: a list of values takes many times that in memory
 PARTS_KEPT = 3600.0  # s without a change, after which nobody is writing any more
 
 
-def identifier(study: Study, process: str | None = None) -> str:
-    """Return the SHA-256 of a study, the version, and the process if it is not the study's own."""
-    words = [core.__version__, study.canonical()]
-    if process not in (None, study.kind):
-        words.insert(0, str(process))
-    return hashlib.sha256(" ".join(words).encode()).hexdigest()
-
-
-class Store:
+class Store(Blocks):
     """Keeps studies and what is computed of them, below one directory.
 
     Threads and processes may use it at the same time.
+
+    Attributes
+    ----------
+    sound : Sound
+        Tells whether files of results are what was written.
+    away : Away or None
+        Where results are kept besides, if they are.
     """
 
-    def __init__(self, directory: Path):
-        self.directory = directory / "studies"
-        self._lock = threading.Lock()
-        # That were asked for last, and whether the identifier is the study's own, for no process.
-        self._known: OrderedDict[str, tuple[Prepared, bool]] = OrderedDict()
+    def __init__(self, directory: Path, results_url: str = ""):
+        super().__init__(directory)
+        self.sound = Sound()
+        self.away = Away(results_url) if results_url else None
 
-    def add(self, study: Study, process: str | None = None) -> tuple[str, bool]:
-        """Keep a study; return its identifier, and whether it is new."""
-        key = identifier(study, process)
-        path = self.directory / key / "study.json"
-        if path.exists():
-            self.note_use(key)
-            return key, False
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with _kept(path) as temporary:
-            temporary.write_text(study.canonical(), encoding="utf-8")
-        return key, True
+    def send(self, key: str) -> None:
+        """Send a result to where results are kept besides; raise `OSError` if that fails."""
+        if self.away is not None:
+            self.away.send(key, self.folder(key))
 
-    def get(self, key: str) -> Prepared:
-        """Return the study of an identifier; raise `NotFoundError` if there is none."""
-        return self._get(key)[0]
+    def fetch(self, key: str) -> bool | None:
+        """Return whether a result was there, and now is here; None if it is still on its way."""
+        return False if self.away is None else self.away.fetch(key, self.folder(key))
 
-    def sweep(self, key: str) -> Sweep:
-        """Return the sweep of an identifier; raise `NotFoundError` if it is none."""
-        found, is_own = self._get(key)
-        if not isinstance(found, Sweep) or not is_own:
-            raise _unknown(key)
-        return found
-
-    def _get(self, key: str) -> tuple[Prepared, bool]:
-        path = self.folder(key) / "study.json"
-        with self._lock:
-            known = self._known.get(key)
-            if known is not None and path.exists():  # it may have been removed
-                self._known.move_to_end(key)
-                self.note_use(key)
-                return known
-        try:
-            content = path.read_bytes()
-        except FileNotFoundError:
-            raise _unknown(key) from None
-        self.note_use(key)
-        prepared = prepare_content(read_json(content))
-        found = prepared, identifier(prepared.study) == key
-        if len(content) <= MOST_KNOWN_BYTES:
-            with self._lock:
-                self._known[key] = found
-                while len(self._known) > MOST_KNOWN:
-                    self._known.popitem(last=False)
-        return found
-
-    def folder(self, key: str) -> Path:
-        """Return the folder of a study; raise `NotFoundError` for what is no identifier."""
-        # Only what looks like an identifier reaches the file system.
-        if not IDENTIFIER.fullmatch(key):
-            raise _unknown(key)
-        return self.directory / key
-
-    # --- blocks
-
-    def has_block(self, key: str, cells: int, index: int) -> bool:
-        """Return whether a block of a study cut into pieces of so many cells is there."""
-        return self._block(key, cells, index).exists()
-
-    def write_block(self, key: str, cells: int, index: int, computed: Computed) -> None:
-        """Keep what was computed of a piece."""
-        path = self._block(key, cells, index)
-        digest, content = pack(computed)
-        for last in (False, True):
-            # Not the study's own folder: if that is gone, so is the study.
-            path.parent.parent.mkdir(exist_ok=True)
-            path.parent.mkdir(exist_ok=True)
-            try:
-                with _kept(path) as temporary, temporary.open("wb") as file:
-                    file.write(digest)
-                    file.write(content)
-            except FileNotFoundError:  # whoever finished the study has just removed its blocks
-                if last:
-                    raise
-            else:
-                return
-
-    def read_block(self, key: str, cells: int, index: int) -> Computed:
-        """Return what was computed of a piece; raise `TornBlockError` if it cannot be read."""
-        path = self._block(key, cells, index)
-        try:
-            block = path.read_bytes()
-        except FileNotFoundError:
-            raise TornBlockError(f"block {index} of {key} is gone") from None
-        computed = unpack(block)
-        if computed is None:
-            path.unlink(missing_ok=True)
-            raise TornBlockError(f"block {index} of {key} is not what was written")
-        return computed
-
-    def give_up(self, key: str, claim: str) -> None:
-        """Tell the workers that nobody waits for their blocks of a claim on a study."""
-        with contextlib.suppress(OSError):  # the study may be gone, and its blocks with it
-            self._given_up(key, claim).parent.mkdir(exist_ok=True)
-            self._given_up(key, claim).touch()
-
-    def is_given_up(self, key: str, claim: str) -> bool:
-        """Return whether workers have been told so."""
-        return self._given_up(key, claim).exists()
-
-    def _given_up(self, key: str, claim: str) -> Path:
-        name = hashlib.sha256(claim.encode()).hexdigest()[:32]
-        return self.folder(key) / "blocks" / f"{name}.given-up"
-
-    def drop_blocks(self, key: str) -> None:
-        """Remove the blocks of a study whose result is there; a late worker may have left one."""
-        if self._manifest(key) is not None:
-            folder = self.folder(key)
-            shutil.rmtree(folder / "blocks", ignore_errors=True)
-            shutil.rmtree(partial(folder / ZARR), ignore_errors=True)
-            for result in (NETCDF, ZARR):
-                shutil.rmtree(folder / f"{result}{ENDING}", ignore_errors=True)
-
-    def _block(self, key: str, cells: int, index: int) -> Path:
-        # Blocks of another size, left by a job that was given up, are never taken for these.
-        return self.folder(key) / "blocks" / str(cells) / f"{index:06d}.block"
-
-    # --- results
+    def close(self) -> None:
+        """Look at files no more, and fetch none."""
+        self.sound.close()
+        if self.away is not None:
+            self.away.close()
 
     def manifest(self, key: str) -> Manifest | None:
-        """Return what is known of a result; None while there is none."""
+        """Return what is known of a result; None while there is none.
+
+        One of which a file is missing, or has another size, is none.
+        """
         found = self._manifest(key)
         if found is not None:
             self.note_use(key)
         return found
 
     def _manifest(self, key: str) -> Manifest | None:
+        found = self.manifest_as_it_is(key)
+        if found is None:
+            return None
+        folder = self.folder(key)
+        broken = [name for name in found.files if not _has_size(folder, name, found)]
+        if broken:
+            logger.warning("a result is cut or gone: %s of %s", ", ".join(broken), key)
+        return None if broken else found
+
+    def manifest_as_it_is(self, key: str) -> Manifest | None:
+        """Return what a manifest says, be its files there or not; None if it cannot be read."""
         path = self.folder(key) / MANIFEST
         try:
-            return Manifest(**json.loads(path.read_bytes()))
+            found = Manifest(**json.loads(path.read_bytes()))
+            if all(isinstance(known["bytes"], int) for known in found.files.values()):
+                return found
         except FileNotFoundError:
             return None
-        except (ValueError, TypeError):  # damaged: the result is made again
-            logger.warning("a manifest cannot be read: %s", key)
-            return None
+        except (ValueError, TypeError, KeyError, AttributeError):
+            pass
+        logger.warning("a manifest cannot be read: %s", key)  # the result is made again
+        return None
+
+    def digest(self, key: str, name: str, manifest: Manifest) -> str | None:
+        """Return the SHA-256 of a file of a result, or of a key of its group; None if unknown.
+
+        Groups of earlier versions have none.
+        """
+        if name in manifest.files:
+            return manifest.files[name].get("sha256")
+        return read_list(self.folder(key)).get(name)
+
+    def take_away(self, key: str, path: Path, found: os.stat_result | None = None) -> None:
+        """Remove a result of which a file is broken, the manifest first: it is computed again.
+
+        Parameters
+        ----------
+        key : str
+            The study.
+        path : Path
+            The file.
+        found : stat_result, optional
+            The file that was looked at; if another has taken its place meanwhile, it stays.
+        """
+        with contextlib.suppress(FileNotFoundError), self._locked(key) as folder:
+            if found is not None and path.exists() and not os.path.samestat(found, path.stat()):
+                return
+            logger.warning("a broken result is taken away: %s of %s", path.name, key)
+            (folder / MANIFEST).unlink(missing_ok=True)
+            (folder / LIST).unlink(missing_ok=True)
+            if (folder / ZARR).exists():
+                with tempfile.TemporaryDirectory(prefix=".", suffix=PART, dir=folder) as scratch:
+                    (folder / ZARR).replace(Path(scratch) / ZARR)  # never half of it
+            if path.is_file() and path.parent == folder:
+                path.unlink()
 
     def finish(
         self,
@@ -239,38 +175,46 @@ class Store:
             values = sum(variable.values.size for variable in table.variables.values())
             if values <= MOST_JSON_VALUES:
                 document = to_document(table.with_price({}))
-                with _kept(folder / JSON) as temporary:
+                with kept(folder / JSON) as temporary:
                     temporary.write_bytes(orjson.dumps(document, option=orjson.OPT_SERIALIZE_NUMPY))
                 names.append(JSON)
             if more is not None:
                 with tempfile.TemporaryDirectory(prefix=".", suffix=PART, dir=folder) as scratch:
                     for path in more(folder / NETCDF, Path(scratch)):
-                        with _kept(folder / path.name) as temporary:
+                        with kept(folder / path.name) as temporary:
                             path.replace(temporary)
                         names.append(path.name)
             return names
 
-        about = {"process": process, "cells": cells, "blocks": blocks, "seconds": seconds}
-        return self._finish(key, write, about)
+        return self._finish(key, write, Making(process, cells, blocks, seconds))
 
     def finish_group(
-        self, key: str, join: Callable[[], object], about: Mapping[str, Any]
+        self,
+        key: str,
+        join: Callable[[], object],
+        digests: Callable[[], Mapping[str, str]],
+        making: Making,
     ) -> Manifest:
         """Have the parts of a Zarr group joined, and write its manifest, as `finish` does.
 
-        `about` are fields of a `Manifest`: process, cells, blocks, seconds.
+        `digests` returns those of all shards; joining takes them away.
         """
 
         def write(folder: Path) -> list[str]:
             if not (folder / ZARR).exists():
+                write_list(folder, digests())
                 join()
+            complete_list(folder)
             return [ZARR]
 
-        return self._finish(key, write, about)
+        return self._finish(key, write, making)
 
     def has_group(self, key: str) -> bool:
-        """Return whether the Zarr group of a study is whole."""
-        return (self.folder(key) / ZARR).exists()
+        """Return whether the Zarr group of a study has been joined; a torn one is taken away."""
+        group = self.folder(key) / ZARR
+        if group.exists() and not (group / GROUP).is_file():
+            self.take_away(key, group)
+        return group.exists()
 
     def in_group(self, key: str, path: str = GROUP) -> Path:
         """Return where a key of the Zarr group of a study is, be the group whole or growing."""
@@ -279,9 +223,7 @@ class Store:
             return folder / path
         return partial(folder) / (GROWING if path == GROUP else path)
 
-    def _finish(
-        self, key: str, write: Callable[[Path], list[str]], about: Mapping[str, Any]
-    ) -> Manifest:
+    def _finish(self, key: str, write: Callable[[Path], list[str]], making: Making) -> Manifest:
         """Have the files of a result written, unless it is there, and then its manifest."""
         with self._locked(key) as folder:
             known = self.manifest(key)
@@ -289,9 +231,9 @@ class Store:
                 self.drop_blocks(key)
                 return known
             names = write(folder)
-            files = {name: fingerprint(folder / name) for name in names}
-            manifest = Manifest(key=key, version=core.__version__, files=files, **about)
-            with _kept(folder / MANIFEST) as temporary:
+            files = {name: _known(folder, name) for name in names}
+            manifest = Manifest(key=key, version=core.__version__, files=files, **asdict(making))
+            with kept(folder / MANIFEST) as temporary:
                 temporary.write_text(json.dumps(asdict(manifest), indent=1), encoding="utf-8")
             self.drop_blocks(key)
             return manifest
@@ -313,23 +255,14 @@ class Store:
 
     # --- housekeeping
 
-    def studies(self) -> list[str]:
-        """Return the identifiers of all studies, those that were used longest ago first."""
-        found = []
-        with contextlib.suppress(FileNotFoundError):
-            for folder in self.directory.iterdir():
-                if IDENTIFIER.fullmatch(folder.name):
-                    found.append((self.used(folder.name), folder.name))
-        return [key for _, key in sorted(found)]
-
-    def used(self, key: str) -> float:
-        """Return when a study was last used [s since the epoch], to an hour; 0 if it is gone."""
-        folder = self.folder(key)
-        # A study that is just being added has its folder only: it is in use, too.
-        for path in (folder / "study.json", folder):
-            with contextlib.suppress(FileNotFoundError):
-                return path.stat().st_mtime
-        return 0.0
+    def drop_blocks(self, key: str) -> None:
+        """Remove the blocks of a study whose result is there; a late worker may have left one."""
+        if self._manifest(key) is not None:
+            folder = self.folder(key)
+            shutil.rmtree(folder / "blocks", ignore_errors=True)
+            shutil.rmtree(partial(folder / ZARR), ignore_errors=True)
+            for result in (NETCDF, ZARR):
+                shutil.rmtree(folder / f"{result}{ENDING}", ignore_errors=True)
 
     def bytes(self, key: str) -> int:
         """Return how much the files of a study take."""
@@ -362,24 +295,24 @@ class Store:
                     count += 1
         return count
 
-    def note_use(self, key: str) -> None:
-        """Note that a study is used, so that it stays."""
-        path = self.folder(key) / "study.json"
-        with contextlib.suppress(OSError):  # a directory that is read-only can be read
-            if time.time() - path.stat().st_mtime > USED_EVERY:
-                os.utime(path)
+
+def _known(folder: Path, name: str) -> dict[str, Any]:
+    """Return what a manifest holds of a file, or of a group."""
+    if name != ZARR:
+        return fingerprint(folder / name)
+    size = sum(path.stat().st_size for _, path in files_of(folder / ZARR))
+    return {**fingerprint(folder / LIST), "bytes": size}
 
 
-@contextlib.contextmanager
-def _kept(path: Path) -> Iterator[Path]:
-    """As `whole`, and the name is on the disk too: a loss of power takes back nothing told."""
-    with whole(path) as temporary:
-        yield temporary
-    folder = os.open(path.parent, os.O_RDONLY)
+def _has_size(folder: Path, name: str, manifest: Manifest) -> bool:
+    """Return whether a file of a result is there, with its size; of a group, its documents are."""
+    if name == ZARR:
+        listed = "sha256" not in manifest.files[name] or (folder / LIST).is_file()
+        return listed and (folder / ZARR / GROUP).is_file()
     try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
+        return (folder / name).stat().st_size == manifest.files[name]["bytes"]
+    except FileNotFoundError:
+        return False
 
 
 def _sizes(folder: Path) -> Iterator[int]:
@@ -387,7 +320,3 @@ def _sizes(folder: Path) -> Iterator[int]:
         for name in names:
             with contextlib.suppress(FileNotFoundError):
                 yield (Path(parent) / name).stat().st_size
-
-
-def _unknown(key: str) -> NotFoundError:
-    return NotFoundError(f"There is no study '{key[:80]}'. POST it first.")

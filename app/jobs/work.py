@@ -15,7 +15,8 @@ from pathlib import Path
 import core
 from app.jobs import parts
 from app.jobs.errors import BlindWorkerError, NotFoundError, OtherVersionError
-from app.jobs.store import Store, identifier
+from app.jobs.store import Store
+from app.jobs.studies import identifier
 from app.settings import Settings
 from core.accuracy.families import families_of
 from core.errors import StoppedError

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import math
+import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
-from app.jobs.manifest import Manifest
+from app.jobs.manifest import NETCDF, Manifest
 from app.jobs.store import Store
 from app.settings import Settings
 from core.errors import LimitError
@@ -52,8 +53,24 @@ class Writer:
         return await asyncio.wrap_future(self._thread.submit(self._write, key, sweep))
 
     async def known(self, key: str) -> Manifest | None:
-        """Return the manifest of the result of a sweep; None if it is not made yet."""
-        return await asyncio.to_thread(self._store.manifest, key)
+        """Return the manifest of the result of a sweep; None if it is not made yet, or broken.
+
+        What is broken is taken away.
+        """
+        manifest = await asyncio.to_thread(self._store.manifest, key)
+        if manifest is None or NETCDF not in manifest.files:
+            return None
+        path = self._store.folder(key) / NETCDF
+        try:
+            file = await asyncio.to_thread(path.open, "rb", buffering=0)
+        except FileNotFoundError:
+            return None
+        with file:
+            if await self._store.sound.is_sound(file, manifest.files[NETCDF]["sha256"]):
+                return manifest
+            found = os.fstat(file.fileno())
+        await asyncio.to_thread(self._store.take_away, key, path, found)
+        return None
 
     def check(self, sweep: Sweep) -> None:
         """Raise `LimitError` if a sweep is too large, or takes too long, for one reply."""

@@ -7,8 +7,9 @@ import base64
 import hashlib
 import os
 import re
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from io import FileIO
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from fastapi.responses import Response, StreamingResponse
 from starlette.types import Receive, Scope, Send
 
 from app.jobs.errors import NotFoundError
+from app.jobs.sound import Sound
 from app.web.outgoing import expect
 from app.web.replies import problem_document
 
@@ -57,11 +59,13 @@ def file_reply(
     filename: str,
     digest: str | None = None,
     etag: str | None = None,
+    check: Check | None = None,
 ) -> Response:
     """Return a file, or what is left of it after an interrupted download; not on the event loop.
 
     The ETag is the SHA-256 of the content, `digest`, so that a part may be joined to one from
     another server or from before a restart; or `etag` where the content is known by its place.
+    Before the reply begins, `check` compares the content with its digest.
 
     Raises
     ------
@@ -100,9 +104,27 @@ def file_reply(
         headers["Content-Range"] = f"bytes {start}-{stop - 1}/{size}"
     headers["Content-Length"] = str(stop - start)
     if request.method == "HEAD":
-        return Response(status_code=status, headers=headers, media_type=media_type)
-    expect(request, min(stop - start, 2 * PIECE))  # one is read while the last is sent
-    return _FileResponse(path, start, stop, status, headers, media_type)
+        stop = start
+    else:
+        expect(request, min(stop - start, 2 * PIECE))  # one is read while the last is sent
+    checked = None if check is None or digest is None else (check, digest)
+    return _FileResponse(path, start, stop, status, headers, media_type, checked)
+
+
+@dataclass(frozen=True)
+class Check:
+    """Whether a file is what was written, and what is done if not.
+
+    Attributes
+    ----------
+    sound : Sound
+        Looks at it, unless it has done so already.
+    broken : callable
+        Takes what was found broken away, and returns what the client is told.
+    """
+
+    sound: Sound
+    broken: Callable[[os.stat_result], Exception]
 
 
 class _FileResponse(StreamingResponse):
@@ -119,14 +141,19 @@ class _FileResponse(StreamingResponse):
         status: int,
         headers: dict[str, str],
         media_type: str,
+        checked: tuple[Check, str] | None,
     ):
         super().__init__((), status, headers, media_type)
-        self._path, self._start, self._stop = path, start, stop
+        self._path, self._start, self._stop, self._checked = path, start, stop, checked
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         with _there():
             file = await asyncio.to_thread(self._path.open, "rb", buffering=0)
         with file:
+            if self._checked is not None:
+                check, digest = self._checked
+                if not await check.sound.is_sound(file, digest):
+                    raise await asyncio.to_thread(check.broken, os.fstat(file.fileno()))
             self.body_iterator = _pieces(file, self._start, self._stop)
             await super().__call__(scope, receive, send)
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 from fastapi.responses import Response
 
 from app.jobs.desk import Desk
@@ -9,7 +12,8 @@ from app.jobs.errors import NotFoundError
 from app.jobs.ledger import ACTIVE, Job
 from app.jobs.manifest import Manifest
 from app.web.documents import results
-from app.web.problems import NoSuchJobError, NotReadyError
+from app.web.downloads import Check
+from app.web.problems import BusyError, NoSuchJobError, NotReadyError
 from app.web.replies import json_reply, problem_document
 
 
@@ -33,9 +37,39 @@ def manifest_of(desk: Desk, job: Job) -> Manifest | Response:
     if job.state in ACTIVE:
         raise NotReadyError(f"The job {job.id} is {job.state}; its results are not there yet.")
     manifest = None if job.state == "dismissed" else desk.store.manifest(job.key)
+    if manifest is None and job.state == "successful":
+        found = desk.store.fetch(job.key)
+        if found is None:
+            raise BusyError(f"The results of the job {job.id} are being fetched; ask again.")
+        manifest = desk.store.manifest(job.key) if found else None
     if manifest is None:
-        raise NotFoundError(f"The results of the job {job.id} have been removed.")
+        raise _mended(desk, job)
     return manifest
+
+
+def check_of(desk: Desk, job: Job, path: Path) -> Check:
+    """Return how a file of a job's result is looked at before it is served."""
+
+    def broken(found: os.stat_result) -> Exception:
+        desk.store.take_away(job.key, path, found)
+        return _mended(desk, job)
+
+    return Check(desk.store.sound, broken)
+
+
+def lost(desk: Desk, job: Job, path: Path) -> Exception:
+    """Return what is told of a file that a result should have and has not."""
+    desk.store.take_away(job.key, path)
+    return _mended(desk, job)
+
+
+def _mended(desk: Desk, job: Job) -> Exception:
+    """Have a result that is not there computed again; return what the client is told."""
+    if job.state == "successful" and desk.mend(job):
+        return NotReadyError(
+            f"The results of the job {job.id} were damaged on the disk; they are computed again."
+        )
+    return NotFoundError(f"The results of the job {job.id} have been removed.")
 
 
 def results_reply(desk: Desk, job: Job, base: str) -> Response:

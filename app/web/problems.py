@@ -79,6 +79,8 @@ def _known(request: Request, error: Exception) -> Response:
         detail = f"{count} problem{'s' if count > 1 else ''}; errors names each with its place."
         return problem_document(status, kind, title, detail, error.problems)
     retry = {"Retry-After": RETRY_AFTER[status]} if status in RETRY_AFTER else None
+    if isinstance(error, NotReadyError):
+        retry = {"Retry-After": RETRY_AFTER[503]}
     return problem_document(status, kind, title, str(error), headers=retry)
 
 

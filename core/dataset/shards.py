@@ -91,13 +91,13 @@ class GrowingZarr:
         self.tiles, self._table, self._history = tiles, table, history
         self._path = None if "://" in where else Path(where)
         self._folder = None if self._path is None else partial(self._path)
-        self._store = _store(where if self._folder is None else self._folder)
+        self._store = open_store(where if self._folder is None else self._folder)
         self.done, self.seconds = 0, 0.0
         self.digests: dict[str, str] = {}
         self._shared = shared
         self._behind = Behind()
         self._pool = ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="chunks")
-        with _told_plainly():
+        with told_plainly():
             self._begin(where, identity, resume=resume)
 
     def _begin(self, where: str, identity: Mapping[str, str], *, resume: bool) -> None:
@@ -135,7 +135,7 @@ class GrowingZarr:
 
         The group's document is under another name, so that nobody takes it for complete.
         """
-        with _told_plainly():
+        with told_plainly():
             self._write_untiled()
             said = self._table.attributes.get("comment", "")
             attributes = {**self._table.attributes, "comment": f"{UNDER_WAY} {said}".rstrip()}
@@ -161,7 +161,7 @@ class GrowingZarr:
 
     def finish(self, price: Mapping[str, float]) -> None:
         """Write what is no tile, and let the group appear; `price` is left out after a resume."""
-        with _told_plainly():
+        with told_plainly():
             self._finish(price)
 
     def _finish(self, price: Mapping[str, float]) -> None:
@@ -236,7 +236,7 @@ class GrowingZarr:
         return bytes(self._store.get(key).bytes())
 
     def _put(self, key: str, data: bytes) -> None:
-        with _told_plainly():
+        with told_plainly():
             self._store.put(key, data)
         if self._folder is not None:
             self._behind.start(sync, self._folder / key)
@@ -247,14 +247,14 @@ def attributes_at(where: str) -> dict[str, Any]:
     if "://" not in where:
         path = Path(where) / GROUP
         return dict(json.loads(path.read_bytes())["attributes"]) if path.exists() else {}
-    store = _store(where)
-    with contextlib.suppress(FileNotFoundError), _told_plainly():
+    store = open_store(where)
+    with contextlib.suppress(FileNotFoundError), told_plainly():
         return dict(json.loads(bytes(store.get(GROUP).bytes()))["attributes"])
     return {}
 
 
 @contextlib.contextmanager
-def _told_plainly() -> Iterator[None]:
+def told_plainly() -> Iterator[None]:
     """Turn the errors of object stores into those of files."""
     from obstore.exceptions import BaseError
 
@@ -264,7 +264,7 @@ def _told_plainly() -> Iterator[None]:
         raise OSError(str(error).strip().splitlines()[0]) from error
 
 
-def _store(where: str | Path) -> ObjectStore:
+def open_store(where: str | Path) -> ObjectStore:
     """Return the store in a folder, which is made, or at a URL."""
     try:
         import zarr.storage  # noqa: F401
@@ -273,7 +273,7 @@ def _store(where: str | Path) -> ObjectStore:
         raise VibrafeedError(INSTALL) from None
     if isinstance(where, Path):
         return LocalStore(where, mkdir=True)
-    with _told_plainly():
+    with told_plainly():
         return from_url(where)
 
 

@@ -92,6 +92,16 @@ class Parts:
             finally:
                 growing.close()
 
+    def digests(self) -> dict[str, str]:
+        """Return the SHA-256 of each shard that the parts have written, by its key."""
+        records = (self.records.read(self.name(part)) for part in range(self.count))
+        return {
+            key: digest
+            for record in records
+            if record is not None
+            for key, digest in record.told["shards"].items()
+        }
+
     def forget(self, parts: Iterable[int]) -> None:
         """Remove the records of some parts, which are computed again then."""
         for part in parts:

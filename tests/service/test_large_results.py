@@ -101,7 +101,7 @@ def test_it_is_read_while_it_grows_and_survives_kills(server: Server, tmp_path: 
     assert "Zarr group" in detail
     (folder,) = (tmp_path / "data" / "studies").iterdir()
     assert sorted(one.name for one in folder.iterdir()) == [
-        "manifest.json", "result.zarr", "study.json",
+        "manifest.json", "result.zarr", "result.zarr.sha256", "study.json",
     ]  # fmt: skip
     # Nobody else on the machine reads a study or a result.
     for path in (tmp_path / "data").rglob("*"):

@@ -13,7 +13,7 @@ from app.jobs.manifest import JSON, NETCDF, ZARR
 from app.web.dependencies import BaseOf, DeskOf, Number
 from app.web.documents import NETCDF_TYPE, Results, media_type_of
 from app.web.downloads import etag_of, file_reply
-from app.web.outcomes import find_job, manifest_of, results_reply
+from app.web.outcomes import check_of, find_job, lost, manifest_of, results_reply
 from app.web.replies import problems
 from app.web.routes.zarr import ZarrKey
 
@@ -85,10 +85,12 @@ def get_dataset(
         raise NotFoundError("The result is a Zarr group: open the address that its results name.")
     if name not in manifest.files:
         raise NotFoundError("The result is too large for JSON: download it as NetCDF.")
+    file = desk.store.folder(job.key) / name
     return file_reply(
         request,
-        desk.store.folder(job.key) / name,
+        file,
         digest=manifest.files[name]["sha256"],
+        check=check_of(desk, job, file),
         media_type=NETCDF_TYPE if form == "netcdf" else "application/json",
         filename=f"vibrafeed-{job.key[:12]}{'.nc' if form == 'netcdf' else '.json'}",
     )
@@ -131,14 +133,16 @@ def get_group(request: Request, number: Number, path: ZarrKey, desk: DeskOf) -> 
     NaN, or as regime 0.
     """
     job = find_job(desk, number)
-    if job.state != "running":
-        manifest = manifest_of(desk, job)
-        if isinstance(manifest, Response):
-            return manifest
+    manifest = None if job.state == "running" else manifest_of(desk, job)
+    if isinstance(manifest, Response):
+        return manifest
     if not _KEY.fullmatch(path):
         raise NotFoundError(f"A Zarr group has no key '{path[:80]}'.")
     file = desk.store.in_group(job.key, path)
+    digest = None if manifest is None else desk.store.digest(job.key, path, manifest)
     if not file.is_file():
+        if digest is not None:
+            raise lost(desk, job, file)
         raise NotFoundError(f"The group of this job has no key '{path[:80]}', or not yet.")
     is_document = path.endswith(".json")
     return file_reply(
@@ -146,6 +150,8 @@ def get_group(request: Request, number: Number, path: ZarrKey, desk: DeskOf) -> 
         file,
         # A shard appears whole and never changes; the group's document does when it is complete.
         etag=etag_of(job.key, path, file.name),
+        digest=digest,
+        check=check_of(desk, job, file),
         media_type="application/json" if is_document else "application/octet-stream",
         filename=path.rpartition("/")[2],
     )
@@ -192,12 +198,14 @@ def get_file(
     if isinstance(manifest, Response):
         return manifest
     # Only names that the manifest holds reach the disk.
-    if name not in manifest.files:
+    if name not in manifest.files or name == ZARR:
         raise NotFoundError(f"The job has no file '{name[:80]}'; its results name those it has.")
+    file = desk.store.folder(job.key) / name
     return file_reply(
         request,
-        desk.store.folder(job.key) / name,
+        file,
         digest=manifest.files[name]["sha256"],
+        check=check_of(desk, job, file),
         media_type=media_type_of(name),
         filename=name,
     )

@@ -22,7 +22,8 @@ from app.jobs.errors import (
 )
 from app.jobs.ledger import Ledger
 from app.jobs.manifest import NETCDF
-from app.jobs.store import Store, identifier
+from app.jobs.store import Store
+from app.jobs.studies import identifier
 from app.settings import Settings
 from app.web.zarr_views import ZarrViews
 from core.dataset.netcdf import write_netcdf
@@ -62,7 +63,7 @@ def carried_out(store, content, *, cells=10):
 
 
 def test_studies_asked_for_last_stay_prepared_unless_they_are_long_or_gone(store, monkeypatch):
-    monkeypatch.setattr("app.jobs.store.MOST_KNOWN", 2)
+    monkeypatch.setattr("app.jobs.studies.MOST_KNOWN", 2)
     long = {**SWEEP["parameters"], "friction": [number / 10_000 for number in range(5000)]}
     studies = [SWEEP, SIMULATION, {**SWEEP, "parameters": long}]
     short, other, longer = (store.add(prepare_content(study).study)[0] for study in studies)

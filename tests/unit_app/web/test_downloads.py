@@ -117,15 +117,6 @@ class TestFile:
         assert len(content) == int(response.headers["content-length"]) > 1000
         assert PIECE == 2**20
 
-    @pytest.mark.parametrize("method", ["GET", "HEAD"])
-    def test_a_file_that_is_not_there_any_more(self, client, address, whole, method):
-        """Removed to make room after its manifest was read."""
-        result_of(client, address).unlink()
-        response = client.request(method, f"{address}/netcdf")
-        assert response.status_code == 404
-        if method == "GET":
-            assert "has been removed" in problem(response, 404)["detail"]
-
     def test_a_file_that_goes_before_the_first_header(self, client, address, whole, monkeypatch):
         def removed(request, path, **about):
             reply = file_reply(request, path, **about)

@@ -1,0 +1,66 @@
+"""`vibrafeed scrub`: whether the results of a service are what was written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from app.cli import console
+from app.cli.studies import FAILED, WRONG_INPUT, interruption
+
+SHOWN = 12  # letters of an identifier, as in the names of downloads
+MOST_FILES = 3  # that are named of one study
+
+
+def scrub(
+    directory: Annotated[
+        Path | None,
+        typer.Argument(help="The data directory; VIBRAFEED_DATA_DIRECTORY if left out."),
+    ] = None,
+    repair: Annotated[
+        bool,
+        typer.Option("--repair", help="Take what is broken away: it is computed again if asked."),
+    ] = False,
+) -> None:
+    """Compare every result of a service with its digests; exit with 1 if one is broken.
+
+    The service may run meanwhile.
+    """
+    from app.jobs.scrub import BROKEN, ORPHANED, WHOLE
+    from app.jobs.scrub import scrub as found_in
+    from app.jobs.store import Store
+    from app.settings import Settings
+
+    directory = directory or Settings().data_directory
+    store = Store(directory)
+    if not directory.is_dir():
+        console.fail(f"There is no folder {directory}.")
+        raise typer.Exit(WRONG_INPUT)
+    grid = console.new_grid("study", "state", "files")
+    counts: dict[str, int] = {}
+    read = 0
+    with interruption() as interrupted:
+        for found in found_in(store, stopped=interrupted):
+            counts[found.state] = counts.get(found.state, 0) + 1
+            read += found.bytes
+            if found.state in (BROKEN, ORPHANED):
+                more = len(found.files) - MOST_FILES
+                named = ", ".join(found.files[:MOST_FILES]) + (f" and {more:,} more" * (more > 0))
+                grid.add_row(found.name[:SHOWN], found.state, named)
+            if found.state == BROKEN and repair:
+                store.take_away(found.name, store.folder(found.name) / found.files[0])
+        if interrupted():
+            console.fail("It was stopped; the rest is not looked at.")
+    if grid.row_count:
+        console.stdout.print(grid)
+    told = ", ".join(f"{count:,} {state}" for state, count in sorted(counts.items()))
+    console.say(f"{directory}: {told or f'0 {WHOLE}'}; {read:,} bytes read")
+    if counts.get(BROKEN):
+        if repair:
+            console.say("What was broken is taken away: it is computed again when it is asked for.")
+        else:
+            console.say("To have what is broken computed again: vibrafeed scrub --repair")
+    if counts.get(BROKEN) or interrupted():
+        raise typer.Exit(FAILED)

@@ -1,0 +1,155 @@
+"""Results in an object store, from which every server takes those that it has not got."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import logging
+import tempfile
+from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from itertools import chain
+from pathlib import Path
+from threading import Lock
+from typing import TYPE_CHECKING
+
+from app.jobs.groups import LIST, read_list
+from app.jobs.manifest import MANIFEST, ZARR, Manifest
+from app.jobs.sound import has_digest
+from app.jobs.studies import kept
+from core.dataset.files import PART, sync
+from core.dataset.shards import UNFINISHED, open_store, told_plainly
+
+if TYPE_CHECKING:
+    from obstore.store import ObjectStore
+
+logger = logging.getLogger("vibrafeed.store")
+
+STUDY = "study.json"
+WAIT = 5.0  # s that a request waits for what is fetched; it is asked again then
+
+
+class Away:
+    """Sends results to an object store, and fetches them, each below its study's identifier.
+
+    A result is there when its manifest is, which is sent last and fetched last.
+
+    Parameters
+    ----------
+    url : str
+        Of the store, such as ``s3://bucket/prefix``; keys and address come from the environment.
+    """
+
+    def __init__(self, url: str):
+        self._url = url.rstrip("/")
+        self._lock = Lock()
+        self._fetching: dict[str, Future[bool]] = {}
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="fetch")
+
+    def send(self, key: str, folder: Path) -> None:
+        """Send the result in the folder of a study, unless it is there; raise `OSError`."""
+        told = (folder / MANIFEST).read_bytes()
+        with told_plainly():
+            store = self._store(key)
+            if _get(store, MANIFEST) == told:
+                return
+            # Whatever is replaced is no result meanwhile.
+            with contextlib.suppress(FileNotFoundError):
+                store.delete(MANIFEST)
+            for name in chain((STUDY,), _names(folder, Manifest(**json.loads(told)))):
+                store.put(name, folder / name)
+            store.put(MANIFEST, told)
+
+    def fetch(self, key: str, folder: Path) -> bool | None:
+        """Fetch a result into the folder of a study; None if that takes longer than a moment.
+
+        Return False if there is none, or if it is not what was sent: it is no result any more
+        then. A failing store raises `OSError`.
+        """
+        with self._lock:
+            fetching = self._fetching.get(key)
+            if fetching is None:
+                fetching = self._thread.submit(self._fetch, key, folder)
+                self._fetching[key] = fetching
+        if not wait([fetching], WAIT).done:
+            return None
+        with self._lock:
+            self._fetching.pop(key, None)
+        return fetching.result()
+
+    def close(self) -> None:
+        """Fetch no more."""
+        self._thread.shutdown(wait=False, cancel_futures=True)
+
+    def _fetch(self, key: str, folder: Path) -> bool:
+        with told_plainly():
+            store = self._store(key)
+            told = _get(store, MANIFEST)
+            if told is None:
+                return False
+            manifest = Manifest(**json.loads(told))
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(prefix=".", suffix=PART, dir=folder) as scratch:
+                there = Path(scratch)
+                if not _download(store, there, manifest):
+                    logger.warning("a result in the object store is broken: %s", key)
+                    store.delete(MANIFEST)
+                    return False
+                for path in list(there.iterdir()):
+                    place = folder / path.name
+                    if place.is_dir():  # a torn group, which goes with the scratch
+                        place.replace(there / f"old-{path.name}")
+                    path.replace(place)
+        sync(folder)
+        with kept(folder / MANIFEST) as temporary:
+            temporary.write_bytes(told)
+        return True
+
+    def _store(self, key: str) -> ObjectStore:
+        return open_store(f"{self._url}/{key}")
+
+
+def _names(folder: Path, manifest: Manifest) -> Iterator[str]:
+    """Yield the names of all files of a result in a folder."""
+    for name in manifest.files:
+        if name == ZARR:
+            yield LIST
+            yield from (f"{ZARR}/{key}" for key in read_list(folder) if key != UNFINISHED)
+        else:
+            yield name
+
+
+def _download(store: ObjectStore, folder: Path, manifest: Manifest) -> bool:
+    """Write all files of a result to a folder; return whether they have their digests."""
+    try:
+        _write(store, STUDY, folder)
+        for name, known in manifest.files.items():
+            first = LIST if name == ZARR else name
+            _write(store, first, folder)
+            if not has_digest(folder / first, known["sha256"]):
+                return False
+        if ZARR in manifest.files:
+            for key, digest in read_list(folder).items():
+                _write(store, f"{ZARR}/{key}", folder)
+                if not has_digest(folder / ZARR / key, digest):
+                    return False
+    except FileNotFoundError:
+        return False
+    return True
+
+
+def _write(store: ObjectStore, name: str, folder: Path) -> None:
+    path = folder / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    found = store.get(name)
+    with path.open("wb") as file:
+        for piece in found.stream():
+            file.write(piece)
+    sync(path)
+
+
+def _get(store: ObjectStore, name: str) -> bytes | None:
+    try:
+        return bytes(store.get(name).bytes())
+    except FileNotFoundError:
+        return None

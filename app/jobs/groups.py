@@ -1,0 +1,56 @@
+"""The digests of the files of a Zarr group, in a list beside it as ``sha256sum`` reads it."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from pathlib import Path
+
+from app.jobs.manifest import ZARR
+from app.jobs.studies import kept
+
+LIST = f"{ZARR}.sha256"
+KEPT = 8  # lists; one of 100,000 shards takes some 20 MB
+
+
+def write_list(folder: Path, digests: Mapping[str, str]) -> None:
+    """Write the list of a study's group."""
+    lines = (f"{digest}  {ZARR}/{key}\n" for key, digest in sorted(digests.items()))
+    with kept(folder / LIST) as temporary:
+        temporary.write_text("".join(lines), encoding="ascii")
+
+
+def complete_list(folder: Path) -> None:
+    """Add what is in a group and not in its list: documents, coordinates, all of an older one."""
+    digests = dict(read_list(folder))
+    for key, path in files_of(folder / ZARR):
+        if key not in digests:
+            with path.open("rb") as file:
+                digests[key] = hashlib.file_digest(file, "sha256").hexdigest()
+    write_list(folder, digests)
+
+
+def read_list(folder: Path) -> Mapping[str, str]:
+    """Return the SHA-256 of each file of a study's group, by key; none if there is no list."""
+    path = folder / LIST
+    try:
+        found = path.stat()
+    except FileNotFoundError:
+        return {}
+    return _read(path, found.st_ino, found.st_size, found.st_mtime_ns)
+
+
+@lru_cache(maxsize=KEPT)
+def _read(path: Path, *changes: int) -> Mapping[str, str]:
+    """Return a list; what `changes` with the file keeps lists apart."""
+    lines = path.read_text(encoding="ascii", errors="replace").splitlines()
+    pairs = (line.split("  ", 1) for line in lines)
+    return {pair[1].removeprefix(f"{ZARR}/"): pair[0] for pair in pairs if len(pair) > 1}
+
+
+def files_of(group: Path) -> Iterator[tuple[str, Path]]:
+    """Yield the keys and the places of all files of a group."""
+    for path in sorted(group.rglob("*")):
+        if path.is_file():
+            yield path.relative_to(group).as_posix(), path

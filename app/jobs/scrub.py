@@ -1,0 +1,90 @@
+"""Looking through all results of a data directory for what is broken."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.jobs.groups import LIST, read_list
+from app.jobs.manifest import MANIFEST, ZARR, Manifest
+from app.jobs.sound import has_digest
+from app.jobs.store import Store
+from app.jobs.studies import IDENTIFIER
+
+WHOLE, BROKEN, ORPHANED, WAITING = "whole", "broken", "orphaned", "no result"
+OURS = ("study.json", MANIFEST, LIST, "blocks")
+
+
+@dataclass(frozen=True)
+class Found:
+    """What was found in the folder of a study.
+
+    Attributes
+    ----------
+    name : str
+        Of the folder: the study's identifier.
+    state : str
+        "whole"; "broken": a file of the result is not what was written; "orphaned": no study, or
+        files that belong to no result; "no result": it is not computed, or not as a whole.
+    bytes : int
+        That were read.
+    files : tuple of str
+        Those that are broken or orphaned.
+    """
+
+    name: str
+    state: str
+    bytes: int = 0
+    files: tuple[str, ...] = ()
+
+
+def scrub(store: Store, after: str = "", stopped: Callable[[], bool] = bool) -> Iterator[Found]:
+    """Yield what is found in each folder, by name from the first after `after`; change nothing."""
+    if not store.directory.exists():
+        return
+    for folder in sorted(store.directory.iterdir()):
+        if stopped():
+            return
+        if folder.name > after:
+            yield _look(store, folder, stopped)
+
+
+def _look(store: Store, folder: Path, stopped: Callable[[], bool]) -> Found:
+    key = folder.name
+    if not IDENTIFIER.fullmatch(key) or not (folder / "study.json").is_file():
+        return Found(key, ORPHANED, files=(".",))
+    manifest = store.manifest_as_it_is(key)
+    names = set() if manifest is None else set(manifest.files)
+    others = {path.name for path in folder.iterdir() if not path.name.startswith(".")}
+    orphans = tuple(sorted(others - names - set(OURS)))
+    if manifest is None:
+        if (folder / MANIFEST).exists():
+            return Found(key, BROKEN, files=(MANIFEST,))
+        return Found(key, ORPHANED if orphans else WAITING, files=orphans)
+    size, broken = 0, []
+    for name, path, digest in _files(store, folder, manifest):
+        if stopped():
+            break
+        if digest is None or not has_digest(path, digest):
+            broken.append(name)
+        else:
+            size += path.stat().st_size
+    if broken:
+        # It may have been made anew, or removed, since its manifest was read.
+        is_same = store.manifest_as_it_is(key) == manifest
+        return Found(key, BROKEN, size, tuple(broken)) if is_same else Found(key, WAITING, size)
+    return Found(key, ORPHANED if orphans else WHOLE, size, orphans)
+
+
+def _files(
+    store: Store, folder: Path, manifest: Manifest
+) -> Iterator[tuple[str, Path, str | None]]:
+    """Yield the name, the place and the digest of each file of a result."""
+    for name, known in manifest.files.items():
+        if name != ZARR:
+            yield name, folder / name, known.get("sha256")
+        elif "sha256" in known:  # groups of earlier versions have no digests
+            yield LIST, folder / LIST, known["sha256"]
+            for key, digest in read_list(folder).items():
+                yield f"{ZARR}/{key}", folder / ZARR / key, digest

@@ -1,0 +1,90 @@
+"""Whether files are what was written: looked at once, and again when they have changed."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import os
+import threading
+from collections import OrderedDict
+from concurrent.futures import ThreadPoolExecutor
+from io import FileIO
+from pathlib import Path
+
+PIECE = 1 << 20
+LARGE = 8 << 20  # bytes; what is read in some milliseconds does not wait behind what is larger
+MOST_KNOWN = 100_000  # files
+
+
+class Sound:
+    """Compares files with their digests, on threads of its own; remembers those that agree.
+
+    Threads may use it at the same time.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._known: OrderedDict[tuple[int | str, ...], None] = OrderedDict()
+        self._small = ThreadPoolExecutor(1, thread_name_prefix="digests")
+        self._large = ThreadPoolExecutor(1, thread_name_prefix="large-digests")
+
+    def close(self) -> None:
+        """Look at no more."""
+        for lane in (self._small, self._large):
+            lane.shutdown(wait=False, cancel_futures=True)
+
+    async def is_sound(self, file: FileIO, digest: str) -> bool:
+        """Return whether an open file has a SHA-256; the event loop does not wait for the disk."""
+        found = os.fstat(file.fileno())
+        if self._knows(_mark(found, digest)):
+            return True
+        # A name of the thread's own for the file: whoever asks may be gone before it ends.
+        own = FileIO(os.dup(file.fileno()))
+        lane = self._large if found.st_size > LARGE else self._small
+        looking = lane.submit(self.look, own, digest)
+        looking.add_done_callback(lambda _: own.close())
+        return await asyncio.wrap_future(looking)
+
+    def look(self, file: FileIO, digest: str) -> bool:
+        """Return whether an open file has a SHA-256; read it unless it is known to."""
+        mark = _mark(os.fstat(file.fileno()), digest)
+        if self._knows(mark):
+            return True
+        if _digest(file) != digest:
+            return False
+        # What was changed while it was read is looked at again.
+        if _mark(os.fstat(file.fileno()), digest) == mark:
+            with self._lock:
+                self._known[mark] = None
+                while len(self._known) > MOST_KNOWN:
+                    self._known.popitem(last=False)
+        return True
+
+    def _knows(self, mark: tuple[int | str, ...]) -> bool:
+        with self._lock:
+            if mark not in self._known:
+                return False
+            self._known.move_to_end(mark)
+            return True
+
+
+def has_digest(path: Path, digest: str) -> bool:
+    """Return whether a file is there and has a SHA-256; it is read, whatever is known of it."""
+    try:
+        with path.open("rb", buffering=0) as file:
+            return _digest(file) == digest
+    except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
+        return False
+
+
+def _digest(file: FileIO) -> str:
+    """Return the SHA-256 of an open file; nobody's position in it moves."""
+    found, start = hashlib.sha256(), 0
+    while piece := os.pread(file.fileno(), PIECE, start):
+        found.update(piece)
+        start += len(piece)
+    return found.hexdigest()
+
+
+def _mark(found: os.stat_result, digest: str) -> tuple[int | str, ...]:
+    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, digest

@@ -1,0 +1,141 @@
+"""Studies on disk, addressed by content: equal studies share one folder."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import re
+import threading
+import time
+from collections import OrderedDict
+from collections.abc import Iterator
+from pathlib import Path
+
+import core
+from app.jobs.errors import NotFoundError
+from core.dataset.files import whole
+from core.kinds import prepare_content
+from core.plan.prepared import Prepared
+from core.study.load import read_json
+from core.study.models import Study
+from core.sweep import Sweep
+
+IDENTIFIER = re.compile(r"[0-9a-f]{64}")
+USED_EVERY = 3600.0  # s; the use of a study is noted no more often
+MOST_KNOWN = 64  # studies that are kept in memory
+MOST_KNOWN_BYTES = 20_000  # of such a study: a list of values takes many times that in memory
+
+
+def identifier(study: Study, process: str | None = None) -> str:
+    """Return the SHA-256 of a study, the version, and the process if it is not the study's own."""
+    words = [core.__version__, study.canonical()]
+    if process not in (None, study.kind):
+        words.insert(0, str(process))
+    return hashlib.sha256(" ".join(words).encode()).hexdigest()
+
+
+class Studies:
+    """Keeps studies below one directory, each in a folder named by its identifier.
+
+    Threads and processes may use it at the same time.
+    """
+
+    def __init__(self, directory: Path):
+        self.directory = directory / "studies"
+        self._lock = threading.Lock()
+        # That were asked for last, and whether the identifier is the study's own, for no process.
+        self._known: OrderedDict[str, tuple[Prepared, bool]] = OrderedDict()
+
+    def add(self, study: Study, process: str | None = None) -> tuple[str, bool]:
+        """Keep a study; return its identifier, and whether it is new."""
+        key = identifier(study, process)
+        path = self.directory / key / "study.json"
+        if path.exists():
+            self.note_use(key)
+            return key, False
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with kept(path) as temporary:
+            temporary.write_text(study.canonical(), encoding="utf-8")
+        return key, True
+
+    def get(self, key: str) -> Prepared:
+        """Return the study of an identifier; raise `NotFoundError` if there is none."""
+        return self._get(key)[0]
+
+    def sweep(self, key: str) -> Sweep:
+        """Return the sweep of an identifier; raise `NotFoundError` if it is none."""
+        found, is_own = self._get(key)
+        if not isinstance(found, Sweep) or not is_own:
+            raise _unknown(key)
+        return found
+
+    def _get(self, key: str) -> tuple[Prepared, bool]:
+        path = self.folder(key) / "study.json"
+        with self._lock:
+            known = self._known.get(key)
+            if known is not None and path.exists():  # it may have been removed
+                self._known.move_to_end(key)
+                self.note_use(key)
+                return known
+        try:
+            content = path.read_bytes()
+        except FileNotFoundError:
+            raise _unknown(key) from None
+        self.note_use(key)
+        prepared = prepare_content(read_json(content))
+        found = prepared, identifier(prepared.study) == key
+        if len(content) <= MOST_KNOWN_BYTES:
+            with self._lock:
+                self._known[key] = found
+                while len(self._known) > MOST_KNOWN:
+                    self._known.popitem(last=False)
+        return found
+
+    def folder(self, key: str) -> Path:
+        """Return the folder of a study; raise `NotFoundError` for what is no identifier."""
+        # Only what looks like an identifier reaches the file system.
+        if not IDENTIFIER.fullmatch(key):
+            raise _unknown(key)
+        return self.directory / key
+
+    def studies(self) -> list[str]:
+        """Return the identifiers of all studies, those that were used longest ago first."""
+        found = []
+        with contextlib.suppress(FileNotFoundError):
+            for folder in self.directory.iterdir():
+                if IDENTIFIER.fullmatch(folder.name):
+                    found.append((self.used(folder.name), folder.name))
+        return [key for _, key in sorted(found)]
+
+    def used(self, key: str) -> float:
+        """Return when a study was last used [s since the epoch], to an hour; 0 if it is gone."""
+        folder = self.folder(key)
+        # A study that is just being added has its folder only: it is in use, too.
+        for path in (folder / "study.json", folder):
+            with contextlib.suppress(FileNotFoundError):
+                return path.stat().st_mtime
+        return 0.0
+
+    def note_use(self, key: str) -> None:
+        """Note that a study is used, so that it stays."""
+        path = self.folder(key) / "study.json"
+        with contextlib.suppress(OSError):  # a directory that is read-only can be read
+            if time.time() - path.stat().st_mtime > USED_EVERY:
+                os.utime(path)
+
+
+@contextlib.contextmanager
+def kept(path: Path) -> Iterator[Path]:
+    """As `whole`, and the name is on the disk too: a loss of power takes back nothing told."""
+    with whole(path) as temporary:
+        yield temporary
+    folder = os.open(path.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
+
+
+def _unknown(key: str) -> NotFoundError:
+    return NotFoundError(f"There is no study '{key[:80]}'. POST it first.")
