@@ -29,7 +29,7 @@ import orjson
 
 import core
 from app.jobs.blocks import pack, unpack
-from app.jobs.errors import NotFoundError, TornBlockError
+from app.jobs.errors import NotFoundError, OtherVersionError, TornBlockError
 from app.jobs.manifest import (
     JSON,
     MANIFEST,
@@ -45,6 +45,7 @@ from core.dataset.netcdf import write_netcdf
 from core.dataset.records import ENDING
 from core.dataset.shards import GROUP, GROWING
 from core.dataset.table import Table
+from core.errors import VibrafeedError
 from core.kinds import prepare_content
 from core.plan.pieces import Computed
 from core.plan.prepared import Prepared
@@ -98,11 +99,19 @@ class Store:
         return self._get(key)[0]
 
     def sweep(self, key: str) -> Sweep:
-        """Return the sweep of an identifier; raise `NotFoundError` if it is none."""
+        """Return the sweep of an identifier.
+
+        Raises
+        ------
+        NotFoundError
+            If there is none.
+        OtherVersionError
+            If another version of vibrafeed was posted it.
+        """
         found, is_own = self._get(key)
-        if not isinstance(found, Sweep) or not is_own:
-            raise _unknown(key)
-        return found
+        if isinstance(found, Sweep) and is_own:
+            return found
+        raise _not_own(key, found)
 
     def _get(self, key: str) -> tuple[Prepared, bool]:
         path = self.folder(key) / "study.json"
@@ -387,6 +396,17 @@ def _sizes(folder: Path) -> Iterator[int]:
         for name in names:
             with contextlib.suppress(FileNotFoundError):
                 yield (Path(parent) / name).stat().st_size
+
+
+def _not_own(key: str, found: Prepared) -> VibrafeedError:
+    """Return why a study that is there is no sweep of this version."""
+    processes = ("sweep", "simulate", "optimise", "accuracy")
+    if not isinstance(found, Sweep) or key in {identifier(found.study, p) for p in processes}:
+        return _unknown(key)
+    return OtherVersionError(
+        f"The sweep '{key[:12]}...' was posted to another version of vibrafeed than "
+        f"{core.__version__}, which gives other identifiers: POST its study again, to /sweeps."
+    )
 
 
 def _unknown(key: str) -> NotFoundError:

@@ -12,7 +12,7 @@ from app.jobs.errors import NotFoundError
 from app.web.dependencies import Key, ViewsOf
 from app.web.downloads import FOR_EVER, content_reply, etag_of, not_modified
 from app.web.outgoing import expect
-from app.web.replies import problems
+from app.web.replies import BINARY, OBJECT, kept, problems
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
 
@@ -32,18 +32,14 @@ ZarrKey = Annotated[
     summary="Read a sweep as a Zarr group",
     response_class=Response,
     responses={
-        200: {
-            "content": {
-                # Bytes first: generated clients take the first for all.
-                "application/octet-stream": {"schema": {"type": "string", "format": "binary"}},
-                "application/json": {"schema": {"type": "object"}},
-            },
-            "description": "A document, or the values of a chunk, little-endian, not compressed",
-            "headers": {"ETag": {"schema": {"type": "string"}}},
-        },
-        304: {"description": "The client has it: its ETag stands in If-None-Match"},
+        # Bytes first: generated clients take the first for all.
+        **kept(
+            "A document, or the values of a chunk, little-endian, not compressed",
+            {"application/octet-stream": BINARY, "application/json": OBJECT},
+        ),
         **problems(
             s404="No such sweep, or no such key",
+            s409="The sweep is another version's: post it again",
             s422="The key is too long",
             s503="Too much waits to be sent",
         ),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from app.jobs.errors import NotFoundError
-from app.web.routes.sweeps import prefers_binary
+from app.web.accept import preferred
 from app.web.zarr_views import ZarrViews
 from core.kinds import prepare_content
 from core.study import parse_study
@@ -96,20 +96,26 @@ class TestSlice:
     @pytest.mark.parametrize(
         ("accept", "expected"),
         [
-            ("", False),
-            ("*/*", False),
-            ("application/json", False),
-            ("application/octet-stream", True),
-            ("application/octet-stream, */*;q=0.1", True),
-            ("application/json, application/octet-stream", False),
-            ("application/json;q=0.5, application/octet-stream;q=0.9", True),
-            ("application/octet-stream;q=0", False),
-            ("application/octet-stream;q=x", False),
-            ("Application/Octet-Stream ; v=1", True),
+            ("", "application/json"),
+            ("*/*", "application/json"),
+            ("application/json", "application/json"),
+            ("application/*;q=0.2", "application/json"),
+            ("application/octet-stream", "application/octet-stream"),
+            ("application/octet-stream, */*;q=0.1", "application/octet-stream"),
+            ("application/json, application/octet-stream", "application/json"),
+            (
+                "application/json;q=0.5, application/octet-stream;q=0.9",
+                "application/octet-stream",
+            ),
+            ("*/*, application/json;q=0", "application/octet-stream"),
+            ("application/octet-stream;q=0", None),
+            ("application/octet-stream;q=x", None),
+            ("text/html", None),
+            ("Application/Octet-Stream ; v=1", "application/octet-stream"),
         ],
     )
     def test_accept(self, accept, expected):
-        assert prefers_binary(accept) is expected
+        assert preferred(accept, ("application/json", "application/octet-stream")) == expected
 
     def test_wrong_forms(self, client, address):
         params = {**CUT, "format": "xml"}
@@ -142,7 +148,9 @@ class TestZarr:
     def test_the_sweep_names_its_group(self, client, address):
         assert client.get(address).json()["links"]["zarr"] == f"{address}/zarr"
         documented = client.get("/openapi.json").json()["paths"]["/sweeps/{key}/zarr/{path}"]
-        assert set(documented["get"]["responses"]) == {"200", "304", "401", "404", "422", "503"}
+        assert set(documented["get"]["responses"]) == {
+            "200", "304", "401", "404", "409", "422", "503"
+        }  # fmt: skip
 
     def test_an_etag_is_known_without_computing(self, client, monkeypatch):
         key = client.post("/sweeps", json=TRILLION).json()["id"]
