@@ -10,11 +10,13 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from core.dataset.files import whole
 from core.dataset.table import Table, Variable
 from core.errors import LimitError, MissingPackageError
 from core.quantities import REGIMES
@@ -276,6 +278,21 @@ def _array(arrow: Any, frame: Frame, column: _Column, start: int) -> Any:
 def _metadata(attributes: Mapping[str, Any]) -> dict[str, str]:
     """Return attributes as texts; what only numbers of flags need is left out."""
     return {n: str(v) for n, v in attributes.items() if not n.startswith("flag_")}
+
+
+def write_frame(table: Table, path: Path) -> None:
+    """Write a table as CSV or Parquet, by the suffix of a file; all of it or nothing.
+
+    Raises
+    ------
+    MissingPackageError
+        If Parquet is asked for and pyarrow is not installed.
+    OSError
+        If the file cannot be written.
+    """
+    pieces = FORMS[path.suffix](Frame.of(table))
+    with whole(path) as temporary, temporary.open("wb") as file:
+        file.writelines(pieces)
 
 
 FORMS: dict[str, Callable[[Frame], Iterator[bytes]]] = {
