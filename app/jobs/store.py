@@ -45,7 +45,7 @@ from core.dataset.netcdf import write_netcdf
 from core.dataset.records import ENDING
 from core.dataset.shards import GROUP, GROWING
 from core.dataset.table import Table
-from core.errors import VibrafeedError
+from core.errors import StudyError, VibrafeedError
 from core.kinds import prepare_content
 from core.plan.pieces import Computed
 from core.plan.prepared import Prepared
@@ -108,7 +108,10 @@ class Store:
         OtherVersionError
             If another version of vibrafeed was posted it.
         """
-        found, is_own = self._get(key)
+        try:
+            found, is_own = self._get(key)
+        except StudyError:  # it was sound when it was posted
+            raise _not_own(key, None) from None
         if isinstance(found, Sweep) and is_own:
             return found
         raise _not_own(key, found)
@@ -398,14 +401,15 @@ def _sizes(folder: Path) -> Iterator[int]:
                 yield (Path(parent) / name).stat().st_size
 
 
-def _not_own(key: str, found: Prepared) -> VibrafeedError:
+def _not_own(key: str, found: Prepared | None) -> VibrafeedError:
     """Return why a study that is there is no sweep of this version."""
-    processes = ("sweep", "simulate", "optimise", "accuracy")
-    if not isinstance(found, Sweep) or key in {identifier(found.study, p) for p in processes}:
-        return _unknown(key)
+    if found is not None:
+        of_another_process = identifier(found.study, "accuracy") == key
+        if not isinstance(found, Sweep) or of_another_process:
+            return _unknown(key)
     return OtherVersionError(
         f"The sweep '{key[:12]}...' was posted to another version of vibrafeed than "
-        f"{core.__version__}, which gives other identifiers: POST its study again, to /sweeps."
+        f"{core.__version__}, which gives other identifiers. POST its study again, to /sweeps."
     )
 
 

@@ -42,7 +42,7 @@ class Compress:
         is_taken = takes_gzip(",".join(headers.getlist("accept-encoding")))
         named = b"gzip" if is_taken and "range" not in headers else b"identity"
         others = [pair for pair in scope["headers"] if pair[0] != b"accept-encoding"]
-        scope = {**scope, "headers": [*others, (b"accept-encoding", named)]}
+        scope["headers"] = [*others, (b"accept-encoding", named)]
         await self.app(scope, receive, _weakened(send))
 
 

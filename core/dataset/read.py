@@ -43,7 +43,8 @@ def read_netcdf(path: Path, *, most_rows: int | None = None) -> Table:
         sizes = {name: one.size for name, one in file.items() if one.is_scale and one.ndim}
         check_rows(sizes, most_rows)
         named = " ".join(_plain(one.attrs.get("coordinates", "")) for one in file.values())
-        coordinates, variables = {}, {}
+        coordinates: dict[str, Variable] = {}
+        variables: dict[str, Variable] = {}
         for name, one in file.items():
             is_coordinate = one.is_scale or name in named.split()
             (coordinates if is_coordinate else variables)[name] = _variable(file, name, one)

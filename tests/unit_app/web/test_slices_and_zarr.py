@@ -10,12 +10,15 @@ import numpy as np
 import pytest
 
 from app.jobs.errors import NotFoundError
+from app.main import create_app
+from app.settings import Settings
 from app.web.accept import preferred
 from app.web.zarr_views import ZarrViews
 from core.kinds import prepare_content
 from core.study import parse_study
 from core.sweep import sweep
 from core.sweep.zarr_view import ZarrView
+from local_client import local_client
 from posted_sweeps import STUDY, TRILLION, problem
 
 
@@ -85,7 +88,7 @@ class TestSlice:
             params = {**CUT, **change}
             response = client.get(f"{address}/slice", params=params)
             etag = response.headers["etag"]
-            assert response.headers["vary"] == "Accept"
+            assert response.headers["vary"].startswith("Accept")
             assert "immutable" in response.headers["cache-control"]
             again = client.get(f"{address}/slice", params=params, headers={"If-None-Match": etag})
             assert (again.status_code, again.content) == (304, b"")
@@ -125,6 +128,18 @@ class TestSlice:
         problem(client.get(f"/sweeps/{'0' * 64}/slice", params=CUT), 404)
 
 
+def test_a_sweep_of_another_version_is_told_so(tmp_path, monkeypatch):
+    settings = Settings(data_directory=tmp_path)
+    with local_client(create_app(settings)) as client:
+        address = f"/sweeps/{client.post('/sweeps', json=STUDY).json()['id']}"
+    monkeypatch.setattr("core.__version__", "99.0")
+    with local_client(create_app(settings)) as client:
+        for path in ("", "/netcdf", "/zarr/zarr.json"):
+            told = problem(client.get(address + path), 409)
+            assert told["type"] == "urn:vibrafeed:problem:version"
+        problem(client.get(f"{address}/slice", params=CUT), 409)
+
+
 class TestZarr:
     def test_keys_are_those_of_the_core(self, client, address):
         view = ZarrView(prepare_content(STUDY))
@@ -136,13 +151,15 @@ class TestZarr:
             ("frequency/c/0", "application/octet-stream"),
             ("friction/c", "application/octet-stream"),
         ):
-            response = client.get(f"{address}/zarr/{key}")
+            plain = {"Accept-Encoding": "identity"}  # compressed, it would be another content
+            response = client.get(f"{address}/zarr/{key}", headers=plain)
             assert response.status_code == 200
             assert response.content == view.read(key)
             assert response.headers["content-type"] == media_type
             assert response.headers["cache-control"] == "max-age=31536000, immutable"
-            head = client.head(f"{address}/zarr/{key}")
+            head = client.head(f"{address}/zarr/{key}", headers=plain)
             assert (head.status_code, head.content) == (200, b"")
+            response.headers.pop("vary", None)  # of small replies that are not compressed, either
             assert dict(head.headers) == dict(response.headers)
 
     def test_the_sweep_names_its_group(self, client, address):
