@@ -22,7 +22,9 @@ from core.compiling import stopwatch
 from core.errors import MissingPackageError, Problem, StoppedError
 
 if TYPE_CHECKING:
+    from core.dataset.table import Table
     from core.plan.prepared import Prepared
+    from core.sweep import Sweep
 
 
 def run(
@@ -97,12 +99,8 @@ def run(
         elif scheduler is not None:
             run_on_scheduler(studies, targets, scheduler, parts, _history(files[0]))
         return
-    from core.dataset.frame import FORMS, write_frame
-    from core.dataset.netcdf import is_large, write_netcdf
     from core.kinds import is_whole, not_verified, tabulate
-    from core.plan.tiles import Tiled
     from core.sweep import Sweep
-    from core.sweep.targets import is_zarr
     from core.watch import Watch
 
     deadline = None if time_limit is None else time.monotonic() + time_limit
@@ -110,11 +108,7 @@ def run(
     for path, prepared in studies.items():
         history = _history(path)
         target = targets[path]
-        if (
-            isinstance(prepared, Sweep)
-            and Path(target).suffix not in FORMS
-            and (is_zarr(target) or is_large(Tiled(prepared).tiles))
-        ):
+        if isinstance(prepared, Sweep) and _is_streamed(prepared, target):
             from app.cli.streamed import run_streamed
 
             left.remove(path)
@@ -143,10 +137,7 @@ def run(
                 break
         evaluated = time.perf_counter()
         try:
-            if Path(target).suffix in FORMS:
-                write_frame(table, Path(target))
-            else:
-                write_netcdf(table, Path(target), history=history, compression=not plain)
+            _write(table, Path(target), history, plain)
         except OSError as error:
             console.fail(f"{target} cannot be written: {error.strerror or error}.")
             raise typer.Exit(FAILED) from None
@@ -164,6 +155,28 @@ def run(
         console.fail(f"It was stopped: not carried out are {', '.join(map(str, left))}.")
     if left or not sound:
         raise typer.Exit(FAILED)
+
+
+def _is_streamed(sweep: Sweep, target: str) -> bool:
+    """Return whether a sweep is written tile by tile, in place of being held in memory."""
+    from core.dataset.frame import FORMS
+    from core.dataset.netcdf import is_large
+    from core.plan.tiles import Tiled
+    from core.sweep.targets import is_zarr
+
+    if Path(target).suffix in FORMS:
+        return False
+    return is_zarr(target) or is_large(Tiled(sweep).tiles)
+
+
+def _write(table: Table, target: Path, history: str, plain: bool) -> None:
+    from core.dataset.frame import FORMS, write_frame
+    from core.dataset.netcdf import write_netcdf
+
+    if target.suffix in FORMS:
+        write_frame(table, target)
+    else:
+        write_netcdf(table, target, history=history, compression=not plain)
 
 
 def _history(path: Path) -> str:
