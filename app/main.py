@@ -24,6 +24,7 @@ from app.jobs.store import Store
 from app.jobs.writer import Writer
 from app.settings import Settings
 from app.web import guard, openapi, problems
+from app.web.compress import Compress
 from app.web.metrics import Metrics
 from app.web.observe import Observe
 from app.web.outgoing import Outgoing, Unsent
@@ -87,6 +88,7 @@ def create_app(settings: Settings) -> FastAPI:
     for part in (health, scenes, sweeps, zarr, processes, jobs, results):
         app.include_router(part.router)
     openapi.install(app)
+    app.add_middleware(Compress)  # within what counts the bytes that wait
     app.add_middleware(Outgoing, unsent=app.state.unsent)
     guard.install(app, settings)
     app.add_middleware(Observe, metrics=app.state.metrics)

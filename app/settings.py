@@ -139,6 +139,9 @@ class Settings(BaseSettings):
     max_slice_cells: int = Field(
         default=1_000_000, gt=0, description="Largest number of values of one slice."
     )
+    max_table_rows: int = Field(
+        default=1_000_000, gt=0, description="Most rows of a result as CSV or Parquet."
+    )
     zarr_cache_bytes: int = Field(
         default=64_000_000, ge=0, description="Memory for the chunks that were read last."
     )

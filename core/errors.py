@@ -4,6 +4,7 @@ VibrafeedError
 ├── StudyError        what a user wrote cannot be done; holds every problem found
 ├── LimitError        the request is sound but larger than the limits in force
 ├── StoppedError      a computation was stopped, and what it had done is no answer
+├── MissingPackageError  a package that few need is not installed
 └── SceneError        a scene contradicts itself; a mistake of ours, found when it is imported
 """
 
@@ -78,6 +79,13 @@ class LimitError(VibrafeedError):
 
 class StoppedError(VibrafeedError):
     """A computation was stopped, by its user or by a time limit, before there was an answer."""
+
+
+class MissingPackageError(VibrafeedError):
+    """Something takes a package that is not installed; the message says how to install it."""
+
+    def __init__(self, what: str, package: str, how: str):
+        super().__init__(f"{what} takes {package}, which is not installed: {how}")
 
 
 class SceneError(VibrafeedError):

@@ -19,10 +19,12 @@ from app.cli.studies import (
     refuse_clashes,
 )
 from core.compiling import stopwatch
-from core.errors import Problem, StoppedError
+from core.errors import MissingPackageError, Problem, StoppedError
 
 if TYPE_CHECKING:
+    from core.dataset.table import Table
     from core.plan.prepared import Prepared
+    from core.sweep import Sweep
 
 
 def run(
@@ -32,8 +34,8 @@ def run(
         typer.Option(
             "-o",
             "--output",
-            help="File .nc, or .zarr or s3://bucket/key (one study), or folder; beside the study "
-            "if left out.",
+            help="File .nc, .csv or .parquet, or .zarr or s3://bucket/key (one study), or folder; "
+            "beside the study if left out.",
         ),
     ] = None,
     dry_run: Annotated[
@@ -97,11 +99,8 @@ def run(
         elif scheduler is not None:
             run_on_scheduler(studies, targets, scheduler, parts, _history(files[0]))
         return
-    from core.dataset.netcdf import is_large, write_netcdf
     from core.kinds import is_whole, not_verified, tabulate
-    from core.plan.tiles import Tiled
     from core.sweep import Sweep
-    from core.sweep.targets import is_zarr
     from core.watch import Watch
 
     deadline = None if time_limit is None else time.monotonic() + time_limit
@@ -109,7 +108,7 @@ def run(
     for path, prepared in studies.items():
         history = _history(path)
         target = targets[path]
-        if isinstance(prepared, Sweep) and (is_zarr(target) or is_large(Tiled(prepared).tiles)):
+        if isinstance(prepared, Sweep) and _is_streamed(prepared, target):
             from app.cli.streamed import run_streamed
 
             left.remove(path)
@@ -138,7 +137,7 @@ def run(
                 break
         evaluated = time.perf_counter()
         try:
-            write_netcdf(table, Path(target), history=history, compression=not plain)
+            _write(table, Path(target), history, plain)
         except OSError as error:
             console.fail(f"{target} cannot be written: {error.strerror or error}.")
             raise typer.Exit(FAILED) from None
@@ -158,12 +157,39 @@ def run(
         raise typer.Exit(FAILED)
 
 
+def _is_streamed(sweep: Sweep, target: str) -> bool:
+    """Return whether a sweep is written tile by tile, in place of being held in memory."""
+    from core.dataset.frame import FORMS
+    from core.dataset.netcdf import is_large
+    from core.plan.tiles import Tiled
+    from core.sweep.targets import is_zarr
+
+    if Path(target).suffix in FORMS:
+        return False
+    return is_zarr(target) or is_large(Tiled(sweep).tiles)
+
+
+def _write(table: Table, target: Path, history: str, plain: bool) -> None:
+    from core.dataset.frame import FORMS, write_frame
+    from core.dataset.netcdf import write_netcdf
+
+    if target.suffix in FORMS:
+        write_frame(table, target)
+    else:
+        write_netcdf(table, target, history=history, compression=not plain)
+
+
 def _history(path: Path) -> str:
     return f"{datetime.now(UTC).isoformat(timespec='seconds')} vibrafeed run {path.name}"
 
 
+def _is_file(output: str) -> bool:
+    return Path(output).suffix in (".nc", ".csv", ".parquet") and not Path(output).is_dir()
+
+
 def _targets(studies: Mapping[Path, Prepared], output: str | None) -> dict[Path, str]:
     """Return where each result goes; exit if two would go to one place."""
+    from core.dataset.frame import pyarrow
     from core.sweep import Sweep
     from core.sweep.targets import is_zarr
 
@@ -180,7 +206,12 @@ def _targets(studies: Mapping[Path, Prepared], output: str | None) -> dict[Path,
         if problem is not None:
             refuse({path: [problem] for path in studies})
         targets = dict.fromkeys(studies, output)
-    elif len(studies) == 1 and output and output.endswith(".nc") and not Path(output).is_dir():
+    elif len(studies) == 1 and output and _is_file(output):
+        if output.endswith(".parquet"):
+            try:
+                pyarrow()
+            except MissingPackageError as error:
+                refuse({path: [Problem("output", str(error), "Or give .csv")] for path in studies})
         targets = dict.fromkeys(studies, output)
     else:
         targets = {file: str(Path(output or file.parent) / f"{file.stem}.nc") for file in studies}

@@ -13,8 +13,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import core
-from app.jobs.errors import NotFoundError
+from app.jobs.errors import NotFoundError, OtherVersionError
 from core.dataset.files import whole
+from core.errors import StudyError, VibrafeedError
 from core.kinds import prepare_content
 from core.plan.prepared import Prepared
 from core.study.load import read_json
@@ -64,11 +65,22 @@ class Studies:
         return self._get(key)[0]
 
     def sweep(self, key: str) -> Sweep:
-        """Return the sweep of an identifier; raise `NotFoundError` if it is none."""
-        found, is_own = self._get(key)
-        if not isinstance(found, Sweep) or not is_own:
-            raise _unknown(key)
-        return found
+        """Return the sweep of an identifier.
+
+        Raises
+        ------
+        NotFoundError
+            If there is none.
+        OtherVersionError
+            If another version of vibrafeed was posted it.
+        """
+        try:
+            found, is_own = self._get(key)
+        except StudyError:  # it was sound when it was posted
+            raise _not_own(key, None) from None
+        if isinstance(found, Sweep) and is_own:
+            return found
+        raise _not_own(key, found)
 
     def _get(self, key: str) -> tuple[Prepared, bool]:
         path = self.folder(key) / "study.json"
@@ -135,6 +147,18 @@ def kept(path: Path) -> Iterator[Path]:
         os.fsync(folder)
     finally:
         os.close(folder)
+
+
+def _not_own(key: str, found: Prepared | None) -> VibrafeedError:
+    """Return why a study that is there is no sweep of this version."""
+    if found is not None:
+        of_another_process = identifier(found.study, "accuracy") == key
+        if not isinstance(found, Sweep) or of_another_process:
+            return _unknown(key)
+    return OtherVersionError(
+        f"The sweep '{key[:12]}...' was posted to another version of vibrafeed than "
+        f"{core.__version__}, which gives other identifiers. POST its study again, to /sweeps."
+    )
 
 
 def _unknown(key: str) -> NotFoundError:

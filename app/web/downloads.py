@@ -126,6 +126,12 @@ class Check:
     sound: Sound
     broken: Callable[[os.stat_result], Exception]
 
+    def look(self, path: Path, digest: str) -> None:
+        """Raise what the client is told, unless a file is what was written; may take long."""
+        with path.open("rb", buffering=0) as file:
+            if not self.sound.look(file, digest):
+                raise self.broken(os.fstat(file.fileno()))
+
 
 class _FileResponse(StreamingResponse):
     """Opens the file before it sends a header, and holds it until it has ended in any way.

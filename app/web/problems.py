@@ -13,9 +13,16 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from app.jobs import disk
-from app.jobs.errors import NoRoomError, NotFoundError, QueueFullError
+from app.jobs.errors import NoRoomError, NotFoundError, OtherVersionError, QueueFullError
 from app.web.replies import problem_document
-from core.errors import LimitError, Problem, StoppedError, StudyError, VibrafeedError
+from core.errors import (
+    LimitError,
+    MissingPackageError,
+    Problem,
+    StoppedError,
+    StudyError,
+    VibrafeedError,
+)
 
 logger = logging.getLogger("vibrafeed")
 
@@ -39,6 +46,10 @@ class TooLargeError(VibrafeedError):
         super().__init__(f"A body may hold {most:,} bytes; this one holds more.")
 
 
+class NotAcceptableError(VibrafeedError):
+    """There is nothing in a form that the client takes; the message names what there is."""
+
+
 class BusyError(VibrafeedError):
     """The service has too much under way to take this now."""
 
@@ -51,6 +62,9 @@ STATUS: dict[type[Exception], tuple[int, str, str]] = {
     LimitError: (422, "limit", "The study is larger than this service allows"),
     StoppedError: (422, "limit", "The study takes longer than this service allows"),
     NotFoundError: (404, "not-found", "There is no such resource"),
+    NotAcceptableError: (406, "form", "There is no such form of it"),
+    MissingPackageError: (406, "form", "There is no such form of it"),
+    OtherVersionError: (409, "version", "The study is another version's"),
     TooLargeError: (413, "body", "The request is too large"),
     NoSuchProcessError: (404, f"{OGC}no-such-process", "There is no such process"),
     NoSuchJobError: (404, f"{OGC}no-such-job", "There is no such job"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import orjson
@@ -43,6 +43,36 @@ def execution_name(study: type[BaseModel]) -> str:
     return f"{study.__name__}Execution"
 
 
+OBJECT = {"type": "object"}
+BINARY = {"type": "string", "format": "binary"}
+ETAG = {"ETag": {"schema": {"type": "string"}}}
+
+
+def kept(
+    description: str, content: Mapping[str, Mapping[str, Any]], *, in_ranges: bool = False
+) -> dict[int | str, dict[str, Any]]:
+    """Return documented replies that have an ETag; `content` are schemas by media types.
+
+    With `in_ranges` so are ranges of bytes, which JSON is not sent in, and what is wrong with them.
+    """
+    types = {name: {"schema": schema} for name, schema in content.items()}
+    found: dict[int | str, dict[str, Any]] = {
+        200: {"content": types, "description": description, "headers": ETAG},
+        304: {"description": "The client has it: its ETag stands in If-None-Match"},
+    }
+    if in_ranges:
+        found[206] = {
+            "content": {name: one for name, one in types.items() if one["schema"] is not OBJECT},
+            "description": "The range of it that was asked for",
+            "headers": {"Content-Range": {"schema": {"type": "string"}}},
+        }
+        found |= problems(
+            s412="It is not the file that If-Match names",
+            s416="The range holds no byte of the file",
+        )
+    return found
+
+
 PROBLEM: dict[str, Any] = {
     "content": {PROBLEM_TYPE: {"schema": component(ProblemDocument.__name__)}}
 }
@@ -61,6 +91,13 @@ def json_reply(content: Any, status: int = 200, headers: dict[str, str] | None =
         media_type="application/json",
         headers=headers,
     )
+
+
+def without_length(media_type: str, headers: Mapping[str, str] | None = None) -> Response:
+    """Return a reply to HEAD of what is not made yet: it tells no size."""
+    reply = Response(headers=headers, media_type=media_type)
+    del reply.headers["Content-Length"]  # 0, which it will not be
+    return reply
 
 
 def problem_document(

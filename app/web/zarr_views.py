@@ -21,35 +21,44 @@ class ZarrViews:
     def __init__(self, store: Store, most_bytes: int):
         self._store, self._most_bytes = store, most_bytes
         self._lock = threading.Lock()
-        self._views: OrderedDict[str, ZarrView] = OrderedDict()
-        self._chunks: OrderedDict[tuple[str, str], bytes] = OrderedDict()
+        self._views: OrderedDict[tuple[str, str], ZarrView] = OrderedDict()
+        self._chunks: OrderedDict[tuple[str, str, str], bytes] = OrderedDict()
         self._bytes = 0
 
-    def view(self, key: str) -> ZarrView:
-        """Return the view of a sweep; raise `NotFoundError` if there is no such sweep."""
+    def view(self, key: str, chunks: str = "") -> ZarrView:
+        """Return the view of a sweep, with chunks as a reader wishes them.
+
+        Raises
+        ------
+        NotFoundError
+            If there is no such sweep.
+        StudyError
+            If the wishes cannot be met.
+        """
         is_there = self._store.used(key) > 0  # it may have been removed since it was last read
+        place = (key, chunks)
         with self._lock:
-            view = self._views.get(key) if is_there else self._views.pop(key, None)
+            view = self._views.get(place) if is_there else self._views.pop(place, None)
             if view is not None and is_there:
-                self._views.move_to_end(key)
+                self._views.move_to_end(place)
                 return view
-        view = ZarrView(self._store.sweep(key))
+        view = ZarrView(self._store.sweep(key), chunks=chunks)
         with self._lock:
-            self._views[key] = view
+            self._views[place] = view
             while len(self._views) > MOST_VIEWS:
                 self._views.popitem(last=False)
         return view
 
-    def read(self, key: str, path: str) -> bytes:
+    def read(self, key: str, path: str, chunks: str = "") -> bytes:
         """Return the bytes of a path in the group of a sweep; raise `KeyError` if it has none."""
-        place = (key, path)
+        place = (key, chunks, path)
         self._store.note_use(key)
         with self._lock:
             content = self._chunks.get(place)
             if content is not None:
                 self._chunks.move_to_end(place)
                 return content
-        content = self.view(key).read(path)
+        content = self.view(key, chunks).read(path)
         with self._lock:
             if place not in self._chunks and len(content) <= self._most_bytes:
                 self._chunks[place] = content

@@ -3,19 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from core.dataset.table import Table, Variable, quantity_attributes, regime_attributes
 from core.errors import LimitError, Problem, StudyError, Suggestions
 from core.plan.evaluate import evaluate
 from core.plan.grid import Grid, from_si
+from core.plan.plan import Plan
 from core.quantities import QUANTITIES, REGIMES
 from core.study.units import UnitError, problem, read_number
 from core.study.values import position_on_axis
 from core.sweep.prepare import Sweep
+from core.sweep.run import attributes_of
 
 MOST_AXES = 2
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A slice that can be taken: nothing of it is computed yet.
+
+    Attributes
+    ----------
+    output : str
+        The output.
+    plan : Plan
+        The equations that it needs.
+    grid : Grid
+        The points of the slice; its axes are free.
+    """
+
+    output: str
+    plan: Plan
+    grid: Grid
 
 
 def cut(
@@ -51,6 +74,13 @@ def cut(
     LimitError
         If it has more than `most` values.
     """
+    return carried_out(prepare_cut(sweep, output=output, axes=axes, at=at, most=most))
+
+
+def prepare_cut(
+    sweep: Sweep, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
+) -> Cut:
+    """Return what `cut` would compute; takes and raises what that does."""
     problems = list(_problems(sweep, output, axes, at))
     if problems:
         raise StudyError(problems)
@@ -72,13 +102,19 @@ def cut(
     )
     if grid.cells > most:
         raise LimitError("values", grid.cells, most, "Free one axis less, or download the NetCDF")
+    return Cut(output, plan, grid)
+
+
+def carried_out(prepared: Cut) -> dict[str, Any]:
+    """Return the values of a slice, as `cut` does."""
+    output, plan, grid = prepared.output, prepared.plan, prepared.grid
     arrays = evaluate(plan, grid)
     depends = plan.depends_on(grid.axes)
     return {
         "output": output,
         "unit": QUANTITIES[output].unit,
         "axes": [
-            {"name": n, "unit": QUANTITIES[n].unit, "values": grid.coordinate(n)} for n in free
+            {"name": n, "unit": QUANTITIES[n].unit, "values": grid.coordinate(n)} for n in grid.axes
         ],
         "fixed": grid.fixed,
         "values": _labelled(from_si(output, arrays[output]), grid.dims(depends[output])),
@@ -92,6 +128,25 @@ def cut(
             for name in plan.regimes
         },
     }
+
+
+def table_of(sweep: Sweep, piece: Mapping[str, Any]) -> Table:
+    """Return what `cut` gave of a sweep as a table, with the attributes of the whole."""
+    output = piece["output"]
+    axes = {axis["name"]: (axis["values"], (axis["name"],)) for axis in piece["axes"]}
+    fixed = {name: (np.float64(value), ()) for name, value in piece["fixed"].items()}
+    coordinates = {
+        name: Variable(dims, np.asarray(values), quantity_attributes(name))
+        for name, (values, dims) in (axes | fixed).items()
+    }
+    variables = {
+        name: Variable(tuple(part["dims"]), part["data"], attributes)
+        for name, part, attributes in (
+            (output, piece["values"], quantity_attributes(output)),
+            ("regime", piece["regime"], regime_attributes(tuple(piece["regimes"]))),
+        )
+    }
+    return Table(coordinates, variables, attributes_of(sweep))
 
 
 def _problems(

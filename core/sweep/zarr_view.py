@@ -17,11 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.layout import CHUNK_CELLS, chunk_shape
+from core.dataset.layout import CHUNK_CELLS
 from core.dataset.zarr_metadata import FILL, array_document, group_document
 from core.plan.evaluate import evaluate
 from core.plan.grid import axis_values
 from core.plan.plan import Plan
+from core.sweep.chunk_wishes import Wishes, read_wishes, wished_shape
 from core.sweep.prepare import Sweep
 from core.sweep.run import tabulate
 
@@ -61,15 +62,24 @@ class ZarrView:
         The sweep, of any size.
     chunk_cells : int
         Largest number of values of a chunk.
+    chunks : str
+        Lengths of chunks that a reader wishes, such as ``frequency:all``; all axes are cut alike if
+        left out. Coordinates have chunks of their own.
+
+    Raises
+    ------
+    StudyError
+        If the wishes cannot be met.
     """
 
-    def __init__(self, sweep: Sweep, *, chunk_cells: int = CHUNK_CELLS):
+    def __init__(self, sweep: Sweep, *, chunk_cells: int = CHUNK_CELLS, chunks: str = ""):
         self._grid, self._in_files = sweep.grid, sweep.in_files
         # Dimensions and attributes do not depend on how many values an axis has; what is computed
         # when it is read cannot have been verified.
         first = dict.fromkeys(sweep.grid.axes, (0, 1))
         self._labels = tabulate(sweep.within(first).unverified())
-        self._arrays = self._lay_out(sweep, chunk_cells)
+        wishes = read_wishes(chunks, sweep.grid.shape, chunk_cells) if chunks else {}
+        self._arrays = self._lay_out(sweep, chunk_cells, wishes)
 
     def read(self, key: str) -> bytes:
         """Return the bytes of a key; raise `KeyError` if the group has no such key."""
@@ -87,7 +97,7 @@ class ZarrView:
         """Return the number of chunks of each array along each of its dimensions."""
         return {name: array.chunks for name, array in self._arrays.items()}
 
-    def _lay_out(self, sweep: Sweep, chunk_cells: int) -> dict[str, _Array]:
+    def _lay_out(self, sweep: Sweep, chunk_cells: int, wishes: Wishes) -> dict[str, _Array]:
         arrays = {}
         labels = self._labels
         for name, variable in (*labels.coordinates.items(), *labels.variables.items()):
@@ -100,7 +110,9 @@ class ZarrView:
             arrays[name] = _Array(
                 variable.dims,
                 shape,
-                chunk_shape(shape, chunk_cells),
+                wished_shape(
+                    variable.dims, shape, wishes if name in labels.variables else {}, chunk_cells
+                ),
                 variable.values.dtype,
                 plan,
             )

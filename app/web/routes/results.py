@@ -3,25 +3,35 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Path, Query, Request
+from anyio import to_thread
+from fastapi import APIRouter, Query, Request
+from fastapi import Path as InPath
+from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
+from app.jobs.desk import Desk
 from app.jobs.errors import NotFoundError
 from app.jobs.manifest import JSON, NETCDF, ZARR
-from app.web.dependencies import BaseOf, DeskOf, Number
+from app.web.accept import form_for
+from app.web.dependencies import BaseOf, DeskOf, Number, SettingsOf
 from app.web.documents import NETCDF_TYPE, Results, media_type_of
-from app.web.downloads import etag_of, file_reply
+from app.web.downloads import ASK_AGAIN, etag_of, file_reply, not_modified
 from app.web.outcomes import check_of, find_job, lost, manifest_of, results_reply
-from app.web.replies import problems
+from app.web.replies import BINARY, OBJECT, kept, problems, without_length
 from app.web.routes.zarr import ZarrKey
+from app.web.tables import TABLES, missing, table_reply, tables_there, written_by
+from core.dataset.frame import Frame
+from core.dataset.read import read_netcdf
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 
 # What a group may have: nothing else of a request reaches the disk.
 _KEY = re.compile(r"(zarr\.json|[a-z][a-z0-9_]{0,79}/(zarr\.json|c(/[0-9]{1,12}){0,20}))")
 
+FORMS = {"netcdf": NETCDF_TYPE, "json": "application/json"}
 NO_RESULT = problems(
     s404="No such job, or its results are not there",
     s409="The study is another version's: post it again",
@@ -34,6 +44,7 @@ NO_RESULT = problems(
 @router.get(
     "/{number}/results", summary="Tell what a job gave", response_model=Results, responses=NO_RESULT
 )
+@router.head("/{number}/results", include_in_schema=False)
 def get_results(number: Number, desk: DeskOf, base: BaseOf) -> Response:
     """Return where the dataset is, how large it is, and what it cost."""
     return results_reply(desk, find_job(desk, number), base)
@@ -44,54 +55,85 @@ def get_results(number: Number, desk: DeskOf, base: BaseOf) -> Response:
     summary="Download what a job gave",
     response_class=Response,
     responses={
-        200: {
-            "content": {
-                NETCDF_TYPE: {"schema": {"type": "string", "format": "binary"}},
-                "application/json": {"schema": {"type": "object"}},
+        **kept(
+            "The dataset",
+            {
+                NETCDF_TYPE: BINARY,
+                "application/json": OBJECT,
+                **dict.fromkeys(TABLES.values(), BINARY),
             },
-            "description": "The dataset",
-            "headers": {"ETag": {"schema": {"type": "string"}}},
-        },
-        206: {
-            "content": {NETCDF_TYPE: {"schema": {"type": "string", "format": "binary"}}},
-            "description": "The range of it that was asked for",
-            "headers": {"Content-Range": {"schema": {"type": "string"}}},
-        },
-        304: {"description": "The client has it: its ETag stands in If-None-Match"},
-        **NO_RESULT,
-        **problems(
-            s412="It is not the file that If-Match names",
-            s416="The range holds no byte of the file",
+            in_ranges=True,
         ),
+        **NO_RESULT,
+        **problems(s406="There is no form that Accept takes"),
     },
 )
 @router.head("/{number}/results/dataset", include_in_schema=False)
-def get_dataset(
+async def get_dataset(
     request: Request,
     number: Number,
     desk: DeskOf,
+    settings: SettingsOf,
     form: Annotated[
-        Literal["netcdf", "json"],
-        Query(alias="format", description="JSON for small results only."),
-    ] = "netcdf",
+        Literal["netcdf", "json", "csv", "parquet"] | None,
+        Query(
+            alias="format",
+            description="What `Accept` asks for if left out; else NetCDF. JSON is there of small "
+            "results only.",
+        ),
+    ] = None,
 ) -> Response:
-    """Return the dataset as a NetCDF file, or as JSON; ranges can be asked for."""
+    """Return the dataset as a NetCDF file, as JSON, or as a table with one row a cell.
+
+    Ranges of NetCDF and JSON can be asked for.
+    """
+    chosen = form or form_for(request, FORMS | tables_there(), missing=missing())
+    found = await run_in_threadpool(_found, request, desk, number, chosen)
+    if isinstance(found, Response):
+        reply = found
+    else:
+        path, etag = found
+        lane = request.app.state.large_slices
+        most = settings.max_table_rows
+        frame = await to_thread.run_sync(
+            lambda: Frame.of(read_netcdf(path, most_rows=most), most=most), limiter=lane
+        )
+        reply = await table_reply(request, frame, chosen, lane=lane)
+        name = f"{path.parent.name[:12]}.{chosen}"
+        reply.headers["Content-Disposition"] = f'attachment; filename="vibrafeed-{name}"'
+        reply.headers.update({"ETag": etag, "Cache-Control": ASK_AGAIN})
+    reply.headers["Vary"] = "Accept"
+    return reply
+
+
+def _found(request: Request, desk: Desk, number: str, form: str) -> Response | tuple[Path, str]:
+    """Return the reply; or, of a table that is to be made, the NetCDF file and the table's ETag."""
     job = find_job(desk, number)
     manifest = manifest_of(desk, job)
     if isinstance(manifest, Response):
         return manifest
-    name = NETCDF if form == "netcdf" else JSON
     if ZARR in manifest.files:
         raise NotFoundError("The result is a Zarr group: open the address that its results name.")
+    name = JSON if form == "json" else NETCDF
     if name not in manifest.files:
         raise NotFoundError("The result is too large for JSON: download it as NetCDF.")
-    file = desk.store.folder(job.key) / name
+    digest = manifest.files[name]["sha256"]
+    path = desk.store.folder(job.key) / name
+    check = check_of(desk, job, path)
+    if form in TABLES:
+        etag = etag_of(digest, written_by(form))
+        known = not_modified(request, etag, ASK_AGAIN)
+        if known is None and request.method == "HEAD":
+            known = without_length(TABLES[form], {"ETag": etag, "Cache-Control": ASK_AGAIN})
+        if known is None:
+            check.look(path, digest)
+        return known or (path, etag)
     return file_reply(
         request,
-        file,
-        digest=manifest.files[name]["sha256"],
-        check=check_of(desk, job, file),
-        media_type=NETCDF_TYPE if form == "netcdf" else "application/json",
+        path,
+        digest=digest,
+        check=check,
+        media_type=FORMS[form],
         filename=f"vibrafeed-{job.key[:12]}{'.nc' if form == 'netcdf' else '.json'}",
     )
 
@@ -101,27 +143,12 @@ def get_dataset(
     summary="Read a large result as a Zarr group, also while it grows",
     response_class=Response,
     responses={
-        200: {
-            "content": {
-                "application/octet-stream": {"schema": {"type": "string", "format": "binary"}},
-                "application/json": {"schema": {"type": "object"}},
-            },
-            "description": "A document, or a shard",
-            "headers": {"ETag": {"schema": {"type": "string"}}},
-        },
-        206: {
-            "content": {
-                "application/octet-stream": {"schema": {"type": "string", "format": "binary"}}
-            },
-            "description": "The range of it that was asked for",
-            "headers": {"Content-Range": {"schema": {"type": "string"}}},
-        },
-        304: {"description": "The client has it: its ETag stands in If-None-Match"},
-        **NO_RESULT,
-        **problems(
-            s412="It is not the file that If-Match names",
-            s416="The range holds no byte of the file",
+        **kept(
+            "A document, or a shard",
+            {"application/octet-stream": BINARY, "application/json": OBJECT},
+            in_ranges=True,
         ),
+        **NO_RESULT,
     },
 )
 @router.head("/{number}/results/zarr/{path:path}", include_in_schema=False)
@@ -162,34 +189,17 @@ def get_group(request: Request, number: Number, path: ZarrKey, desk: DeskOf) -> 
     summary="Download a further file of a job",
     response_class=Response,
     responses={
-        200: {
-            "content": {
-                "text/markdown": {"schema": {"type": "string"}},
-                "image/png": {"schema": {"type": "string", "format": "binary"}},
-            },
-            "description": "The file",
-            "headers": {"ETag": {"schema": {"type": "string"}}},
-        },
-        206: {
-            "content": {
-                "text/markdown": {"schema": {"type": "string"}},
-                "image/png": {"schema": {"type": "string", "format": "binary"}},
-            },
-            "description": "The range of it that was asked for",
-            "headers": {"Content-Range": {"schema": {"type": "string"}}},
-        },
-        304: {"description": "The client has it: its ETag stands in If-None-Match"},
-        **NO_RESULT,
-        **problems(
-            s412="It is not the file that If-Match names",
-            s416="The range holds no byte of the file",
+        **kept(
+            "The file", {"text/markdown": {"type": "string"}, "image/png": BINARY}, in_ranges=True
         ),
+        **NO_RESULT,
     },
 )
+@router.head("/{number}/results/files/{name}", include_in_schema=False)
 def get_file(
     request: Request,
     number: Number,
-    name: Annotated[str, Path(description="As the results name it.", max_length=100)],
+    name: Annotated[str, InPath(description="As the results name it.", max_length=100)],
     desk: DeskOf,
 ) -> Response:
     """Return a page or a picture that the results name."""

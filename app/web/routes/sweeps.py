@@ -15,25 +15,28 @@ from fastapi.responses import Response
 
 from app.jobs.manifest import NETCDF
 from app.settings import Settings
+from app.web.accept import form_for
 from app.web.dependencies import Body, DeskOf, Key, SettingsOf, StoreOf, WriterOf, once
 from app.web.documents import NETCDF_TYPE
-from app.web.downloads import ASK_AGAIN, FOR_EVER, content_reply, etag_of, file_reply, not_modified
+from app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modified
 from app.web.execution import PROCESSES
 from app.web.outgoing import expect
-from app.web.replies import component, json_reply, problems
+from app.web.replies import BINARY, component, json_reply, kept, problems, without_length
 from app.web.sweep_document import SweepDescription, description
+from app.web.tables import TABLES, missing, table_reply, tables_there, written_by
+from core.dataset.frame import Frame
 from core.errors import LimitError
 from core.kinds import prepare_content
 from core.study import SweepStudy
 from core.study.load import read_json
 from core.study.models import PARAMETERS
 from core.sweep import Sweep
-from core.sweep.slice import cut
+from core.sweep.slice import Cut, carried_out, prepare_cut, table_of
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
 
-BINARY = {"type": "string", "format": "binary"}
 BINARY_TYPE = "application/octet-stream"
+FORMS = {"json": "application/json", "binary": BINARY_TYPE}
 LARGE = 100_000  # values of a slice
 BYTES_A_VALUE = 24  # in JSON, with its regime; less in binary
 NUMPY = orjson.OPT_SERIALIZE_NUMPY
@@ -95,8 +98,13 @@ def post_sweep(request: Request, body: Body, settings: SettingsOf, desk: DeskOf)
     "/{key}",
     summary="Describe a sweep",
     response_model=SweepDescription,
-    responses=problems(s404="No such sweep", s422="The identifier is malformed"),
+    responses=problems(
+        s404="No such sweep",
+        s409="The sweep is another version's: post it again",
+        s422="The identifier is malformed",
+    ),
 )
+@router.head("/{key}", include_in_schema=False)
 def get_sweep(key: Key, store: StoreOf) -> Response:
     """Return the study of a sweep, its size, its axes, and the dimensions of its outputs."""
     return json_reply(description(key, store.sweep(key)))
@@ -107,14 +115,11 @@ def get_sweep(key: Key, store: StoreOf) -> Response:
     summary="Read values over one or two axes",
     response_model=dict[str, Any],
     responses={
-        200: {
-            "content": {"application/octet-stream": {"schema": BINARY}},
-            "description": "The slice, as JSON or binary",
-            "headers": {"ETag": {"schema": {"type": "string"}}},
-        },
-        304: {"description": "The client has it: its ETag stands in If-None-Match"},
+        **kept("The slice", dict.fromkeys([BINARY_TYPE, *TABLES.values()], BINARY)),
         **problems(
             s404="No such sweep",
+            s406="There is no form that Accept takes",
+            s409="The sweep is another version's: post it again",
             s422="The slice cannot be taken",
             s503="Too much waits to be sent",
         ),
@@ -122,6 +127,7 @@ def get_sweep(key: Key, store: StoreOf) -> Response:
     openapi_extra=AXIS_VALUES,
     dependencies=[once()],
 )
+@router.head("/{key}/slice", include_in_schema=False, dependencies=[once()])
 async def get_slice(
     request: Request,
     key: Key,
@@ -132,36 +138,54 @@ async def get_slice(
         str, Query(description="One or two free axes, as in `beta,alpha`.", max_length=200)
     ],
     form: Annotated[
-        Literal["json", "binary"] | None,
+        Literal["json", "binary", "csv", "parquet"] | None,
         Query(alias="format", description="What `Accept` asks for if left out; else JSON."),
     ] = None,
 ) -> Response:
-    """Return an output over free axes, all other axes fixed by `name=value`, with its regime."""
+    """Return an output over free axes, all other axes fixed by `name=value`, with its regime.
+
+    HEAD says whether the slice can be taken, and computes nothing.
+    """
     fixed = {
         name: value
         for name, value in request.query_params.multi_items()
         if name not in ("output", "axes", "format")
     }
-    is_binary = form == "binary" if form else prefers_binary(request.headers.get("accept", ""))
+    chosen = form or form_for(request, FORMS | tables_there(), missing=missing())
+    written = written_by(chosen) if chosen in TABLES else chosen
     words = [f"{name}={value}" for name, value in sorted(fixed.items())]
-    etag = etag_of(key, np.__version__, "binary" if is_binary else "json", output, axes, *words)
+    etag = etag_of(key, np.__version__, written, output, axes, *words)
     sweep = await run_in_threadpool(store.sweep, key)
     reply = not_modified(request, etag, FOR_EVER)
     if reply is None:
         names = axes.split(",")
+        most = settings.max_slice_cells
         values = math.prod(sweep.grid.shape.get(name, 1) for name in names)
-        expect(request, BYTES_A_VALUE * min(values, settings.max_slice_cells))
-
-        def content() -> bytes:
-            most = settings.max_slice_cells
-            piece = cut(sweep, output=output, axes=names, at=fixed, most=most)
-            return binary(piece) if is_binary else orjson.dumps(piece, option=NUMPY)
-
         # Small ones do not wait for a thread behind large ones.
         lane = request.app.state.large_slices if values > LARGE else None
-        made = await to_thread.run_sync(content, limiter=lane)
-        media_type = BINARY_TYPE if is_binary else "application/json"
-        reply = content_reply(made, etag=etag, media_type=media_type)
+
+        def prepare() -> Cut:
+            return prepare_cut(sweep, output=output, axes=names, at=fixed, most=most)
+
+        def content() -> bytes:
+            piece = carried_out(prepare())
+            return binary(piece) if chosen == "binary" else orjson.dumps(piece, option=NUMPY)
+
+        media_type = (FORMS | TABLES)[chosen]
+        if request.method == "HEAD":
+            await to_thread.run_sync(prepare)
+            reply = without_length(media_type)
+        elif chosen in TABLES:
+            expect(request, BYTES_A_VALUE * min(values, most))
+            frame = await to_thread.run_sync(
+                lambda: Frame.of(table_of(sweep, carried_out(prepare()))), limiter=lane
+            )
+            reply = await table_reply(request, frame, chosen, lane=lane)
+        else:
+            expect(request, BYTES_A_VALUE * min(values, most))
+            made = await to_thread.run_sync(content, limiter=lane)
+            reply = Response(made, media_type=media_type)
+        reply.headers.update({"ETag": etag, "Cache-Control": FOR_EVER})
     reply.headers["Vary"] = "Accept"
     return reply
 
@@ -171,21 +195,10 @@ async def get_slice(
     summary="Download a sweep as NetCDF",
     response_class=Response,
     responses={
-        200: {
-            "content": {"application/x-netcdf": {"schema": BINARY}},
-            "description": "A CF-1.11 NetCDF-4 file",
-            "headers": {"ETag": {"schema": {"type": "string"}}},
-        },
-        206: {
-            "content": {"application/x-netcdf": {"schema": BINARY}},
-            "description": "The range of it that was asked for",
-            "headers": {"Content-Range": {"schema": {"type": "string"}}},
-        },
-        304: {"description": "The client has it: its ETag stands in If-None-Match"},
+        **kept("A CF-1.11 NetCDF-4 file", {NETCDF_TYPE: BINARY}, in_ranges=True),
         **problems(
             s404="No such sweep",
-            s412="It is not the file that If-Match names",
-            s416="The range holds no byte of the file",
+            s409="The sweep is another version's: post it again",
             s422="The identifier is malformed, or the sweep is too large, or takes too long, for "
             "one reply",
             s507="There is no room for the file",
@@ -222,23 +235,7 @@ def _not_made(key: str) -> Response:
     """Return what HEAD tells of a file that GET would make."""
     headers = {"Cache-Control": ASK_AGAIN, "Accept-Ranges": "bytes"}
     headers["Content-Disposition"] = f'attachment; filename="{_filename(key)}"'
-    reply = Response(headers=headers, media_type=NETCDF_TYPE)
-    del reply.headers["Content-Length"]  # 0, which it will not be
-    return reply
-
-
-def prefers_binary(accept: str) -> bool:
-    """Return whether an Accept header names binary replies, and no JSON before them."""
-    weights = {"application/octet-stream": 0.0, "application/json": 0.0}
-    for item in accept.split(","):
-        name, *parameters = (part.strip().lower() for part in item.split(";"))
-        if name in weights:
-            given = [p.removeprefix("q=") for p in parameters if p.startswith("q=")]
-            try:
-                weights[name] = float(given[0]) if given else 1.0
-            except ValueError:
-                weights[name] = 0.0
-    return weights["application/octet-stream"] > weights["application/json"]
+    return without_length(NETCDF_TYPE, headers)
 
 
 def binary(piece: dict[str, Any]) -> bytes:

@@ -5,17 +5,18 @@ from __future__ import annotations
 from typing import Annotated
 
 import numpy as np
-from fastapi import APIRouter, Path, Request
-from fastapi.responses import Response
+from fastapi import APIRouter, Path, Query, Request
+from fastapi.responses import RedirectResponse, Response
 
 from app.jobs.errors import NotFoundError
 from app.web.dependencies import Key, ViewsOf
 from app.web.downloads import FOR_EVER, content_reply, etag_of, not_modified
 from app.web.outgoing import expect
-from app.web.replies import problems
+from app.web.replies import BINARY, OBJECT, kept, problems
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
 
+CHUNKS = "chunks="
 ZarrKey = Annotated[
     str,
     Path(
@@ -27,39 +28,62 @@ ZarrKey = Annotated[
 ]
 
 
+@router.api_route("/{key}/zarr", methods=["GET", "HEAD"], include_in_schema=False)
+async def get_wished(request: Request, key: Key, chunks: str | None = None) -> Response:
+    """Lead on who has put the wish for chunks into the address of the group.
+
+    Clients that append keys to an address as a text append them to its query.
+    """
+    if chunks is None:
+        raise NotFoundError("Open this address with a Zarr client; its document is zarr/zarr.json.")
+    return RedirectResponse(request.url_for("get_zarr", key=key, path=f"{CHUNKS}{chunks}"))
+
+
 @router.get(
     "/{key}/zarr/{path:path}",
     summary="Read a sweep as a Zarr group",
     response_class=Response,
     responses={
-        200: {
-            "content": {
-                # Bytes first: generated clients take the first for all.
-                "application/octet-stream": {"schema": {"type": "string", "format": "binary"}},
-                "application/json": {"schema": {"type": "object"}},
-            },
-            "description": "A document, or the values of a chunk, little-endian, not compressed",
-            "headers": {"ETag": {"schema": {"type": "string"}}},
-        },
-        304: {"description": "The client has it: its ETag stands in If-None-Match"},
+        # Bytes first: generated clients take the first for all.
+        **kept(
+            "A document, or the values of a chunk, little-endian, not compressed",
+            {"application/octet-stream": BINARY, "application/json": OBJECT},
+        ),
         **problems(
             s404="No such sweep, or no such key",
+            s409="The sweep is another version's: post it again",
             s422="The key is too long",
             s503="Too much waits to be sent",
         ),
     },
 )
 @router.head("/{key}/zarr/{path:path}", include_in_schema=False)
-def get_zarr(request: Request, key: Key, path: ZarrKey, views: ViewsOf) -> Response:
+def get_zarr(
+    request: Request,
+    key: Key,
+    path: ZarrKey,
+    views: ViewsOf,
+    chunks: Annotated[
+        str,
+        Query(
+            description="How long chunks are along some axes, as in `frequency:all,friction:1`; "
+            "clients that lose queries take the address `.../zarr/chunks=frequency:all`.",
+            max_length=200,
+        ),
+    ] = "",
+) -> Response:
     """Return a key of the read-only Zarr v3 group of a sweep.
 
     Clients open the address without the key, as in `xarray.open_zarr(".../sweeps/{key}/zarr")`. A
     chunk is computed when it is read, whatever the size of the sweep. HEAD tells sizes and ETags
     without computing anything.
     """
-    view = views.view(key)
+    wanted = path
+    if path.startswith(CHUNKS):
+        chunks, _, path = path.removeprefix(CHUNKS).partition("/")
+    view = views.view(key, chunks)
     missing = NotFoundError(
-        f"This sweep has no Zarr key '{path[:80]}'. Open the address that ends in /zarr with a "
+        f"This sweep has no Zarr key '{wanted[:80]}'. Open the address that ends in /zarr with a "
         "Zarr client; zarr.json names the arrays."
     )
     # A slash is a slash: an encoded one belongs to a name, and no name has one.
@@ -70,7 +94,7 @@ def get_zarr(request: Request, key: Key, path: ZarrKey, views: ViewsOf) -> Respo
     except KeyError:
         raise missing from None
     # The last bits of values are those of this version of numpy.
-    etag = etag_of(key, np.__version__, path)
+    etag = etag_of(key, np.__version__, *filter(None, [chunks]), path)
     known = not_modified(request, etag, FOR_EVER)
     if known is not None:
         return known
@@ -79,4 +103,4 @@ def get_zarr(request: Request, key: Key, path: ZarrKey, views: ViewsOf) -> Respo
         headers = {"ETag": etag, "Cache-Control": FOR_EVER, "Content-Length": str(length)}
         return Response(headers=headers, media_type=media_type)
     expect(request, length)
-    return content_reply(views.read(key, path), etag=etag, media_type=media_type)
+    return content_reply(views.read(key, path, chunks), etag=etag, media_type=media_type)

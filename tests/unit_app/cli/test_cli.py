@@ -391,3 +391,21 @@ def test_verification_is_told_in_one_line(study, tmp_path):
     assert len(lines) == 1
     assert "3 cells verified by the same equations with 50 digits; worst: " in lines[0]
     assert "within the bound of 8" in lines[0]
+
+
+def test_results_as_tables(tmp_path):
+    study = tmp_path / "x.json"
+    content = {
+        "kind": "sweep",
+        "scene": "rectangle-on-plane",
+        "outputs": ["throw_number"],
+        "parameters": {"frequency": 50, "amplitude": ["0.5 mm", "1 mm"], "beta": [10, 20, 30]},
+    }
+    study.write_text(json.dumps(content))
+    for name in ("y.csv", "y.parquet"):
+        result = CliRunner().invoke(app, ["run", str(study), "-o", str(tmp_path / name)])
+        assert result.exit_code == 0, result.output
+    heading, *rows = (tmp_path / "y.csv").read_text().splitlines()
+    assert heading.startswith("amplitude [m],beta [degree],")
+    assert len(rows) == 6
+    assert (tmp_path / "y.parquet").read_bytes()[:4] == b"PAR1"

@@ -265,6 +265,21 @@ def test_a_study_of_another_version_is_not_carried_out(store, monkeypatch):
             function(directory, key, "sweep", 10, 0)
 
 
+def test_a_sweep_of_another_version_is_told_so(store, monkeypatch):
+    study = prepare_content(SWEEP).study
+    key, _ = store.add(study)
+    other, _ = store.add(study, "accuracy")
+    with pytest.raises(NotFoundError):
+        store.sweep(other)
+    later = Store(store.directory.parent)
+    monkeypatch.setattr("core.__version__", "99.0")
+    with pytest.raises(OtherVersionError, match=r"than 99\.0.*POST its study again"):
+        later.sweep(key)
+    (store.directory / key / "study.json").write_text('{"kind": "sweep", "scene": "gone"}')
+    with pytest.raises(OtherVersionError):
+        Store(store.directory.parent).sweep(key)
+
+
 def test_a_write_that_fails_leaves_nothing(store, monkeypatch):
     study = prepare_content(SWEEP).study
 

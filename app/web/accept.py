@@ -1,0 +1,75 @@
+"""The Accept header (RFC 9110): in which form a client would like to be answered."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from fastapi import Request
+
+from app.web.problems import NotAcceptableError
+
+
+def form_for(request: Request, forms: Mapping[str, str], *, missing: str = "") -> str:
+    """Return the name of the form that a client likes best; of equals the first.
+
+    Parameters
+    ----------
+    request : Request
+        The request.
+    forms : mapping of str to str
+        The media type of each form that there is.
+    missing : str
+        What is told besides to a client that takes none.
+
+    Raises
+    ------
+    NotAcceptableError
+        If the client takes none of them; it names them all.
+    """
+    accept = ",".join(request.headers.getlist("accept"))
+    best = preferred(accept, tuple(forms.values()))
+    if best is None:
+        raise NotAcceptableError(f"There is {', '.join(forms.values())}.{missing and ' '}{missing}")
+    return next(name for name, media_type in forms.items() if media_type == best)
+
+
+def preferred(accept: str, offered: tuple[str, ...]) -> str | None:
+    """Return the media type that a header likes best, None if it takes none; of equals the first.
+
+    The weight of a type is that of the range that names it most closely. What is not understood
+    does not count; no header takes everything.
+    """
+    ranges = _ranges(accept)
+    if not ranges:
+        return offered[0]
+    weights = {name: _weight(name, ranges) for name in offered}
+    best = max(offered, key=lambda name: weights[name])  # the first of equals
+    return best if weights[best] > 0 else None
+
+
+def _weight(name: str, ranges: Mapping[str, float]) -> float:
+    for wanted in (name, f"{name.partition('/')[0]}/*", "*/*"):
+        if wanted in ranges:
+            return ranges[wanted]
+    return 0.0
+
+
+def _ranges(header: str) -> dict[str, float]:
+    """Return the weight of each element of an Accept or Accept-Encoding header."""
+    found: dict[str, float] = {}
+    for item in header.split(","):
+        name, *parameters = (part.strip().lower() for part in item.split(";"))
+        given = [part[2:] for part in parameters if part.startswith("q=")]
+        try:
+            weight = float(given[0]) if given else 1.0
+        except ValueError:
+            weight = 0.0
+        if name:
+            found[name] = weight if 0 <= weight <= 1 else 0.0
+    return found
+
+
+def takes_gzip(accept_encoding: str) -> bool:
+    """Return whether a client takes gzip."""
+    ranges = _ranges(accept_encoding)
+    return ranges.get("gzip", ranges.get("x-gzip", ranges.get("*", 0.0))) > 0

@@ -1,0 +1,302 @@
+"""A result as rows and columns: one row a cell, for spreadsheets, pandas, MATLAB and databases.
+
+CSV has units in its headings, `frequency [Hz]`, as it has no other place for them, and as the CSV
+files have that vibrafeed reads; Parquet has bare names, and units as metadata of the columns.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.dataset.files import whole
+from core.dataset.table import Table, Variable
+from core.errors import LimitError, MissingPackageError
+from core.quantities import REGIMES
+
+CSV_ROWS: Final = 8192  # of a piece; the interpreter writes it in one go, which others wait for
+PARQUET_ROWS: Final = 131_072  # of a row group
+EXTRA: Final = "pip install 'vibrafeed[tables]'"
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A table with one row a cell, cut into pieces as it is written.
+
+    The columns are the axes, the fixed parameters, then the outputs; flags such as `regime` are
+    words. What does not depend on an axis is repeated along it.
+
+    Attributes
+    ----------
+    table : Table
+        What it shows.
+    sizes : mapping of str to int
+        Length of each dimension; the last one runs fastest.
+    """
+
+    table: Table
+    sizes: Mapping[str, int]
+
+    @classmethod
+    def of(cls, table: Table, *, most: int | None = None) -> Frame:
+        """Return the rows of a table; raise `LimitError` if they are more than `most`."""
+        columns = (*table.coordinates.values(), *table.variables.values())
+        sizes: dict[str, int] = {}
+        for column in columns:
+            sizes |= dict(zip(column.dims, column.values.shape, strict=True))
+        check_rows(sizes, most)
+        # In the order of the axes, whatever the order within a variable.
+        order = [name for name in (*table.coordinates, *sizes) if name in sizes]
+        sizes = {name: sizes[name] for name in dict.fromkeys(order)}
+        return cls(table, sizes)
+
+    @property
+    def rows(self) -> int:
+        """Number of rows, without the headings."""
+        return math.prod(self.sizes.values())
+
+    @property
+    def note(self) -> str:
+        """How many cells do not describe a real part, and in which regimes; empty if all do."""
+        regime = self.table.variables.get("regime")
+        if regime is None or "flag_values" not in regime.attributes:
+            return ""
+        found = {flag.value: name for name, flag in REGIMES.items() if not flag.valid}
+        numbers, counts = np.unique(regime.values, return_counts=True)
+        beyond = {found[n]: int(c) for n, c in zip(numbers, counts, strict=True) if n in found}
+        if not beyond:
+            return ""
+        share = f"{sum(beyond.values()):,} of {regime.values.size:,} cells"
+        return f"{share} do not describe a real part: regime {', '.join(beyond)}"
+
+    def csv(self) -> Iterator[bytes]:
+        """Yield the pieces of a CSV file after RFC 4180, in UTF-8.
+
+        Numbers have all their digits; what has no value is an empty field.
+        """
+        yield ",".join(map(_quoted, map(_heading, self._columns))).encode() + b"\r\n"
+        # What is repeated is put into words once.
+        texts = [
+            _Column(c.name, c.variable, _texts(c.values)) if c.values.size < self.rows else c
+            for c in self._columns
+        ]
+        for start in range(0, self.rows, CSV_ROWS):
+            pieces = (self._piece(column, start, CSV_ROWS) for column in texts)
+            words = [
+                (piece if piece.dtype == object else _texts(piece)).tolist() for piece in pieces
+            ]
+            yield ("\r\n".join(map(",".join, zip(*words, strict=True))) + "\r\n").encode()
+
+    def parquet(self) -> Iterator[bytes]:
+        """Yield the pieces of a Parquet file.
+
+        Units, labels and descriptions are metadata of the columns, the attributes of the whole,
+        such as the study and its hash, are those of the schema.
+
+        Raises
+        ------
+        MissingPackageError
+            If pyarrow is not installed; before the first piece.
+        """
+        return _parquet(self)
+
+    @cached_property
+    def _columns(self) -> list[_Column]:
+        return [
+            _Column(name, variable)
+            for name, variable in (*self.table.coordinates.items(), *self.table.variables.items())
+        ]
+
+    def _piece(self, column: _Column, start: int, rows: int) -> NDArray[Any]:
+        """Return the values of a column in some rows."""
+        own = column.variable.dims
+        order = [own.index(dim) for dim in self.sizes if dim in own]
+        shape = [size if dim in own else 1 for dim, size in self.sizes.items()]
+        values = column.values.transpose(order).reshape(shape)
+        whole = np.broadcast_to(values, tuple(self.sizes.values()))
+        found: NDArray[Any] = whole.flat[start : start + rows]
+        return found
+
+
+def check_rows(sizes: Mapping[str, int], most: int | None) -> None:
+    """Raise `LimitError` if a table over dimensions of these sizes has more than `most` rows."""
+    rows = math.prod(sizes.values())
+    if most is not None and rows > most:
+        fix = "Take the NetCDF file, or Zarr, or slices over fewer axes"
+        raise LimitError("rows", rows, most, fix)
+
+
+def pyarrow() -> Any:
+    """Return pyarrow with its Parquet; raise `MissingPackageError` if it is not installed."""
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise MissingPackageError("Parquet", "pyarrow", EXTRA) from None
+    return pyarrow
+
+
+@dataclass(frozen=True)
+class _Column:
+    """A variable with its name; its values are texts where it is a flag."""
+
+    name: str
+    variable: Variable
+    texts: NDArray[Any] | None = field(default=None)
+
+    @cached_property
+    def words(self) -> list[str]:
+        """What the values of a flag mean; none of anything else."""
+        return str(self.variable.attributes.get("flag_meanings", "")).split()
+
+    @cached_property
+    def values(self) -> NDArray[Any]:
+        if self.texts is not None:
+            return self.texts
+        if not self.words:
+            return self.variable.values
+        return np.array([*self.words, ""], dtype=object)[self.codes]
+
+    @cached_property
+    def codes(self) -> NDArray[np.int8]:
+        """The position of the word of each value of a flag, or one more if it has none."""
+        known = np.asarray(self.variable.attributes["flag_values"])
+        found = np.full(256, known.size, dtype=np.int8)
+        found[known.astype(np.uint8)] = np.arange(known.size)
+        return found[self.variable.values.astype(np.uint8)]
+
+
+def _heading(column: _Column) -> str:
+    unit = column.variable.attributes.get("units", "1")
+    return column.name if unit in ("", "1") else f"{column.name} [{unit}]"
+
+
+def _texts(values: NDArray[Any]) -> NDArray[Any]:
+    """Return the fields of values, in the same shape; numbers as short as tells them apart."""
+    flat = values.reshape(-1)
+    write: Callable[[Any], str] = repr
+    if flat.dtype == object:
+        write = _quoted
+    elif flat.dtype.kind == "f" and np.isnan(flat).any():
+        write = _number
+    found = np.empty(flat.size, dtype=object)
+    found[:] = list(map(write, flat.tolist()))
+    return found.reshape(values.shape)
+
+
+def _number(value: float) -> str:
+    return repr(value) if value == value else ""
+
+
+def _quoted(text: object) -> str:
+    told = str(text)
+    return '"' + told.replace('"', '""') + '"' if set(told) & set(',"\r\n') else told
+
+
+class _Sink:
+    """A file that can be taken away as it grows."""
+
+    closed = False
+
+    def __init__(self) -> None:
+        self._pieces: list[bytes] = []
+        self._size = 0
+
+    def write(self, piece: Any) -> int:
+        self._pieces.append(bytes(piece))
+        self._size += len(self._pieces[-1])
+        return len(self._pieces[-1])
+
+    def tell(self) -> int:
+        return self._size
+
+    def flush(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+    def taken(self) -> bytes:
+        """Return what was written since this was last asked for."""
+        pieces, self._pieces = self._pieces, []
+        return b"".join(pieces)
+
+
+def _parquet(frame: Frame) -> Iterator[bytes]:
+    arrow = pyarrow()  # now, not when the first piece is asked for
+    return _parquet_pieces(arrow, frame)
+
+
+def _parquet_pieces(arrow: Any, frame: Frame) -> Iterator[bytes]:
+    columns = frame._columns
+    about = {**frame.table.attributes, **frame.table.price}
+    if frame.note:
+        about["note"] = frame.note
+    schema = arrow.schema(
+        [
+            arrow.field(c.name, _type(arrow, c), metadata=_metadata(c.variable.attributes))
+            for c in columns
+        ],
+        metadata=_metadata(about),
+    )
+    sink = _Sink()
+    with arrow.parquet.ParquetWriter(arrow.PythonFile(sink, "w"), schema) as writer:
+        for start in range(0, frame.rows, PARQUET_ROWS):
+            arrays = [_array(arrow, frame, column, start) for column in columns]
+            writer.write_batch(arrow.record_batch(arrays, schema=schema))
+            yield sink.taken()
+    yield sink.taken()
+
+
+def _type(arrow: Any, column: _Column) -> Any:
+    if column.words:
+        return arrow.dictionary(arrow.int8(), arrow.string())
+    dtype = column.variable.values.dtype
+    if dtype.kind == "O":
+        return arrow.string()
+    return arrow.from_numpy_dtype(dtype.newbyteorder("="))
+
+
+def _array(arrow: Any, frame: Frame, column: _Column, start: int) -> Any:
+    """Return some rows of a column; what has no value is null in words, and NaN in numbers."""
+    if not column.words:
+        piece = frame._piece(column, start, PARQUET_ROWS)
+        piece = piece.astype(piece.dtype.newbyteorder("="), copy=False)
+        return arrow.array(piece, type=_type(arrow, column))
+    codes = frame._piece(_Column(column.name, column.variable, column.codes), start, PARQUET_ROWS)
+    indices = arrow.array(codes, mask=codes == len(column.words))
+    return arrow.DictionaryArray.from_arrays(indices, column.words)
+
+
+def _metadata(attributes: Mapping[str, Any]) -> dict[str, str]:
+    """Return attributes as texts; what only numbers of flags need is left out."""
+    return {n: str(v) for n, v in attributes.items() if not n.startswith("flag_")}
+
+
+def write_frame(table: Table, path: Path) -> None:
+    """Write a table as CSV or Parquet, by the suffix of a file; all of it or nothing.
+
+    Raises
+    ------
+    MissingPackageError
+        If Parquet is asked for and pyarrow is not installed.
+    OSError
+        If the file cannot be written.
+    """
+    pieces = FORMS[path.suffix](Frame.of(table))
+    with whole(path) as temporary, temporary.open("wb") as file:
+        file.writelines(pieces)
+
+
+FORMS: dict[str, Callable[[Frame], Iterator[bytes]]] = {
+    ".csv": Frame.csv,
+    ".parquet": Frame.parquet,
+}
+"""Writers by the suffix of a file."""

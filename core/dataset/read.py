@@ -1,0 +1,76 @@
+"""Reading a NetCDF file of ours back as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from core.dataset.frame import check_rows
+from core.dataset.table import Table, Variable
+
+if TYPE_CHECKING:
+    import h5py
+
+# What the formats keep for themselves, and what follows from the names of dimensions.
+_OWN = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "coordinates", "ancillary_variables"}
+
+
+def read_netcdf(path: Path, *, most_rows: int | None = None) -> Table:
+    """Return the table in a file that `write_netcdf` has written.
+
+    It is read by h5py, which, unlike the NetCDF library, any thread may use.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    most_rows : int, optional
+        Most cells; of a larger result no array is read.
+
+    Raises
+    ------
+    LimitError
+        If there are more cells.
+    OSError
+        If it cannot be read.
+    """
+    import h5py  # a process that reads nothing does not load it
+
+    with h5py.File(path) as file:
+        sizes = {name: one.size for name, one in file.items() if one.is_scale and one.ndim}
+        check_rows(sizes, most_rows)
+        named = " ".join(_plain(one.attrs.get("coordinates", "")) for one in file.values())
+        coordinates: dict[str, Variable] = {}
+        variables: dict[str, Variable] = {}
+        for name, one in file.items():
+            is_coordinate = one.is_scale or name in named.split()
+            (coordinates if is_coordinate else variables)[name] = _variable(file, name, one)
+        return Table(coordinates, variables, _attributes(file.attrs))
+
+
+def _variable(file: h5py.File, name: str, one: h5py.Dataset) -> Variable:
+    dims = tuple(file[ref[0]].name[1:] for ref in one.attrs.get("DIMENSION_LIST", ()))
+    if one.is_scale:
+        dims = (name,)
+    values = one.asstr()[()] if one.dtype == object else one[()]
+    return Variable(dims, np.asarray(values), _attributes(one.attrs))
+
+
+def _attributes(found: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        name: _plain(value)
+        for name, value in found.items()
+        if name not in _OWN and not name.startswith("_")
+    }
+
+
+def _plain(value: Any) -> Any:
+    """Return an attribute as a text, a number, or an array, such as the values of flags."""
+    if isinstance(value, bytes):
+        return value.decode()
+    if isinstance(value, np.ndarray) and value.size == 1 and value.dtype != np.int8:
+        return value.item()
+    return value

@@ -1,0 +1,69 @@
+"""Chunks shaped for a reader: `frequency:all,friction:1`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from core.dataset.layout import chunk_shape
+from core.errors import Problem, StudyError, Suggestions
+
+Wishes = Mapping[str, int | None]
+"""Values of a chunk along some axes; None for as many as may be."""
+
+ALL = "all"
+_FIX = "Write AXIS:all or AXIS:NUMBER, with commas between, as in frequency:all,friction:1"
+
+
+def read_wishes(text: str, sizes: Mapping[str, int], most: int) -> dict[str, int | None]:
+    """Return the wishes in a text; raise `StudyError` with every problem.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``frequency:all,friction:1``.
+    sizes : mapping of str to int
+        The length of each axis there is.
+    most : int
+        Largest number of values of a chunk.
+    """
+    found: dict[str, int | None] = {}
+    problems, suggest = [], Suggestions()
+    for word in text.split(","):
+        name, _, length = word.partition(":")
+        is_number = length.isdecimal() and length.isascii() and len(length) <= 18
+        if name not in sizes:
+            wrong, fix = f"'{name[:60]}' is not an axis of this sweep", suggest(name, sizes)
+        elif name in found:
+            wrong, fix = f"{name} stands twice", "Name each axis once"
+        elif length != ALL and not (is_number and int(length) > 0):
+            wrong, fix = f"'{length[:60]}' is no length along {name}", _FIX
+        else:
+            found[name] = None if length == ALL else min(int(length), sizes[name])
+            continue
+        problems.append(Problem("chunks", wrong, fix))
+    cells = math.prod(n for n in found.values() if n is not None)
+    if cells > most:
+        wrong = f"chunks of {cells:,} values are larger than the {most:,} that they may have"
+        problems.append(Problem("chunks", wrong, "Take `all`, which is as many as may be"))
+    if problems:
+        raise StudyError(problems)
+    return found
+
+
+def wished_shape(
+    dims: Sequence[str], shape: Sequence[int], wishes: Wishes, most: int
+) -> tuple[int, ...]:
+    """Return the shape of the chunks of an array, of `most` values at most.
+
+    Numbers come first, then the axes that are wanted whole: if all of them do not fit, they are cut
+    alike. What room is left the other axes share.
+    """
+    sizes = dict(zip(dims, shape, strict=True))
+    lengths = {dim: n for dim, n in wishes.items() if dim in sizes and n is not None}
+    whole = [dim for dim in dims if dim in wishes and dim not in lengths]
+    others = [dim for dim in dims if dim not in wishes]
+    for group in (whole, others):
+        room = max(1, most // math.prod(lengths.values()))
+        lengths |= zip(group, chunk_shape(tuple(sizes[dim] for dim in group), room), strict=True)
+    return tuple(lengths[dim] for dim in dims)

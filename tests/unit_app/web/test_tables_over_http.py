@@ -1,0 +1,251 @@
+"""Slices and results as CSV and Parquet; what is compressed on its way."""
+
+from __future__ import annotations
+
+import gzip
+import io
+
+import numpy as np
+import pandas
+import pyarrow.parquet
+import pytest
+
+from app.main import create_app
+from app.settings import Settings
+from app.web.accept import takes_gzip
+from core.quantities import REGIMES
+from core.study import parse_study
+from core.sweep import sweep
+from local_client import local_client
+from posted_sweeps import STUDY, problem, with_axes
+
+CUT = {
+    "output": "transport_velocity",
+    "axes": "alpha,frequency",
+    "beta": "15 deg",
+    "amplitude": "0.5 mm",
+}
+PARQUET = "application/vnd.apache.parquet"
+PLAIN = {"Accept-Encoding": "identity"}
+
+
+@pytest.fixture
+def expected() -> pandas.DataFrame:
+    """Return the slice, by xarray and pandas."""
+    whole = sweep(parse_study(STUDY)).sel(beta=15, amplitude=5e-4)
+    return whole.transport_velocity.transpose("alpha", "frequency").to_dataframe().reset_index()
+
+
+def words_of(variable) -> np.ndarray:
+    meanings = variable.flag_meanings.split()
+    names = dict(zip(variable.flag_values.tolist(), meanings, strict=True))
+    return np.vectorize(names.get)(variable.values)
+
+
+class TestSlices:
+    def test_csv(self, client, address, expected):
+        reply = client.get(f"{address}/slice", params=CUT, headers={"Accept": "text/csv"})
+        assert reply.headers["content-type"] == "text/csv; charset=utf-8"
+        assert reply.headers["etag"]
+        assert "Accept" in reply.headers["vary"]
+        by_name = client.get(f"{address}/slice", params={**CUT, "format": "csv"})
+        assert by_name.content == reply.content
+        assert reply.content.count(b"\r\n") == 1 + len(expected)
+        found = pandas.read_csv(io.BytesIO(reply.content))
+        for column in ("alpha [degree]", "frequency [Hz]", "transport_velocity [m s-1]"):
+            np.testing.assert_array_equal(found[column], expected[column.split()[0]])
+        assert (found["amplitude [m]"] == 5e-4).all()
+        whole = sweep(parse_study(STUDY)).sel(beta=15, amplitude=5e-4)
+        regimes = words_of(whole.regime.transpose("alpha", "frequency")).ravel()
+        assert found["regime"].tolist() == regimes.tolist()
+        beyond = sum(not REGIMES[name].valid for name in regimes)
+        assert reply.headers["vibrafeed-note"].startswith(f"{beyond} of {len(expected)} cells do")
+
+    def test_parquet(self, client, address, expected):
+        reply = client.get(f"{address}/slice", params=CUT, headers={"Accept": PARQUET})
+        assert reply.headers["content-type"] == PARQUET
+        table = pyarrow.parquet.read_table(io.BytesIO(reply.content))
+        found = table.to_pandas()
+        for column in ("alpha", "frequency", "transport_velocity"):
+            np.testing.assert_array_equal(found[column], expected[column])
+        assert table.field("frequency").metadata[b"units"] == b"Hz"
+        assert table.field("frequency").metadata[b"long_name"] == b"Frequency"
+        about = table.schema.metadata
+        assert about[b"note"].decode() == reply.headers["vibrafeed-note"]
+        assert len(about[b"study_sha256"]) == 64
+        assert set(found["regime"]) <= set(table.column("regime").unique().to_pylist())
+
+    def test_a_client_that_takes_nothing_is_told_what_there_is(self, client, address):
+        reply = client.get(f"{address}/slice", params=CUT, headers={"Accept": "image/png"})
+        told = problem(reply, 406)["detail"]
+        assert "text/csv" in told
+        assert PARQUET in told
+
+    def test_without_pyarrow_there_is_csv(self, client, address, monkeypatch):
+        monkeypatch.setattr("app.web.tables.find_spec", lambda name: None)
+        monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
+        ask = {"Accept": f"{PARQUET}, text/csv;q=0.1"}
+        reply = client.get(f"{address}/slice", params=CUT, headers=ask)
+        assert reply.headers["content-type"].startswith("text/csv")
+        reply = client.get(f"{address}/slice", params=CUT, headers={"Accept": PARQUET})
+        assert "vibrafeed[tables]" in problem(reply, 406)["detail"]
+        reply = client.get(f"{address}/slice", params={**CUT, "format": "parquet"})
+        assert "vibrafeed[tables]" in problem(reply, 406)["detail"]
+
+    def test_head_computes_nothing(self, client, address, monkeypatch):
+        etag = client.get(f"{address}/slice", params=CUT, headers=PLAIN).headers["etag"]
+        monkeypatch.setattr("app.web.routes.sweeps.carried_out", None)
+        reply = client.head(f"{address}/slice", params=CUT)
+        assert (reply.status_code, reply.content) == (200, b"")
+        assert reply.headers["etag"] == etag
+        assert client.head(f"{address}/slice", params={**CUT, "axes": "x"}).status_code == 422
+        assert client.head(address).status_code == 200
+
+    def test_many_pieces_are_one_table(self, client):
+        study = with_axes(frequency=150, alpha=100)
+        key = client.post("/sweeps", json=study).json()["id"]
+        reply = client.get(f"/sweeps/{key}/slice", params={**CUT, "format": "csv"})
+        found = pandas.read_csv(io.BytesIO(reply.content))
+        told = client.get(f"/sweeps/{key}/slice", params=CUT).json()
+        values = np.array(told["values"]["data"], dtype=float)
+        np.testing.assert_array_equal(found["transport_velocity [m s-1]"], values.ravel())
+
+
+@pytest.fixture(scope="module")
+def job(tmp_path_factory):
+    """Return a client, and the address of a result of 1,540 cells."""
+    folder = tmp_path_factory.mktemp("data")
+    app = create_app(Settings(data_directory=folder, workers=1, max_table_rows=2000))
+    with local_client(app) as client:
+        ask = {"Prefer": "respond-async, wait=60"}
+
+        def post(study: dict) -> str:
+            reply = client.post("/processes/sweep/execution", json=study, headers=ask)
+            assert reply.status_code == 200, reply.text
+            return reply.headers["location"] + "/results/dataset"
+
+        yield client, post
+
+
+class TestResults:
+    def test_tables(self, job):
+        client, post = job
+        address = post(STUDY)
+        expected = sweep(parse_study(STUDY)).to_dataframe().reset_index()
+        reply = client.get(address, headers={"Accept": "text/csv"})
+        assert reply.headers["content-disposition"].endswith('.csv"')
+        found = pandas.read_csv(io.BytesIO(reply.content))
+        np.testing.assert_array_equal(found["acceleration_x [m s-2]"], expected["acceleration_x"])
+        np.testing.assert_array_equal(found["throw_number"], expected["throw_number"])
+        assert (found["friction"] == 0.3).all()
+        again = client.get(
+            address, headers={"Accept": "text/csv", "If-None-Match": reply.headers["etag"]}
+        )
+        assert again.status_code == 304
+        head = client.head(address, headers={"Accept": "text/csv"})
+        assert (head.status_code, head.content) == (200, b"")
+        reply = client.get(address, params={"format": "parquet"})
+        table = pyarrow.parquet.read_table(io.BytesIO(reply.content)).to_pandas()
+        for name in ("frequency", "acceleration_x", "throw_number", "friction"):
+            np.testing.assert_array_equal(table[name], expected[name])
+        assert client.get(address).headers["content-type"] == "application/x-netcdf"
+        told = client.get(address, headers={"Accept": "application/json"})
+        assert told.json()["variables"]["throw_number"]["units"] == "1"
+        problem(client.get(address, headers={"Accept": "text/html"}), 406)
+
+    def test_too_many_rows(self, job):
+        client, post = job
+        address = post(with_axes(alpha=20))
+        told = problem(client.get(address, headers={"Accept": "text/csv"}), 422)
+        assert told["type"].endswith("limit")
+        assert "3,080 rows, the limit is 2,000" in told["detail"]
+        assert client.get(address).status_code == 200
+
+
+class TestCompression:
+    def test_text_is_compressed_and_its_etag_is_weak(self, client, address):
+        plain = client.get(f"{address}/slice", params=CUT, headers=PLAIN)
+        assert "content-encoding" not in plain.headers
+        for form in ("json", "csv"):
+            params = {**CUT, "format": form}
+            plain = client.get(f"{address}/slice", params=params, headers=PLAIN)
+            ask = {"Accept-Encoding": "br;q=1, gzip;q=0.5"}
+            with client.stream("GET", f"{address}/slice", params=params, headers=ask) as reply:
+                raw = b"".join(reply.iter_raw())
+            assert reply.headers["content-encoding"] == "gzip"
+            assert gzip.decompress(raw) == plain.content
+            assert len(raw) < len(plain.content) / 2
+            assert {"accept", "accept-encoding"} == {
+                word.strip().lower() for word in reply.headers["vary"].split(",")
+            }
+            assert reply.headers["etag"] == f"W/{plain.headers['etag']}"
+            known = {**ask, "If-None-Match": reply.headers["etag"]}
+            assert client.get(f"{address}/slice", params=params, headers=known).status_code == 304
+
+    def test_what_stays_plain(self, client, address):
+        gladly = {"Accept-Encoding": "gzip"}
+        for path in ("/zarr/transport_velocity/c/0/0/0/0", "/netcdf"):
+            assert "content-encoding" not in client.get(address + path, headers=gladly).headers
+        for form in ("binary", "parquet"):
+            params = {**CUT, "format": form}
+            reply = client.get(f"{address}/slice", params=params, headers=gladly)
+            assert "content-encoding" not in reply.headers
+            assert reply.headers["etag"].startswith('"')
+        assert "content-encoding" not in client.get("/healthz", headers=gladly).headers
+
+    @pytest.mark.parametrize(
+        ("header", "expected"),
+        [
+            ("", False),
+            ("gzip", True),
+            ("deflate, gzip;q=0", False),
+            ("gzip;q=0.1, *;q=0", True),
+            ("*", True),
+            ("identity", False),
+            ("gzipped", False),
+        ],
+    )
+    def test_accept_encoding(self, header, expected):
+        assert takes_gzip(header) is expected
+
+
+class TestChunks:
+    @pytest.mark.parametrize(
+        "prefix",
+        ["/zarr/chunks=frequency:all,alpha:all/{}", "/zarr/{}?chunks=frequency:all,alpha:all"],
+    )
+    def test_chunks_as_wished(self, client, prefix):
+        key = client.post("/sweeps", json=with_axes(frequency=500, alpha=90, beta=50)).json()["id"]
+        address = f"/sweeps/{key}" + prefix
+        document = client.get(address.format("transport_velocity/zarr.json")).json()
+        chunk = document["chunk_grid"]["configuration"]["chunk_shape"]
+        assert chunk == [500, 1, 90, 1]
+        content = client.get(address.format("transport_velocity/c/0/1/0/7")).content
+        params = {**CUT, "axes": "frequency,alpha", "beta": 90 * 7 / 49, "format": "json"}
+        told = client.get(f"/sweeps/{key}/slice", params=params).json()["values"]["data"]
+        np.testing.assert_array_equal(np.frombuffer(content), np.array(told, dtype=float).ravel())
+
+    def test_keys_put_behind_a_query_are_found(self, client, address):
+        reply = client.get(f"{address}/zarr?chunks=frequency:all/zarr.json")
+        assert reply.json()["zarr_format"] == 3
+        problem(client.get(f"{address}/zarr"), 404)
+
+    @pytest.mark.parametrize(
+        ("wish", "told"),
+        [
+            ("freqency:all", "Did you mean 'frequency'"),
+            ("frequency:all,frequency:1", "stands twice"),
+            ("frequency:0", "no length"),
+            ("frequency", "no length"),
+            ("frequency:many", "no length"),
+            ("nothing:1,beta:x", "no length"),
+        ],
+    )
+    def test_wishes_that_make_no_sense(self, client, address, wish, told):
+        document = problem(client.get(f"{address}/zarr/chunks={wish}/zarr.json"), 422)
+        assert told in str(document["errors"])
+
+    def test_chunks_stay_within_their_bound(self, client):
+        key = client.post("/sweeps", json=with_axes(frequency=1000, alpha=1000)).json()["id"]
+        reply = client.get(f"/sweeps/{key}/zarr/zarr.json?chunks=frequency:1000,alpha:1000")
+        assert "65,536" in str(problem(reply, 422)["errors"])
