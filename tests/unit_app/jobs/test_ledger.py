@@ -236,7 +236,7 @@ def test_a_change_that_fails_changes_nothing(ledgers):
     def fail():
         with here.transaction() as database:
             here.dismiss(job.id)
-            database.execute("nonsense")
+            database.exec_driver_sql("nonsense")
 
     with pytest.raises(sqlite3.Error):
         fail()
