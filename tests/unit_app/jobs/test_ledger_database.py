@@ -4,6 +4,7 @@ import contextlib
 import sqlite3
 
 import pytest
+from pydantic import ValidationError
 from sqlalchemy import inspect
 
 from app.jobs import database
@@ -11,6 +12,7 @@ from app.jobs.database import Database
 from app.jobs.errors import LaterLedgerError
 from app.jobs.ledger import Ledger
 from app.jobs.tables import TABLES, UPGRADES
+from app.settings import Settings
 
 # The tables as they were before versions of them were kept.
 OLD = """
@@ -113,3 +115,31 @@ def test_an_upgrade_that_fails_changes_nothing(tmp_path, monkeypatch):
     with book.transaction() as connection:
         assert not inspect(connection).has_table("further")
     book.close()
+
+
+SCHEME = "postgresql:" + "//"
+
+
+@pytest.mark.parametrize(
+    "url",
+    [
+        "mysql:" + "//u:sesame@h/d",
+        SCHEME + "u:sesame@h",
+        SCHEME + "u:ses@ame@h/d",
+        SCHEME + "u:ses/ame@h/d",
+        SCHEME + "u:ses#ame@h/d",
+        SCHEME + "u@h:sesame/d",
+    ],
+)
+def test_a_url_that_is_wrong_is_refused_without_a_part_of_it(url):
+    with pytest.raises(ValidationError) as refused:
+        Settings(ledger_url=url)
+    assert "ame" not in refused.value.errors(include_input=False)[0]["msg"].replace("name", "")
+
+
+def test_a_password_is_shown_nowhere():
+    settings = Settings(ledger_url=SCHEME + "u:sesame@127.0.0.1:9/d")
+    assert "sesame" not in settings.model_dump_json() + repr(settings)
+    ledger = Ledger(settings.ledger_url.get_secret_value())
+    assert ledger.wrong() == "The database of the ledger cannot be reached."
+    ledger.close()
