@@ -43,7 +43,8 @@ TIDY = 3600.0  # s between looks for what nobody has used for long
 def create_app(settings: Settings) -> FastAPI:
     """Return the service with these settings."""
     store = Store(settings.data_directory, settings.results_url)
-    ledger = Ledger(settings.data_directory / "jobs.sqlite3")
+    url = settings.ledger_url
+    ledger = Ledger(url.get_secret_value() if url else settings.data_directory / "jobs.sqlite3")
     runner = Runner(ledger, store, Cluster(settings.scheduler, settings.workers), settings)
     desk = Desk(ledger, store, settings, runner.wake, runner.waits)
     writer = Writer(store, desk.make_room, settings)
@@ -81,7 +82,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.warmth = Warmth()  # started where the service is served
     app.state.metrics = Metrics()  # other parts add gauges
     # Of (name, check): see `app.web.routes.health.readyz`.
-    app.state.readiness = [("jobs", runner.wrong)]
+    app.state.readiness = [("jobs", runner.wrong), ("ledger", ledger.wrong)]
     app.state.stopping = threading.Event()  # set by a signal: open streams end
     app.state.metrics.gauges("vibrafeed_jobs", "Jobs by their state.", "state", ledger.counts)
     problems.install(app)

@@ -6,10 +6,12 @@ import json
 import os
 import re
 from collections.abc import Iterable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
+from urllib.parse import urlsplit
 
-from pydantic import BeforeValidator, Field, field_serializer, field_validator
+from pydantic import BeforeValidator, Field, SecretStr, field_serializer, field_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from core.errors import Problem, suggestion
@@ -39,6 +41,28 @@ def _listed(raw: object) -> object:
     return [word.strip() for word in raw.split(",") if word.strip()]
 
 
+def wrong_url(url: str) -> str | None:
+    """Return what is wrong with the URL of a database, without a part of it; None if nothing is."""
+    kind, _, rest = url.partition("://")
+    if kind == "sqlite":
+        return (
+            None if len(rest) > 1 and rest.startswith("/") else "sqlite:/// needs a file after it"
+        )
+    if kind != "postgresql":
+        return "it begins neither with postgresql:// nor with sqlite:///"
+    form = "it is not like postgresql://db.example:5432/jobs, with user:password@ before the host"
+    try:
+        parts = urlsplit(url)
+        is_right = len(parts.path) > 1 and parts.port != 0 and url.count("@") <= 1
+    except ValueError:
+        is_right = False
+    if not is_right or parts.fragment:
+        return f"{form}; write /, ?, # and @ in a password as %2F, %3F, %23 and %40"
+    if find_spec("psycopg") is None:
+        return "psycopg is not installed, which comes with vibrafeed[postgres]"
+    return None
+
+
 Words = Annotated[tuple[str, ...], NoDecode, BeforeValidator(_listed)]
 
 
@@ -58,6 +82,11 @@ class Settings(BaseSettings):
         description="Object store in which results are kept besides, as in `s3://bucket/prefix`; "
         "servers fetch from it what their data directory has not got. Its keys and address come "
         "from the environment, as for its other clients.",
+    )
+    ledger_url: SecretStr | None = Field(
+        default=None,
+        description="Database of the ledger, as in `postgresql://db.example:5432/jobs`, with "
+        "`user:password@` before the host; an SQLite file in the data directory if left out.",
     )
     max_body_bytes: int = Field(default=1_000_000, gt=0, description="Largest body of a request.")
     max_cells: int = Field(
@@ -181,6 +210,16 @@ class Settings(BaseSettings):
                     f"number {number} of {len(hashes)} is not a SHA-256 in 64 hexadecimal digits"
                 )
         return tuple(word.lower() for word in hashes)
+
+    @field_validator("ledger_url")
+    @classmethod
+    def _database(cls, url: SecretStr | None) -> SecretStr | None:
+        # No part of it is echoed: what is wrong may be a password in the wrong place.
+        if url is not None:
+            why = wrong_url(url.get_secret_value())
+            if why is not None:
+                raise ValueError(why)
+        return url
 
     @field_validator("cors_origins")
     @classmethod

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 # `scripts/test` has compiled everything: services that tests start need not look.
 os.environ.setdefault("VIBRAFEED_WARM_AT_START", "false")
+import postgres
 
 HERE = Path(__file__).parent
 SLOW = frozenset((HERE / "slow.txt").read_text().split())
@@ -24,3 +26,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         name = item.nodeid.partition("::")[2].partition("[")[0]
         if f"{place.name}::{name}" in SLOW:
             item.add_marker(pytest.mark.slow)
+
+
+@pytest.fixture(scope="session")
+def postgresql() -> Iterator[postgres.Postgres]:
+    """Debian's PostgreSQL, on loopback; tests that stop it start it again."""
+    programs = postgres.programs()
+    if programs is None:
+        if os.environ.get("VIBRAFEED_REQUIRE_TOOLS") == "1":
+            pytest.fail("PostgreSQL is not installed")
+        pytest.skip("PostgreSQL is not installed")
+    with postgres.running(programs) as server:
+        yield server

@@ -6,7 +6,7 @@ import errno
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
@@ -53,7 +53,8 @@ def serve(
     most = min(settings.max_requests, most_requests(raise_open_files()))
     settings = settings.model_copy(update={"max_requests": most})
     service = create_app(settings)
-    _check_directory(settings.data_directory.absolute(), service.state.desk.ledger)
+    _check_directory(settings.data_directory.absolute())
+    _check_ledger(settings, service.state.desk.ledger)
     logs.configure()
     if port and sys.stdout.isatty():  # else it would be a line among those of the log
         address = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
@@ -97,12 +98,9 @@ def _check_address(host: str, port: int) -> None:
         raise typer.Exit(WRONG_INPUT) from None
 
 
-def _check_directory(directory: Path, ledger: Ledger) -> None:
+def _check_directory(directory: Path) -> None:
     """Write a little into the data directory, or say in one line why not and exit."""
-    import sqlite3
     import tempfile
-
-    from app.cli import console
 
     try:
         directory.mkdir(parents=True, exist_ok=True)
@@ -110,18 +108,42 @@ def _check_directory(directory: Path, ledger: Ledger) -> None:
             file.write(bytes(ROOM))
             file.flush()
             os.fsync(file.fileno())  # some disks tell only then that they are full
-        with ledger.transaction():
-            pass  # what can begin a change can be opened and written
-    except sqlite3.DatabaseError as error:
-        why, first = f"its jobs.sqlite3: {error}", "Free, fix or move that file, or set"
     except FileExistsError:
-        why, first = "it is no directory", "Set"
+        _refuse_directory(directory, "it is no directory", "Set")
     except OSError as error:
         is_full = error.errno in (errno.ENOSPC, errno.EDQUOT)
-        why = error.strerror or str(error)
         first = f"Make room there, {ROOM:,} bytes at least, or set" if is_full else "Set"
-    else:
-        return
+        _refuse_directory(directory, error.strerror or str(error), first)
+
+
+def _check_ledger(settings: Settings, ledger: Ledger) -> None:
+    """Begin a change of the ledger, or say in one line why that cannot be and exit."""
+    import sqlite3
+
+    from app.cli import console
+    from app.jobs.errors import LaterLedgerError
+
+    try:
+        with ledger.transaction():
+            pass  # what can begin a change can be opened and written
+    except (OSError, sqlite3.DatabaseError, LaterLedgerError) as error:
+        text = error.strerror if isinstance(error, OSError) else None
+        why = " ".join((text or str(error)).split())
+        if settings.ledger_url is None:
+            directory = settings.data_directory.absolute()
+            _refuse_directory(
+                directory, f"its jobs.sqlite3: {why}", "Free, fix or move that file, or set"
+            )
+        console.fail(
+            f"The ledger of VIBRAFEED_LEDGER_URL cannot be used: {why}. Start or fix that "
+            "database, or leave the setting out to keep the ledger in the data directory."
+        )
+        raise typer.Exit(WRONG_INPUT) from None
+
+
+def _refuse_directory(directory: Path, why: str, first: str) -> NoReturn:
+    from app.cli import console
+
     fix = f"{first} VIBRAFEED_DATA_DIRECTORY to a directory that can be written"
     console.fail(f"The data directory {directory} cannot be used: {why}. {fix}.")
     raise typer.Exit(WRONG_INPUT)

@@ -6,9 +6,12 @@ import errno
 import sqlite3
 from typing import Any
 
+from app.jobs.errors import LostLedgerError
+
 FILES = "The service has as many files open as it may"
 HELD = "Another process holds the ledger"
-PASSING = (FILES, HELD)  # soon, and by themselves
+LOST = "The database of the ledger cannot be reached"
+PASSING = (FILES, HELD, LOST)  # soon, and by themselves
 
 
 # Why it cannot take more.
@@ -20,6 +23,7 @@ STORAGE = {
     errno.EPERM: "The data directory may not be written",
     errno.EMFILE: FILES,
     errno.ENFILE: FILES,
+    errno.EAGAIN: HELD,
 }
 SQLITE = {
     "full": "The disk is full",
@@ -46,8 +50,10 @@ def problem(error: OSError | sqlite3.OperationalError) -> dict[str, Any]:
     }
 
 
-def why(error: OSError | sqlite3.OperationalError) -> str:
+def why(error: OSError | sqlite3.Error) -> str:
     """Return what is wrong, in a few words; none of them names a file."""
+    if isinstance(error, LostLedgerError):
+        return LOST
     if isinstance(error, OSError):
         return STORAGE.get(error.errno or 0, "A file cannot be written")
     return next((text for word, text in SQLITE.items() if word in str(error)), "The ledger fails")

@@ -27,3 +27,11 @@ class OtherVersionError(VibrafeedError):
 
 class BlindWorkerError(VibrafeedError):
     """A worker does not see the data directory of the service."""
+
+
+class LostLedgerError(OSError):
+    """The database of the ledger cannot be reached; it is not on this machine's disk."""
+
+
+class LaterLedgerError(VibrafeedError):
+    """The ledger was changed by a later version of vibrafeed."""

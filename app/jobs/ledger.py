@@ -1,4 +1,4 @@
-"""The ledger of jobs: an SQLite database that several servers and threads may share.
+"""The ledger of jobs: a database that several servers and threads may share.
 
 Every change is one transaction, committed to the disk before the call returns. A *job* is what a
 client posted. An *item of work* is what has to be computed, once for all jobs of equal studies; it
@@ -9,142 +9,33 @@ was late with a lease and claims the item again does not take itself for the fir
 
 from __future__ import annotations
 
-import fcntl
 import json
 import sqlite3
-import threading
 import time
 import uuid
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
+from sqlalchemy import BigInteger, ColumnElement, Connection, Row, cast, func, select
+from sqlalchemy.sql.expression import Insert, Select
+
+from app.jobs.database import Database
+from app.jobs.disk import why
+from app.jobs.entries import ACTIVE, STATES, Job, Wanted, Work
 from app.jobs.errors import QueueFullError
+from app.jobs.tables import JOBS, VERSION, WORK
 
-ACTIVE = ("accepted", "running")
-STATES = (*ACTIVE, "successful", "failed", "dismissed")
+__all__ = ["ACTIVE", "STATES", "Job", "Ledger", "Wanted", "Work"]
 
-_SCHEMA = """
-CREATE TABLE IF NOT EXISTS work (
-    key TEXT PRIMARY KEY,
-    process TEXT NOT NULL,
-    cells INTEGER NOT NULL,
-    block_cells INTEGER NOT NULL,
-    blocks INTEGER NOT NULL,
-    bytes INTEGER NOT NULL,
-    done INTEGER NOT NULL DEFAULT 0,
-    seconds REAL NOT NULL DEFAULT 0,
-    created REAL NOT NULL,
-    began REAL,
-    done_then INTEGER,
-    owner TEXT,
-    lease REAL NOT NULL DEFAULT 0
-) STRICT;
-CREATE TABLE IF NOT EXISTS jobs (
-    id TEXT PRIMARY KEY,
-    key TEXT NOT NULL,
-    process TEXT NOT NULL,
-    state TEXT NOT NULL,
-    cells INTEGER NOT NULL,
-    blocks INTEGER NOT NULL,
-    created REAL NOT NULL,
-    started REAL,
-    finished REAL,
-    seconds REAL,
-    problem TEXT
-) STRICT;
-CREATE INDEX IF NOT EXISTS jobs_by_key ON jobs (key);
-CREATE INDEX IF NOT EXISTS jobs_by_time ON jobs (created);
-CREATE INDEX IF NOT EXISTS jobs_by_state ON jobs (state);
-"""
-
-_JOB = """
-SELECT jobs.*, coalesce(work.done, 0) AS done, coalesce(work.seconds, 0) AS spent,
-work.began AS began, coalesce(work.done_then, 0) AS done_then
-FROM jobs LEFT JOIN work ON work.key = jobs.key
-"""
-
-# Times are compared as they are told, to the millisecond. What has not begun has no duration.
-_WANTED = """
-WHERE (?1 = '[]' OR jobs.process IN (SELECT value FROM json_each(?1)))
-AND (?2 = '[]' OR jobs.state IN (SELECT value FROM json_each(?2)))
-AND (?3 IS NULL OR CAST(round(jobs.created * 1e6) AS INTEGER) / 1000 >= round(?3 * 1000))
-AND (?4 IS NULL OR CAST(round(jobs.created * 1e6) AS INTEGER) / 1000 <= round(?4 * 1000))
-AND (?6 IS NULL OR coalesce(jobs.finished, ?5) - jobs.started >= ?6)
-AND (?7 IS NULL OR coalesce(jobs.finished, ?5) - jobs.started <= ?7)
-"""
-
-
-@dataclass(frozen=True)
-class Wanted:
-    """Which jobs a list is to hold; what is empty or None chooses nothing.
-
-    Attributes
-    ----------
-    processes, states : tuple
-        One of these.
-    created : pair of float or None
-        Entered between these times [s since the epoch].
-    seconds : pair of int or None
-        Least and longest time from their beginning to their end, or until now.
-    """
-
-    processes: tuple[str, ...] = ()
-    states: tuple[str, ...] = ()
-    created: tuple[float | None, float | None] = (None, None)
-    seconds: tuple[int | None, int | None] = (None, None)
-
-
-@dataclass(frozen=True)
-class Job:
-    """What a client posted; times in seconds since the epoch.
-
-    Attributes
-    ----------
-    done : int
-        Blocks that have been computed.
-    began, done_then : float or None, int
-        When the server that works on it took it up, and how many blocks were there then.
-    seconds : float
-        Time that computing took, summed over all workers.
-    problem : mapping or None
-        Why it failed: status, kind, title, detail of a problem document.
-    """
-
-    id: str
-    key: str
-    process: str
-    state: str
-    cells: int
-    blocks: int
-    done: int
-    created: float
-    started: float | None
-    finished: float | None
-    seconds: float
-    problem: Mapping[str, Any] | None
-    began: float | None = None
-    done_then: int = 0
-
-
-@dataclass(frozen=True)
-class Work:
-    """An item of work that this server holds the lease of.
-
-    Attributes
-    ----------
-    owner : str
-        The claim.
-    """
-
-    key: str
-    process: str
-    block_cells: int
-    blocks: int
-    seconds: float
-    owner: str
+_JOB = select(
+    JOBS,
+    func.coalesce(WORK.c.done, 0).label("done"),
+    func.coalesce(WORK.c.seconds, 0).label("spent"),
+    WORK.c.began,
+    func.coalesce(WORK.c.done_then, 0).label("done_then"),
+).select_from(JOBS.outerjoin(WORK, WORK.c.key == JOBS.c.key))
 
 
 class Ledger:
@@ -152,76 +43,48 @@ class Ledger:
 
     Parameters
     ----------
-    path : Path
-        The database; made if missing.
+    where : Path or str
+        The SQLite file, made if missing; or the URL of a database.
+
+    Attributes
+    ----------
+    database : Database
+        Where other tables may stand beside those of jobs.
     """
 
-    def __init__(self, path: Path):
-        self._path = path
-        self._lock = threading.RLock()
-        self._opened: sqlite3.Connection | None = None
+    def __init__(self, where: Path | str):
+        self.database = Database(where)
 
     def close(self) -> None:
         """Close the database; the next use opens it again."""
-        with self._lock:
-            if self._opened is not None:
-                self._opened.close()
-                self._opened = None
+        self.database.close()
 
-    def _database(self) -> sqlite3.Connection:
-        """Return the connection, made when it is first needed; the lock is held."""
-        if self._opened is None:
-            self._path.parent.mkdir(parents=True, exist_ok=True)
-            database = sqlite3.connect(
-                self._path, timeout=30, isolation_level=None, check_same_thread=False
-            )
-            try:
-                database.row_factory = sqlite3.Row
-                # Making a new file one for WAL does not wait for another process that does so.
-                with self._path.with_name(".ledger.lock").open("ab") as making:
-                    fcntl.flock(making, fcntl.LOCK_EX)
-                    database.execute("PRAGMA journal_mode = WAL")
-                    database.execute("PRAGMA synchronous = FULL")  # on the disk before the reply
-                    database.executescript(_SCHEMA)
-            except BaseException:
-                database.close()
-                raise
-            self._opened = database
-        return self._opened
-
-    @contextmanager
-    def transaction(self) -> Iterator[sqlite3.Connection]:
+    def transaction(self) -> AbstractContextManager[Connection]:
         """Make all that is done inside one transaction: nobody else changes the ledger meanwhile.
 
         Its methods may be called inside, from this thread.
         """
-        with self._lock:
-            database = self._database()
-            if database.in_transaction:  # that of this thread, or the lock would not be ours
-                yield database
-                return
-            # IMMEDIATE: one that reads before it writes would fail under another writer.
-            database.execute("BEGIN IMMEDIATE")
-            try:
-                yield database
-                database.execute("COMMIT")
-            except BaseException:
-                if database.in_transaction:
-                    database.execute("ROLLBACK")
-                raise
+        return self.database.transaction()
 
-    def _read(self, statement: str, *values: object) -> list[sqlite3.Row]:
-        with self._lock:
-            return self._database().execute(statement, values).fetchall()
+    def wrong(self) -> str | None:
+        """Return why the ledger cannot be read, or None."""
+        try:
+            self._read(select(VERSION))
+        except (OSError, sqlite3.Error) as error:
+            return f"{why(error)}."
+        return None
+
+    def _read(self, statement: Select[*tuple[Any, ...]]) -> list[Row[*tuple[Any, ...]]]:
+        return self.database.read(statement)
 
     # --- what clients do
 
     def check_queue(self, most: int) -> None:
         """Raise `QueueFullError` if there are so many items of work."""
-        [row] = self._read("SELECT count(*) AS waiting FROM work")
-        if row["waiting"] >= most:
+        [(waiting,)] = self._read(select(func.count()).select_from(WORK))
+        if waiting >= most:
             raise QueueFullError(
-                f"{row['waiting']:,} studies are being carried out or waiting; no more are taken "
+                f"{waiting:,} studies are being carried out or waiting; no more are taken "
                 "before one is done."
             )
 
@@ -251,22 +114,23 @@ class Ledger:
         started = finished = now if is_there else None
         with self.transaction() as database:
             if not is_there:
-                database.execute(
-                    "INSERT INTO work (key, process, cells, block_cells, blocks, bytes, created) "
-                    "VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT DO NOTHING",
-                    (key, process, cells, block_cells, blocks, bytes_, now),
-                )
-                # It may have been cut when blocks were of another size.
-                [began, blocks] = database.execute(
-                    "SELECT began, blocks FROM work WHERE key = ?", (key,)
-                ).fetchone()
-                if began is not None:
-                    state, started = "running", now
+                found = select(WORK.c.began, WORK.c.blocks).where(WORK.c.key == key)
+                row = database.execute(found).one_or_none()
+                if row is None:
+                    new = _new_work(
+                        key=key, process=process, cells=cells, block_cells=block_cells,
+                        blocks=blocks, bytes=bytes_,
+                    )  # fmt: skip
+                    database.execute(new)
+                else:
+                    blocks = row.blocks  # it may have been cut when blocks were of another size
+                    if row.began is not None:
+                        state, started = "running", now
             database.execute(
-                "INSERT INTO jobs (id, key, process, state, cells, blocks, created, started, "
-                "finished, seconds) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                (number, key, process, state, cells, blocks, now, started, finished,
-                 finished_seconds),
+                JOBS.insert().values(
+                    id=number, key=key, process=process, state=state, cells=cells, blocks=blocks,
+                    created=now, started=started, finished=finished, seconds=finished_seconds,
+                )
             )  # fmt: skip
             job = self.job(number)
         assert job is not None
@@ -276,66 +140,60 @@ class Ledger:
         self, key: str, process: str, *, cells: int, block_cells: int, blocks: int, bytes_: int
     ) -> None:
         """Enter work again whose result is lost; its successful jobs wait for it as at first."""
+        new = _new_work(
+            key=key, process=process, cells=cells, block_cells=block_cells, blocks=blocks,
+            bytes=bytes_,
+        )  # fmt: skip
         with self.transaction() as database:
+            if database.execute(select(WORK.c.key).where(WORK.c.key == key)).first() is None:
+                database.execute(new)
             database.execute(
-                "INSERT INTO work (key, process, cells, block_cells, blocks, bytes, created) "
-                "VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT DO NOTHING",
-                (key, process, cells, block_cells, blocks, bytes_, time.time()),
-            )
-            database.execute(
-                "UPDATE jobs SET state = 'accepted', started = NULL, finished = NULL, "
-                "seconds = NULL WHERE key = ? AND state = 'successful'",
-                (key,),
+                JOBS.update()
+                .where(JOBS.c.key == key, JOBS.c.state == "successful")
+                .values(state="accepted", started=None, finished=None, seconds=None)
             )
 
     def job(self, number: str) -> Job | None:
         """Return a job, or None if there is no such job."""
-        rows = self._read(f"{_JOB} WHERE jobs.id = ?", number)
+        rows = self._read(_JOB.where(JOBS.c.id == number))
         return _job(rows[0]) if rows else None
 
     def jobs(self, wanted: Wanted | None = None, *, limit: int, offset: int = 0) -> list[Job]:
         """Return jobs, the latest first."""
-        wanted = wanted or Wanted()
-        rows = self._read(
-            f"{_JOB} {_WANTED} ORDER BY jobs.created DESC, jobs.id LIMIT ?8 OFFSET ?9",
-            json.dumps(wanted.processes), json.dumps(wanted.states), *wanted.created,
-            time.time(), *wanted.seconds, limit, offset,
-        )  # fmt: skip
-        return [_job(row) for row in rows]
+        chosen = _JOB.where(*_conditions(wanted or Wanted()))
+        latest = chosen.order_by(JOBS.c.created.desc(), JOBS.c.id)
+        return [_job(row) for row in self._read(latest.limit(limit).offset(offset))]
 
     def dismiss(self, number: str) -> Job | None:
         """Dismiss a job; work that no other job waits for is given up. None if there is none."""
         with self.transaction() as database:
-            row = database.execute("SELECT key FROM jobs WHERE id = ?", (number,)).fetchone()
-            if row is None:
+            key = database.execute(select(JOBS.c.key).where(JOBS.c.id == number)).scalar()
+            if key is None:
                 return None
             database.execute(
-                "UPDATE jobs SET state = 'dismissed', finished = coalesce(finished, ?), "
-                "problem = NULL WHERE id = ?",
-                (time.time(), number),
+                JOBS.update()
+                .where(JOBS.c.id == number)
+                .values(
+                    state="dismissed",
+                    finished=func.coalesce(JOBS.c.finished, time.time()),
+                    problem=None,
+                )
             )
-            database.execute(
-                "DELETE FROM work WHERE key = ?1 AND NOT EXISTS "
-                "(SELECT 1 FROM jobs WHERE key = ?1 AND state IN ('accepted', 'running'))",
-                (row["key"],),
-            )
+            waits = select(JOBS.c.id).where(JOBS.c.key == key, JOBS.c.state.in_(ACTIVE))
+            database.execute(WORK.delete().where(WORK.c.key == key, ~waits.exists()))
         return self.job(number)
 
     def counts(self) -> dict[str, int]:
         """Return how many jobs there are in each state."""
-        rows = self._read("SELECT state, count(*) AS count FROM jobs GROUP BY state")
-        return dict.fromkeys(STATES, 0) | {row["state"]: row["count"] for row in rows}
+        rows = self._read(select(JOBS.c.state, func.count()).group_by(JOBS.c.state))
+        return dict.fromkeys(STATES, 0) | {row[0]: row[1] for row in rows}
 
     # --- what servers do
 
     def waiting(self) -> list[Work]:
         """Return the items of work that are free to be claimed, what has waited longest first."""
-        rows = self._read(
-            "SELECT key, process, block_cells, blocks, seconds, '' AS owner FROM work "
-            "WHERE owner IS NULL OR lease < ? ORDER BY created",
-            time.time(),
-        )
-        return [Work(**row) for row in rows]
+        rows = self._read(select(WORK).where(_is_free(time.time())).order_by(WORK.c.created))
+        return [_work(row, "") for row in rows]
 
     def claim(self, server: str, lease_seconds: float, key: str | None = None) -> Work | None:
         """Take the lease of an item of work; None if it is not free.
@@ -343,34 +201,29 @@ class Ledger:
         Without a key it is the one that has waited longest. Its jobs run from the first `advance`.
         """
         now, owner = time.time(), f"{server} {uuid.uuid4().hex[:8]}"
+        free = select(WORK).where(_is_free(now)).order_by(WORK.c.created).limit(1)
+        if key is not None:
+            free = free.where(WORK.c.key == key)
         with self.transaction() as database:
-            row = database.execute(
-                "SELECT * FROM work WHERE (owner IS NULL OR lease < ?1) "
-                "AND (?2 IS NULL OR key = ?2) ORDER BY created LIMIT 1",
-                (now, key),
-            ).fetchone()
+            row = database.execute(free).one_or_none()
             if row is None:
                 return None
             database.execute(
-                "UPDATE work SET owner = ?, lease = ?, began = NULL, done_then = NULL "
-                "WHERE key = ?",
-                (owner, now + lease_seconds, row["key"]),
+                WORK.update()
+                .where(WORK.c.key == row.key)
+                .values(owner=owner, lease=now + lease_seconds, began=None, done_then=None)
             )
-        names = ("key", "process", "block_cells", "blocks", "seconds")
-        return Work(**{name: row[name] for name in names}, owner=owner)
+        return _work(row, owner)
 
     def holds(self, work: Work) -> bool:
         """Return whether a claim still stands: not lost, and the work is still wanted."""
-        return bool(
-            self._read("SELECT 1 FROM work WHERE key = ? AND owner = ?", work.key, work.owner)
-        )
+        return bool(self._read(select(WORK.c.key).where(_claimed(work))))
 
     def renew(self, work: Work, lease_seconds: float) -> bool:
         """Renew a lease; False if it has been lost, or the work is wanted no more."""
         with self.transaction() as database:
             changed = database.execute(
-                "UPDATE work SET lease = ? WHERE key = ? AND owner = ?",
-                (time.time() + lease_seconds, work.key, work.owner),
+                WORK.update().where(_claimed(work)).values(lease=time.time() + lease_seconds)
             )
             return changed.rowcount == 1
 
@@ -383,15 +236,20 @@ class Ledger:
         now = time.time()
         with self.transaction() as database:
             changed = database.execute(
-                "UPDATE work SET done = ?1, seconds = seconds + ?2, began = ?3, "
-                "done_then = coalesce(done_then, ?1) WHERE key = ?4 AND owner = ?5",
-                (done, seconds, now - elapsed, work.key, work.owner),
+                WORK.update()
+                .where(_claimed(work))
+                .values(
+                    done=done,
+                    seconds=WORK.c.seconds + seconds,
+                    began=now - elapsed,
+                    done_then=func.coalesce(WORK.c.done_then, done),
+                )
             )
             if changed.rowcount:
                 database.execute(
-                    "UPDATE jobs SET state = 'running', started = ? "
-                    "WHERE key = ? AND state = 'accepted'",
-                    (now, work.key),
+                    JOBS.update()
+                    .where(JOBS.c.key == work.key, JOBS.c.state == "accepted")
+                    .values(state="running", started=now)
                 )
 
     def succeed(self, work: Work) -> None:
@@ -404,55 +262,91 @@ class Ledger:
 
     def _end(self, work: Work, state: str, problem: str | None) -> None:
         with self.transaction() as database:
-            row = database.execute(
-                "DELETE FROM work WHERE key = ? AND owner = ? RETURNING seconds",
-                (work.key, work.owner),
-            ).fetchone()
-            if row is not None:
+            seconds = database.execute(
+                WORK.delete().where(_claimed(work)).returning(WORK.c.seconds)
+            ).scalar()
+            if seconds is not None:
                 database.execute(
-                    "UPDATE jobs SET state = ?, finished = ?, seconds = ?, problem = ? "
-                    "WHERE key = ? AND state IN ('accepted', 'running')",
-                    (state, time.time(), row["seconds"], problem, work.key),
+                    JOBS.update()
+                    .where(JOBS.c.key == work.key, JOBS.c.state.in_(ACTIVE))
+                    .values(state=state, finished=time.time(), seconds=seconds, problem=problem)
                 )
 
     def release(self, owner: str = "") -> None:
         """Give up the lease of a claim, of all of a server, or of all: another goes on."""
         with self.transaction() as database:
             database.execute(
-                "UPDATE work SET owner = NULL, lease = 0 WHERE substr(owner, 1, length(?1)) = ?1",
-                (owner,),
+                WORK.update()
+                .where(func.substr(WORK.c.owner, 1, len(owner)) == owner)
+                .values(owner=None, lease=0.0)
             )
 
     def promised(self) -> dict[str, int]:
         """Return the keys of all items of work, and the bytes that each may take on the disk."""
-        return {row["key"]: row["bytes"] for row in self._read("SELECT key, bytes FROM work")}
+        return {row[0]: row[1] for row in self._read(select(WORK.c.key, WORK.c.bytes))}
 
     def forget(self, before: float, most: int) -> None:
         """Remove the jobs that were finished before a time, and of the others all but so many."""
+        over = select(JOBS.c.id).where(JOBS.c.finished.is_not(None))
+        oldest = over.order_by(JOBS.c.finished.desc()).offset(most)
         with self.transaction() as database:
-            database.execute("DELETE FROM jobs WHERE finished < ?", (before,))
-            database.execute(
-                "DELETE FROM jobs WHERE id IN (SELECT id FROM jobs WHERE finished IS NOT NULL "
-                "ORDER BY finished DESC LIMIT -1 OFFSET ?)",
-                (most,),
-            )
+            database.execute(JOBS.delete().where(JOBS.c.finished < before))
+            database.execute(JOBS.delete().where(JOBS.c.id.in_(oldest)))
 
 
-def _job(row: sqlite3.Row) -> Job:
-    over = row["state"] not in ACTIVE
+def _is_free(now: float) -> ColumnElement[bool]:
+    return WORK.c.owner.is_(None) | (WORK.c.lease < now)
+
+
+def _new_work(**values: str | int) -> Insert:
+    """Return what enters an item of work that nobody has begun."""
+    return WORK.insert().values(**values, created=time.time(), done=0, seconds=0.0, lease=0.0)
+
+
+def _work(row: Row[*tuple[Any, ...]], owner: str) -> Work:
+    return Work(row.key, row.process, row.block_cells, row.blocks, row.seconds, owner)
+
+
+def _claimed(work: Work) -> ColumnElement[bool]:
+    return (WORK.c.key == work.key) & (WORK.c.owner == work.owner)
+
+
+def _conditions(wanted: Wanted) -> list[ColumnElement[bool]]:
+    # Times are compared as they are told, to the millisecond. What has not begun has no duration.
+    created = cast(func.round(JOBS.c.created * 1e6), BigInteger) // 1000
+    seconds = func.coalesce(JOBS.c.finished, time.time()) - JOBS.c.started
+    (after, before), (least, most) = wanted.created, wanted.seconds
+    found: list[ColumnElement[bool]] = []
+    if wanted.processes:
+        found.append(JOBS.c.process.in_(wanted.processes))
+    if wanted.states:
+        found.append(JOBS.c.state.in_(wanted.states))
+    if after is not None:
+        found.append(created >= round(after * 1000))
+    if before is not None:
+        found.append(created <= round(before * 1000))
+    if least is not None:
+        found.append(seconds >= least)
+    if most is not None:
+        found.append(seconds <= most)
+    return found
+
+
+def _job(row: Row[*tuple[Any, ...]]) -> Job:
+    over = row.state not in ACTIVE
     return Job(
-        id=row["id"],
-        key=row["key"],
-        process=row["process"],
-        state=row["state"],
-        cells=row["cells"],
-        blocks=row["blocks"],
-        done=row["blocks"] if row["state"] == "successful" else row["done"],
-        created=row["created"],
-        started=row["started"],
-        finished=row["finished"],
-        seconds=(row["seconds"] or 0.0) if over else row["spent"],
-        problem=json.loads(row["problem"]) if row["problem"] else None,
-        began=None if over else row["began"],
-        done_then=row["done_then"],
+        id=row.id,
+        key=row.key,
+        process=row.process,
+        state=row.state,
+        cells=row.cells,
+        blocks=row.blocks,
+        done=row.blocks if row.state == "successful" else row.done,
+        created=row.created,
+        started=row.started,
+        finished=row.finished,
+        seconds=(row.seconds or 0.0) if over else row.spent,
+        problem=json.loads(row.problem) if row.problem else None,
+        began=None if over else row.began,
+        done_then=row.done_then,
     )

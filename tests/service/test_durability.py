@@ -1,6 +1,7 @@
 """Jobs survive what kills a server or its workers, and run on any Dask cluster.
 
-``KILLS=20 pytest tests/service/test_durability.py`` is the long run.
+``KILLS=20 pytest tests/service/test_durability.py`` is the long run. With ``LEDGER=postgresql`` the
+ledger of each test is a database of Debian's PostgreSQL.
 """
 
 import contextlib
@@ -23,11 +24,23 @@ import pytest
 
 from core.dataset.netcdf import write_netcdf
 from core.kinds import prepare_content, tabulate
+from postgres import PASSWORD
 
 KILLS = int(os.environ.get("KILLS", "4"))
 JOBS = 8
 SIZE = 61 if KILLS <= 4 else 301  # of two axes: the last kill is to meet work
 QUICK = {"VIBRAFEED_LEASE_SECONDS": "3", "VIBRAFEED_BLOCK_SECONDS": "0.3"}
+
+
+ELSEWHERE = {}  # settings of a test whose ledger is no file
+
+
+@pytest.fixture(autouse=os.environ.get("LEDGER") == "postgresql")
+def in_postgresql(postgresql):
+    """Keep the ledger of a test in PostgreSQL."""
+    ELSEWHERE["VIBRAFEED_LEDGER_URL"] = postgresql.new_database()
+    yield postgresql
+    ELSEWHERE.clear()
 
 
 def simulation(number):
@@ -60,6 +73,7 @@ class Server:
         self.environment = {
             **{k: v for k, v in os.environ.items() if not k.startswith("VIBRAFEED_")},
             "VIBRAFEED_DATA_DIRECTORY": str(folder / "data"),
+            **ELSEWHERE,
             **environment,
         }
         self.log = (folder / "log").open("ab")
@@ -188,6 +202,39 @@ def test_jobs_survive_kills_of_server_and_workers(tmp_path):
         assert content == expected(study, tmp_path / "whole.nc")
     with netCDF4.Dataset("x", memory=contents[0]) as file:
         assert file.variables["conveying_velocity"].shape == (SIZE, SIZE)
+
+
+@pytest.mark.timeout(400)
+def test_a_database_that_is_restarted_under_jobs_loses_none(tmp_path, in_postgresql):
+    """Stopped, crashed, and crashed at the same time as the server."""
+    studies = [simulation(number) for number in range(3)]
+    with serving(tmp_path, **QUICK) as server:
+        numbers = [server.post(study) for study in studies]
+        server.begun(numbers[0])
+        in_postgresql.stop()
+        try:
+            told = refusal(lambda: server.ask("/readyz"))
+            assert ("ledger", "The database of the ledger cannot be reached.") in {
+                (problem["place"], problem["message"]) for problem in told["errors"]
+            }
+            assert refusal(lambda: server.job(numbers[0]))["status"] == 503
+        finally:
+            in_postgresql.start()
+        assert {server.job(number)["status"] for number in numbers} <= {
+            "accepted", "running", "successful",
+        }  # fmt: skip
+        in_postgresql.stop(signal.SIGQUIT)
+        server.process.kill()
+        server.process.wait(30)
+        in_postgresql.start()
+        server.start()
+        jobs = [server.finished(number) for number in numbers]
+        assert [job["status"] for job in jobs] == ["successful"] * 3, jobs
+        contents = [server.ask(f"/jobs/{number}/results/dataset") for number in numbers]
+        assert not (tmp_path / "data" / "jobs.sqlite3").exists()
+    assert PASSWORD not in (tmp_path / "log").read_text()
+    for study, content in zip(studies, contents, strict=True):
+        assert content == expected(study, tmp_path / "whole.nc")
 
 
 def test_a_block_that_is_done_is_not_computed_again(tmp_path):

@@ -177,7 +177,9 @@ async def _waited(desk: Desk, job: Job, seconds: float) -> Job:
     while job.state in ACTIVE and time.monotonic() < until:
         await asyncio.sleep(min(look, max(0.0, until - time.monotonic())))
         look = min(1.5 * look, LONGEST_LOOK)
-        with contextlib.suppress(sqlite3.OperationalError):  # the client is to learn of its job
+        with contextlib.suppress(
+            OSError, sqlite3.OperationalError
+        ):  # the client is to learn of its job
             found = await asyncio.to_thread(desk.ledger.job, job.id)
             job = found or job
     return job

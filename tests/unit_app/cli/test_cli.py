@@ -33,7 +33,7 @@ friction = 0.3
 
 # What a command that neither computes in bulk nor writes must not load.
 # (pint asks whether scipy is there, which loads its bare name, and none of its parts.)
-HEAVY = (
+HEAVY = ("sqlalchemy",
     "dask.array", "distributed", "netCDF4", "numba", "scipy.integrate", "scipy.linalg",
     "scipy.optimize", "fastapi", "matplotlib", "xarray", "uvicorn",
 )  # fmt: skip

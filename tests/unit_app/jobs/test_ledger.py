@@ -1,22 +1,28 @@
 """The ledger of jobs: what several servers and threads see of it."""
 
+import signal
 import sqlite3
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+from sqlalchemy.exc import ProgrammingError
 
-from app.jobs.errors import QueueFullError
+from app.jobs.errors import LostLedgerError, QueueFullError
 from app.jobs.ledger import ACTIVE, Ledger, Wanted
+from postgres import PASSWORD
 
 LEASE = 60.0
 
 
-@pytest.fixture
-def ledgers(tmp_path):
+@pytest.fixture(params=["sqlite", "postgresql"])
+def ledgers(request, tmp_path):
     """Two servers' views of one ledger."""
-    pair = [Ledger(tmp_path / "jobs.sqlite3") for _ in range(2)]
+    where = tmp_path / "jobs.sqlite3"
+    if request.param == "postgresql":
+        where = request.getfixturevalue("postgresql").new_database()
+    pair = [Ledger(where) for _ in range(2)]
     yield pair
     for ledger in pair:
         ledger.close()
@@ -189,6 +195,22 @@ def test_inside_a_transaction_nobody_else_changes_anything(ledgers):
     assert set(here.promised()) == {"k", "l"}
 
 
+def test_lists_by_time_and_duration(ledgers):
+    here, _ = ledgers
+    first, last = post(here, "k", seconds=1.0), post(here, "l")
+    at = last.created
+    told = [
+        Wanted(created=(at - 9, at + 9)),
+        Wanted(created=(at + 9, None)),
+        Wanted(seconds=(0, 5)),
+        Wanted(seconds=(5, None)),
+        Wanted(processes=("simulate", "sweep"), created=(None, int(at * 1000) / 1000)),
+    ]
+    found = [{job.id for job in here.jobs(wanted, limit=9)} for wanted in told]
+    both = {first.id, last.id}
+    assert found == [both, set(), {first.id}, set(), both]
+
+
 def test_lists(ledgers):
     here, _ = ledgers
     jobs = [post(here, str(number)) for number in range(5)]
@@ -236,9 +258,9 @@ def test_a_change_that_fails_changes_nothing(ledgers):
     def fail():
         with here.transaction() as database:
             here.dismiss(job.id)
-            database.execute("nonsense")
+            database.exec_driver_sql("nonsense")
 
-    with pytest.raises(sqlite3.Error):
+    with pytest.raises((sqlite3.Error, ProgrammingError)):
         fail()
     assert there.job(job.id).state == "accepted"
     assert there.claim("b", LEASE).key == "k"
@@ -261,3 +283,64 @@ def test_who_makes_a_ledger_at_the_same_moment_waits_for_the_other(tmp_path):
             opened = [pool.submit(use, tmp_path / str(number) / "jobs.sqlite3") for _ in range(3)]
             for future in opened:
                 future.result()
+
+
+def test_servers_that_make_the_tables_of_one_database_at_the_same_moment(postgresql):
+    barrier = threading.Barrier(4)
+
+    def use(url):
+        ledger = Ledger(url)
+        barrier.wait(20)
+        try:
+            return ledger.counts()
+        finally:
+            ledger.close()
+
+    with ThreadPoolExecutor(4) as pool:
+        for _ in range(3):
+            url = postgresql.new_database()
+            for counts in pool.map(use, [url] * 4):
+                assert not any(counts.values())
+
+
+def test_what_is_away_for_a_while_is_told_and_loses_nothing(postgresql):
+    """Also what hung on a connection of before, and after a crash of the database."""
+    ledger = Ledger(postgresql.new_database())
+    try:
+        job = post(ledger)
+        work = ledger.claim("a", LEASE)
+        for how in (signal.SIGINT, signal.SIGQUIT):
+            postgresql.stop(how)
+            try:
+                assert ledger.wrong() == "The database of the ledger cannot be reached."
+                for call in (ledger.counts, lambda: ledger.renew(work, LEASE)):
+                    with pytest.raises(LostLedgerError) as lost:
+                        call()
+                    assert PASSWORD not in str(lost.getrepr(chain=True, showlocals=False))
+            finally:
+                postgresql.start()
+            assert ledger.wrong() is None
+            assert ledger.holds(work)
+        ledger.succeed(work)
+        assert ledger.job(job.id).state == "successful"
+    finally:
+        ledger.close()
+
+
+def test_a_transaction_that_loses_its_database_changes_nothing(postgresql):
+    ledger = Ledger(postgresql.new_database())
+
+    def cut():
+        with ledger.transaction():
+            post(ledger, "k")
+            postgresql.stop(signal.SIGQUIT)
+            postgresql.start()
+            post(ledger, "l")
+
+    try:
+        with pytest.raises(LostLedgerError):
+            cut()
+        assert ledger.promised() == {}
+        assert post(ledger, "m").state == "accepted"
+    finally:
+        ledger.close()

@@ -7,7 +7,16 @@ import sys
 
 import pytest
 
-OTHERS = ("fastapi", "starlette", "uvicorn", "prometheus_client", "typer", "rich", "structlog")
+OTHERS = (
+    "fastapi",
+    "starlette",
+    "uvicorn",
+    "prometheus_client",
+    "typer",
+    "rich",
+    "structlog",
+    "sqlalchemy",
+)
 ROOMS = ("app.cli", "app.main", "app.web")
 
 # As on a worker: the library that starts it, then functions found by their names, and run.

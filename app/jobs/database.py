@@ -1,0 +1,229 @@
+"""The database of the ledger: an SQLite file, or PostgreSQL; one transaction at a time in both.
+
+Every transaction is committed to the disk before it returns. A method that reads before it writes
+is right if nobody else writes meanwhile, so that is what `Database.transaction` promises, of all
+threads and servers:
+
+- SQLite: `BEGIN IMMEDIATE` takes the lock for writing at the start. With a plain `BEGIN` the lock
+  is taken at the first change, and fails if somebody else has changed what was read.
+- PostgreSQL: a lock with a number of our own, which the transaction takes before it reads and which
+  ends with it. `READ COMMITTED` lets each statement see all that was committed before it, so what
+  stood under the lock before is seen. Row locks (`FOR UPDATE SKIP LOCKED`) would let servers claim
+  at the same time, but not keep two posts from promising the same room. One writer at a time is
+  no loss: transactions take milliseconds and there are a few for each block of some second.
+
+What reads only takes no lock, and sees what has been committed.
+"""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import sqlite3
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import URL, Connection, Engine, Row, create_engine, event, inspect, make_url
+from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import TimeoutError as NoConnectionError
+from sqlalchemy.sql.expression import Select
+
+from app.jobs.errors import LaterLedgerError, LostLedgerError
+from app.jobs.tables import UPGRADES, VERSION, WORDS
+
+PATIENCE = 30  # s of waiting for another that changes the ledger
+# A server that hangs, or whose machine is gone, gives up the lock after so long.
+HANGS = 60  # s
+LOCK = int.from_bytes(b"vibrafee")  # the number of the lock in PostgreSQL
+
+BEGIN = {
+    "sqlite": ("BEGIN IMMEDIATE",),
+    "postgresql": (
+        "BEGIN ISOLATION LEVEL READ COMMITTED READ WRITE",
+        f"SELECT pg_advisory_xact_lock({LOCK})",
+    ),
+}
+# Set in each new connection. On the disk before the reply, whatever the server's default is.
+SET = {
+    "sqlite": ("PRAGMA synchronous = FULL",),
+    "postgresql": (
+        "SET synchronous_commit = on",
+        f"SET lock_timeout = '{PATIENCE}s'",
+        f"SET idle_in_transaction_session_timeout = '{HANGS}s'",
+    ),
+}
+# Of libpq, unless the URL says otherwise: a machine that is gone is noticed within seconds.
+CONNECT: dict[str, dict[str, Any]] = {
+    "sqlite": {"timeout": PATIENCE},
+    "postgresql": {
+        "connect_timeout": 10,
+        "keepalives_idle": 10,
+        "keepalives_interval": 5,
+        "keepalives_count": 3,
+        "tcp_user_timeout": 20_000,  # ms
+        "application_name": "vibrafeed",
+    },
+}
+# What PostgreSQL reports, by the beginning of its codes, as the errors that files have.
+FAILURES = {
+    "53100": errno.ENOSPC,
+    "25006": errno.EROFS,
+    "55P03": errno.EAGAIN,  # the lock was not to be had
+    "40": errno.EAGAIN,
+}
+LOST = ("08", "57P", "53300", "25P03")
+
+
+class Database:
+    """A database with the tables of the ledger, which are made or brought up to date at first use.
+
+    Its methods may be called from any thread.
+
+    Parameters
+    ----------
+    where : Path or str
+        An SQLite file, or the URL of a database.
+    """
+
+    def __init__(self, where: Path | str):
+        url = (
+            make_url(where) if isinstance(where, str) else URL.create("sqlite", database=f"{where}")
+        )
+        self.kind = url.get_backend_name()
+        self._file = Path(url.database or "") if self.kind == "sqlite" else None
+        if self.kind == "postgresql":
+            url = url.set(drivername="postgresql+psycopg")
+        self._url = url
+        self._lock = threading.RLock()  # threads take turns here, not by each a connection
+        self._mine = threading.local()  # the connection of a thread that is in a transaction
+        self._opened: Engine | None = None
+
+    def close(self) -> None:
+        """Close all connections; the next use opens new ones."""
+        with self._lock:
+            if self._opened is not None:
+                self._opened.dispose()
+                self._opened = None
+
+    @contextmanager
+    def transaction(self) -> Iterator[Connection]:
+        """Make all that is done inside one transaction: nobody else changes the ledger meanwhile.
+
+        What this thread does inside, in transactions or reads, is part of it.
+
+        Raises
+        ------
+        sqlite3.Error
+            As SQLite says.
+        OSError
+            If a database elsewhere cannot be reached, is full, read-only, or held by another.
+        """
+        mine = getattr(self._mine, "connection", None)
+        if mine is not None:
+            yield mine
+            return
+        with self._lock, _plain_errors(), self._engine().begin() as connection:
+            for statement in BEGIN[self.kind]:
+                connection.exec_driver_sql(statement)
+            self._mine.connection = connection
+            try:
+                yield connection
+            finally:
+                self._mine.connection = None
+
+    def read(self, statement: Select[*tuple[Any, ...]]) -> list[Row[*tuple[Any, ...]]]:
+        """Return the rows of a query; raises as `transaction` does."""
+        mine = getattr(self._mine, "connection", None)
+        if mine is not None:
+            return list(mine.execute(statement))
+        with _plain_errors(), self._engine().connect() as connection:
+            return list(connection.execute(statement))
+
+    def _engine(self) -> Engine:
+        """Return the way to connections, made when it is first needed."""
+        with self._lock:
+            if self._opened is None:
+                engine = self._new_engine()
+                try:
+                    if self._file is None:
+                        self._upgrade(engine)
+                    else:
+                        self._make_file(engine, self._file)
+                except BaseException:
+                    engine.dispose()
+                    raise
+                self._opened = engine
+            return self._opened
+
+    def _new_engine(self) -> Engine:
+        given = {k: v for k, v in CONNECT[self.kind].items() if k not in self._url.query}
+        # AUTOCOMMIT: who reads has no transaction, who changes something begins one in words.
+        engine = create_engine(
+            self._url,
+            isolation_level="AUTOCOMMIT",
+            connect_args=given,
+            pool_pre_ping=self.kind != "sqlite",  # after a restart of the database
+            max_overflow=20,
+            hide_parameters=True,
+        )
+
+        @event.listens_for(engine, "connect")
+        def _(connection: Any, record: object) -> None:
+            cursor = connection.cursor()
+            for statement in SET[self.kind]:
+                cursor.execute(statement)
+            cursor.close()
+
+        return engine
+
+    def _make_file(self, engine: Engine, file: Path) -> None:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        # Making a new file one for WAL does not wait for another process that does so.
+        with file.with_name(".ledger.lock").open("ab") as making:
+            fcntl.flock(making, fcntl.LOCK_EX)
+            with engine.connect() as connection:
+                connection.exec_driver_sql("PRAGMA journal_mode = WAL")
+            self._upgrade(engine)
+
+    def _upgrade(self, engine: Engine) -> None:
+        """Make the tables, or bring them to this version; who comes second finds it done."""
+        with engine.begin() as connection:
+            for statement in BEGIN[self.kind]:
+                connection.exec_driver_sql(statement)
+            if not inspect(connection).has_table(VERSION.name):
+                VERSION.create(connection)
+                connection.execute(VERSION.insert().values(version=0))
+            version = connection.execute(VERSION.select()).scalar_one()
+            if version > len(UPGRADES):
+                raise LaterLedgerError(
+                    f"its tables are of version {version}, made by a later vibrafeed; this one "
+                    f"knows version {len(UPGRADES)}"
+                )
+            for upgrade in UPGRADES[version:]:
+                for statement in upgrade:
+                    connection.exec_driver_sql(statement.format(**WORDS[self.kind]))
+            if version < len(UPGRADES):
+                connection.execute(VERSION.update().values(version=len(UPGRADES)))
+
+
+@contextmanager
+def _plain_errors() -> Iterator[None]:
+    """Raise what SQLite raised, and OSError for what a database elsewhere says of its state."""
+    try:
+        yield
+    except NoConnectionError as error:
+        raise OSError(errno.EAGAIN, "all connections to the ledger are in use") from error
+    except DBAPIError as error:
+        if isinstance(error.orig, sqlite3.Error):
+            raise error.orig from error
+        code = getattr(error.orig, "sqlstate", None) or ""
+        for beginning, number in FAILURES.items():
+            if code.startswith(beginning):
+                raise OSError(number, str(error.orig)) from error
+        is_refusal = not code and type(error.orig).__name__ == "OperationalError"
+        if error.connection_invalidated or is_refusal or code.startswith(LOST):
+            raise LostLedgerError(str(error.orig)) from error
+        raise

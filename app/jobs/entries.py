@@ -1,0 +1,80 @@
+"""What the ledger hands out: jobs, items of work, and which jobs a list is to hold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+ACTIVE = ("accepted", "running")
+STATES = (*ACTIVE, "successful", "failed", "dismissed")
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Which jobs a list is to hold; what is empty or None chooses nothing.
+
+    Attributes
+    ----------
+    processes, states : tuple
+        One of these.
+    created : pair of float or None
+        Entered between these times [s since the epoch].
+    seconds : pair of int or None
+        Least and longest time from their beginning to their end, or until now.
+    """
+
+    processes: tuple[str, ...] = ()
+    states: tuple[str, ...] = ()
+    created: tuple[float | None, float | None] = (None, None)
+    seconds: tuple[int | None, int | None] = (None, None)
+
+
+@dataclass(frozen=True)
+class Job:
+    """What a client posted; times in seconds since the epoch.
+
+    Attributes
+    ----------
+    done : int
+        Blocks that have been computed.
+    began, done_then : float or None, int
+        When the server that works on it took it up, and how many blocks were there then.
+    seconds : float
+        Time that computing took, summed over all workers.
+    problem : mapping or None
+        Why it failed: status, kind, title, detail of a problem document.
+    """
+
+    id: str
+    key: str
+    process: str
+    state: str
+    cells: int
+    blocks: int
+    done: int
+    created: float
+    started: float | None
+    finished: float | None
+    seconds: float
+    problem: Mapping[str, Any] | None
+    began: float | None = None
+    done_then: int = 0
+
+
+@dataclass(frozen=True)
+class Work:
+    """An item of work that this server holds the lease of.
+
+    Attributes
+    ----------
+    owner : str
+        The claim.
+    """
+
+    key: str
+    process: str
+    block_cells: int
+    blocks: int
+    seconds: float
+    owner: str

@@ -1,0 +1,92 @@
+"""The tables of the ledger: as statements use them, and as databases came to have them."""
+
+from __future__ import annotations
+
+from sqlalchemy import BigInteger, Column, Double, MetaData, Table, Text
+
+TABLES = MetaData()
+
+VERSION = Table("ledger_version", TABLES, Column("version", BigInteger, nullable=False))
+
+WORK = Table(
+    "work",
+    TABLES,
+    Column("key", Text, primary_key=True),
+    Column("process", Text, nullable=False),
+    Column("cells", BigInteger, nullable=False),
+    Column("block_cells", BigInteger, nullable=False),
+    Column("blocks", BigInteger, nullable=False),
+    Column("bytes", BigInteger, nullable=False),
+    Column("done", BigInteger, nullable=False),
+    Column("seconds", Double, nullable=False),
+    Column("created", Double, nullable=False),
+    Column("began", Double),
+    Column("done_then", BigInteger),
+    Column("owner", Text),
+    Column("lease", Double, nullable=False),
+)
+
+JOBS = Table(
+    "jobs",
+    TABLES,
+    Column("id", Text, primary_key=True),
+    Column("key", Text, nullable=False),
+    Column("process", Text, nullable=False),
+    Column("state", Text, nullable=False),
+    Column("cells", BigInteger, nullable=False),
+    Column("blocks", BigInteger, nullable=False),
+    Column("created", Double, nullable=False),
+    Column("started", Double),
+    Column("finished", Double),
+    Column("seconds", Double),
+    Column("problem", Text),
+)
+
+# The words that databases have for the same thing.
+WORDS = {
+    "sqlite": {"whole": "INTEGER", "real": "REAL", "strict": "STRICT"},
+    "postgresql": {"whole": "BIGINT", "real": "DOUBLE PRECISION", "strict": ""},
+}
+
+# What leads from each version of the tables to the next, from none to version 1 to begin with. A
+# change of the tables is one more entry here and the same columns above; entries that stand here
+# are never changed, because there are databases that have been through them.
+UPGRADES: tuple[tuple[str, ...], ...] = (
+    (  # IF NOT EXISTS: files from before versions were kept have these.
+        """
+        CREATE TABLE IF NOT EXISTS work (
+            key TEXT PRIMARY KEY,
+            process TEXT NOT NULL,
+            cells {whole} NOT NULL,
+            block_cells {whole} NOT NULL,
+            blocks {whole} NOT NULL,
+            bytes {whole} NOT NULL,
+            done {whole} NOT NULL DEFAULT 0,
+            seconds {real} NOT NULL DEFAULT 0,
+            created {real} NOT NULL,
+            began {real},
+            done_then {whole},
+            owner TEXT,
+            lease {real} NOT NULL DEFAULT 0
+        ) {strict}
+        """,
+        """
+        CREATE TABLE IF NOT EXISTS jobs (
+            id TEXT PRIMARY KEY,
+            key TEXT NOT NULL,
+            process TEXT NOT NULL,
+            state TEXT NOT NULL,
+            cells {whole} NOT NULL,
+            blocks {whole} NOT NULL,
+            created {real} NOT NULL,
+            started {real},
+            finished {real},
+            seconds {real},
+            problem TEXT
+        ) {strict}
+        """,
+        "CREATE INDEX IF NOT EXISTS jobs_by_key ON jobs (key)",
+        "CREATE INDEX IF NOT EXISTS jobs_by_time ON jobs (created)",
+        "CREATE INDEX IF NOT EXISTS jobs_by_state ON jobs (state)",
+    ),
+)

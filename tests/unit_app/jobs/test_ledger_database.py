@@ -1,0 +1,145 @@
+"""The database of the ledger: its tables, upgrades of older ones, what it says when it fails."""
+
+import contextlib
+import sqlite3
+
+import pytest
+from pydantic import ValidationError
+from sqlalchemy import inspect
+
+from app.jobs import database
+from app.jobs.database import Database
+from app.jobs.errors import LaterLedgerError
+from app.jobs.ledger import Ledger
+from app.jobs.tables import TABLES, UPGRADES
+from app.settings import Settings
+
+# The tables as they were before versions of them were kept.
+OLD = """
+CREATE TABLE IF NOT EXISTS work (
+    key TEXT PRIMARY KEY,
+    process TEXT NOT NULL,
+    cells INTEGER NOT NULL,
+    block_cells INTEGER NOT NULL,
+    blocks INTEGER NOT NULL,
+    bytes INTEGER NOT NULL,
+    done INTEGER NOT NULL DEFAULT 0,
+    seconds REAL NOT NULL DEFAULT 0,
+    created REAL NOT NULL,
+    began REAL,
+    done_then INTEGER,
+    owner TEXT,
+    lease REAL NOT NULL DEFAULT 0
+) STRICT;
+CREATE TABLE IF NOT EXISTS jobs (
+    id TEXT PRIMARY KEY,
+    key TEXT NOT NULL,
+    process TEXT NOT NULL,
+    state TEXT NOT NULL,
+    cells INTEGER NOT NULL,
+    blocks INTEGER NOT NULL,
+    created REAL NOT NULL,
+    started REAL,
+    finished REAL,
+    seconds REAL,
+    problem TEXT
+) STRICT;
+CREATE INDEX IF NOT EXISTS jobs_by_key ON jobs (key);
+CREATE INDEX IF NOT EXISTS jobs_by_time ON jobs (created);
+CREATE INDEX IF NOT EXISTS jobs_by_state ON jobs (state);
+"""
+
+
+def test_a_file_of_the_time_before_versions_keeps_its_jobs(tmp_path):
+    path = tmp_path / "jobs.sqlite3"
+    with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as old:
+        old.execute("PRAGMA journal_mode = WAL")
+        old.executescript(OLD)
+        old.execute(
+            "INSERT INTO work (key, process, cells, block_cells, blocks, bytes, done, created) "
+            "VALUES ('k', 'sweep', 100, 10, 10, 1000, 3, 1.5)"
+        )
+        old.execute(
+            "INSERT INTO jobs (id, key, process, state, cells, blocks, created) "
+            "VALUES ('a', 'k', 'sweep', 'accepted', 100, 10, 1.5)"
+        )
+    ledger = Ledger(path)
+    try:
+        job = ledger.job("a")
+        assert (job.state, job.done, job.created) == ("accepted", 3, 1.5)
+        work = ledger.claim("server", 9.0)
+        ledger.succeed(work)
+        assert ledger.job("a").state == "successful"
+    finally:
+        ledger.close()
+
+
+def test_the_tables_that_upgrades_make_are_those_of_the_statements(tmp_path):
+    book = Database(tmp_path / "jobs.sqlite3")
+    try:
+        with book.transaction() as connection:
+            found = inspect(connection)
+            assert set(found.get_table_names()) == set(TABLES.tables)
+            for name, table in TABLES.tables.items():
+                columns = {column["name"]: column for column in found.get_columns(name)}
+                assert set(columns) == set(table.columns.keys())
+                for column in table.columns:
+                    if not column.primary_key:
+                        assert columns[column.name]["nullable"] == column.nullable, column
+    finally:
+        book.close()
+
+
+def test_upgrades_are_carried_out_once_and_a_later_ledger_is_left_alone(tmp_path, monkeypatch):
+    path = tmp_path / "jobs.sqlite3"
+    later = (*UPGRADES, ("CREATE TABLE further (id {whole} NOT NULL) {strict}",))
+    for upgrades in (UPGRADES, later, later):
+        monkeypatch.setattr(database, "UPGRADES", upgrades)
+        book = Database(path)
+        with book.transaction() as connection:
+            assert inspect(connection).has_table("further") == (upgrades is later)
+        book.close()
+    monkeypatch.setattr(database, "UPGRADES", UPGRADES)
+    with pytest.raises(LaterLedgerError, match="made by a later vibrafeed"):
+        Database(path).transaction().__enter__()
+
+
+def test_an_upgrade_that_fails_changes_nothing(tmp_path, monkeypatch):
+    path = tmp_path / "jobs.sqlite3"
+    wrong = (*UPGRADES, ("CREATE TABLE further (id INTEGER) STRICT", "nonsense"))
+    monkeypatch.setattr(database, "UPGRADES", wrong)
+    with pytest.raises(sqlite3.Error):
+        Ledger(path).counts()
+    monkeypatch.setattr(database, "UPGRADES", UPGRADES)
+    book = Database(path)
+    with book.transaction() as connection:
+        assert not inspect(connection).has_table("further")
+    book.close()
+
+
+SCHEME = "postgresql:" + "//"
+
+
+@pytest.mark.parametrize(
+    "url",
+    [
+        "mysql:" + "//u:sesame@h/d",
+        SCHEME + "u:sesame@h",
+        SCHEME + "u:ses@ame@h/d",
+        SCHEME + "u:ses/ame@h/d",
+        SCHEME + "u:ses#ame@h/d",
+        SCHEME + "u@h:sesame/d",
+    ],
+)
+def test_a_url_that_is_wrong_is_refused_without_a_part_of_it(url):
+    with pytest.raises(ValidationError) as refused:
+        Settings(ledger_url=url)
+    assert "ame" not in refused.value.errors(include_input=False)[0]["msg"].replace("name", "")
+
+
+def test_a_password_is_shown_nowhere():
+    settings = Settings(ledger_url=SCHEME + "u:sesame@127.0.0.1:9/d")
+    assert "sesame" not in settings.model_dump_json() + repr(settings)
+    ledger = Ledger(settings.ledger_url.get_secret_value())
+    assert ledger.wrong() == "The database of the ledger cannot be reached."
+    ledger.close()
