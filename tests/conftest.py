@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pytest
 
+import postgres
+
 # `scripts/test` has compiled everything: services that tests start need not look.
 os.environ.setdefault("VIBRAFEED_WARM_AT_START", "false")
-import postgres
 
 HERE = Path(__file__).parent
 SLOW = frozenset((HERE / "slow.txt").read_text().split())

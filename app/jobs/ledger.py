@@ -18,24 +18,17 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import BigInteger, ColumnElement, Connection, Row, cast, func, select
+from sqlalchemy import ColumnElement, Connection, Row, func, select
 from sqlalchemy.sql.expression import Insert, Select
 
 from app.jobs.database import Database
 from app.jobs.disk import why
 from app.jobs.entries import ACTIVE, STATES, Job, Wanted, Work
 from app.jobs.errors import QueueFullError
+from app.jobs.lists import JOB, conditions, job_of
 from app.jobs.tables import JOBS, VERSION, WORK
 
 __all__ = ["ACTIVE", "STATES", "Job", "Ledger", "Wanted", "Work"]
-
-_JOB = select(
-    JOBS,
-    func.coalesce(WORK.c.done, 0).label("done"),
-    func.coalesce(WORK.c.seconds, 0).label("spent"),
-    WORK.c.began,
-    func.coalesce(WORK.c.done_then, 0).label("done_then"),
-).select_from(JOBS.outerjoin(WORK, WORK.c.key == JOBS.c.key))
 
 
 class Ledger:
@@ -155,14 +148,14 @@ class Ledger:
 
     def job(self, number: str) -> Job | None:
         """Return a job, or None if there is no such job."""
-        rows = self._read(_JOB.where(JOBS.c.id == number))
-        return _job(rows[0]) if rows else None
+        rows = self._read(JOB.where(JOBS.c.id == number))
+        return job_of(rows[0]) if rows else None
 
     def jobs(self, wanted: Wanted | None = None, *, limit: int, offset: int = 0) -> list[Job]:
         """Return jobs, the latest first."""
-        chosen = _JOB.where(*_conditions(wanted or Wanted()))
+        chosen = JOB.where(*conditions(wanted or Wanted()))
         latest = chosen.order_by(JOBS.c.created.desc(), JOBS.c.id)
-        return [_job(row) for row in self._read(latest.limit(limit).offset(offset))]
+        return [job_of(row) for row in self._read(latest.limit(limit).offset(offset))]
 
     def dismiss(self, number: str) -> Job | None:
         """Dismiss a job; work that no other job waits for is given up. None if there is none."""
@@ -309,44 +302,3 @@ def _work(row: Row[*tuple[Any, ...]], owner: str) -> Work:
 
 def _claimed(work: Work) -> ColumnElement[bool]:
     return (WORK.c.key == work.key) & (WORK.c.owner == work.owner)
-
-
-def _conditions(wanted: Wanted) -> list[ColumnElement[bool]]:
-    # Times are compared as they are told, to the millisecond. What has not begun has no duration.
-    created = cast(func.round(JOBS.c.created * 1e6), BigInteger) // 1000
-    seconds = func.coalesce(JOBS.c.finished, time.time()) - JOBS.c.started
-    (after, before), (least, most) = wanted.created, wanted.seconds
-    found: list[ColumnElement[bool]] = []
-    if wanted.processes:
-        found.append(JOBS.c.process.in_(wanted.processes))
-    if wanted.states:
-        found.append(JOBS.c.state.in_(wanted.states))
-    if after is not None:
-        found.append(created >= round(after * 1000))
-    if before is not None:
-        found.append(created <= round(before * 1000))
-    if least is not None:
-        found.append(seconds >= least)
-    if most is not None:
-        found.append(seconds <= most)
-    return found
-
-
-def _job(row: Row[*tuple[Any, ...]]) -> Job:
-    over = row.state not in ACTIVE
-    return Job(
-        id=row.id,
-        key=row.key,
-        process=row.process,
-        state=row.state,
-        cells=row.cells,
-        blocks=row.blocks,
-        done=row.blocks if row.state == "successful" else row.done,
-        created=row.created,
-        started=row.started,
-        finished=row.finished,
-        seconds=(row.seconds or 0.0) if over else row.spent,
-        problem=json.loads(row.problem) if row.problem else None,
-        began=None if over else row.began,
-        done_then=row.done_then,
-    )

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import psycopg
+from sqlalchemy import URL
 
 PASSWORD = "very-secret"
 
@@ -36,7 +37,9 @@ class Postgres:
 
     def url(self, database: str) -> str:
         """Return the URL of a database."""
-        return f"postgresql://vibrafeed:{PASSWORD}@127.0.0.1:{self.port}/{database}"
+        return URL.create(
+            "postgresql", "vibrafeed", PASSWORD, "127.0.0.1", self.port, database
+        ).render_as_string(hide_password=False)
 
     def new_database(self) -> str:
         """Make an empty database; return its URL."""

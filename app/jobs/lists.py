@@ -1,0 +1,63 @@
+"""Jobs as lists of the ledger tell them: what is read of each, and which are wanted."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import Any
+
+from sqlalchemy import BigInteger, ColumnElement, Row, cast, func, select
+
+from app.jobs.entries import ACTIVE, Job, Wanted
+from app.jobs.tables import JOBS, WORK
+
+JOB = select(
+    JOBS,
+    func.coalesce(WORK.c.done, 0).label("done"),
+    func.coalesce(WORK.c.seconds, 0).label("spent"),
+    WORK.c.began,
+    func.coalesce(WORK.c.done_then, 0).label("done_then"),
+).select_from(JOBS.outerjoin(WORK, WORK.c.key == JOBS.c.key))
+
+
+def conditions(wanted: Wanted) -> list[ColumnElement[bool]]:
+    """Return what is true of the jobs that are wanted."""
+    # Times are compared as they are told, to the millisecond. What has not begun has no duration.
+    created = cast(func.round(JOBS.c.created * 1e6), BigInteger) // 1000
+    seconds = func.coalesce(JOBS.c.finished, time.time()) - JOBS.c.started
+    (after, before), (least, most) = wanted.created, wanted.seconds
+    found: list[ColumnElement[bool]] = []
+    if wanted.processes:
+        found.append(JOBS.c.process.in_(wanted.processes))
+    if wanted.states:
+        found.append(JOBS.c.state.in_(wanted.states))
+    if after is not None:
+        found.append(created >= round(after * 1000))
+    if before is not None:
+        found.append(created <= round(before * 1000))
+    if least is not None:
+        found.append(seconds >= least)
+    if most is not None:
+        found.append(seconds <= most)
+    return found
+
+
+def job_of(row: Row[*tuple[Any, ...]]) -> Job:
+    """Return the job of a row of `JOB`."""
+    over = row.state not in ACTIVE
+    return Job(
+        id=row.id,
+        key=row.key,
+        process=row.process,
+        state=row.state,
+        cells=row.cells,
+        blocks=row.blocks,
+        done=row.blocks if row.state == "successful" else row.done,
+        created=row.created,
+        started=row.started,
+        finished=row.finished,
+        seconds=(row.seconds or 0.0) if over else row.spent,
+        problem=json.loads(row.problem) if row.problem else None,
+        began=None if over else row.began,
+        done_then=row.done_then,
+    )
