@@ -116,11 +116,18 @@ class Runner:
         fcntl.flock(self._alone, fcntl.LOCK_SH)
 
     async def _run(self) -> None:
+        is_read = True
         while True:
             try:
                 await self._claim_some()
             except Exception:
-                logger.exception("the ledger cannot be read")
+                if is_read:  # told once, however long it lasts
+                    logger.exception("the ledger cannot be read")
+                is_read = False
+            else:
+                if not is_read:
+                    logger.info("the ledger can be read again")
+                is_read = True
             self._wake.clear()
             # Not `wait_for`: before Python 3.12 it swallows a cancellation that meets a wake.
             with contextlib.suppress(TimeoutError):
@@ -167,7 +174,8 @@ class Runner:
         except LostError as lost:
             logger.warning("work is tried again: %s", lost, extra=about)
             await asyncio.sleep(RETRY)
-            await self._aside(self._ledger.release, item.owner)
+            with contextlib.suppress(OSError, sqlite3.Error):  # then the lease runs out
+                await self._aside(self._ledger.release, item.owner)
         except Exception:
             # Such as a ledger on a full disk: the lease runs out, and the work is tried again.
             logger.exception("work interrupted", extra=about)

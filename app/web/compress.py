@@ -37,10 +37,11 @@ class Compress:
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        # A part of a file is a part of it as it is.
+        # A part of a file is a part of it as it is, and a Zarr group is files with digests.
         headers = Headers(scope=scope)
+        is_file = "range" in headers or "/zarr/" in scope["path"]
         is_taken = takes_gzip(",".join(headers.getlist("accept-encoding")))
-        named = b"gzip" if is_taken and "range" not in headers else b"identity"
+        named = b"gzip" if is_taken and not is_file else b"identity"
         others = [pair for pair in scope["headers"] if pair[0] != b"accept-encoding"]
         scope["headers"] = [*others, (b"accept-encoding", named)]
         await self.app(scope, receive, _weakened(send))

@@ -19,7 +19,7 @@ from app.settings import Settings
 from local_client import local_client
 from posted_sweeps import STUDY, problem, with_axes
 
-WAIT = {"Prefer": "respond-async, wait=50"}
+WAIT = {"Prefer": "respond-async, wait=300"}
 
 
 def flip(path: Path) -> None:
@@ -46,7 +46,7 @@ def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
     settings = Settings(
         data_directory=tmp_path_factory.mktemp("data"),
         workers=1,
-        max_wait_seconds=50,
+        max_wait_seconds=300,
         max_cells=100_000,
     )
     with local_client(create_app(settings), raise_server_exceptions=False) as client:

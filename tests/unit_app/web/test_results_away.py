@@ -22,7 +22,7 @@ from posted_sweeps import STUDY, problem, with_axes
 
 pytestmark = pytest.mark.service
 URL = "s3://results/some/where"
-WAIT = {"Prefer": "respond-async, wait=50"}
+WAIT = {"Prefer": "respond-async, wait=300"}
 LARGE = with_axes(frequency=20, amplitude=20, alpha=20, beta=20)
 
 
@@ -60,7 +60,7 @@ def serve(tmp_path: Path) -> Callable[[str], TestClient]:
             data_directory=tmp_path / name,
             results_url=URL,
             workers=1,
-            max_wait_seconds=50,
+            max_wait_seconds=300,
             max_cells=100_000,
         )
         return local_client(create_app(settings), raise_server_exceptions=False)
