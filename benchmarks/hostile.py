@@ -4,8 +4,8 @@
 files; names of attacks as arguments choose some. Meanwhile a process of its own asks /healthz and
 for a small slice, again and again, each time on a new connection. Printed are the longest silences
 of both (from the first try to the right answer), the server's memory at its peak and 10 s after the
-attack, the processor time that the attack cost, and the bytes it wrote into the log; the limits are
-issue 17's. Exits with 1 if one is missed.
+attack, the processor time that the attack cost, how busy the server and its workers are 15 s after
+it, and the bytes it wrote into the log. Exits with 1 if a limit is missed.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from benchmarks.serving import Served, served
 
 OPEN_FILES = 1024
 REST = 10.0  # s after an attack, until the memory is looked at again
+STILL, LOOK = 5.0, 3.0  # s from then on, until it is looked whether somebody still works, and for
 MB = 1_000_000
 
 PLANE = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"]}
@@ -56,13 +57,17 @@ HUGE = {  # its file has 340 MB
 
 @dataclass(frozen=True)
 class Limits:
-    """What an attack may do at most: silences [s], memory [bytes], bytes of log a second."""
+    """What an attack may do at most: silences [s], memory [bytes], bytes of log a second.
+
+    `busy` are cores that still work after it.
+    """
 
     health: float = 1.0
     small: float = 3.0
     peak: float = 1000 * MB
     after: float = 300 * MB
     log: float = 100_000
+    busy: float = 0.5
 
 
 @dataclass
@@ -76,6 +81,7 @@ class Found:
     after: int = 0
     processor: float = 0.0
     log: int = 0
+    busy: float = 0.0
 
     def missed(self, limits: Limits) -> list[str]:
         """Return what is beyond its limit."""
@@ -85,6 +91,7 @@ class Found:
             "peak": self.peak,
             "after": self.after,
             "log": self.log / max(1.0, self.seconds),
+            "busy": self.busy,
         }
         return [
             f"{name}: {value:,.1f}, at most {getattr(limits, name):,}"
@@ -145,6 +152,77 @@ def heads(server: Served, seconds: float) -> None:
     _crowd(server, [_request(server, "HEAD", path) for path in paths] + [small], seconds)
 
 
+def long_cells(server: Served, seconds: float) -> None:
+    """Four requests of 200 bytes for a cell that takes hours; they are left when time is up."""
+    _crowd(server, [_long_cell(server, n) for n in range(4)], seconds)
+
+
+def long_jobs(server: Served, seconds: float) -> None:
+    """Four such jobs, dismissed after half of the time; a small job has to come through then."""
+    numbers = []
+    for n in range(4):
+        numbers.append(_posted(server, "simulate", _long_study(n)))
+    time.sleep(seconds / 2)
+    for number in numbers:
+        _delete(server, f"/jobs/{number}")
+    _has_to_end(server, _posted(server, "sweep", SMALL), seconds / 2)
+
+
+def accuracy_jobs(server: Served, seconds: float) -> None:
+    """Three accuracy jobs, dismissed as they run; a small job has to come through then."""
+    numbers = []
+    for n in range(3):
+        study = {**SMALL, "parameters": {**SMALL["parameters"], "frequency": 50 + n}}  # type: ignore[dict-item]
+        numbers.append(_posted(server, "accuracy", study))
+    time.sleep(seconds / 2)
+    for number in numbers:
+        _delete(server, f"/jobs/{number}")
+    _has_to_end(server, _posted(server, "sweep", SMALL), seconds / 2)
+
+
+def _long_study(n: int) -> dict[str, object]:
+    return {
+        "kind": "simulate",
+        "scene": "rectangle-on-plane",
+        "method": "reference",
+        "parameters": {
+            "frequency": 50 + n * 1e-6,
+            "amplitude": "2.1 mm",
+            "beta": 41,
+            "friction": 0.4,
+            "restitution": 0.6,
+        },
+        "most_periods": 100_000,
+    }
+
+
+def _long_cell(server: Served, n: int) -> bytes:
+    body = json.dumps(_long_study(n)).encode()
+    path = "/processes/simulate/execution"
+    return _request(server, "POST", path, f"Content-Length: {len(body)}") + body
+
+
+def _posted(server: Served, process: str, study: object) -> str:
+    path = f"/processes/{process}/execution"
+    return str(server.post(path, study, Prefer="respond-async")["jobID"])
+
+
+def _delete(server: Served, path: str) -> None:
+    connection = http.client.HTTPConnection(*server.place, timeout=30)
+    connection.request("DELETE", path)
+    connection.getresponse().read()
+    connection.close()
+
+
+def _has_to_end(server: Served, number: str, seconds: float) -> None:
+    until = time.monotonic() + seconds
+    while (status := server.get(f"/jobs/{number}")["status"]) != "successful":
+        if time.monotonic() > until:
+            print(f"  MISSED a small job is {status} after {seconds:g} s")
+            return
+        time.sleep(0.1)
+
+
 ATTACKS: dict[str, tuple[Callable[[Served, float], None], float]] = {
     "unknown_outputs": (unknown_outputs, 5),
     "silent": (silent, 20),
@@ -153,6 +231,9 @@ ATTACKS: dict[str, tuple[Callable[[Served, float], None], float]] = {
     "deaf_slices": (deaf_slices, 30),
     "deaf_downloads": (deaf_downloads, 20),
     "heads": (heads, 10),
+    "long_cells": (long_cells, 40),
+    "long_jobs": (long_jobs, 60),
+    "accuracy_jobs": (accuracy_jobs, 60),
 }
 """Every attack, and how long it lasts [s]."""
 
@@ -283,10 +364,28 @@ def suffered(attack: Callable[[Served, float], None], seconds: float) -> Found:
         found.after = server.memory()
         found.peak = _peak(server.pid)
         found.log = server.log.stat().st_size
+        time.sleep(STILL)
+        found.busy = _busy(process)
         here.send("over")
         found.health, found.small = here.recv()
         watcher.join()
     return found
+
+
+def _busy(process: psutil.Process) -> float:
+    """Return how many cores a process and its children keep busy."""
+
+    def spent() -> dict[int, float]:
+        found = {}
+        for one in (process, *process.children(recursive=True)):
+            with suppress(psutil.Error):
+                times = one.cpu_times()
+                found[one.pid] = times.user + times.system
+        return found
+
+    before = spent()
+    time.sleep(LOOK)
+    return sum(seconds - before.get(pid, 0.0) for pid, seconds in spent().items()) / LOOK
 
 
 def _peak(pid: int) -> int:
@@ -302,13 +401,14 @@ def main() -> None:
     wanted = parser.parse_args().attacks or list(ATTACKS)
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
-    print(f"{'':16} /healthz  slice   peak  after  processor    log")
+    print(f"{'':16} /healthz  slice   peak  after  processor    log   busy")
     missed = False
     for name in wanted:
         found = suffered(*ATTACKS[name])
         print(
             f"{name:16} {found.health:6.2f} s {found.small:5.2f} s {found.peak / MB:5.0f} "
-            f"{found.after / MB:5.0f} MB {found.processor:6.1f} s {found.log / 1000:7.0f} kB",
+            f"{found.after / MB:5.0f} MB {found.processor:6.1f} s {found.log / 1000:7.0f} kB "
+            f"{found.busy:5.2f}",
             flush=True,
         )
         for what in found.missed(Limits()):
