@@ -29,6 +29,7 @@ from app.web.metrics import Metrics
 from app.web.observe import Observe
 from app.web.outgoing import Outgoing, Unsent
 from app.web.routes import health, jobs, processes, results, scenes, sweeps, zarr
+from app.web.stopping import Stopping
 from app.web.warmth import Warmth
 from app.web.zarr_views import ZarrViews
 
@@ -57,9 +58,9 @@ def create_app(settings: Settings) -> FastAPI:
         stopping = asyncio.Event()
         tidying = asyncio.create_task(_tidy(desk, stopping))
         yield
+        await runner.stop()  # first of all: others may go on with the work
         stopping.set()
         await tidying
-        await runner.stop()
         await asyncio.to_thread(writer.close)
         store.close()
         ledger.close()
@@ -92,6 +93,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(Compress)  # within what counts the bytes that wait
     app.add_middleware(Outgoing, unsent=app.state.unsent)
     guard.install(app, settings)
+    app.add_middleware(Stopping, stopping=app.state.stopping)
     app.add_middleware(Observe, metrics=app.state.metrics)
     app.add_middleware(guard.SafeHeaders)
     return app

@@ -20,6 +20,7 @@ _T = TypeVar("_T")
 MOST_FAILURES = 10  # workers that die under one block
 BEGUN = "vibrafeed-begun"  # Dask's topic under which workers tell what they begin
 RESTART = 30.0  # s that a worker may take to end and come again
+PATIENCE = 1.0  # s that a worker may take to end before it is killed
 POLITE = 10  # niceness of our own workers: the service answers while they work
 
 
@@ -101,6 +102,7 @@ class Cluster:
                 local = _local(distributed, self._workers)
                 made.push_async_exit(local)
                 await local
+                made.push_async_callback(_end_workers, local)
             client = distributed.Client(local or self._address, asynchronous=True, timeout=20)
             made.push_async_callback(client.close)
             await client
@@ -163,6 +165,12 @@ async def _end(start: asyncio.Task[_Made]) -> None:
     await asyncio.wait([start])
     if not start.cancelled() and start.exception() is None:
         await start.result()[1].aclose()
+
+
+async def _end_workers(cluster: Any) -> None:
+    """End our own workers, what they compute too: it is to be computed again."""
+    nannies = list(cluster.workers.values())
+    await asyncio.gather(*(nanny.close(timeout=PATIENCE) for nanny in nannies))
 
 
 def _local(distributed: Any, workers: int) -> Any:
