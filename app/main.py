@@ -25,7 +25,7 @@ from app.jobs.writer import Writer
 from app.settings import Settings
 from app.web import guard, openapi, problems
 from app.web.compress import Compress
-from app.web.metrics import Metrics
+from app.web.metrics import Metrics, watch_jobs
 from app.web.observe import Observe
 from app.web.outgoing import Outgoing, Unsent
 from app.web.routes import health, jobs, processes, results, scenes, sweeps, zarr
@@ -46,7 +46,8 @@ def create_app(settings: Settings) -> FastAPI:
     store = Store(settings.data_directory, settings.results_url)
     url = settings.ledger_url
     ledger = Ledger(url.get_secret_value() if url else settings.data_directory / "jobs.sqlite3")
-    runner = Runner(ledger, store, Cluster(settings.scheduler, settings.workers), settings)
+    cluster = Cluster(settings.scheduler, settings.workers)
+    runner = Runner(ledger, store, cluster, settings)
     desk = Desk(ledger, store, settings, runner.wake, runner.waits)
     writer = Writer(store, desk.make_room, settings)
 
@@ -85,7 +86,8 @@ def create_app(settings: Settings) -> FastAPI:
     # Of (name, check): see `app.web.routes.health.readyz`.
     app.state.readiness = [("jobs", runner.wrong), ("ledger", ledger.wrong)]
     app.state.stopping = threading.Event()  # set by a signal: open streams end
-    app.state.metrics.gauges("vibrafeed_jobs", "Jobs by their state.", "state", ledger.counts)
+    watch_jobs(app.state.metrics, desk, cluster, settings)
+    runner.course.witnesses.append(app.state.metrics)
     problems.install(app)
     for part in (health, scenes, sweeps, zarr, processes, jobs, results):
         app.include_router(part.router)

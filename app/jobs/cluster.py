@@ -83,6 +83,14 @@ class Cluster:
         with contextlib.suppress(KeyError):  # it is gone
             await client.restart_workers([worker], timeout=RESTART, raise_for_error=False)
 
+    def alive(self) -> int:
+        """Return how many workers there were a moment ago; 0 if none has been asked for yet."""
+        if self._start is None or not self._start.done() or _is_lost(self._start):
+            return 0
+        client, _ = self._start.result()
+        told: Any = client.scheduler_info()  # of an asynchronous client: what it was last told
+        return int(told.get("n_workers", 0))
+
     async def close(self) -> None:
         """Close the connection, and our own workers; wait for them if they are being started."""
         start, self._start = self._start, None

@@ -23,9 +23,7 @@ class Stopping:
         if scope["type"] == "http" and scope["method"] == "POST" and self.stopping.is_set():
             detail = "It takes no new work. What it has taken goes on with the next server."
             headers = {"Retry-After": RETRY, "Connection": "close"}
-            reply = problem_document(
-                503, "stopping", "The service stops", detail, headers=headers
-            )
+            reply = problem_document(503, "stopping", "The service stops", detail, headers=headers)
             await reply(scope, receive, send)
             return
         await self.app(scope, receive, send)
