@@ -16,6 +16,7 @@ from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
 import core
+from app import traces
 from app.jobs.cluster import Cluster
 from app.jobs.desk import Desk
 from app.jobs.ledger import Ledger
@@ -55,6 +56,8 @@ def create_app(settings: Settings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         current_default_thread_limiter().total_tokens = THREADS
         app.state.large_slices = CapacityLimiter(os.cpu_count() or 1)
+        if (lacking := traces.wrong()) is not None:
+            logger.warning(lacking)
         await runner.start()
         stopping = asyncio.Event()
         tidying = asyncio.create_task(_tidy(desk, stopping))
@@ -65,6 +68,8 @@ def create_app(settings: Settings) -> FastAPI:
         await asyncio.to_thread(writer.close)
         store.close()
         ledger.close()
+        if spans is not None:
+            await asyncio.to_thread(spans.close)
 
     app = FastAPIOffline(
         docs_url="/docs",
@@ -88,6 +93,10 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.stopping = threading.Event()  # set by a signal: open streams end
     watch_jobs(app.state.metrics, desk, cluster, settings)
     runner.course.witnesses.append(app.state.metrics)
+    spans = traces.configured()
+    if spans is not None:
+        runner.course.witnesses.append(spans)
+        desk.posted = spans.posted
     problems.install(app)
     for part in (health, scenes, sweeps, zarr, processes, jobs, results):
         app.include_router(part.router)
@@ -96,7 +105,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(Outgoing, unsent=app.state.unsent)
     guard.install(app, settings)
     app.add_middleware(Stopping, stopping=app.state.stopping)
-    app.add_middleware(Observe, metrics=app.state.metrics)
+    app.add_middleware(Observe, metrics=app.state.metrics, traces=spans)
     app.add_middleware(guard.SafeHeaders)
     return app
 

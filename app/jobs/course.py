@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 from app.jobs.ledger import Work
@@ -15,14 +16,23 @@ logger = logging.getLogger("vibrafeed.jobs")
 class Witness(Protocol):
     """Is told how work goes on; its methods return at once."""
 
-    def began(self, item: Work) -> None:
-        """Take note that an item has been taken up."""
+    def began(self, item: Work) -> Mapping[str, str]:
+        """Take note that an item has been taken up; return what its log lines are to tell too."""
 
     def computed(self, item: Work, seconds: Sequence[float]) -> None:
         """Take note of blocks that are done, and of what each took."""
 
     def ended(self, item: Work, outcome: str, seconds: float) -> None:
         """Take note of how an item ended here, and how long after it was taken up."""
+
+
+@dataclass
+class _Started:
+    """When an item was taken up [s, monotonic], what the log tells of it, blocks done since."""
+
+    at: float
+    about: dict[str, object]
+    computed: int = 0
 
 
 class Course:
@@ -36,36 +46,32 @@ class Course:
 
     def __init__(self) -> None:
         self.witnesses: list[Witness] = []
-        self._began: dict[str, tuple[float, int]] = {}  # by claim: when [s], and blocks since
+        self._courses: dict[str, _Started] = {}  # by claim
 
     def began(self, item: Work) -> None:
         """Tell that an item has been taken up."""
-        self._began[item.owner] = time.monotonic(), 0
-        logger.info("work started", extra=_about(item))
+        about: dict[str, object] = {"key": item.key, "kind": item.process, "blocks": item.blocks}
         for witness in self.witnesses:
-            witness.began(item)
+            about |= witness.began(item)
+        self._courses[item.owner] = _Started(time.monotonic(), about)
+        logger.info("work started", extra=about)
 
     def computed(self, item: Work, seconds: Sequence[float]) -> None:
         """Tell of blocks that are done, and what each took [s]."""
-        if item.owner in self._began:
-            began, blocks = self._began[item.owner]
-            self._began[item.owner] = began, blocks + len(seconds)
+        if item.owner in self._courses:
+            self._courses[item.owner].computed += len(seconds)
         for witness in self.witnesses:
             witness.computed(item, seconds)
 
     def ended(self, item: Work, outcome: str, title: str | None = None) -> None:
         """Tell how an item ended here: ``done``, ``failed`` or ``given up``; only once counts."""
-        if item.owner not in self._began:
+        course = self._courses.pop(item.owner, None)
+        if course is None:
             return
-        began, blocks = self._began.pop(item.owner)
-        seconds = time.monotonic() - began
-        extra = {**_about(item), "computed": blocks, "seconds": round(seconds, 3)}
+        seconds = time.monotonic() - course.at
+        extra = {**course.about, "computed": course.computed, "seconds": round(seconds, 3)}
         if title is not None:
             extra["title"] = title
         logger.info("work %s", outcome, extra=extra)
         for witness in self.witnesses:
             witness.ended(item, outcome, seconds)
-
-
-def _about(item: Work) -> dict[str, object]:
-    return {"key": item.key, "kind": item.process, "blocks": item.blocks}

@@ -90,8 +90,9 @@ class Metrics:
         """Add a gauge whose value is asked for when the figures are read."""
         Gauge(name, description, registry=self.registry).set_function(value)
 
-    def began(self, item: Work) -> None:
+    def began(self, item: Work) -> Mapping[str, str]:
         """Take note that an item of work has been taken up: the ledger counts it."""
+        return {}
 
     def computed(self, item: Work, seconds: Sequence[float]) -> None:
         """Take note of blocks that are done."""
