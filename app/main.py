@@ -16,6 +16,7 @@ from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
 import core
+from app import traces
 from app.jobs.cluster import Cluster
 from app.jobs.desk import Desk
 from app.jobs.ledger import Ledger
@@ -25,10 +26,11 @@ from app.jobs.writer import Writer
 from app.settings import Settings
 from app.web import guard, openapi, problems
 from app.web.compress import Compress
-from app.web.metrics import Metrics
+from app.web.metrics import Metrics, watch_jobs
 from app.web.observe import Observe
 from app.web.outgoing import Outgoing, Unsent
 from app.web.routes import health, jobs, processes, results, scenes, sweeps, zarr
+from app.web.stopping import Stopping
 from app.web.warmth import Warmth
 from app.web.zarr_views import ZarrViews
 
@@ -45,7 +47,8 @@ def create_app(settings: Settings) -> FastAPI:
     store = Store(settings.data_directory, settings.results_url)
     url = settings.ledger_url
     ledger = Ledger(url.get_secret_value() if url else settings.data_directory / "jobs.sqlite3")
-    runner = Runner(ledger, store, Cluster(settings.scheduler, settings.workers), settings)
+    cluster = Cluster(settings.scheduler, settings.workers)
+    runner = Runner(ledger, store, cluster, settings)
     desk = Desk(ledger, store, settings, runner.wake, runner.waits)
     writer = Writer(store, desk.make_room, settings)
 
@@ -53,16 +56,20 @@ def create_app(settings: Settings) -> FastAPI:
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         current_default_thread_limiter().total_tokens = THREADS
         app.state.large_slices = CapacityLimiter(os.cpu_count() or 1)
+        if (lacking := traces.wrong()) is not None:
+            logger.warning(lacking)
         await runner.start()
         stopping = asyncio.Event()
         tidying = asyncio.create_task(_tidy(desk, stopping))
         yield
+        await runner.stop()  # first of all: others may go on with the work
         stopping.set()
         await tidying
-        await runner.stop()
         await asyncio.to_thread(writer.close)
         store.close()
         ledger.close()
+        if spans is not None:
+            await asyncio.to_thread(spans.close)
 
     app = FastAPIOffline(
         docs_url="/docs",
@@ -84,7 +91,12 @@ def create_app(settings: Settings) -> FastAPI:
     # Of (name, check): see `app.web.routes.health.readyz`.
     app.state.readiness = [("jobs", runner.wrong), ("ledger", ledger.wrong)]
     app.state.stopping = threading.Event()  # set by a signal: open streams end
-    app.state.metrics.gauges("vibrafeed_jobs", "Jobs by their state.", "state", ledger.counts)
+    watch_jobs(app.state.metrics, desk, cluster, settings)
+    runner.course.witnesses.append(app.state.metrics)
+    spans = traces.configured()
+    if spans is not None:
+        runner.course.witnesses.append(spans)
+        desk.posted = spans.posted
     problems.install(app)
     for part in (health, scenes, sweeps, zarr, processes, jobs, results):
         app.include_router(part.router)
@@ -92,7 +104,8 @@ def create_app(settings: Settings) -> FastAPI:
     app.add_middleware(Compress)  # within what counts the bytes that wait
     app.add_middleware(Outgoing, unsent=app.state.unsent)
     guard.install(app, settings)
-    app.add_middleware(Observe, metrics=app.state.metrics)
+    app.add_middleware(Stopping, stopping=app.state.stopping)
+    app.add_middleware(Observe, metrics=app.state.metrics, traces=spans)
     app.add_middleware(guard.SafeHeaders)
     return app
 

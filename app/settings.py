@@ -196,8 +196,21 @@ class Settings(BaseSettings):
         default=True,
         description="Compile in the background, when the service starts, what is not compiled yet.",
     )
+    root_path: str = Field(
+        default="",
+        pattern=r"^(/[A-Za-z0-9._~-]+)*$",
+        description="The path under which a proxy shows the service, as in `/vibrafeed`.",
+    )
+    drain_seconds: float = Field(
+        default=0.0,
+        ge=0,
+        description="How long, told to stop, the service goes on answering what is no new work; "
+        "`/readyz` says meanwhile that it stops.",
+    )
     shutdown_seconds: int = Field(
-        default=10, gt=0, description="Longest wait for replies under way when the service stops."
+        default=4,
+        gt=0,
+        description="Longest wait, after that, for replies under way; 5 s later it has ended.",
     )
 
     @field_validator("api_key_hashes")

@@ -12,6 +12,7 @@ from typing import Any
 from app.jobs import work
 from app.jobs.aside import Aside
 from app.jobs.cluster import Cluster
+from app.jobs.course import Course
 from app.jobs.errors import TornBlockError
 from app.jobs.hands import Hands, LostError
 from app.jobs.ledger import Ledger, Work
@@ -102,6 +103,8 @@ class Carrier:
 
     Attributes
     ----------
+    course : Course
+        Is told of blocks that are done.
     hands : Hands
         Who does it.
     """
@@ -114,6 +117,7 @@ class Carrier:
         self._directory = str(settings.data_directory.resolve())
         turns = Turns(LASTS * settings.block_seconds)
         self.hands = Hands(cluster, turns, settings.grace_seconds)
+        self.course = Course()
 
     async def carry_out(self, item: Work, seconds: float) -> None:
         """Have the missing blocks of an item computed, then its result written, within its time.
@@ -193,6 +197,7 @@ class Carrier:
                 if not running:
                     return total
                 finished, running = await asyncio.wait(running, return_when=asyncio.FIRST_COMPLETED)
+                self.course.computed(item, [task.result() for task in finished])
                 seconds = sum(task.result() for task in finished)
                 progress.done += len(finished)
                 total += seconds

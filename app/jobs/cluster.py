@@ -20,6 +20,7 @@ _T = TypeVar("_T")
 MOST_FAILURES = 10  # workers that die under one block
 BEGUN = "vibrafeed-begun"  # Dask's topic under which workers tell what they begin
 RESTART = 30.0  # s that a worker may take to end and come again
+PATIENCE = 1.0  # s that a worker may take to end before it is killed
 POLITE = 10  # niceness of our own workers: the service answers while they work
 
 
@@ -82,6 +83,14 @@ class Cluster:
         with contextlib.suppress(KeyError):  # it is gone
             await client.restart_workers([worker], timeout=RESTART, raise_for_error=False)
 
+    def alive(self) -> int:
+        """Return how many workers there were a moment ago; 0 if none has been asked for yet."""
+        if self._start is None or not self._start.done() or _is_lost(self._start):
+            return 0
+        client, _ = self._start.result()
+        told: Any = client.scheduler_info()  # of an asynchronous client: what it was last told
+        return int(told.get("n_workers", 0))
+
     async def close(self) -> None:
         """Close the connection, and our own workers; wait for them if they are being started."""
         start, self._start = self._start, None
@@ -101,6 +110,7 @@ class Cluster:
                 local = _local(distributed, self._workers)
                 made.push_async_exit(local)
                 await local
+                made.push_async_callback(_end_workers, local)
             client = distributed.Client(local or self._address, asynchronous=True, timeout=20)
             made.push_async_callback(client.close)
             await client
@@ -163,6 +173,12 @@ async def _end(start: asyncio.Task[_Made]) -> None:
     await asyncio.wait([start])
     if not start.cancelled() and start.exception() is None:
         await start.result()[1].aclose()
+
+
+async def _end_workers(cluster: Any) -> None:
+    """End our own workers, what they compute too: it is to be computed again."""
+    nannies = list(cluster.workers.values())
+    await asyncio.gather(*(nanny.close(timeout=PATIENCE) for nanny in nannies))
 
 
 def _local(distributed: Any, workers: int) -> Any:

@@ -54,6 +54,7 @@ class Desk:
         self._settings, self._wake = settings, wake
         self.waits = waits
         self._room = Room(ledger, store, settings)
+        self.posted: Callable[[str], object] = lambda key: None  # told before others may claim it
         self._scrubbed = ""  # the study that was looked at last
 
     def post(self, prepared: Prepared, process: str) -> Job:
@@ -90,6 +91,8 @@ class Desk:
                 bytes_=needed,
                 finished_seconds=None if manifest is None else manifest.seconds,
             )
+            if manifest is None:
+                self.posted(key)
         self._wake()
         return job
 
@@ -190,3 +193,7 @@ class Desk:
             if read >= SCRUBBED:
                 return
         self._scrubbed = ""
+
+    def used_bytes(self) -> int:
+        """Return what all studies take on the disk, counted a minute ago at most."""
+        return self._room.used()

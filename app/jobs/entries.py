@@ -78,3 +78,12 @@ class Work:
     blocks: int
     seconds: float
     owner: str
+
+
+@dataclass(frozen=True)
+class Queue:
+    """The items of work: those that wait, those under way, the age of the oldest that waits [s]."""
+
+    waiting: int
+    running: int
+    oldest: float

@@ -18,17 +18,17 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, func, select
+from sqlalchemy import ColumnElement, Connection, Row, func, select, true
 from sqlalchemy.sql.expression import Insert, Select
 
 from app.jobs.database import Database
 from app.jobs.disk import why
-from app.jobs.entries import ACTIVE, STATES, Job, Wanted, Work
+from app.jobs.entries import ACTIVE, STATES, Job, Queue, Wanted, Work
 from app.jobs.errors import QueueFullError
 from app.jobs.lists import JOB, conditions, job_of
 from app.jobs.tables import JOBS, VERSION, WORK
 
-__all__ = ["ACTIVE", "STATES", "Job", "Ledger", "Wanted", "Work"]
+__all__ = ["ACTIVE", "STATES", "Job", "Ledger", "Queue", "Wanted", "Work"]
 
 
 class Ledger:
@@ -285,6 +285,16 @@ class Ledger:
         with self.transaction() as database:
             database.execute(JOBS.delete().where(JOBS.c.finished < before))
             database.execute(JOBS.delete().where(JOBS.c.id.in_(oldest)))
+
+    def queue(self) -> Queue:
+        """Return how much work waits and runs, and for how long it has waited."""
+        now = time.time()
+        every, first = (
+            self._read(select(func.count(), func.min(WORK.c.created)).where(which))[0]
+            for which in (true(), _is_free(now))
+        )
+        oldest = 0.0 if first[1] is None else max(0.0, now - first[1])
+        return Queue(first[0], every[0] - first[0], oldest)
 
 
 def _is_free(now: float) -> ColumnElement[bool]:

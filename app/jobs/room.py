@@ -89,6 +89,11 @@ class Room:
             self._sizes = {k: size for k, size in self._sizes.items() if k not in leaving}
             self._since = {**self._since, key: needed}
 
+    def used(self) -> int:
+        """Return the bytes of all studies, counted a minute ago at most."""
+        self._count(COUNTED_EVERY)
+        return sum({**self._sizes, **self._since}.values())
+
     def _promised(self, key: str, needed: int) -> dict[str, int]:
         return self._ledger.promised() | {key: needed}
 

@@ -42,6 +42,11 @@ class Runner:
         Where work is kept, where its files are, and where it runs.
     settings : Settings
         The service's.
+
+    Attributes
+    ----------
+    course : Course
+        Tells how the work goes on.
     """
 
     def __init__(self, ledger: Ledger, store: Store, cluster: Cluster, settings: Settings):
@@ -52,6 +57,7 @@ class Runner:
         self._aside = Aside()
         self._carrier = Carrier(ledger, store, cluster, self._aside, settings)
         self._lanes = Lanes(store, settings)
+        self.course = self._carrier.course
         self._loop: asyncio.AbstractEventLoop | None = None
         self._wake = asyncio.Event()
         self._active: dict[str, tuple[Work, asyncio.Task[None]]] = {}
@@ -158,19 +164,20 @@ class Runner:
         seconds = await self._aside(self._lanes.block_price, item)
         carrying = asyncio.create_task(self._carrier.carry_out(item, seconds))
         try:
-            logger.info("work started", extra=about)
+            self.course.began(item)
             await self._hold(item, carrying)
             if not carrying.done():
-                logger.info("work given up", extra=about)
+                self.course.ended(item, "given up")
                 return
             problem = await self._problem_of(carrying)
             if problem is not None and await self._carrier.is_there(item):
                 problem = None  # another server, which took this one for dead, has finished it
             if problem is None:
                 await self._aside(self._ledger.succeed, item)
-                logger.info("work done", extra=about)
+                self.course.ended(item, "done")
             else:
                 await self._aside(self._ledger.fail, item, problem)
+                self.course.ended(item, "failed", problem["title"])
         except LostError as lost:
             logger.warning("work is tried again: %s", lost, extra=about)
             await asyncio.sleep(RETRY)
@@ -182,6 +189,7 @@ class Runner:
         finally:
             carrying.cancel()
             await asyncio.gather(carrying, return_exceptions=True)
+            self.course.ended(item, "interrupted")  # if it has not ended before
             self._active.pop(item.owner, None)
             self._wake.set()
 

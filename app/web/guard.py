@@ -107,7 +107,7 @@ class SafeHeaders:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on; add the headers to its reply."""
-        policy = DOCS_POLICY if is_docs(scope.get("path", "")) else API_POLICY
+        policy = DOCS_POLICY if is_docs(_path(scope)) else API_POLICY
 
         async def with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
@@ -145,7 +145,7 @@ class Guard:
         return (
             (None if self.hashes else self._from_elsewhere(scope, named[1] if named else ""))
             or self._from_another_page(scope["method"], headers, host)
-            or self._without_key(scope["path"], headers)
+            or self._without_key(_path(scope), headers)
         )
 
     def _from_elsewhere(self, scope: Scope, name: str) -> Response | None:
@@ -199,7 +199,7 @@ class Limits:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it without reading its body."""
-        if scope["type"] != "http" or scope["path"] in HEALTH:
+        if scope["type"] != "http" or _path(scope) in HEALTH:
             await self.app(scope, receive, send)
             return
         refusal = self._refusal(scope)
@@ -225,6 +225,12 @@ class Limits:
             if size > self.most_bytes:
                 return problem_document(*STATUS[TooLargeError], str(TooLargeError(self.most_bytes)))
         return None
+
+
+def _path(scope: Scope) -> str:
+    """Return the path as the routes see it, without that under which a proxy shows the service."""
+    path: str = scope.get("path", "")
+    return path.removeprefix(scope.get("root_path", ""))
 
 
 def _keys(headers: Headers) -> list[str]:

@@ -2,14 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+import math
+import shutil
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 
-from prometheus_client import CollectorRegistry, Counter, Gauge, Histogram, ProcessCollector
+from prometheus_client import (
+    CollectorRegistry,
+    Counter,
+    Gauge,
+    Histogram,
+    Info,
+    ProcessCollector,
+)
 from prometheus_client.exposition import generate_latest
 from prometheus_client.metrics_core import GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 
+import core
+from app.jobs.cluster import Cluster
+from app.jobs.desk import Desk
+from app.jobs.ledger import Work
+from app.settings import Settings
+
 SECONDS = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
+WORK_SECONDS = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4, 3e4, 1e5)
 # Clients may send any word as a method; each label value costs memory for ever.
 METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 
@@ -39,6 +56,24 @@ class Metrics:
             buckets=SECONDS,
             registry=self.registry,
         )
+        self._blocks = Histogram(
+            "vibrafeed_block_seconds",
+            "Time that a worker took for a block of a job.",
+            ("process",),
+            buckets=SECONDS,
+            registry=self.registry,
+        )
+        self._work = Histogram(
+            "vibrafeed_work_seconds",
+            "Time from the taking up of a job's work to its end here: done, failed, given up, "
+            "interrupted.",
+            ("process", "outcome"),
+            buckets=WORK_SECONDS,
+            registry=self.registry,
+        )
+        Info("vibrafeed", "The version.", registry=self.registry).info(
+            {"version": core.__version__}
+        )
         self.under_way = Gauge(
             "vibrafeed_requests_under_way",
             "Requests that are not answered yet.",
@@ -51,6 +86,23 @@ class Metrics:
         """Add a gauge with a label, whose values are asked for when the figures are read."""
         self.registry.register(_Gauges(name, description, label, values))
 
+    def gauge(self, name: str, description: str, value: Callable[[], float]) -> None:
+        """Add a gauge whose value is asked for when the figures are read."""
+        Gauge(name, description, registry=self.registry).set_function(value)
+
+    def began(self, item: Work) -> Mapping[str, str]:
+        """Take note that an item of work has been taken up: the ledger counts it."""
+        return {}
+
+    def computed(self, item: Work, seconds: Sequence[float]) -> None:
+        """Take note of blocks that are done."""
+        for one in seconds:
+            self._blocks.labels(item.process).observe(one)
+
+    def ended(self, item: Work, outcome: str, seconds: float) -> None:
+        """Take note of how an item of work ended."""
+        self._work.labels(item.process, outcome).observe(seconds)
+
     def count(self, method: str, route: str, status: int, seconds: float) -> None:
         """Count one request; `route` is a template such as ``/sweeps/{key}``, never a path."""
         method = method if method in METHODS else "other"
@@ -60,6 +112,35 @@ class Metrics:
     def text(self) -> bytes:
         """Return every figure in the text format of Prometheus."""
         return generate_latest(self.registry)
+
+
+def _free(directory: Path) -> float:
+    try:
+        return shutil.disk_usage(directory).free
+    except OSError:  # not made yet, or gone
+        return math.nan
+
+
+def watch_jobs(metrics: Metrics, desk: Desk, cluster: Cluster, settings: Settings) -> None:
+    """Add the figures of jobs, of workers and of the disk."""
+
+    def work() -> dict[str, float]:
+        queue = desk.ledger.queue()
+        return {"waiting": queue.waiting, "running": queue.running}
+
+    metrics.gauges("vibrafeed_jobs", "Jobs by their state.", "state", desk.ledger.counts)
+    metrics.gauges("vibrafeed_work", "Different studies that wait or are computed.", "state", work)
+    for name, description, value in (
+        ("oldest_waiting_seconds", "Age of the study that has waited longest for its turn.",
+         lambda: desk.ledger.queue().oldest),
+        ("workers", "Workers that this server has; they start with the first job.", cluster.alive),
+        ("disk_used_bytes", "What studies and results take, counted once a minute at most.",
+         desk.used_bytes),
+        ("disk_quota_bytes", "What they may take.", lambda: settings.disk_quota_bytes),
+        ("disk_free_bytes", "What the disk of the data directory has left.",
+         lambda: _free(settings.data_directory)),
+    ):  # fmt: skip
+        metrics.gauge(f"vibrafeed_{name}", description, value)
 
 
 class _Gauges(Collector):

@@ -6,12 +6,14 @@ import logging
 import re
 import time
 import uuid
+from contextlib import nullcontext
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app import logs
+from app.traces import Traces
 from app.web.metrics import Metrics
 from app.web.problems import unforeseen
 
@@ -25,16 +27,17 @@ NO_ROUTE = "(none)"
 class Observe:
     """Gives requests identifiers, writes the log, counts, and answers unforeseen errors."""
 
-    def __init__(self, app: ASGIApp, metrics: Metrics):
+    def __init__(self, app: ASGIApp, metrics: Metrics, traces: Traces | None = None):
         self.app = app
-        self.metrics = metrics
+        self.metrics, self.traces = metrics, traces
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on; write its line when its reply has ended."""
         if scope["type"] != "http":
             await self.app(scope, receive, send)
             return
-        given = Headers(scope=scope).get("x-request-id", "")
+        headers = Headers(scope=scope)
+        given = headers.get("x-request-id", "")
         request_id = given if REQUEST_ID.fullmatch(given) else uuid.uuid4().hex
         status, sent, ended = 0, 0, False
 
@@ -52,6 +55,7 @@ class Observe:
         with (
             logs.request(request_id=request_id) as fields,
             self.metrics.under_way.track_inprogress(),
+            self.traces.request(headers) if self.traces else nullcontext() as span,
         ):
             try:
                 await self.app(scope, receive, watched)
@@ -66,6 +70,8 @@ class Observe:
                 seconds = time.perf_counter() - started
                 route = route_of(scope)
                 self.metrics.count(scope["method"], route, status, seconds)
+                if self.traces and span is not None:
+                    self.traces.answered(span, scope["method"], route, status)
                 line = {
                     "method": scope["method"],
                     "route": route,

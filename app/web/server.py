@@ -5,9 +5,13 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import ctypes
+import logging
 import os
+import signal
 import socket
 import sys
+import threading
+import time
 from types import FrameType
 
 import uvicorn
@@ -16,17 +20,37 @@ from fastapi import FastAPI
 from app.settings import Settings
 from app.web.connections import ACCEPTED_AT_ONCE, Connection
 
+logger = logging.getLogger("vibrafeed")
+
 # Connections that wait to be taken in; the system drops one more, which comes back after seconds.
 QUEUE = 4096
+# s from the end of all replies to that of the process: jobs are handed on, workers ended, files
+# written. Containers give 10 s in all.
+LAST = 5.0
 
 
 class Server(uvicorn.Server):
-    """Tells the app that a signal asks it to stop, so that replies without an end are ended."""
+    """Tells the app that a signal asks it to stop, and ends within a time that is known.
+
+    New work is refused from then on, and replies without an end are ended. All else is answered for
+    `drain_seconds`, and waited for `shutdown_seconds`.
+    """
+
+    _drained = float("inf")  # when the draining ends [s, monotonic]
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        """Take note of the signal."""
-        self.config.app.state.stopping.set()  # type: ignore[union-attr]
+        """Take note of the signal; a second one, or Ctrl-C, cuts the draining short."""
+        state = self.config.app.state  # type: ignore[union-attr]
+        is_first = not state.stopping.is_set()
+        state.stopping.set()
         super().handle_exit(sig, frame)
+        drain = state.settings.drain_seconds if sig == signal.SIGTERM else 0.0
+        if is_first:
+            self.should_exit = drain == 0
+            self._drained = time.monotonic() + drain
+            timer = threading.Timer(drain + state.settings.shutdown_seconds + LAST, _end)
+            timer.daemon = True
+            timer.start()
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start to listen; let many wait, of whom few are taken in at a time."""
@@ -44,6 +68,7 @@ class Server(uvicorn.Server):
                 connection.look()  # type: ignore[union-attr]
             if self.config.app.state.unsent.has_fallen(KEPT):  # type: ignore[union-attr]
                 await asyncio.to_thread(give_memory_back)
+        self.should_exit |= time.monotonic() >= self._drained
         return await super().on_tick(counter)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
@@ -52,6 +77,12 @@ class Server(uvicorn.Server):
         await super().shutdown(sockets)
         if self.server_state.tasks:  # cancelled, and their lines in the log not yet written
             await asyncio.wait(self.server_state.tasks, timeout=1)
+
+
+def _end() -> None:
+    """End the process as it is: what counts is on the disk, as it is for one that is killed."""
+    logger.warning("stopping takes too long and is cut short")
+    os._exit(1)
 
 
 # s between turns of threads that compute; the event loop waits for one of them, at worst, each time
@@ -98,6 +129,7 @@ def serve_until_stopped(app: FastAPI, settings: Settings, host: str, port: int) 
         access_log=False,  # it writes paths and query strings; ours writes routes
         server_header=False,
         ws="none",
+        root_path=settings.root_path,
         timeout_graceful_shutdown=settings.shutdown_seconds,
     )
     with contextlib.suppress(KeyboardInterrupt):

@@ -53,14 +53,14 @@ class Service:
         self._environment = {**os.environ, "VIBRAFEED_DATA_DIRECTORY": str(folder / "data")}
         for name, value in settings.items():
             self._environment[f"VIBRAFEED_{name.upper()}"] = str(value)
-        self._process: subprocess.Popen[bytes] | None = None
+        self.process: subprocess.Popen[bytes] | None = None
 
     def start(self) -> None:
         serve = "from app.cli import main; main()"  # as `vibrafeed` does, from this source tree
         command = [sys.executable, "-c", serve, "serve", "--port", str(self.port)]
         log = self.folder / "log"
         with log.open("ab") as file:
-            self._process = subprocess.Popen(
+            self.process = subprocess.Popen(
                 command, cwd=ROOT, env=self._environment, stdout=file, stderr=file
             )
         for _ in range(300):
@@ -68,20 +68,20 @@ class Service:
                 urllib.request.urlopen(f"{self.address}/healthz", timeout=1).close()
                 return
             except OSError:
-                assert self._process.poll() is None, log.read_text()
+                assert self.process.poll() is None, log.read_text()
                 time.sleep(0.1)
         pytest.fail("the service does not answer\n" + log.read_text())
 
     def kill(self) -> None:
         """Kill it, as a power cut would."""
-        assert self._process is not None
-        self._process.kill()
-        self._process.wait(20)
+        assert self.process is not None
+        self.process.kill()
+        self.process.wait(20)
 
     def stop(self) -> None:
-        assert self._process is not None
-        self._process.terminate()
-        self._process.wait(20)
+        assert self.process is not None
+        self.process.terminate()
+        self.process.wait(20)
 
 
 @contextmanager

@@ -114,7 +114,7 @@ async def execute(
     if wishes.wait is not None:
         seconds = min(wishes.wait, int(settings.max_wait_seconds))
         wishes = replace(wishes, wait=seconds)  # as it is applied
-        job = await _waited(desk, job, seconds)
+        job = await _waited(desk, job, seconds, request.app.state.stopping.is_set)
     if job.state in ACTIVE or wishes.wait is None:
         reply = json_reply(status_info(job, base), 201)
     else:
@@ -171,10 +171,10 @@ def _carry_out(asked: Execution, prepared: Prepared, settings: Settings) -> Resp
     return json_reply(content)
 
 
-async def _waited(desk: Desk, job: Job, seconds: float) -> Job:
-    """Return a job when it is over, or after a time."""
+async def _waited(desk: Desk, job: Job, seconds: float, stopping: Callable[[], bool]) -> Job:
+    """Return a job when it is over, after a time, or when the service stops."""
     until, look = time.monotonic() + seconds, LOOK
-    while job.state in ACTIVE and time.monotonic() < until:
+    while job.state in ACTIVE and time.monotonic() < until and not stopping():
         await asyncio.sleep(min(look, max(0.0, until - time.monotonic())))
         look = min(1.5 * look, LONGEST_LOOK)
         with contextlib.suppress(

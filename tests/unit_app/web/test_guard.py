@@ -54,6 +54,15 @@ class TestKeys:
     def client(self, tmp_path: Path) -> TestClient:
         return serving(tmp_path, api_key_hashes=[OTHER_HASH, HASH])
 
+    @pytest.mark.parametrize("path", ["/docs", "/healthz", "/vibrafeed"])
+    def test_a_path_of_a_proxy_opens_nothing(self, client, path):
+        """The guard judges what the routes see, whatever stands before it."""
+        behind = local_client(client.app, root_path=path)
+        assert behind.get(f"{path}/healthz").status_code == 200
+        problem(behind.get(f"{path}/jobs"), 401, "key")
+        problem(behind.get(f"{path}/scenes"), 401, "key")
+        assert behind.get(f"{path}/jobs", headers=BEARER).status_code == 200
+
     def test_every_documented_route_but_the_open_ones_needs_a_key(self, client):
         paths = client.get("/openapi.json").json()["paths"]
         guarded = 0

@@ -6,6 +6,7 @@ import errno
 import os
 import tempfile
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
@@ -14,9 +15,13 @@ import pytest
 from fastapi.testclient import TestClient
 from prometheus_client.parser import text_string_to_metric_families
 
+import core
+from app.jobs.course import Course
+from app.jobs.ledger import Work
 from app.main import create_app
 from app.settings import Settings
 from local_client import local_client
+from posted_sweeps import STUDY
 
 
 @pytest.fixture
@@ -105,10 +110,59 @@ def test_jobs_are_counted_by_their_state_in_one_look(client, monkeypatch):
     ledger = client.app.state.desk.ledger
     looks = []
     counts = ledger.counts
-    monkeypatch.setattr(ledger, "_read", lambda *a, read=ledger._read: looks.append(a) or read(*a))
+    monkeypatch.setattr(ledger, "_read", lambda s, read=ledger._read: looks.append(s) or read(s))
     found = figures(client)
     assert {key[1] for key in found if key[0] == "vibrafeed_jobs"} == set(counts())
+    looks = [statement for statement in looks if "GROUP BY" in str(statement)]
     assert len(looks) == 2  # that of this test among them
+
+
+def test_the_queue_tells_what_waits_and_for_how_long(client, monkeypatch):
+    post = {"cells": 1, "block_cells": 1, "blocks": 1, "bytes_": 1, "finished_seconds": None}
+    ledger = client.app.state.desk.ledger
+    assert figures(client)["vibrafeed_oldest_waiting_seconds",] == 0
+    now = time.time()
+    monkeypatch.setattr(time, "time", lambda: now - 100)
+    ledger.post("first", "sweep", **post)
+    monkeypatch.setattr(time, "time", lambda: now - 50)
+    ledger.post("second", "sweep", **post)
+    monkeypatch.setattr(time, "time", lambda: now)
+    found = figures(client)
+    assert found["vibrafeed_work", "waiting"] == 2
+    assert found["vibrafeed_oldest_waiting_seconds",] == pytest.approx(100, abs=1e-3)
+    ledger.claim("server", 10.0)
+    found = figures(client)
+    assert (found["vibrafeed_work", "waiting"], found["vibrafeed_work", "running"]) == (1, 1)
+    assert found["vibrafeed_oldest_waiting_seconds",] == pytest.approx(50, abs=1e-3)
+    # A lease that has run out is waited for by others.
+    monkeypatch.setattr(time, "time", lambda: now + 11)
+    assert figures(client)["vibrafeed_work", "waiting"] == 2
+
+
+def test_version_workers_and_disk_are_told(client):
+    key = client.post("/sweeps", json=STUDY).json()["id"]
+    settings = client.app.state.settings
+    found = figures(client)
+    assert found["vibrafeed_info", core.__version__] == 1
+    assert found["vibrafeed_workers",] == 0  # none before the first job
+    assert found["vibrafeed_disk_used_bytes",] == client.app.state.store.bytes(key) > 0
+    assert found["vibrafeed_disk_quota_bytes",] == settings.disk_quota_bytes
+    assert found["vibrafeed_disk_free_bytes",] > 0
+
+
+def test_blocks_and_work_are_timed(client):
+    item = Work("key", "sweep", 1, 2, 0.0, "owner")
+    course = Course()
+    course.witnesses.append(client.app.state.metrics)
+    course.began(item)
+    course.computed(item, [0.25, 2.0])
+    course.ended(item, "done")
+    course.ended(item, "interrupted")  # it has ended before
+    found = figures(client)
+    assert found["vibrafeed_block_seconds_count", "sweep"] == 2
+    assert found["vibrafeed_block_seconds_sum", "sweep"] == 2.25
+    assert found["vibrafeed_work_seconds_count", "done", "sweep"] == 1
+    assert ("vibrafeed_work_seconds_count", "interrupted", "sweep") not in found
 
 
 class TestReadiness:

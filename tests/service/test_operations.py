@@ -1,0 +1,200 @@
+"""What docs/operations.md tells is carried out: proxy, backup and restore, upgrade, container."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import re
+import shutil
+import socket
+import ssl
+import subprocess
+import tarfile
+import time
+import urllib.parse
+import urllib.request
+from pathlib import Path
+
+import yaml
+from dockerfile_parse import DockerfileParser
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "operations.md").read_text(encoding="utf-8")
+OLD = ROOT / "tests" / "data" / "data-of-e09fcfb.tar.gz"
+SWEEP = {
+    "kind": "sweep",
+    "scene": "rectangle-on-plane",
+    "outputs": ["throw_number"],
+    "parameters": {"frequency": 50, "amplitude": "0.5 mm", "beta": [0, 10, 20, 30]},
+}
+
+
+def blocks(language: str, section: str) -> list[str]:
+    """Return the blocks of code of a section of the page."""
+    text = re.split(r"^## ", PAGE.split(f"\n## {section}\n", 1)[1], maxsplit=1, flags=re.M)[0]
+    return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.M | re.S)
+
+
+def ask(address, path, study=None, context=None):
+    body = None if study is None else json.dumps(study).encode()
+    request = urllib.request.Request(address + path, body, {"Prefer": "respond-async"})
+    with urllib.request.urlopen(request, timeout=60, context=context) as reply:
+        content = reply.read()
+    return json.loads(content) if "json" in reply.headers["content-type"] else content
+
+
+def finished(address, number, context=None):
+    until = time.monotonic() + 300
+    while (job := ask(address, f"/jobs/{number}", context=context))["status"] in (
+        "accepted",
+        "running",
+    ):
+        assert time.monotonic() < until, job
+        time.sleep(0.1)
+    return job
+
+
+@contextlib.contextmanager
+def proxied(nginx, folder, service):
+    """Run nginx with the page's server block; yield its port and its certificate."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    certificate, key = folder / "vibrafeed.pem", folder / "vibrafeed.key"
+    subprocess.run(
+        ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj",
+         "/CN=localhost", "-addext", "subjectAltName=DNS:localhost", "-keyout", key, "-out",
+         certificate],
+        check=True, capture_output=True,
+    )  # fmt: skip
+    [block] = blocks("nginx", "Proxy, TLS, sub-path")
+    for old, new in (
+        ("listen 443 ssl", f"listen 127.0.0.1:{port} ssl"),
+        ("/etc/ssl/vibrafeed.pem", str(certificate)),
+        ("/etc/ssl/vibrafeed.key", str(key)),
+        ("127.0.0.1:8000", f"127.0.0.1:{service.port}"),
+    ):
+        assert block.count(old) == 1
+        block = block.replace(old, new)
+    temporary = "\n".join(
+        f"{name}_temp_path {folder / name};"
+        for name in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi")
+    )
+    configuration = folder / "nginx.conf"
+    configuration.write_text(
+        f"daemon off; pid {folder / 'pid'}; error_log {folder / 'errors'};\n"
+        f"events {{}}\nhttp {{ access_log off; {temporary}\n{block} }}\n"
+    )
+    process = subprocess.Popen([nginx, "-c", configuration, "-e", folder / "errors"])
+    try:
+        for _ in range(300):
+            with contextlib.suppress(OSError):
+                socket.create_connection(("127.0.0.1", port), 1).close()
+                break
+            assert process.poll() is None
+            time.sleep(0.1)
+        yield f"https://localhost:{port}/vibrafeed", ssl.create_default_context(cafile=certificate)
+    finally:
+        process.terminate()
+        process.wait(20)
+
+
+def test_a_proxy_with_tls_and_a_path(serve, find_tool, tmp_path):
+    nginx = find_tool("nginx", "nginx is not installed")
+    find_tool("openssl", "openssl is not installed")
+    service = serve(root_path="/vibrafeed", workers=1)
+    with proxied(nginx, tmp_path, service) as (address, context):
+        # Every link of the landing page, and of a job, leads through the proxy to what it names.
+        links = ask(address, "/", context=context)["links"]
+        number = ask(address, "/processes/sweep/execution", SWEEP, context)["jobID"]
+        job = finished(address, number, context)
+        assert job["status"] == "successful"
+        for link in (*links, *job["links"]):
+            assert link["href"].startswith(f"{address}/"), link
+            assert ask(link["href"], "", context=context)
+        request = urllib.request.Request(f"{address}/sweeps", json.dumps(SWEEP).encode())
+        with urllib.request.urlopen(request, timeout=60, context=context) as reply:
+            location = reply.headers["location"]
+        assert ask(urllib.parse.urljoin(f"{address}/sweeps", location), "", context=context)["id"]
+        document = ask(address, "/openapi.json", context=context)
+        assert document["servers"] == [{"url": "/vibrafeed"}]
+        page = ask(address, "/docs", context=context).decode()
+        files = re.findall(r'(?:src|href)="([^"]+)"', page)
+        assert files
+        for file in files:
+            assert file.startswith("/vibrafeed/")
+            assert ask(address.removesuffix("/vibrafeed"), file, context=context)
+        events = ask(address, f"/jobs/{number}/events", context=context)
+        assert b'"successful"' in events
+    # Without the proxy, too: a container's health check asks so.
+    assert ask(service.address, "/healthz")["status"] == "ok"
+
+
+def shell(commands, **variables):
+    environment = {**os.environ, **{name: str(value) for name, value in variables.items()}}
+    subprocess.run(["sh", "-eu", "-c", commands], env=environment, check=True, timeout=60)
+
+
+def test_backup_and_restore(serve, find_tool, tmp_path):
+    for tool in ("sqlite3", "rsync"):
+        find_tool(tool, f"{tool} is not installed")
+    backup, restore = blocks("sh", "Backup and restore")
+    service = serve(workers=1)
+    number = ask(service.address, "/processes/sweep/execution", SWEEP)["jobID"]
+    assert finished(service.address, number)["status"] == "successful"
+    content = ask(service.address, f"/jobs/{number}/results/dataset")
+    data = service.folder / "data"
+    shell(backup, DATA=data, BACKUP=tmp_path / "backup")
+    service.kill()
+    shutil.rmtree(data)
+    shell(restore, DATA=data, BACKUP=tmp_path / "backup")
+    service.start()
+    assert [job["jobID"] for job in ask(service.address, "/jobs")["jobs"]] == [number]
+    assert ask(service.address, f"/jobs/{number}/results/dataset") == content
+    assert ask(service.address, "/processes/sweep/execution", SWEEP)["status"] == "successful"
+
+
+def test_data_of_an_earlier_commit_are_served_and_its_work_goes_on(serve):
+    service = serve(workers=1, retention_days=1_000_000)
+    service.stop()
+    data = service.folder / "data"
+    shutil.rmtree(data)
+    with tarfile.open(OLD) as archive:
+        archive.extractall(service.folder, filter="data")
+    results = {path.parent.name: path.read_bytes() for path in data.rglob("result.nc")}
+    service.start()
+    jobs = {job["processID"]: job for job in ask(service.address, "/jobs")["jobs"]}
+    assert set(jobs) == {"sweep", "simulate"}
+    done = jobs["sweep"]
+    assert done["status"] == "successful"
+    dataset = ask(service.address, f"/jobs/{done['jobID']}/results/dataset")
+    assert dataset == results[done["study"]]
+    waited = finished(service.address, jobs["simulate"]["jobID"])
+    # Identifiers hold the version: a later one does not do the work, and says so.
+    done = waited["status"] == "successful"
+    assert done or "another version" in waited["message"], waited
+
+
+def test_the_container_is_as_the_page_tells():
+    values = {
+        entry["instruction"]: entry["value"]
+        for entry in DockerfileParser(path=str(ROOT / "Dockerfile")).structure
+    }
+    [commands] = blocks("sh", "In a container")
+    [compose] = blocks("yaml", "In a container")
+    service = yaml.safe_load(compose)["services"]["vibrafeed"]
+    volume, port = values["VOLUME"], values["EXPOSE"]
+    assert f"-v vibrafeed:{volume} " in commands
+    assert service["volumes"] == [f"vibrafeed:{volume}"]
+    assert f"-p 127.0.0.1:{port}:{port} " in commands
+    assert service["ports"] == [f"127.0.0.1:{port}:{port}"]
+    assert f"user {values['USER']}" in PAGE
+
+
+def test_every_metric_is_told(serve):
+    service = serve()
+    found = set(
+        re.findall(r"^# TYPE (vibrafeed_\w+)", ask(service.address, "/metrics").decode(), re.M)
+    )
+    assert len(found) > 10
+    assert not {name for name in found if name.removesuffix("_created") not in PAGE}
