@@ -41,7 +41,8 @@ def lines() -> Iterator[Lines]:
 
 @pytest.fixture
 def client(tmp_path: Path) -> TestClient:
-    return local_client(create_app(Settings(data_directory=tmp_path)))
+    plain = {"Accept-Encoding": "identity"}  # the log tells the bytes that are sent
+    return local_client(create_app(Settings(data_directory=tmp_path)), headers=plain)
 
 
 def requests(lines: Lines) -> list[dict[str, Any]]:
