@@ -177,7 +177,8 @@ class Settings(BaseSettings):
     api_key_hashes: Words = Field(
         default=(),
         description="SHA-256 of each key that is let in, in hexadecimal, as a JSON list or between "
-        "commas; `vibrafeed key` makes them. Needed to listen elsewhere than on loopback.",
+        "commas; `vibrafeed key hash` makes them. They are of the role admin; `vibrafeed key add` "
+        "makes others, while the service runs. Listening elsewhere than on loopback takes one.",
     )
     cors_origins: Words = Field(
         default=(),
@@ -199,6 +200,12 @@ class Settings(BaseSettings):
     shutdown_seconds: int = Field(
         default=10, gt=0, description="Longest wait for replies under way when the service stops."
     )
+
+    @property
+    def ledger(self) -> Path | str:
+        """Where the ledger is: a file, or the URL of a database."""
+        url = self.ledger_url
+        return url.get_secret_value() if url else self.data_directory / "jobs.sqlite3"
 
     @field_validator("api_key_hashes")
     @classmethod

@@ -24,10 +24,10 @@ from typer.testing import CliRunner
 
 import core
 from app.cli import app as commands
+from app.jobs.keys import new_key
 from app.jobs.manifest import NETCDF, Manifest
 from app.main import create_app
 from app.settings import Settings
-from app.web.guard import new_key
 from local_client import local_client
 
 ROOT = Path(__file__).parents[3]
