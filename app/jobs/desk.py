@@ -287,7 +287,8 @@ class Desk:
                     self.store.drop_blocks(key)
                     if self.store.used(key) < before:
                         self._room.remove(key)
-        for key in self.holdings.studies() - set(self.store.studies()):
+        away = self.store.away is not None
+        for key in () if away else self.holdings.studies() - set(self.store.studies()):
             with self.ledger.transaction():
                 if not self.store.used(key):  # removed by hand, or by a server that was killed
                     self.holdings.let_go(key)

@@ -137,8 +137,9 @@ class Room:
         return leaving
 
     def remove(self, key: str) -> None:
-        """Remove a study for all who hold it."""
-        self.holdings.let_go(key)
+        """Remove a study for all who hold it; one that is kept elsewhere too is theirs still."""
+        if self._store.away is None:
+            self.holdings.let_go(key)
         self._store.remove(key)
 
     def _beyond(self, promised: Mapping[str, int], key: str, who: Key) -> int:
