@@ -44,6 +44,8 @@ class Room:
         """Count anew where it matters; it takes long, and is done before a transaction for that."""
         self._count(COUNTED_EVERY)
         promised = self._promised(key, needed)
+        if who.bytes is not None:
+            self._measure(promised, who)
         if max(*self._lacking(promised), self._beyond(promised, key, who)) > 0:
             self._count(RIGHT_FOR)
 
@@ -81,6 +83,7 @@ class Room:
         with self._counting:
             gone = {*leaving, *(set(own) - pinned)}
             self._sizes = {k: size for k, size in self._sizes.items() if k not in gone}
+            self._since = {k: size for k, size in self._since.items() if k not in gone}
             if not is_there:
                 self._since = {**self._since, key: needed}
 
@@ -98,11 +101,11 @@ class Room:
         if max(self._lacking(promised)) > 0:
             self._count(RIGHT_FOR)
         in_quota, on_disk = self._lacking(promised)
-        leaving, freed = [], sum(self._sizes.get(other, 0) for other in own)
+        leaving, freed = [], sum(self._size(other) for other in own)
         for other in self._store.studies() if in_quota > freed else ():
             if other not in promised and other not in pinned and other not in own:
                 leaving.append(other)
-                freed += self._sizes.get(other, 0)
+                freed += self._size(other)
                 if freed >= in_quota:
                     break
         if in_quota > freed and pinned:
@@ -150,11 +153,23 @@ class Room:
         others = sum(self._charged(one, promised) for one in held if one.key != key)
         return others + promised[key] - who.bytes
 
+    def _measure(self, promised: Mapping[str, int], who: Key) -> None:
+        """Look how large the results of an owner have become since the last count."""
+        held = {one.key for one in self.holdings.of_owner(who.name)}
+        made = [key for key in self._since if key in held and key not in promised]
+        sizes = {key: self._store.bytes(key) for key in made}
+        with self._counting:
+            self._since = {**self._since, **sizes}
+
+    def _size(self, key: str) -> int:
+        """Return the bytes of a study, as far as they are known."""
+        return self._since.get(key) or self._sizes.get(key, 0)
+
     def _charged(self, held: Holding, promised: Mapping[str, int]) -> int:
         """Return the bytes of a study that count as its owner's."""
         if not held.result:
             return held.bytes
-        return promised.get(held.key) or self._sizes.get(held.key) or held.bytes
+        return promised.get(held.key) or self._size(held.key) or held.bytes
 
     def _promised(self, key: str, needed: int) -> dict[str, int]:
         return self._ledger.promised() | {key: needed}

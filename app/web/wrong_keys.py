@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
 import time
+from asyncio import sleep, to_thread
 from collections import Counter, OrderedDict, deque
 from collections.abc import Callable
 
@@ -44,7 +44,7 @@ class WrongKeys:
             return False
         self._waiting[address] += 1
         try:
-            await asyncio.sleep(min(MOST_WAIT, SLOWER * (count - 1)))
+            await sleep(min(MOST_WAIT, SLOWER * (count - 1)))
         finally:
             self._waiting[address] -= 1
             if not self._waiting[address]:
@@ -70,6 +70,6 @@ class WrongKeys:
             return
         self._noted.append(now)
         try:
-            await asyncio.to_thread(self._note, address, name)
+            await to_thread(self._note, address, name)
         except Exception:  # such as a full disk: the key is refused all the same
             logger.exception("a refused key cannot be noted")

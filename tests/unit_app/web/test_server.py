@@ -157,7 +157,7 @@ def test_the_service_refuses_to_open_itself_without_keys(tmp_path):
 
 
 def test_the_key_command_prints_what_serve_takes(monkeypatch):
-    result = CliRunner().invoke(commands, ["key"])
+    result = CliRunner().invoke(commands, ["key", "hash"])
     words = result.output.split()
     key, digest = words[words.index("key") + 1], words[words.index("hash") + 1]
     assert hashlib.sha256(key.encode()).hexdigest() == digest
