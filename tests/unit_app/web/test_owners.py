@@ -95,6 +95,7 @@ class TestRoles:
         house.keys.withdraw("gone")
         house.read_keys()
         unknown = house.asking("vf_unknown")("GET", "/scenes")
+        time.sleep(0.1)  # longer than `over` lasts
         for ask in (over, gone):
             assert problem(ask("GET", "/scenes"), 401) == unknown.json()
 
