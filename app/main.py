@@ -19,6 +19,7 @@ import core
 from app import traces
 from app.jobs.cluster import Cluster
 from app.jobs.desk import Desk
+from app.jobs.keys import Keys
 from app.jobs.ledger import Ledger
 from app.jobs.runner import Runner
 from app.jobs.store import Store
@@ -45,8 +46,8 @@ TIDY = 3600.0  # s between looks for what nobody has used for long
 def create_app(settings: Settings) -> FastAPI:
     """Return the service with these settings."""
     store = Store(settings.data_directory, settings.results_url)
-    url = settings.ledger_url
-    ledger = Ledger(url.get_secret_value() if url else settings.data_directory / "jobs.sqlite3")
+    ledger = Ledger(settings.ledger)
+    keys = Keys(ledger.database, settings.api_key_hashes)
     cluster = Cluster(settings.scheduler, settings.workers)
     runner = Runner(ledger, store, cluster, settings)
     desk = Desk(ledger, store, settings, runner.wake, runner.waits)
@@ -84,6 +85,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.store = store
     app.state.writer = writer
     app.state.desk = desk
+    app.state.keys = keys
     app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
     app.state.unsent = Unsent(settings.max_unsent_bytes)
     app.state.warmth = Warmth()  # started where the service is served
@@ -103,7 +105,7 @@ def create_app(settings: Settings) -> FastAPI:
     openapi.install(app)
     app.add_middleware(Compress)  # within what counts the bytes that wait
     app.add_middleware(Outgoing, unsent=app.state.unsent)
-    guard.install(app, settings)
+    guard.install(app, settings, keys)
     app.add_middleware(Stopping, stopping=app.state.stopping)
     app.add_middleware(Observe, metrics=app.state.metrics, traces=spans)
     app.add_middleware(guard.SafeHeaders)

@@ -177,7 +177,8 @@ class Settings(BaseSettings):
     api_key_hashes: Words = Field(
         default=(),
         description="SHA-256 of each key that is let in, in hexadecimal, as a JSON list or between "
-        "commas; `vibrafeed key` makes them. Needed to listen elsewhere than on loopback.",
+        "commas; `vibrafeed key hash` makes them. They are of the role admin; `vibrafeed key add` "
+        "makes others, while the service runs. Listening elsewhere than on loopback takes one.",
     )
     cors_origins: Words = Field(
         default=(),
@@ -212,6 +213,12 @@ class Settings(BaseSettings):
         gt=0,
         description="Longest wait, after that, for replies under way; 5 s later it has ended.",
     )
+
+    @property
+    def ledger(self) -> Path | str:
+        """Where the ledger is: a file, or the URL of a database."""
+        url = self.ledger_url
+        return url.get_secret_value() if url else self.data_directory / "jobs.sqlite3"
 
     @field_validator("api_key_hashes")
     @classmethod

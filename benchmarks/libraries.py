@@ -48,8 +48,10 @@ def guard() -> None:
     from secure.middleware import SecureASGIMiddleware
     from starlette.middleware.trustedhost import TrustedHostMiddleware
 
+    from app.jobs.keys import Keys, new_key
+    from app.jobs.ledger import Ledger
     from app.settings import Settings
-    from app.web.guard import Guard, Limits, SafeHeaders, new_key
+    from app.web.guard import Guard, Limits, SafeHeaders
 
     key, digest = new_key()
     headers = [(b"host", b"localhost:8000"), (b"authorization", f"Bearer {key}".encode())]
@@ -85,7 +87,9 @@ def guard() -> None:
         "none": inner,
         "SafeHeaders": SafeHeaders(inner),
         "secure": SecureASGIMiddleware(inner, secure=strict),
-        "Guard, keys, host and origin": Guard(inner, limits),
+        "Guard, keys, host and origin": Guard(
+            inner, limits, Keys(Ledger(limits.ledger).database, [digest])
+        ),
         "TrustedHostMiddleware, host only": TrustedHostMiddleware(inner, ["localhost"]),
         "Limits": Limits(inner, limits),
     }

@@ -17,9 +17,10 @@ app = typer.Typer(
 )
 for _command in (
     run.run, parts.join, plot.plot, drive.drive, report.report, scenes.scenes, schema.schema,
-    serve.serve, scrub.scrub, key.key, warm.warm,
+    serve.serve, scrub.scrub, warm.warm,
 ):  # fmt: skip
     app.command()(_command)
+app.add_typer(key.key, name="key")
 
 
 def main() -> None:

@@ -1,16 +1,168 @@
-"""`vibrafeed key`: a key for the HTTP interface."""
+"""`vibrafeed key`: keys for the HTTP interface, made and withdrawn while it serves, and the audit.
+
+They work on the ledger that `vibrafeed serve` has with the same settings.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
 import typer
 
+from app.cli.studies import WRONG_INPUT, refuse
 
-def key() -> None:
-    """Make a key for the HTTP interface; print it and the hash that the service is given."""
-    from app.web.guard import new_key
+if TYPE_CHECKING:
+    from app.jobs.database import Database
+
+key = typer.Typer(no_args_is_help=True, help="Keys for the HTTP interface.")
+
+Name = Annotated[str, typer.Argument(help="Letters, digits, '.', '_' and '-', 40 at most.")]
+
+
+@key.command()
+def add(
+    name: Name,
+    role: Annotated[
+        str, typer.Option(help="read; run, which also posts and dismisses its own; or admin.")
+    ] = "run",
+    requests: Annotated[float | None, typer.Option(help="Most requests a second.")] = None,
+    jobs: Annotated[float | None, typer.Option(help="Most jobs that run or wait.")] = None,
+    cells: Annotated[float | None, typer.Option(help="Most cells of one study.")] = None,
+    most_bytes: Annotated[
+        float | None, typer.Option("--bytes", help="Most bytes of results on the disk.")
+    ] = None,
+    days: Annotated[float | None, typer.Option(help="Days after which it ends.")] = None,
+) -> None:
+    """Make a key and print it; a service that runs takes it within seconds.
+
+    What a limit is left out of has none. The key is shown once: a hash of it is kept.
+    """
+    from app.jobs.keys import Key, Keys, WrongKeyError
+    from core.errors import Problem
+
+    asked = Key(
+        name,
+        role,
+        requests=_whole(requests),
+        jobs=_whole(jobs),
+        cells=_whole(cells),
+        bytes=_whole(most_bytes),
+    )
+    with _database() as database:
+        try:
+            made, kept = Keys(database).add(asked, days)
+        except WrongKeyError as error:
+            refuse({Path("key add"): list[Problem](error.problems)})
+    typer.echo(made)
+    typer.echo(
+        f"It is {kept.name}'s, of the role {kept.role}, and kept nowhere: note it now. Clients "
+        "send `Authorization: Bearer KEY`.",
+        err=True,
+    )
+
+
+def _whole(figure: float | None) -> int | None:
+    """Return a limit, which may be written 1e9; what is none is left for the check to name."""
+    if figure is None:
+        return None
+    return int(figure) if abs(figure) < float("inf") and figure == int(figure) else 0
+
+
+@key.command("list")
+def list_keys() -> None:
+    """List the keys, those too that are over."""
+    import time
+
+    from app.jobs.keys import Keys
+
+    with _database() as database:
+        keys = Keys(database).all()
+    now = time.time()
+    row = "{:<24}{:<8}{:<12}{:>10}{:>8}{:>16}{:>18}  {}"
+    heads = ("name", "role", "made", "requests", "jobs", "cells", "bytes", "until")
+    typer.echo(row.format(*heads))
+    for one in keys:
+        limits = [_limit(n) for n in (one.requests, one.jobs, one.cells, one.bytes)]
+        until = "withdrawn " + _day(one.withdrawn) if one.withdrawn else _day(one.ends)
+        if not one.withdrawn and not one.stands(now):
+            until = f"over since {until}"
+        typer.echo(row.format(one.name, one.role, _day(one.created), *limits, until).rstrip())
+
+
+@key.command()
+def withdraw(name: Name) -> None:
+    """Withdraw a key; a service that runs refuses it within seconds. What it made stays."""
+    from app.cli import console
+    from app.jobs.keys import Keys, NoSuchKeyError
+
+    with _database() as database:
+        try:
+            Keys(database).withdraw(name)
+        except NoSuchKeyError as error:
+            console.fail(str(error))
+            raise typer.Exit(WRONG_INPUT) from None
+    typer.echo(f"The key of {name} is withdrawn.")
+
+
+@key.command("audit")
+def tell_audit(
+    most: Annotated[int, typer.Option(help="So many entries, the latest.", min=1)] = 100,
+) -> None:
+    """Print who did what: posts, dismissals, sharing, keys made, withdrawn and refused."""
+    from datetime import UTC, datetime
+
+    from app.jobs import audit
+
+    with _database() as database:
+        for entry in reversed(audit.latest(database, most)):
+            when = datetime.fromtimestamp(entry.time, UTC).isoformat(timespec="seconds")
+            typer.echo(f"{when}  {entry.name or '-':<24}{entry.action:<14}{entry.object}")
+
+
+@key.command("hash")
+def print_hash() -> None:
+    """Make a key of the role admin for the setting VIBRAFEED_API_KEY_HASHES; nothing is kept."""
+    from app.jobs.keys import new_key
 
     made, digest = new_key()
     typer.echo(f"key   {made}")
     typer.echo(f"hash  {digest}")
     typer.echo(f"Set VIBRAFEED_API_KEY_HASHES={digest} for the service; commas part several.")
     typer.echo("Clients send `Authorization: Bearer KEY`. The key is kept nowhere: note it now.")
+
+
+@contextmanager
+def _database() -> Iterator[Database]:
+    """Yield the ledger's database, or say in one line why it cannot be used and exit."""
+    import os
+    import sqlite3
+
+    from app.cli import console
+    from app.cli.serve import PRIVATE, settings_in_force
+    from app.jobs.errors import LaterLedgerError
+    from app.jobs.ledger import Ledger
+
+    settings = settings_in_force()
+    os.umask(PRIVATE)  # it may be the one who makes the files
+    ledger = Ledger(settings.ledger)
+    try:
+        yield ledger.database
+    except (OSError, sqlite3.Error, LaterLedgerError) as error:
+        text = error.strerror if isinstance(error, OSError) else None
+        console.fail(f"The ledger cannot be used: {' '.join((text or str(error)).split())}.")
+        raise typer.Exit(WRONG_INPUT) from None
+    finally:
+        ledger.close()
+
+
+def _limit(figure: int | None) -> str:
+    return "-" if figure is None else f"{figure:,}"
+
+
+def _day(seconds: float | None) -> str:
+    from datetime import UTC, datetime
+
+    return "-" if seconds is None else datetime.fromtimestamp(seconds, UTC).date().isoformat()

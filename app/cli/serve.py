@@ -30,19 +30,14 @@ def serve(
 ) -> None:
     """Serve the HTTP interface.
 
-    Other machines are answered only where keys are set: `vibrafeed key` makes one. Exit code 2
-    means that a setting is wrong, or that the data directory cannot be used.
+    Other machines are answered only where there are keys: `vibrafeed key add` makes one. Exit code
+    2 means that a setting is wrong, or that the data directory cannot be used.
     """
-    settings = _settings()
+    settings = settings_in_force()
     if show_settings:
         typer.echo(settings.model_dump_json(indent=2))
         return
-    from app.web.guard import is_loopback
-
-    if not settings.api_key_hashes and not is_loopback(host):
-        fix = "Make a key with `vibrafeed key` and set VIBRAFEED_API_KEY_HASHES to its hash"
-        message = "other machines reach it, and no keys are set"
-        refuse({Path("serve"): [Problem(f"--host {host}", message, fix)]})
+    _check_keys(settings, host)
     from app import logs
     from app.main import create_app
     from app.web.connections import most_requests, raise_open_files
@@ -62,7 +57,7 @@ def serve(
     serve_until_stopped(service, settings, host, port)
 
 
-def _settings() -> Settings:
+def settings_in_force() -> Settings:
     """Return the settings in the environment, or report every wrong one and exit."""
     from pydantic import ValidationError
 
@@ -96,6 +91,35 @@ def _check_address(host: str, port: int) -> None:
             why = f"{host}, port {port}, cannot be listened on: {error.strerror or error}"
         console.fail(f"{why}.")
         raise typer.Exit(WRONG_INPUT) from None
+
+
+def _check_keys(settings: Settings, host: str) -> None:
+    """Refuse to serve other machines where there is no key."""
+    import sqlite3
+
+    from app.jobs.errors import LaterLedgerError
+    from app.web.guard import is_loopback
+
+    if settings.api_key_hashes or is_loopback(host):
+        return
+    where = settings.ledger
+    if isinstance(where, str) or where.exists():
+        from app.jobs.keys import Keys
+        from app.jobs.ledger import Ledger
+
+        ledger = Ledger(where)
+        keys = Keys(ledger.database)
+        try:
+            keys.look()
+        except (OSError, sqlite3.DatabaseError, LaterLedgerError):
+            return  # `_check_ledger` says why, and nothing is served
+        finally:
+            ledger.close()
+        if keys.are_needed:
+            return
+    fix = "Make a key with `vibrafeed key add NAME`, or set VIBRAFEED_API_KEY_HASHES"
+    message = "other machines reach it, and there are no keys"
+    refuse({Path("serve"): [Problem(f"--host {host}", message, fix)]})
 
 
 def _check_directory(directory: Path) -> None:

@@ -144,6 +144,9 @@ class Database:
 
     def _engine(self) -> Engine:
         """Return the way to connections, made when it is first needed."""
+        opened = self._opened
+        if opened is not None:  # who reads does not wait for a transaction
+            return opened
         with self._lock:
             if self._opened is None:
                 engine = self._new_engine()

@@ -6,8 +6,9 @@ import logging
 import time
 from collections.abc import Callable
 
-from app.jobs import work
-from app.jobs.errors import NotFoundError
+from app.jobs import audit, work
+from app.jobs.errors import NotFoundError, NotOwnerError, TooManyJobsError
+from app.jobs.keys import NOBODY, Key
 from app.jobs.ledger import Job, Ledger
 from app.jobs.room import Room
 from app.jobs.scrub import BROKEN, scrub
@@ -56,9 +57,13 @@ class Desk:
         self._room = Room(ledger, store, settings)
         self.posted: Callable[[str], object] = lambda key: None  # told before others may claim it
         self._scrubbed = ""  # the study that was looked at last
+        self.holdings = self._room.holdings
 
-    def post(self, prepared: Prepared, process: str) -> Job:
+    def post(self, prepared: Prepared, process: str, who: Key = NOBODY) -> Job:
         """Enter a job for a study; it is on the disk when this returns.
+
+        One whose result is there, and was asked for with this key before, is successful at once;
+        what others have asked for is found when the job's turn comes.
 
         Raises
         ------
@@ -66,10 +71,12 @@ class Desk:
             If its result would not fit.
         QueueFullError
             If too much is waiting.
+        TooManyJobsError
+            If the key has as many jobs as it may.
         """
         key = identifier(prepared.study, process)
         block_cells, blocks, needed = self._measured(prepared, process)
-        self._room.look(key, needed)
+        self._room.look(key, needed, who)
         if self.store.manifest(key) is None:
             try:
                 self.store.fetch(key)
@@ -77,11 +84,19 @@ class Desk:
                 logger.exception("a result cannot be fetched: %s", key)
         # In one transaction, so that what is found here is not removed before the job is entered.
         with self.ledger.transaction():
+            self._check_jobs(who)
             manifest = self.store.manifest(key)
-            if manifest is None and key not in self.ledger.promised():
+            held = self.holdings.of(who.name, key)
+            is_own = who.sees_all or (held is not None and held.result)
+            is_under_way = key in self.ledger.promised()
+            is_there = manifest is not None or is_under_way
+            if not (is_own and is_there):  # else others' work would be told by it
                 self.ledger.check_queue(self._settings.max_queue)
-                self._room.make(key, needed)
+                self._room.make(key, needed, who, is_there=is_there)
+            if not is_there:
                 self.store.add(prepared.study, process)
+            finished = manifest.seconds if manifest and is_own and not is_under_way else None
+            self.holdings.hold(who.name, key, len(prepared.study.canonical()), result=True)
             job = self.ledger.post(
                 key,
                 process,
@@ -89,10 +104,13 @@ class Desk:
                 block_cells=block_cells,
                 blocks=blocks,
                 bytes_=needed,
-                finished_seconds=None if manifest is None else manifest.seconds,
+                finished_seconds=finished,
+                known_seconds=manifest.seconds if manifest else 0.0,
+                owner=who.name,
             )
             if manifest is None:
                 self.posted(key)
+            self._note(who, "post", job.id)
         self._wake()
         return job
 
@@ -138,8 +156,17 @@ class Desk:
         needed = prepared.bytes + prepared.computed_bytes if process in KINDS else REPORT_BYTES
         return cells, blocks, needed
 
-    def keep(self, sweep: Sweep) -> tuple[str, bool]:
+    def _check_jobs(self, who: Key) -> None:
+        if who.jobs is not None and self.ledger.active(who.name) >= who.jobs:
+            raise TooManyJobsError(
+                f"Your key may have {who.jobs:,} jobs that run or wait; dismiss one, or wait "
+                "until one is done."
+            )
+
+    def keep(self, sweep: Sweep, who: Key = NOBODY) -> tuple[str, bool]:
         """Keep a sweep of which nothing is computed yet; return its identifier, and if it is new.
+
+        It is new to whoever has not posted it, though others may have.
 
         Raises
         ------
@@ -147,36 +174,127 @@ class Desk:
             If the data directory is full.
         """
         key, needed = identifier(sweep.study), len(sweep.study.canonical())
-        if self.store.used(key):
+        is_there = self.store.used(key) > 0
+        if is_there and self.holdings.of(who.name, key) is not None:
+            self.holdings.readable(who.name, key)
             return self.store.add(sweep.study)
-        self._room.look(key, needed)
+        self._room.look(key, needed, who)
         with self.ledger.transaction():
-            self._room.make(key, needed)
-            return self.store.add(sweep.study)
+            self._room.make(key, needed, who, is_there=is_there)
+            _, is_new = self.store.add(sweep.study)
+            is_new_to_them = self.holdings.hold(who.name, key, needed, result=False)
+            self._note(who, "post", key)
+        return key, is_new if who.sees_all else is_new_to_them
 
-    def dismiss(self, number: str) -> Job | None:
-        """Dismiss a job; None if there is no such job."""
-        job = self.ledger.dismiss(number)
+    def job(self, number: str, who: Key) -> Job | None:
+        """Return a job that somebody may read; None if there is none."""
+        job = self.ledger.job(number)
+        if job is None or who.sees_all or job.shared or job.owner == who.name:
+            return job
+        return None
+
+    def may_read(self, key: str, who: Key) -> bool:
+        """Return whether somebody may read a study."""
+        return who.sees_all or bool(self.holdings.readable(who.name, key))
+
+    def knows_result(self, key: str, who: Key) -> bool:
+        """Return whether somebody may know that the result of a study is there."""
+        return who.sees_all or any(one.result for one in self.holdings.readable(who.name, key))
+
+    def take_result(self, key: str, needed: int, who: Key) -> None:
+        """Note that the owner of a study asks for its result; make room for it among theirs.
+
+        Raises
+        ------
+        NoRoomError
+            If their key may not keep so much.
+        """
+        held = self.holdings.of(who.name, key)
+        if held is None or held.result:
+            return
+        self._room.look(key, needed, who)
+        with self.ledger.transaction():
+            self._room.make(key, needed, who, is_there=True)
+            self.holdings.hold(who.name, key, held.bytes, result=True)
+
+    def dismiss(self, number: str, who: Key = NOBODY) -> Job | None:
+        """Dismiss a job; None if there is no such job.
+
+        Raises
+        ------
+        NotOwnerError
+            If it is another's.
+        """
+        job = self.job(number, who)
+        if job is None:
+            return None
+        _check_owner(job, who)
+        with self.ledger.transaction():
+            job = self.ledger.dismiss(number)
+            self._note(who, "dismiss", number)
         self._wake()
         return job
 
-    def make_room(self, key: str, needed: int) -> None:
-        """Make room for the files of a study; raise `NoRoomError` if they would not fit."""
-        self._room.look(key, needed)
+    def share_job(self, number: str, shared: bool, who: Key) -> Job | None:
+        """Let all keys read a job and its results, or its owner only; None if there is none.
+
+        Raises
+        ------
+        NotOwnerError
+            If it is another's.
+        """
+        job = self.job(number, who)
+        if job is None:
+            return None
+        _check_owner(job, who)
         with self.ledger.transaction():
-            self._room.make(key, needed)
+            self.ledger.share(number, shared)
+            self._note(who, "share" if shared else "unshare", number)
+        return self.ledger.job(number)
+
+    def share_sweep(self, key: str, shared: bool, who: Key) -> None:
+        """Let all keys read a sweep, or its owner only; of an admin for all who hold it.
+
+        Raises
+        ------
+        NotOwnerError
+            If they do not hold it.
+        """
+        with self.ledger.transaction():
+            if self.holdings.of(who.name, key) is None:
+                if not who.sees_all:
+                    raise NotOwnerError("Only who has posted the sweep may share it.")
+                if key not in self.holdings.studies():
+                    self.holdings.hold(who.name, key, 0, result=False)
+            self.holdings.share(None if who.sees_all else who.name, key, shared)
+            self._note(who, "share" if shared else "unshare", key)
+
+    def _note(self, who: Key, action: audit.Action, object_: str) -> None:
+        audit.note(self.ledger.database, who.name, action, object_)
+
+    def make_room(self, key: str, needed: int, who: Key = NOBODY) -> None:
+        """Make room for the files of a study; raise `NoRoomError` if they would not fit."""
+        self._room.look(key, needed, who)
+        with self.ledger.transaction():
+            self._room.make(key, needed, who)
 
     def tidy(self) -> None:
         """Remove what nobody uses: old jobs and studies, what killed writers and workers left."""
         before = time.time() - self._settings.retention_days * DAY
         self.ledger.forget(before, MOST_JOBS)
+        audit.forget(self.ledger.database)
         self.store.remove_leftovers()
         for key in self.store.studies():
             with self.ledger.transaction():
                 if key not in self.ledger.promised():
                     self.store.drop_blocks(key)
                     if self.store.used(key) < before:
-                        self.store.remove(key)
+                        self._room.remove(key)
+        away = self.store.away is not None
+        for key in () if away else self.holdings.studies() - set(self.store.studies()):
+            with self.ledger.transaction():
+                if not self.store.used(key):  # removed by hand, or by a server that was killed
+                    self.holdings.let_go(key)
 
     def scrub(self, stopped: Callable[[], bool]) -> None:
         """Compare some results with their digests, those after the ones of the last turn.
@@ -197,3 +315,8 @@ class Desk:
     def used_bytes(self) -> int:
         """Return what all studies take on the disk, counted a minute ago at most."""
         return self._room.used()
+
+
+def _check_owner(job: Job, who: Key) -> None:
+    if not who.sees_all and job.owner != who.name:
+        raise NotOwnerError("It is shared with you; only its owner may change it.")

@@ -22,12 +22,15 @@ class Wanted:
         Entered between these times [s since the epoch].
     seconds : pair of int or None
         Least and longest time from their beginning to their end, or until now.
+    seen_by : str or None
+        The owner's, or shared.
     """
 
     processes: tuple[str, ...] = ()
     states: tuple[str, ...] = ()
     created: tuple[float | None, float | None] = (None, None)
     seconds: tuple[int | None, int | None] = (None, None)
+    seen_by: str | None = None
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,12 @@ class Job:
         Time that computing took, summed over all workers.
     problem : mapping or None
         Why it failed: status, kind, title, detail of a problem document.
+    owner : str
+        Name of the key that it was posted with; empty where none was needed.
+    shared : bool
+        Whether all keys may read it.
+    gone : bool
+        Whether its result has made room for others of its owner, or of the service.
     """
 
     id: str
@@ -60,6 +69,9 @@ class Job:
     problem: Mapping[str, Any] | None
     began: float | None = None
     done_then: int = 0
+    owner: str = ""
+    shared: bool = False
+    gone: bool = False
 
 
 @dataclass(frozen=True)
@@ -70,6 +82,8 @@ class Work:
     ----------
     owner : str
         The claim.
+    asker : str
+        Name of the key whose job has waited for it longest.
     """
 
     key: str
@@ -78,6 +92,7 @@ class Work:
     blocks: int
     seconds: float
     owner: str
+    asker: str = ""
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,18 @@ class QueueFullError(VibrafeedError):
     """No further work is taken for the moment."""
 
 
+class TooManyJobsError(VibrafeedError):
+    """A key has as many jobs as it may."""
+
+
+class NotOwnerError(VibrafeedError):
+    """Only the owner may do that."""
+
+
+class GoneError(VibrafeedError):
+    """The result of a job has made room for others."""
+
+
 class NoRoomError(VibrafeedError):
     """A result would not fit on the disk, or not in the quota."""
 

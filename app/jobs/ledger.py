@@ -31,6 +31,19 @@ from app.jobs.tables import JOBS, VERSION, WORK
 __all__ = ["ACTIVE", "STATES", "Job", "Ledger", "Queue", "Wanted", "Work"]
 
 
+# With the owner of the job that has waited longest.
+_WORK = select(
+    WORK,
+    select(JOBS.c.owner)
+    .where(JOBS.c.key == WORK.c.key, JOBS.c.state.in_(ACTIVE))
+    .order_by(JOBS.c.created)
+    .limit(1)
+    .correlate(WORK)
+    .scalar_subquery()
+    .label("asker"),
+)
+
+
 class Ledger:
     """Reads and writes the ledger.
 
@@ -91,6 +104,8 @@ class Ledger:
         blocks: int,
         bytes_: int,
         finished_seconds: float | None,
+        known_seconds: float = 0.0,
+        owner: str = "",
     ) -> Job:
         """Enter a job; one whose result is there already is successful at once.
 
@@ -100,6 +115,10 @@ class Ledger:
             What its files may take on the disk.
         finished_seconds : float or None
             What computing took, if the result is there.
+        known_seconds : float
+            The same of a result that is there, and that the job is to find only when it runs.
+        owner : str
+            Name of the key that posts it.
         """
         number, now = uuid.uuid4().hex, time.time()
         is_there = finished_seconds is not None
@@ -112,7 +131,7 @@ class Ledger:
                 if row is None:
                     new = _new_work(
                         key=key, process=process, cells=cells, block_cells=block_cells,
-                        blocks=blocks, bytes=bytes_,
+                        blocks=blocks, bytes=bytes_, seconds=known_seconds,
                     )  # fmt: skip
                     database.execute(new)
                 else:
@@ -123,6 +142,7 @@ class Ledger:
                 JOBS.insert().values(
                     id=number, key=key, process=process, state=state, cells=cells, blocks=blocks,
                     created=now, started=started, finished=finished, seconds=finished_seconds,
+                    owner=owner, shared=0, gone=0,
                 )
             )  # fmt: skip
             job = self.job(number)
@@ -142,7 +162,7 @@ class Ledger:
                 database.execute(new)
             database.execute(
                 JOBS.update()
-                .where(JOBS.c.key == key, JOBS.c.state == "successful")
+                .where(JOBS.c.key == key, JOBS.c.state == "successful", JOBS.c.gone == 0)
                 .values(state="accepted", started=None, finished=None, seconds=None)
             )
 
@@ -176,6 +196,17 @@ class Ledger:
             database.execute(WORK.delete().where(WORK.c.key == key, ~waits.exists()))
         return self.job(number)
 
+    def share(self, number: str, shared: bool) -> None:
+        """Let all keys read a job, or its owner only."""
+        with self.transaction() as database:
+            database.execute(JOBS.update().where(JOBS.c.id == number).values(shared=int(shared)))
+
+    def active(self, owner: str) -> int:
+        """Return how many jobs of an owner run or wait."""
+        found = select(func.count()).where(JOBS.c.owner == owner, JOBS.c.state.in_(ACTIVE))
+        [(count,)] = self._read(found)
+        return int(count)
+
     def counts(self) -> dict[str, int]:
         """Return how many jobs there are in each state."""
         rows = self._read(select(JOBS.c.state, func.count()).group_by(JOBS.c.state))
@@ -185,7 +216,7 @@ class Ledger:
 
     def waiting(self) -> list[Work]:
         """Return the items of work that are free to be claimed, what has waited longest first."""
-        rows = self._read(select(WORK).where(_is_free(time.time())).order_by(WORK.c.created))
+        rows = self._read(_WORK.where(_is_free(time.time())).order_by(WORK.c.created))
         return [_work(row, "") for row in rows]
 
     def claim(self, server: str, lease_seconds: float, key: str | None = None) -> Work | None:
@@ -194,7 +225,7 @@ class Ledger:
         Without a key it is the one that has waited longest. Its jobs run from the first `advance`.
         """
         now, owner = time.time(), f"{server} {uuid.uuid4().hex[:8]}"
-        free = select(WORK).where(_is_free(now)).order_by(WORK.c.created).limit(1)
+        free = _WORK.where(_is_free(now)).order_by(WORK.c.created).limit(1)
         if key is not None:
             free = free.where(WORK.c.key == key)
         with self.transaction() as database:
@@ -254,6 +285,7 @@ class Ledger:
         self._end(work, "failed", json.dumps(dict(problem)))
 
     def _end(self, work: Work, state: str, problem: str | None) -> None:
+        now = time.time()
         with self.transaction() as database:
             seconds = database.execute(
                 WORK.delete().where(_claimed(work)).returning(WORK.c.seconds)
@@ -262,7 +294,14 @@ class Ledger:
                 database.execute(
                     JOBS.update()
                     .where(JOBS.c.key == work.key, JOBS.c.state.in_(ACTIVE))
-                    .values(state=state, finished=time.time(), seconds=seconds, problem=problem)
+                    .values(
+                        state=state,
+                        # A result that was there all along is found in no time.
+                        started=func.coalesce(JOBS.c.started, now if problem is None else None),
+                        finished=now,
+                        seconds=seconds,
+                        problem=problem,
+                    )
                 )
 
     def release(self, owner: str = "") -> None:
@@ -301,13 +340,16 @@ def _is_free(now: float) -> ColumnElement[bool]:
     return WORK.c.owner.is_(None) | (WORK.c.lease < now)
 
 
-def _new_work(**values: str | int) -> Insert:
+def _new_work(**values: str | float) -> Insert:
     """Return what enters an item of work that nobody has begun."""
-    return WORK.insert().values(**values, created=time.time(), done=0, seconds=0.0, lease=0.0)
+    fresh = {"created": time.time(), "done": 0, "seconds": 0.0, "lease": 0.0}
+    return WORK.insert().values(fresh | values)
 
 
 def _work(row: Row[*tuple[Any, ...]], owner: str) -> Work:
-    return Work(row.key, row.process, row.block_cells, row.blocks, row.seconds, owner)
+    return Work(
+        row.key, row.process, row.block_cells, row.blocks, row.seconds, owner, row.asker or ""
+    )
 
 
 def _claimed(work: Work) -> ColumnElement[bool]:

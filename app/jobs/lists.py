@@ -27,6 +27,8 @@ def conditions(wanted: Wanted) -> list[ColumnElement[bool]]:
     seconds = func.coalesce(JOBS.c.finished, time.time()) - JOBS.c.started
     (after, before), (least, most) = wanted.created, wanted.seconds
     found: list[ColumnElement[bool]] = []
+    if wanted.seen_by is not None:
+        found.append((JOBS.c.owner == wanted.seen_by) | (JOBS.c.shared == 1))
     if wanted.processes:
         found.append(JOBS.c.process.in_(wanted.processes))
     if wanted.states:
@@ -56,8 +58,12 @@ def job_of(row: Row[*tuple[Any, ...]]) -> Job:
         created=row.created,
         started=row.started,
         finished=row.finished,
-        seconds=(row.seconds or 0.0) if over else row.spent,
+        # What has not begun has taken nothing, though it may find a result that has.
+        seconds=(row.seconds or 0.0) if over else row.spent * (row.state == "running"),
         problem=json.loads(row.problem) if row.problem else None,
         began=None if over else row.began,
         done_then=row.done_then,
+        owner=row.owner,
+        shared=bool(row.shared),
+        gone=bool(row.gone),
     )

@@ -9,6 +9,8 @@ import time
 from collections.abc import Mapping
 
 from app.jobs.errors import NoRoomError
+from app.jobs.holdings import Holding, Holdings
+from app.jobs.keys import NOBODY, Key
 from app.jobs.ledger import Ledger
 from app.jobs.store import Store
 from app.settings import Settings
@@ -32,21 +34,27 @@ class Room:
 
     def __init__(self, ledger: Ledger, store: Store, settings: Settings):
         self._ledger, self._store, self._settings = ledger, store, settings
+        self.holdings = Holdings(ledger.database)
         self._counting = threading.Lock()
         self._counted = -COUNTED_EVERY  # when [s]
         self._sizes: Mapping[str, int] = {}  # bytes of each study then
         self._since: Mapping[str, int] = {}  # most bytes of what was let in since
 
-    def look(self, key: str, needed: int) -> None:
+    def look(self, key: str, needed: int, who: Key = NOBODY) -> None:
         """Count anew where it matters; it takes long, and is done before a transaction for that."""
         self._count(COUNTED_EVERY)
-        if max(self._lacking(self._promised(key, needed))) > 0:
+        promised = self._promised(key, needed)
+        if who.bytes is not None:
+            self._measure(promised, who)
+        if max(*self._lacking(promised), self._beyond(promised, key, who)) > 0:
             self._count(RIGHT_FOR)
 
-    def make(self, key: str, needed: int) -> None:
+    def make(self, key: str, needed: int, who: Key = NOBODY, *, is_there: bool = False) -> None:
         """Remove what was used longest ago until a study fits; what is worked on stays.
 
-        To be called inside a transaction of the ledger, after `look`.
+        What a key may keep is kept by letting go what its owner used longest ago, the quota by
+        removing what nobody else holds. To be called inside a transaction of the ledger, after
+        `look`.
 
         Parameters
         ----------
@@ -54,6 +62,10 @@ class Room:
             The study, which stays too.
         needed : int
             Most bytes of all its files.
+        who : Key
+            Its owner's.
+        is_there : bool
+            It takes no more of the disk: others have it, or it is promised to them.
 
         Raises
         ------
@@ -61,6 +73,24 @@ class Room:
             If they do not fit then; nothing has been removed.
         """
         promised = self._promised(key, needed)
+        own = self._own_leaving(promised, key, who)
+        pinned = self.holdings.of_others(who.name)
+        leaving = [] if is_there else self._leaving(promised, needed, pinned, set(own) - pinned)
+        for other in own:
+            self.holdings.let_go(other, who.name)
+        for other in {*leaving, *(set(own) - pinned)}:
+            self.remove(other)
+        with self._counting:
+            gone = {*leaving, *(set(own) - pinned)}
+            self._sizes = {k: size for k, size in self._sizes.items() if k not in gone}
+            self._since = {k: size for k, size in self._since.items() if k not in gone}
+            if not is_there:
+                self._since = {**self._since, key: needed}
+
+    def _leaving(
+        self, promised: Mapping[str, int], needed: int, pinned: set[str], own: set[str]
+    ) -> list[str]:
+        """Return the studies that leave for one, besides those of its owner that leave anyway."""
         quota = self._settings.disk_quota_bytes
         promises = sum(promised.values())
         if promises > quota:
@@ -71,23 +101,75 @@ class Room:
         if max(self._lacking(promised)) > 0:
             self._count(RIGHT_FOR)
         in_quota, on_disk = self._lacking(promised)
-        leaving, freed = [], 0
-        for other in self._store.studies() if in_quota > 0 else ():
-            if other not in promised:
+        leaving, freed = [], sum(self._size(other) for other in own)
+        for other in self._store.studies() if in_quota > freed else ():
+            if other not in promised and other not in pinned and other not in own:
                 leaving.append(other)
-                freed += self._sizes.get(other, 0)
+                freed += self._size(other)
                 if freed >= in_quota:
                     break
+        if in_quota > freed and pinned:
+            raise NoRoomError(
+                f"The study needs up to {needed:,} bytes; the quota of the service lacks "
+                f"{in_quota - freed:,} of them, and nothing of yours is left to make room."
+            )
         if on_disk > freed:
             raise NoRoomError(
                 f"The study needs up to {needed:,} bytes; the disk lacks {on_disk - freed:,} of "
                 "them, what others were promised left aside."
             )
-        for other in leaving:
-            self._store.remove(other)
+        return leaving
+
+    def _own_leaving(self, promised: Mapping[str, int], key: str, who: Key) -> list[str]:
+        """Return what an owner lets go, so that a study fits what their key may keep."""
+        if self._beyond(promised, key, who) <= 0:
+            return []
+        self._count(RIGHT_FOR)
+        beyond, leaving = self._beyond(promised, key, who), []
+        for held in self.holdings.of_owner(who.name):
+            if beyond <= 0:
+                break
+            if held.key not in promised:
+                leaving.append(held.key)
+                beyond -= self._charged(held, promised)
+        if beyond > 0:
+            raise NoRoomError(
+                f"The study needs up to {promised[key]:,} bytes; your key may keep {who.bytes:,}, "
+                "your jobs under way included."
+            )
+        return leaving
+
+    def remove(self, key: str) -> None:
+        """Remove a study for all who hold it; one that is kept elsewhere too is theirs still."""
+        if self._store.away is None:
+            self.holdings.let_go(key)
+        self._store.remove(key)
+
+    def _beyond(self, promised: Mapping[str, int], key: str, who: Key) -> int:
+        """Return how many bytes more than a key may keep its owner would have with a study."""
+        if who.bytes is None:
+            return 0
+        held = self.holdings.of_owner(who.name)
+        others = sum(self._charged(one, promised) for one in held if one.key != key)
+        return others + promised[key] - who.bytes
+
+    def _measure(self, promised: Mapping[str, int], who: Key) -> None:
+        """Look how large the results of an owner have become since the last count."""
+        held = {one.key for one in self.holdings.of_owner(who.name)}
+        made = [key for key in self._since if key in held and key not in promised]
+        sizes = {key: self._store.bytes(key) for key in made}
         with self._counting:
-            self._sizes = {k: size for k, size in self._sizes.items() if k not in leaving}
-            self._since = {**self._since, key: needed}
+            self._since = {**self._since, **sizes}
+
+    def _size(self, key: str) -> int:
+        """Return the bytes of a study, as far as they are known."""
+        return self._since.get(key) or self._sizes.get(key, 0)
+
+    def _charged(self, held: Holding, promised: Mapping[str, int]) -> int:
+        """Return the bytes of a study that count as its owner's."""
+        if not held.result:
+            return held.bytes
+        return promised.get(held.key) or self._size(held.key) or held.bytes
 
     def used(self) -> int:
         """Return the bytes of all studies, counted a minute ago at most."""

@@ -93,7 +93,7 @@ class Studies:
         try:
             content = path.read_bytes()
         except FileNotFoundError:
-            raise _unknown(key) from None
+            raise unknown(key) from None
         self.note_use(key)
         prepared = prepare_content(read_json(content))
         found = prepared, identifier(prepared.study) == key
@@ -108,7 +108,7 @@ class Studies:
         """Return the folder of a study; raise `NotFoundError` for what is no identifier."""
         # Only what looks like an identifier reaches the file system.
         if not IDENTIFIER.fullmatch(key):
-            raise _unknown(key)
+            raise unknown(key)
         return self.directory / key
 
     def studies(self) -> list[str]:
@@ -154,12 +154,13 @@ def _not_own(key: str, found: Prepared | None) -> VibrafeedError:
     if found is not None:
         of_another_process = identifier(found.study, "accuracy") == key
         if not isinstance(found, Sweep) or of_another_process:
-            return _unknown(key)
+            return unknown(key)
     return OtherVersionError(
         f"The sweep '{key[:12]}...' was posted to another version of vibrafeed than "
         f"{core.__version__}, which gives other identifiers. POST its study again, to /sweeps."
     )
 
 
-def _unknown(key: str) -> NotFoundError:
+def unknown(key: str) -> NotFoundError:
+    """Return what tells that there is no such study."""
     return NotFoundError(f"There is no study '{key[:80]}'. POST it first.")

@@ -40,6 +40,46 @@ JOBS = Table(
     Column("finished", Double),
     Column("seconds", Double),
     Column("problem", Text),
+    Column("owner", Text, nullable=False),
+    Column("shared", BigInteger, nullable=False),
+    Column("gone", BigInteger, nullable=False),
+)
+
+KEYS = Table(
+    "keys",
+    TABLES,
+    Column("id", Text, primary_key=True),
+    Column("name", Text, nullable=False),
+    Column("hash", Text, nullable=False),
+    Column("role", Text, nullable=False),
+    Column("requests", BigInteger),
+    Column("jobs", BigInteger),
+    Column("cells", BigInteger),
+    Column("bytes", BigInteger),
+    Column("created", Double, nullable=False),
+    Column("ends", Double),
+    Column("withdrawn", Double),
+)
+
+HOLDINGS = Table(
+    "holdings",
+    TABLES,
+    Column("owner", Text, primary_key=True),
+    Column("key", Text, primary_key=True),
+    Column("bytes", BigInteger, nullable=False),
+    Column("result", BigInteger, nullable=False),
+    Column("shared", BigInteger, nullable=False),
+    Column("used", Double, nullable=False),
+)
+
+AUDIT = Table(
+    "audit",
+    TABLES,
+    Column("id", Text, primary_key=True),
+    Column("time", Double, nullable=False),
+    Column("name", Text, nullable=False),
+    Column("action", Text, nullable=False),
+    Column("object", Text, nullable=False),
 )
 
 # The words that databases have for the same thing.
@@ -88,5 +128,48 @@ UPGRADES: tuple[tuple[str, ...], ...] = (
         "CREATE INDEX IF NOT EXISTS jobs_by_key ON jobs (key)",
         "CREATE INDEX IF NOT EXISTS jobs_by_time ON jobs (created)",
         "CREATE INDEX IF NOT EXISTS jobs_by_state ON jobs (state)",
+    ),
+    (  # Keys, what belongs to whom, and who did what. What was there belongs to nobody.
+        """
+        CREATE TABLE keys (
+            id TEXT PRIMARY KEY,
+            name TEXT NOT NULL,
+            hash TEXT NOT NULL,
+            role TEXT NOT NULL,
+            requests {whole},
+            jobs {whole},
+            cells {whole},
+            bytes {whole},
+            created {real} NOT NULL,
+            ends {real},
+            withdrawn {real}
+        ) {strict}
+        """,
+        """
+        CREATE TABLE holdings (
+            owner TEXT NOT NULL,
+            key TEXT NOT NULL,
+            bytes {whole} NOT NULL,
+            result {whole} NOT NULL,
+            shared {whole} NOT NULL,
+            used {real} NOT NULL,
+            PRIMARY KEY (owner, key)
+        ) {strict}
+        """,
+        """
+        CREATE TABLE audit (
+            id TEXT PRIMARY KEY,
+            time {real} NOT NULL,
+            name TEXT NOT NULL,
+            action TEXT NOT NULL,
+            object TEXT NOT NULL
+        ) {strict}
+        """,
+        "ALTER TABLE jobs ADD COLUMN owner TEXT NOT NULL DEFAULT ''",
+        "ALTER TABLE jobs ADD COLUMN shared {whole} NOT NULL DEFAULT 0",
+        "ALTER TABLE jobs ADD COLUMN gone {whole} NOT NULL DEFAULT 0",
+        "CREATE INDEX jobs_by_owner ON jobs (owner)",
+        "CREATE INDEX holdings_by_key ON holdings (key)",
+        "CREATE INDEX audit_by_time ON audit (time)",
     ),
 )

@@ -16,12 +16,11 @@ from app.jobs.ledger import Work
 
 
 def share_of(item: Work) -> str:
-    """Return on whose account an item of work runs: each on its own.
+    """Return on whose account an item of work runs: its owner's; each on its own without keys.
 
-    Work of one share takes turns in the order of asking. The owner of a job goes in here: equal
-    shares for owners are then shares for the names that this returns.
+    Work of one share takes turns in the order of asking.
     """
-    return item.key
+    return f"owner {item.asker}" if item.asker else item.key
 
 
 @dataclass(eq=False)

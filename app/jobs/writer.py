@@ -8,6 +8,7 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
+from app.jobs.keys import NOBODY, Key
 from app.jobs.manifest import NETCDF, Manifest
 from app.jobs.store import Store
 from app.settings import Settings
@@ -24,16 +25,18 @@ class Writer:
     store : Store
         Where files go.
     make_room : callable
-        Makes room for a study of an identifier and so many bytes.
+        Makes room for a study of an identifier, so many bytes, and whoever asks for it.
     settings : Settings
         The service's.
     """
 
-    def __init__(self, store: Store, make_room: Callable[[str, int], None], settings: Settings):
+    def __init__(
+        self, store: Store, make_room: Callable[[str, int, Key], None], settings: Settings
+    ):
         self._store, self._make_room, self._settings = store, make_room, settings
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="netcdf")
 
-    async def result(self, key: str, sweep: Sweep) -> Manifest:
+    async def result(self, key: str, sweep: Sweep, who: Key = NOBODY) -> Manifest:
         """Return the manifest of the result of a sweep; the first call computes and writes it.
 
         A result that is there does not wait for what is being written, and no thread of the routes
@@ -50,7 +53,7 @@ class Writer:
         if known is not None:
             return known
         self.check(sweep)
-        return await asyncio.wrap_future(self._thread.submit(self._write, key, sweep))
+        return await asyncio.wrap_future(self._thread.submit(self._write, key, sweep, who))
 
     async def known(self, key: str) -> Manifest | None:
         """Return the manifest of the result of a sweep; None if it is not made yet, or broken.
@@ -86,11 +89,11 @@ class Writer:
         """Finish the write under way, and take no more."""
         self._thread.shutdown(cancel_futures=True)
 
-    def _write(self, key: str, sweep: Sweep) -> Manifest:
+    def _write(self, key: str, sweep: Sweep, who: Key) -> Manifest:
         known = self._store.manifest(key)
         if known is not None:
             return known
-        self._make_room(key, sweep.bytes)
+        self._make_room(key, sweep.bytes, who)
         table = tabulate(sweep)
         seconds = table.price["elapsed_seconds"]
         self._store.add(sweep.study)  # should it have made room for another meanwhile

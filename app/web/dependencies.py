@@ -8,12 +8,16 @@ from __future__ import annotations
 from typing import Annotated, cast
 
 from fastapi import Depends, Path, Request, params
+from fastapi.concurrency import run_in_threadpool
 from fastapi.exceptions import RequestValidationError
 
+from app.jobs import keys
 from app.jobs.desk import Desk
 from app.jobs.store import Store
+from app.jobs.studies import unknown
 from app.jobs.writer import Writer
 from app.settings import Settings
+from app.web.outcomes import no_such_job
 from app.web.problems import TooLargeError
 from app.web.zarr_views import ZarrViews
 
@@ -36,6 +40,11 @@ async def writer_of(request: Request) -> Writer:
 async def desk_of(request: Request) -> Desk:
     """Return where the app's jobs are handed in."""
     return cast(Desk, request.app.state.desk)
+
+
+async def who_of(request: Request) -> keys.Key:
+    """Return the key that the request came with."""
+    return cast(keys.Key, request.state.key)
 
 
 async def views_of(request: Request) -> ZarrViews:
@@ -79,12 +88,37 @@ async def body_of(request: Request) -> bytes:
     return b"".join(pieces)
 
 
-Key = Annotated[str, Path(description="Identifier of a sweep.", max_length=100)]
-Number = Annotated[str, Path(description="Identifier of a job.", max_length=100)]
 SettingsOf = Annotated[Settings, Depends(settings_of)]
 StoreOf = Annotated[Store, Depends(store_of)]
 WriterOf = Annotated[Writer, Depends(writer_of)]
 DeskOf = Annotated[Desk, Depends(desk_of)]
+WhoOf = Annotated[keys.Key, Depends(who_of)]
+
+
+async def readable_sweep(
+    key: Annotated[str, Path(description="Identifier of a sweep.", max_length=100)],
+    desk: DeskOf,
+    who: WhoOf,
+) -> str:
+    """Return the identifier of a sweep that the client may read; others are as if not there."""
+    if not who.sees_all and not await run_in_threadpool(desk.may_read, key, who):
+        raise unknown(key)
+    return key
+
+
+async def readable_job(
+    number: Annotated[str, Path(description="Identifier of a job.", max_length=100)],
+    desk: DeskOf,
+    who: WhoOf,
+) -> str:
+    """Return the identifier of a job that the client may read; others are as if not there."""
+    if not who.sees_all and await run_in_threadpool(desk.job, number, who) is None:
+        raise no_such_job(number)
+    return number
+
+
+Key = Annotated[str, Depends(readable_sweep)]
+Number = Annotated[str, Depends(readable_job)]
 ViewsOf = Annotated[ZarrViews, Depends(views_of)]
 BaseOf = Annotated[str, Depends(base_of)]
 Body = Annotated[bytes, Depends(body_of)]

@@ -101,6 +101,10 @@ class StatusInfo(BaseModel):
         description="Time that computing took until now, summed over all workers."
     )
     study: str = Field(description="Identifier of the study; equal studies share a result.")
+    owner: str | None = Field(
+        default=None, description="Name of the key that it was posted with, where keys are needed."
+    )
+    shared: bool = Field(description="Whether all keys may read it.")
     links: list[Link]
 
 
@@ -208,7 +212,7 @@ def status_info(
         _link(here, "self", "This document"),
         _link(f"{here}/events", "monitor", "The same as a stream of events", "text/event-stream"),
     ]
-    if job.state == "successful":
+    if job.state == "successful" and not job.gone:
         links.append(_link(f"{here}/results", RESULTS, "The results"))
     if is_group:
         links.append(_link(f"{here}/results/zarr", "item", "What is there so far", ZARR_TYPE))
@@ -232,6 +236,8 @@ def status_info(
         "secondsLeft": left,
         "elapsedSeconds": job.seconds,
         "study": job.key,
+        "owner": job.owner or None,
+        "shared": job.shared,
         "links": links,
     }
     return {name: value for name, value in found.items() if value is not None}
@@ -268,6 +274,8 @@ def media_type_of(name: str) -> str:
 
 
 def _message(job: Job, waits: str | None) -> str:
+    if job.gone:
+        return "Its result has made room. Post the study again."
     if job.problem is not None:
         return f"{job.problem['title']}. {job.problem['detail']}"
     if job.state not in ACTIVE:

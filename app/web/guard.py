@@ -1,15 +1,14 @@
-"""Who may ask, and how much at a time: keys, names and origins, limits, safe headers.
+"""Who may ask, and how much at a time: names and origins, limits, safe headers.
 
-Plain ASGI layers: they pass streams on piece by piece.
+Plain ASGI layers: they pass streams on piece by piece. What a key lets do is `app.web.entry`'s.
 """
 
 from __future__ import annotations
 
-import hashlib
-import hmac
 import ipaddress
+import logging
 import re
-import secrets
+import sqlite3
 from typing import Any
 
 from fastapi import FastAPI
@@ -18,15 +17,19 @@ from starlette.datastructures import Headers
 from starlette.middleware.cors import CORSMiddleware
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from app.jobs import disk
+from app.jobs.keys import Keys
 from app.settings import Settings
+from app.web.entry import SAFE_METHODS, Entry, path_of
 from app.web.problems import STATUS, TooLargeError
 from app.web.replies import problem_document, problems
+
+logger = logging.getLogger("vibrafeed")
 
 HEALTH = frozenset({"/healthz", "/readyz"})
 DOCS = ("/docs", "/static-offline-docs")
 OPEN = HEALTH | {"/openapi.json"}
 
-SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]"})
 _HOST = re.compile(r"([a-z0-9._-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
 
@@ -44,17 +47,6 @@ DOCS_POLICY = (
     b"img-src 'self' data:; font-src 'self'; connect-src 'self'; form-action 'self'; "
     b"base-uri 'none'; frame-ancestors 'none'"
 )
-
-
-def new_key() -> tuple[str, str]:
-    """Return a new key and its hash, as the setting `api_key_hashes` takes it."""
-    key = f"vf_{secrets.token_urlsafe(32)}"
-    return key, hash_of(key).hex()
-
-
-def hash_of(key: str) -> bytes:
-    """Return the SHA-256 of a key; 256 random bits need no slower hash."""
-    return hashlib.sha256(key.encode("utf-8", "replace")).digest()
 
 
 def is_loopback(host: str) -> bool:
@@ -77,10 +69,10 @@ def is_docs(path: str) -> bool:
     return path in DOCS or path.startswith(tuple(f"{start}/" for start in DOCS))
 
 
-def install(app: FastAPI, settings: Settings) -> None:
+def install(app: FastAPI, settings: Settings, keys: Keys) -> None:
     """Put the layers of this module around the routes; the last one added is the outermost."""
     app.add_middleware(Limits, settings=settings)
-    app.add_middleware(Guard, settings=settings)
+    app.add_middleware(Guard, settings=settings, keys=keys)
     if settings.cors_origins:
         app.add_middleware(
             CORSMiddleware,
@@ -96,7 +88,7 @@ def install(app: FastAPI, settings: Settings) -> None:
                 "X-Request-ID",
             ],
         )  # fmt: skip
-    _describe(app, has_keys=bool(settings.api_key_hashes))
+    _describe(app, keys)
 
 
 class SafeHeaders:
@@ -107,7 +99,7 @@ class SafeHeaders:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on; add the headers to its reply."""
-        policy = DOCS_POLICY if is_docs(_path(scope)) else API_POLICY
+        policy = DOCS_POLICY if is_docs(path_of(scope)) else API_POLICY
 
         async def with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
@@ -122,9 +114,9 @@ class SafeHeaders:
 class Guard:
     """Lets in who holds a key or, where no keys are set, who is on this machine."""
 
-    def __init__(self, app: ASGIApp, settings: Settings):
+    def __init__(self, app: ASGIApp, settings: Settings, keys: Keys):
         self.app = app
-        self.hashes = [bytes.fromhex(word) for word in settings.api_key_hashes]
+        self.entry = Entry(keys)
         self.origins = frozenset(settings.cors_origins)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -132,21 +124,35 @@ class Guard:
         if scope["type"] == "websocket":  # the service has none; none slips past
             await send({"type": "websocket.close", "code": 1008})
             return
-        refusal = self._refusal(scope) if scope["type"] == "http" else None
+        refusal = await self._refusal(scope) if scope["type"] == "http" else None
         await (refusal or self.app)(scope, receive, send)
 
-    def _refusal(self, scope: Scope) -> Response | None:
+    async def _refusal(self, scope: Scope) -> Response | None:
+        path = path_of(scope)
+        try:
+            if not (is_open(path) and self.entry.keys.is_known):
+                await self.entry.look()
+        except (OSError, sqlite3.Error) as error:
+            if path in HEALTH:
+                return None
+            logger.error("keys cannot be read", exc_info=error)
+            return problem_document(
+                503, "busy", "The service is busy", f"{disk.why(error)}.",
+                headers={"Retry-After": "5"},
+            )  # fmt: skip
         headers = Headers(scope=scope)
         host = headers.get("host", "").lower()
         named = _HOST.fullmatch(host)
         if host and not named:
             detail = "The header Host holds no name."
             return problem_document(400, "host", "The request names no host", detail)
-        return (
-            (None if self.hashes else self._from_elsewhere(scope, named[1] if named else ""))
-            or self._from_another_page(scope["method"], headers, host)
-            or self._without_key(_path(scope), headers)
-        )
+        needed = self.entry.keys.are_needed
+        refusal = (
+            None if needed else self._from_elsewhere(scope, named[1] if named else "")
+        ) or self._from_another_page(scope["method"], headers, host)
+        if refusal is None and not is_open(path):
+            refusal = await self.entry.refusal(scope, headers)
+        return refusal
 
     def _from_elsewhere(self, scope: Scope, name: str) -> Response | None:
         """Refuse what did not come from this machine, or from a page that pretends to be on it."""
@@ -158,7 +164,7 @@ class Guard:
             why = "No keys are set, so that the service answers to localhost and 127.0.0.1 only."
         else:
             return None
-        fix = "Set VIBRAFEED_API_KEY_HASHES; `vibrafeed key` makes a key."
+        fix = "`vibrafeed key add` makes a key."
         return problem_document(403, "no-keys", "The service has no keys", f"{why} {fix}")
 
     def _from_another_page(self, method: str, headers: Headers, host: str) -> Response | None:
@@ -170,22 +176,6 @@ class Guard:
             return None
         detail = "Pages of other origins may only read. VIBRAFEED_CORS_ORIGINS names exceptions."
         return problem_document(403, "origin", "The page is of another origin", detail)
-
-    def _without_key(self, path: str, headers: Headers) -> Response | None:
-        if not self.hashes or is_open(path):
-            return None
-        given = [hash_of(key) for key in _keys(headers)]
-        # Every hash is compared, so that the time taken tells nothing of which one came near. One
-        # wrong key among right ones is refused: a client that sends it is mistaken.
-        found = [sum(hmac.compare_digest(one, known) for known in self.hashes) for one in given]
-        if found and all(found):
-            return None
-        detail = "Send a key: `Authorization: Bearer KEY`, or `X-API-Key: KEY`."
-        if given:
-            detail = "This key is not known here."
-        return problem_document(
-            401, "key", "A key is needed", detail, headers={"WWW-Authenticate": "Bearer"}
-        )
 
 
 class Limits:
@@ -199,7 +189,7 @@ class Limits:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it without reading its body."""
-        if scope["type"] != "http" or _path(scope) in HEALTH:
+        if scope["type"] != "http" or path_of(scope) in HEALTH:
             await self.app(scope, receive, send)
             return
         refusal = self._refusal(scope)
@@ -227,21 +217,6 @@ class Limits:
         return None
 
 
-def _path(scope: Scope) -> str:
-    """Return the path as the routes see it, without that under which a proxy shows the service."""
-    path: str = scope.get("path", "")
-    return path.removeprefix(scope.get("root_path", ""))
-
-
-def _keys(headers: Headers) -> list[str]:
-    keys = headers.getlist("x-api-key")
-    for value in headers.getlist("authorization"):
-        scheme, _, key = value.partition(" ")
-        if scheme.lower() == "bearer":
-            keys.append(key.strip())
-    return keys
-
-
 def _is_address(text: str) -> bool:
     try:
         ipaddress.ip_address(text)
@@ -250,14 +225,13 @@ def _is_address(text: str) -> bool:
     return True
 
 
-def _describe(app: FastAPI, *, has_keys: bool) -> None:
-    """Tell of the keys in the OpenAPI document: needed where keys are set, else not."""
+def _describe(app: FastAPI, keys: Keys) -> None:
+    """Tell of the keys in the OpenAPI document: needed where there are some, else not."""
     plain = app.openapi
     ways: list[dict[str, list[str]]] = [{"bearer": []}, {"header": []}]
 
     def openapi() -> dict[str, Any]:
-        if app.openapi_schema is not None:
-            return app.openapi_schema
+        is_new = app.openapi_schema is None
         document = plain()
         document.setdefault("components", {})["securitySchemes"] = {
             "bearer": {"type": "http", "scheme": "bearer"},
@@ -268,10 +242,21 @@ def _describe(app: FastAPI, *, has_keys: bool) -> None:
                 if is_open(path):
                     operation["security"] = []
                     continue
-                operation["security"] = ways if has_keys else [{}, *ways]
-                reply = problems(s401="No key, or a wrong one, where keys are set")[401]
-                header = {"WWW-Authenticate": {"schema": {"type": "string"}}}
-                operation["responses"]["401"] = {**reply, "headers": header}
+                # Keys come and go while the service runs; replies do not.
+                operation["security"] = ways if keys.are_needed else [{}, *ways]
+                if is_new:
+                    _tell_refusals(operation["responses"])
         return document
 
     app.openapi = openapi  # type: ignore[method-assign]
+
+
+def _tell_refusals(responses: dict[str, Any]) -> None:
+    header = {"WWW-Authenticate": {"schema": {"type": "string"}}}
+    told = problems(s401="No key, or a wrong one, where keys are needed")
+    responses["401"] = {**told[401], "headers": header}
+    others = problems(
+        s403="The role of the key does not allow it", s429="The key may not ask so often"
+    )
+    for status, reply in others.items():
+        responses.setdefault(str(status), reply)

@@ -8,7 +8,7 @@ from pathlib import Path
 from fastapi.responses import Response
 
 from app.jobs.desk import Desk
-from app.jobs.errors import NotFoundError
+from app.jobs.errors import GoneError, NotFoundError
 from app.jobs.ledger import ACTIVE, Job
 from app.jobs.manifest import Manifest
 from app.web.documents import results
@@ -34,6 +34,8 @@ def manifest_of(desk: Desk, job: Job) -> Manifest | Response:
     """Return what is known of a job's result, or the problem document if it failed."""
     if job.problem is not None:
         return problem_document(**job.problem)
+    if job.gone:
+        raise GoneError(f"The result of the job {job.id} has made room. Post its study again.")
     if job.state in ACTIVE:
         raise NotReadyError(f"The job {job.id} is {job.state}; its results are not there yet.")
     manifest = None if job.state == "dismissed" else desk.store.manifest(job.key)

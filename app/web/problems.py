@@ -13,7 +13,15 @@ from starlette.exceptions import HTTPException
 from starlette.routing import Match
 
 from app.jobs import disk
-from app.jobs.errors import NoRoomError, NotFoundError, OtherVersionError, QueueFullError
+from app.jobs.errors import (
+    GoneError,
+    NoRoomError,
+    NotFoundError,
+    NotOwnerError,
+    OtherVersionError,
+    QueueFullError,
+    TooManyJobsError,
+)
 from app.web.replies import problem_document
 from core.errors import (
     LimitError,
@@ -69,6 +77,9 @@ STATUS: dict[type[Exception], tuple[int, str, str]] = {
     NoSuchProcessError: (404, f"{OGC}no-such-process", "There is no such process"),
     NoSuchJobError: (404, f"{OGC}no-such-job", "There is no such job"),
     NotReadyError: (404, f"{OGC}result-not-ready", "The results are not there yet"),
+    NotOwnerError: (403, "owner", "It belongs to another key"),
+    GoneError: (410, "gone", "The result is gone"),
+    TooManyJobsError: (429, "jobs", "The key has as many jobs as it may"),
     QueueFullError: (429, "queue", "The queue of jobs is full"),
     BusyError: (503, "busy", "The service is busy"),
     NoRoomError: (507, "storage", "There is no room for the result"),

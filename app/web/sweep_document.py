@@ -41,10 +41,11 @@ class SweepDescription(BaseModel):
     axes: list[SweepAxis]
     outputs: list[SweepOutput]
     regimes: list[str]
+    shared: bool
     links: dict[str, str]
 
 
-def description(key: str, sweep: Sweep) -> dict[str, Any]:
+def description(key: str, sweep: Sweep, *, shared: bool) -> dict[str, Any]:
     """Return what the service says of a sweep."""
     equations = {equation.gives: equation for equation in sweep.plan.equations}
     return {
@@ -70,6 +71,7 @@ def description(key: str, sweep: Sweep) -> dict[str, Any]:
             for name, dims in sweep.dims.items()
         ],
         "regimes": list(sweep.plan.regimes),
+        "shared": shared,
         "links": {
             name: f"/sweeps/{key}{end}"
             for name, end in (

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray
 
-from app.web.guard import new_key
+from app.jobs.keys import new_key
 from core.kinds import prepare_content, tabulate
 
 TOOL = Path(__file__).parents[2] / "examples" / "design_tool.py"

@@ -18,7 +18,7 @@ from typing import Any
 
 import pytest
 
-from app.web.guard import new_key
+from app.jobs.keys import new_key
 from benchmarks import serving
 
 CASES = int(os.environ.get("VIBRAFEED_FUZZ_CASES", "12"))

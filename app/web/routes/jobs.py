@@ -15,8 +15,9 @@ from fastapi.responses import Response, StreamingResponse
 from pydantic import AfterValidator
 
 from app.jobs.desk import Desk
+from app.jobs.keys import Key
 from app.jobs.ledger import ACTIVE, STATES, Wanted
-from app.web.dependencies import BaseOf, DeskOf, Number, once
+from app.web.dependencies import BaseOf, Body, DeskOf, Number, WhoOf, once
 from app.web.documents import (
     JobList,
     StatusInfo,
@@ -24,6 +25,7 @@ from app.web.documents import (
 )
 from app.web.outcomes import find_job, no_such_job
 from app.web.replies import json_reply, problems
+from app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 
@@ -69,6 +71,7 @@ def checked(text: str | None) -> str | None:
 def list_jobs(
     desk: DeskOf,
     base: BaseOf,
+    who: WhoOf,
     process: Annotated[
         list[str], Query(alias="processID", max_length=20, description="Of these processes only.")
     ] = [],  # noqa: B006 - not changed; None would make the schema nullable
@@ -98,7 +101,8 @@ def list_jobs(
     offset: Annotated[int, Query(ge=0, le=10**9)] = 0,
 ) -> Response:
     """Return jobs, the latest first."""
-    wanted = Wanted(tuple(process), tuple(status), interval(created), (least, longest))
+    seen_by = None if who.sees_all else who.name
+    wanted = Wanted(tuple(process), tuple(status), interval(created), (least, longest), seen_by)
     found = []
     if not kind or "process" in kind:
         found = desk.ledger.jobs(wanted, limit=limit + 1, offset=offset)
@@ -129,10 +133,22 @@ def get_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
     return json_reply(status_info(job, base, is_group=is_group, waits=desk.waits()))
 
 
-@router.delete("/{number}", summary="Dismiss a job", response_model=StatusInfo, responses=NO_JOB)
-def dismiss_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
+@router.delete("/{number}", summary="Dismiss a job", response_model=StatusInfo,
+               responses={**NO_JOB, **NOT_OWNER})  # fmt: skip
+def dismiss_job(number: Number, desk: DeskOf, base: BaseOf, who: WhoOf) -> Response:
     """Dismiss a job; what is computed for it alone is stopped at the next block."""
-    job = desk.dismiss(number)
+    job = desk.dismiss(number, who)
+    if job is None:
+        raise no_such_job(number)
+    return json_reply(status_info(job, base))
+
+
+@router.patch("/{number}", summary="Share a job, or share it no more", response_model=StatusInfo,
+              responses={**NO_JOB, **NOT_OWNER, **NO_SHARING},
+              openapi_extra=SHARING_BODY)  # fmt: skip
+def share_job(number: Number, body: Body, desk: DeskOf, base: BaseOf, who: WhoOf) -> Response:
+    """Let all keys read a job and its results, or its owner only."""
+    job = desk.share_job(number, read_sharing(body), who)
     if job is None:
         raise no_such_job(number)
     return json_reply(status_info(job, base, waits=desk.waits()))
@@ -151,20 +167,22 @@ def dismiss_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
         **NO_JOB,
     },
 )
-async def follow_job(request: Request, number: Number, desk: DeskOf, base: BaseOf) -> Response:
+async def follow_job(
+    request: Request, number: Number, desk: DeskOf, base: BaseOf, who: WhoOf
+) -> Response:
     """Return the changes of a job's state and progress as server-sent events."""
     await asyncio.to_thread(find_job, desk, number)
-    events = _events(desk, number, base, request.app.state.stopping.is_set)
+    events = _events(desk, number, who, base, request.app.state.stopping.is_set)
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     return StreamingResponse(events, media_type="text/event-stream", headers=headers)
 
 
 async def _events(
-    desk: Desk, number: str, base: str, stopping: Callable[[], bool]
+    desk: Desk, number: str, who: Key, base: str, stopping: Callable[[], bool]
 ) -> AsyncIterator[bytes]:
     told, at = None, time.monotonic()
     while not stopping():
-        job = await asyncio.to_thread(desk.ledger.job, number)
+        job = await asyncio.to_thread(desk.job, number, who)
         if job is None:
             return
         if (job.state, job.done) != told:

@@ -15,11 +15,12 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
 from app.jobs.desk import Desk
+from app.jobs.keys import Key
 from app.jobs.ledger import ACTIVE, Job
 from app.jobs.manifest import MOST_JSON_VALUES
 from app.jobs.parts import check_length, is_in_parts
 from app.settings import Settings
-from app.web.dependencies import BaseOf, Body, DeskOf, SettingsOf, base_of
+from app.web.dependencies import BaseOf, Body, DeskOf, SettingsOf, WhoOf, base_of
 from app.web.documents import (
     CONFORMANCE,
     Conformance,
@@ -102,12 +103,12 @@ def describe_process(process: Annotated[str, Path(max_length=100)], base: BaseOf
 
 
 async def execute(
-    request: Request, name: str, body: bytes, settings: Settings, desk: Desk
+    request: Request, name: str, body: bytes, settings: Settings, desk: Desk, who: Key
 ) -> Response:
     """Carry out the study in a body at once, or as a job."""
     base = await base_of(request)
     wishes = preferences(request.headers.getlist("prefer"))
-    begun = await run_in_threadpool(_begin, name, body, wishes, settings, desk)
+    begun = await run_in_threadpool(_begin, name, body, wishes, settings, desk, who)
     if isinstance(begun, Response):
         return begun
     job = begun
@@ -127,13 +128,14 @@ async def execute(
 
 
 def _begin(
-    name: str, body: bytes, wishes: Preferences, settings: Settings, desk: Desk
+    name: str, body: bytes, wishes: Preferences, settings: Settings, desk: Desk, who: Key
 ) -> Response | Job:
     """Return the dataset of a short study, or the job that it has become."""
     asked, prepared = _read(name, body, settings)
+    prepared.check_limits(cells=who.cells, bytes_=None)
     if name != ACCURACY and is_small(prepared, settings) and not wishes.respond_async:
         return _carry_out(asked, prepared, settings)
-    return desk.post(prepared, name)
+    return desk.post(prepared, name, who)
 
 
 def _read(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepared]:
@@ -209,9 +211,9 @@ def _body(process: Process) -> dict[str, Any]:
 
 def _route(name: str) -> Callable[..., Awaitable[Response]]:
     async def execution(
-        request: Request, body: Body, settings: SettingsOf, desk: DeskOf
+        request: Request, body: Body, settings: SettingsOf, desk: DeskOf, who: WhoOf
     ) -> Response:
-        return await execute(request, name, body, settings, desk)
+        return await execute(request, name, body, settings, desk, who)
 
     return execution
 
@@ -237,7 +239,8 @@ for _name, _process in PROCESSES.items():
             **problems(
                 s413="The body is too large",
                 s422="The study cannot be carried out, or is too large",
-                s429="The queue of jobs is full; Retry-After tells when to try again",
+                s429="The queue of jobs is full, or the key has as many jobs or requests as it "
+                "may; Retry-After tells when to try again",
                 s500="The job that was waited for failed",
                 s507="There is no room for the result",
             ),

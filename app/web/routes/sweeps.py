@@ -13,15 +13,18 @@ from fastapi import APIRouter, Query, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
+from app.jobs import keys as owners
+from app.jobs.desk import Desk
 from app.jobs.manifest import NETCDF
 from app.settings import Settings
 from app.web.accept import form_for
-from app.web.dependencies import Body, DeskOf, Key, SettingsOf, StoreOf, WriterOf, once
+from app.web.dependencies import Body, DeskOf, Key, SettingsOf, StoreOf, WhoOf, WriterOf, once
 from app.web.documents import NETCDF_TYPE
 from app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modified
 from app.web.execution import PROCESSES
 from app.web.outgoing import expect
 from app.web.replies import BINARY, component, json_reply, kept, problems, without_length
+from app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
 from app.web.sweep_document import SweepDescription, description
 from app.web.tables import TABLES, missing, table_reply, tables_there, written_by
 from core.dataset.frame import Frame
@@ -80,17 +83,20 @@ AXIS_VALUES = {
     },
     openapi_extra=STUDY_BODY,
 )
-def post_sweep(request: Request, body: Body, settings: SettingsOf, desk: DeskOf) -> Response:
+def post_sweep(
+    request: Request, body: Body, settings: SettingsOf, desk: DeskOf, who: WhoOf
+) -> Response:
     """Check a study and keep it; equal studies share one identifier. Nothing is computed yet.
 
     A sweep may be far larger than what is computed as a whole: slices and Zarr read pieces of it.
     """
     sweep = prepare_content(read_json(body), "sweep")
     _check_size(sweep, settings)
-    key, is_new = desk.keep(sweep)
+    sweep.check_limits(cells=who.cells, bytes_=None)
+    key, is_new = desk.keep(sweep, who)
     location = str(request.url_for("get_sweep", key=key))
     return json_reply(
-        description(key, sweep), 201 if is_new else 200, headers={"Location": location}
+        _described(desk, key, sweep, who), 201 if is_new else 200, headers={"Location": location}
     )
 
 
@@ -105,9 +111,34 @@ def post_sweep(request: Request, body: Body, settings: SettingsOf, desk: DeskOf)
     ),
 )
 @router.head("/{key}", include_in_schema=False)
-def get_sweep(key: Key, store: StoreOf) -> Response:
+def get_sweep(key: Key, desk: DeskOf, who: WhoOf) -> Response:
     """Return the study of a sweep, its size, its axes, and the dimensions of its outputs."""
-    return json_reply(description(key, store.sweep(key)))
+    return json_reply(_described(desk, key, desk.store.sweep(key), who))
+
+
+@router.patch(
+    "/{key}",
+    summary="Share a sweep, or share it no more",
+    response_model=SweepDescription,
+    responses={
+        **problems(s404="No such sweep", s422="The identifier is malformed"),
+        **NOT_OWNER,
+        **NO_SHARING,
+    },
+    openapi_extra=SHARING_BODY,
+)
+def share_sweep(key: Key, body: Body, desk: DeskOf, who: WhoOf) -> Response:
+    """Let all keys read a sweep, or those only who have posted it."""
+    sweep = desk.store.sweep(key)
+    desk.share_sweep(key, read_sharing(body), who)
+    return json_reply(_described(desk, key, sweep, who))
+
+
+def _described(desk: Desk, key: str, sweep: Sweep, who: owners.Key) -> dict[str, Any]:
+    """Return what the service says of a sweep; who has posted it is told of their own sharing."""
+    is_own = desk.holdings.of(who.name, key) is not None and not who.sees_all
+    shared = desk.holdings.is_shared(who.name if is_own else None, key)
+    return description(key, sweep, shared=shared)
 
 
 @router.get(
@@ -206,17 +237,23 @@ async def get_slice(
     },
 )
 @router.head("/{key}/netcdf", include_in_schema=False)
-async def get_netcdf(request: Request, key: Key, store: StoreOf, writer: WriterOf) -> Response:
+async def get_netcdf(
+    request: Request, key: Key, store: StoreOf, writer: WriterOf, desk: DeskOf, who: WhoOf
+) -> Response:
     """Return the whole sweep as a CF-1.11 NetCDF-4 file; the first request computes it.
 
     One range of bytes can be asked for, so that a broken download resumes. The ETag is the SHA-256
     of the file. HEAD computes nothing: of a file that is not made it tells neither size nor ETag.
     """
     sweep = await run_in_threadpool(store.sweep, key)
-    if request.method == "HEAD" and await writer.known(key) is None:
+    if request.method == "HEAD" and (
+        await writer.known(key) is None or not await run_in_threadpool(desk.knows_result, key, who)
+    ):
         writer.check(sweep)
         return _not_made(key)
-    manifest = await writer.result(key, sweep)
+    if not who.sees_all:
+        await run_in_threadpool(desk.take_result, key, sweep.bytes, who)
+    manifest = await writer.result(key, sweep, who)
     return await asyncio.to_thread(
         file_reply,
         request,

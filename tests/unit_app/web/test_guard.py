@@ -16,9 +16,10 @@ from pydantic import ValidationError
 from typer.testing import CliRunner
 
 from app.cli import app as commands
+from app.jobs.keys import new_key
 from app.main import create_app
 from app.settings import TEST_SWITCHES, Settings
-from app.web.guard import SAFE, is_loopback, new_key
+from app.web.guard import SAFE, is_loopback
 from local_client import local_client
 
 ROOT = Path(__file__).parents[3]

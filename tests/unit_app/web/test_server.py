@@ -24,10 +24,10 @@ from typer.testing import CliRunner
 
 import core
 from app.cli import app as commands
+from app.jobs.keys import new_key
 from app.jobs.manifest import NETCDF, Manifest
 from app.main import create_app
 from app.settings import Settings
-from app.web.guard import new_key
 from local_client import local_client
 
 ROOT = Path(__file__).parents[3]
@@ -157,7 +157,7 @@ def test_the_service_refuses_to_open_itself_without_keys(tmp_path):
 
 
 def test_the_key_command_prints_what_serve_takes(monkeypatch):
-    result = CliRunner().invoke(commands, ["key"])
+    result = CliRunner().invoke(commands, ["key", "hash"])
     words = result.output.split()
     key, digest = words[words.index("key") + 1], words[words.index("hash") + 1]
     assert hashlib.sha256(key.encode()).hexdigest() == digest

@@ -1,0 +1,60 @@
+"""Who did what: a table in the ledger of what was posted, dismissed, shared, and of keys."""
+
+from __future__ import annotations
+
+import time
+import uuid
+from dataclasses import dataclass
+from typing import Literal
+
+from sqlalchemy import select
+
+from app.jobs.database import Database
+from app.jobs.tables import AUDIT
+
+MOST_ENTRIES = 100_000  # the latest; older ones go when the service tidies up
+
+Action = Literal["post", "dismiss", "share", "unshare", "add key", "withdraw key", "refuse key"]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Something that was done.
+
+    Attributes
+    ----------
+    time : float
+        When [s since the epoch].
+    name : str
+        Of the key; empty where no keys are needed, or the key is unknown.
+    action : str
+        What was done.
+    object : str
+        To what: a job, a study, a key's name, or the address that a refused key came from.
+    """
+
+    time: float
+    name: str
+    action: str
+    object: str
+
+
+def note(database: Database, name: str, action: Action, object_: str) -> None:
+    """Note what a key has done; inside a transaction it is part of that."""
+    entry = {"id": uuid.uuid4().hex, "time": time.time(), "name": name, "action": action}
+    with database.transaction() as connection:
+        connection.execute(AUDIT.insert().values(**entry, object=object_))
+
+
+def latest(database: Database, most: int) -> list[Entry]:
+    """Return so many entries, the latest first."""
+    found = select(AUDIT.c.time, AUDIT.c.name, AUDIT.c.action, AUDIT.c.object)
+    newest = found.order_by(AUDIT.c.time.desc(), AUDIT.c.id).limit(most)
+    return [Entry(*row) for row in database.read(newest)]
+
+
+def forget(database: Database, most: int = MOST_ENTRIES) -> None:
+    """Remove all entries but so many, the latest."""
+    oldest = select(AUDIT.c.id).order_by(AUDIT.c.time.desc(), AUDIT.c.id).offset(most)
+    with database.transaction() as connection:
+        connection.execute(AUDIT.delete().where(AUDIT.c.id.in_(oldest)))

@@ -1,0 +1,135 @@
+"""What belongs to whom: studies, which are kept once, and the owners who have posted each.
+
+An owner holds a study from its posting until it makes room for others of theirs, or of the service.
+Nobody else learns of it, unless it is shared.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import ColumnElement, Row, select
+
+from app.jobs.database import Database
+from app.jobs.tables import HOLDINGS, JOBS
+
+USED_EVERY = 3600.0  # s; the use of a study is noted no more often
+
+
+@dataclass(frozen=True)
+class Holding:
+    """A study that an owner has posted.
+
+    Attributes
+    ----------
+    owner, key : str
+        Whose, and which.
+    bytes : int
+        Of the study itself.
+    result : bool
+        Whether its owner has asked for its result, too.
+    shared : bool
+        Whether all keys may read it.
+    used : float
+        When its owner, or one that it is shared with, used it last, to an hour [s since the epoch].
+    """
+
+    owner: str
+    key: str
+    bytes: int
+    result: bool
+    shared: bool
+    used: float
+
+
+class Holdings:
+    """Reads and writes who holds what; its methods may be called inside a transaction."""
+
+    def __init__(self, database: Database):
+        self._database = database
+
+    def hold(self, owner: str, key: str, bytes_: int, *, result: bool) -> bool:
+        """Note that an owner has posted a study; return whether that is new."""
+        with self._database.transaction() as connection:
+            known = self.of(owner, key)
+            if known is None:
+                connection.execute(
+                    HOLDINGS.insert().values(
+                        owner=owner, key=key, bytes=bytes_, result=int(result), shared=0,
+                        used=time.time(),
+                    )
+                )  # fmt: skip
+            else:
+                used = {"used": time.time(), "result": int(result or known.result)}
+                connection.execute(HOLDINGS.update().where(_one(owner, key)).values(used))
+        return known is None
+
+    def of(self, owner: str, key: str) -> Holding | None:
+        """Return what an owner holds of a study; None for nothing."""
+        rows = self._database.read(select(HOLDINGS).where(_one(owner, key)))
+        return _holding(rows[0]) if rows else None
+
+    def readable(self, owner: str, key: str) -> list[Holding]:
+        """Return by which holdings somebody may read a study; note its use."""
+        is_seen = (HOLDINGS.c.owner == owner) | (HOLDINGS.c.shared == 1)
+        rows = self._database.read(select(HOLDINGS).where(HOLDINGS.c.key == key, is_seen))
+        found = [_holding(row) for row in rows]
+        now = time.time()
+        if any(abs(now - holding.used) > USED_EVERY for holding in found):
+            with self._database.transaction() as connection:
+                connection.execute(
+                    HOLDINGS.update().where(HOLDINGS.c.key == key, is_seen).values(used=now)
+                )
+        return found
+
+    def share(self, owner: str | None, key: str, shared: bool) -> None:
+        """Let all keys read a study, or owners only; of None it is all holdings."""
+        is_meant = HOLDINGS.c.key == key
+        if owner is not None:
+            is_meant &= HOLDINGS.c.owner == owner
+        with self._database.transaction() as connection:
+            connection.execute(HOLDINGS.update().where(is_meant).values(shared=int(shared)))
+
+    def is_shared(self, owner: str | None, key: str) -> bool:
+        """Return whether an owner, or anybody where it is None, shares a study."""
+        is_meant = (HOLDINGS.c.key == key) & (HOLDINGS.c.shared == 1)
+        if owner is not None:
+            is_meant &= HOLDINGS.c.owner == owner
+        return bool(self._database.read(select(HOLDINGS.c.key).where(is_meant).limit(1)))
+
+    def of_owner(self, owner: str) -> list[Holding]:
+        """Return all that an owner holds, what was used longest ago first."""
+        found = select(HOLDINGS).where(HOLDINGS.c.owner == owner)
+        rows = self._database.read(found.order_by(HOLDINGS.c.used, HOLDINGS.c.key))
+        return [_holding(row) for row in rows]
+
+    def of_others(self, owner: str) -> set[str]:
+        """Return the studies that others than an owner hold."""
+        found = select(HOLDINGS.c.key).where(HOLDINGS.c.owner != owner).distinct()
+        return {row[0] for row in self._database.read(found)}
+
+    def let_go(self, key: str, owner: str | None = None) -> None:
+        """Note that an owner holds a study no more, nobody where it is None; their jobs say so."""
+        is_held, is_asked = HOLDINGS.c.key == key, JOBS.c.key == key
+        if owner is not None:
+            is_held &= HOLDINGS.c.owner == owner
+            is_asked &= JOBS.c.owner == owner
+        with self._database.transaction() as connection:
+            connection.execute(HOLDINGS.delete().where(is_held))
+            connection.execute(
+                JOBS.update().where(is_asked, JOBS.c.state == "successful").values(gone=1)
+            )
+
+    def studies(self) -> set[str]:
+        """Return all studies that are held."""
+        return {row[0] for row in self._database.read(select(HOLDINGS.c.key).distinct())}
+
+
+def _one(owner: str, key: str) -> ColumnElement[bool]:
+    return (HOLDINGS.c.owner == owner) & (HOLDINGS.c.key == key)
+
+
+def _holding(row: Row[*tuple[Any, ...]]) -> Holding:
+    return Holding(row.owner, row.key, row.bytes, bool(row.result), bool(row.shared), row.used)

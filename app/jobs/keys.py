@@ -1,0 +1,230 @@
+"""Keys of the HTTP interface: who they belong to, what they may do, how much, and until when.
+
+They are kept in the ledger as hashes, and made and withdrawn while the service runs. A name stands
+for its owner: a new key of the same name, once the old one is withdrawn or over, has what belonged
+to it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import re
+import secrets
+import threading
+import time
+import uuid
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any, Literal, get_args
+
+from sqlalchemy import Row, select
+
+from app.jobs import audit
+from app.jobs.database import Database
+from app.jobs.tables import KEYS
+from core.errors import Problem, VibrafeedError, suggestion
+
+logger = logging.getLogger("vibrafeed.keys")
+
+Role = Literal["read", "run", "admin"]
+ROLES = get_args(Role)
+NAME = re.compile(r"[A-Za-z0-9._-]{1,40}")
+LOOK = 1.0  # s between looks at the ledger, in which keys may have been made or withdrawn
+SHOWN = 8  # digits of a hash that name a key of the settings
+DAY = 86_400.0
+MOST = 10**18  # of a limit: what any database holds
+MOST_DAYS = 36_500
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key, of which nothing is kept but a hash.
+
+    Attributes
+    ----------
+    name : str
+        Its owner; empty where no keys are needed.
+    role : str
+        ``read`` reads, ``run`` also posts and dismisses its own, ``admin`` does all.
+    requests, jobs, cells, bytes : int or None
+        Most requests a second, jobs at a time, cells of one study, bytes on the disk.
+    created, ends, withdrawn : float or None
+        When [s since the epoch].
+    hash : str
+        SHA-256 in hexadecimal.
+    """
+
+    name: str
+    role: str
+    requests: int | None = None
+    jobs: int | None = None
+    cells: int | None = None
+    bytes: int | None = None
+    created: float = 0.0
+    ends: float | None = None
+    withdrawn: float | None = None
+    hash: str = ""
+
+    def stands(self, now: float) -> bool:
+        """Return whether it is in force."""
+        return self.withdrawn is None and (self.ends is None or now < self.ends)
+
+    @property
+    def sees_all(self) -> bool:
+        """Whether it is shown what belongs to others, too."""
+        return self.role == "admin"
+
+
+NOBODY = Key("", "admin")  # who asks where no keys are needed
+
+
+class WrongKeyError(VibrafeedError):
+    """A key cannot be made like this; `problems` holds all that is wrong."""
+
+    def __init__(self, problems: Iterable[Problem]):
+        self.problems = tuple(problems)
+        super().__init__("\n".join(str(problem) for problem in self.problems))
+
+
+class NoSuchKeyError(VibrafeedError):
+    """No key in force has this name."""
+
+
+def new_key() -> tuple[str, str]:
+    """Return a new key and its hash, as the setting `api_key_hashes` takes it."""
+    key = f"vf_{secrets.token_urlsafe(32)}"
+    return key, hash_of(key)
+
+
+def hash_of(key: str) -> str:
+    """Return the SHA-256 of a key; 256 random bits need no slower hash."""
+    return hashlib.sha256(key.encode("utf-8", "replace")).hexdigest()
+
+
+class Keys:
+    """The keys of the ledger and of the settings; threads may use it at the same time.
+
+    Parameters
+    ----------
+    database : Database
+        The ledger's.
+    hashes : iterable of str
+        Of the settings: keys that are in force for ever, of role admin.
+    """
+
+    def __init__(self, database: Database, hashes: Iterable[str] = ()):
+        self._database = database
+        self._set = [Key(word[:SHOWN], "admin", hash=word) for word in hashes]
+        self._lock = threading.Lock()
+        self._known: list[Key] | None = None  # None: never looked
+        self._looked = 0.0
+
+    def add(self, key: Key, days: float | None = None) -> tuple[str, Key]:
+        """Make a key like this; return it as it is to be sent, and as it is kept.
+
+        Raises
+        ------
+        WrongKeyError
+            If its name, its role or a limit cannot be.
+        """
+        made, digest = new_key()
+        now = time.time()
+        problems = _wrong(key, days)
+        with self._database.transaction() as connection:
+            if any(one.name == key.name and one.stands(now) for one in self.all()):
+                fix = f"Give another, or withdraw that one: vibrafeed key withdraw {key.name}"
+                problems.append(Problem("name", f"a key {key.name!r} is in force", fix))
+            if problems:
+                raise WrongKeyError(problems)
+            ends = None if days is None else now + days * DAY
+            kept = replace(key, hash=digest, created=now, ends=ends)
+            connection.execute(KEYS.insert().values(id=uuid.uuid4().hex, **vars(kept)))
+            audit.note(self._database, "", "add key", key.name)
+        return made, kept
+
+    def withdraw(self, name: str) -> Key:
+        """Withdraw the key of a name and return it; raise `NoSuchKeyError` if none is in force."""
+        now = time.time()
+        with self._database.transaction() as connection:
+            standing = {one.name: one for one in self.all() if one.stands(now)}
+            if name not in standing:
+                fix = suggestion(name, standing) if standing else "There are none"
+                raise NoSuchKeyError(f"No key {name[:40]!r} is in force. {fix}")
+            key = replace(standing[name], withdrawn=now)
+            connection.execute(KEYS.update().where(KEYS.c.hash == key.hash).values(withdrawn=now))
+            audit.note(self._database, "", "withdraw key", name)
+        return key
+
+    def all(self) -> list[Key]:
+        """Return the keys of the ledger, those too that are over, the oldest first."""
+        found = select(KEYS).order_by(KEYS.c.created, KEYS.c.id)
+        return [_key(row) for row in self._database.read(found)]
+
+    def note_refused(self, address: str, name: str) -> None:
+        """Note that a key was refused: from where, and its name if it was in force once."""
+        audit.note(self._database, name, "refuse key", address)
+
+    # --- what the guard asks
+
+    @property
+    def is_due(self) -> bool:
+        """Whether the ledger has to be looked at again."""
+        return self._known is None or time.monotonic() - self._looked > LOOK
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the ledger has been looked at."""
+        return self._known is not None
+
+    def look(self) -> None:
+        """Look at the ledger; what was known stays if it cannot be read."""
+        with self._lock:
+            if not self.is_due:
+                return
+            try:
+                self._known = self.all()
+            except Exception:
+                if self._known is None:  # it may need keys
+                    raise
+                logger.exception("keys cannot be read")
+            self._looked = time.monotonic()
+
+    @property
+    def are_needed(self) -> bool:
+        """Whether there is a key, or ever was one: withdrawing the last opens nothing."""
+        return bool(self._set or self._known)
+
+    def of_hash(self, digest: str) -> Key | None:
+        """Return the key of a hash, in force or not; None if there is none."""
+        found = None
+        # Every hash is compared, so that the time taken tells nothing of which one came near.
+        for key in (*(self._known or ()), *self._set):
+            if secrets.compare_digest(key.hash, digest):
+                found = key
+        return found
+
+
+def _key(row: Row[*tuple[Any, ...]]) -> Key:
+    fields = dict(row._mapping)
+    del fields["id"]
+    return Key(**fields)
+
+
+def _wrong(key: Key, days: float | None) -> list[Problem]:
+    found = []
+    if not NAME.fullmatch(key.name):
+        fix = "Use 1 to 40 letters, digits, '.', '_' and '-'"
+        found.append(Problem("name", f"{key.name[:60]!r} is no name", fix))
+    if key.role not in ROLES:
+        fix = f"There are {', '.join(ROLES)}"
+        found.append(Problem("role", f"{key.role[:60]!r} is no role", fix))
+    for name in ("requests", "jobs", "cells", "bytes"):
+        limit = getattr(key, name)
+        if limit is not None and not 1 <= limit <= MOST:
+            fix = "Give a whole number of 1 or more, or leave it out for no limit"
+            found.append(Problem(name, f"{limit:g} cannot be", fix))
+    if days is not None and not 0 < days <= MOST_DAYS:
+        fix = f"Give more than 0 and at most {MOST_DAYS:,}, or leave it out for no end"
+        found.append(Problem("days", f"{days:g} cannot be", fix))
+    return found

@@ -1,0 +1,129 @@
+"""Entry with a key: which one it is, what its role allows, and how often it may ask."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+
+from limits import RateLimitItemPerSecond
+from limits.storage import MemoryStorage
+from limits.strategies import MovingWindowRateLimiter
+from starlette.datastructures import Headers
+from starlette.responses import Response
+from starlette.types import Scope
+
+from app import logs
+from app.jobs.keys import NOBODY, Key, Keys, hash_of
+from app.web.replies import problem_document
+from app.web.wrong_keys import WrongKeys
+
+SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+# Figures of all owners together.
+ADMIN_PATHS = frozenset({"/metrics"})
+SOON = 0.01  # s between looks at whether another request has read the keys
+
+
+def path_of(scope: Scope) -> str:
+    """Return the path as the routes see it, without that under which a proxy shows the service."""
+    path: str = scope.get("path", "")
+    return path.removeprefix(scope.get("root_path", ""))
+
+
+class Entry:
+    """Finds the key of a request, and refuses what it does not allow.
+
+    Parameters
+    ----------
+    keys : Keys
+        Those that there are.
+    """
+
+    def __init__(self, keys: Keys):
+        self.keys = keys
+        self._wrong = WrongKeys(keys.note_refused)
+        self._is_looking = False
+        # In this process's memory: of several servers each allows so many.
+        self._rates = MovingWindowRateLimiter(MemoryStorage())
+
+    async def look(self) -> None:
+        """Read the keys if that is due; who comes meanwhile goes by what was read before.
+
+        Raises
+        ------
+        Exception
+            If they have never been read and cannot be.
+        """
+        while self.keys.is_due:
+            if not self._is_looking:
+                self._is_looking = True
+                try:
+                    await asyncio.to_thread(self.keys.look)
+                finally:
+                    self._is_looking = False
+            elif self.keys.is_known:
+                return
+            else:
+                await asyncio.sleep(SOON)
+
+    async def refusal(self, scope: Scope, headers: Headers) -> Response | None:
+        """Return why a request is refused; None, and its key in the request's state, if not."""
+        if not self.keys.are_needed:
+            _enter(scope, NOBODY)
+            return None
+        given = _given(headers)
+        if not given:
+            return _without("Send a key: `Authorization: Bearer KEY`, or `X-API-Key: KEY`.")
+        now = time.time()
+        # One wrong key among right ones is refused: a client that sends it is mistaken.
+        found = [self.keys.of_hash(hash_of(word)) for word in given]
+        names = {key.name for key in found if key is not None and key.stands(now)}
+        if len(names) != 1 or not all(key is not None and key.stands(now) for key in found):
+            known = next((key.name for key in found if key is not None), "")
+            if await self._wrong.slowed((scope.get("client") or ("",))[0], known):
+                return _without("This key is not known here.")
+            return problem_document(
+                429, "wrong-keys", "Too many wrong keys", "Ask again with the right key.",
+                headers={"Retry-After": "60"},
+            )  # fmt: skip
+        (key,) = {key.hash: key for key in found if key is not None}.values()
+        logs.bind(key=key.name)
+        _enter(scope, key)
+        return self._beyond_role(scope, key) or self._too_often(key)
+
+    def _beyond_role(self, scope: Scope, key: Key) -> Response | None:
+        if key.role == "read" and scope["method"] not in SAFE_METHODS:
+            detail = "The role of this key is `read`: it may post, change and dismiss nothing."
+        elif key.role != "admin" and path_of(scope) in ADMIN_PATHS:
+            detail = f"It takes a key of the role `admin`; that of this one is `{key.role}`."
+        else:
+            return None
+        return problem_document(403, "role", "The role of the key does not allow it", detail)
+
+    def _too_often(self, key: Key) -> Response | None:
+        if key.requests is None:
+            return None
+        if self._rates.hit(RateLimitItemPerSecond(key.requests), key.name):
+            return None
+        detail = f"Your key may send {key.requests:,} requests a second."
+        return problem_document(
+            429, "rate", "Too many requests", detail, headers={"Retry-After": "1"}
+        )
+
+
+def _enter(scope: Scope, key: Key) -> None:
+    scope.setdefault("state", {})["key"] = key
+
+
+def _without(detail: str) -> Response:
+    return problem_document(
+        401, "key", "A key is needed", detail, headers={"WWW-Authenticate": "Bearer"}
+    )
+
+
+def _given(headers: Headers) -> list[str]:
+    keys = headers.getlist("x-api-key")
+    for value in headers.getlist("authorization"):
+        scheme, _, key = value.partition(" ")
+        if scheme.lower() == "bearer":
+            keys.append(key.strip())
+    return keys

@@ -1,0 +1,54 @@
+"""Sharing of jobs and sweeps: the body that says so, and how the OpenAPI document tells of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from fastapi.exceptions import RequestValidationError
+
+from app.web.replies import problems
+from core.errors import StudyError
+from core.study.load import read_json
+
+SHARING_BODY: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "content": {
+            "application/json": {
+                "schema": {
+                    "title": "Sharing",
+                    "type": "object",
+                    "required": ["shared"],
+                    "properties": {"shared": {"type": "boolean"}},
+                    "additionalProperties": False,
+                },
+                "example": {"shared": True},
+            }
+        },
+    }
+}
+NOT_OWNER = problems(s403="It is shared by another key, or the role of the key does not allow it")
+NO_SHARING = problems(s413="The body is too large", s422="The body or the identifier is malformed")
+
+
+def read_sharing(body: bytes) -> bool:
+    """Return what a body says of sharing; raise `RequestValidationError` for all that is wrong."""
+    try:
+        content = read_json(body)
+    except StudyError as error:
+        raise RequestValidationError([_wrong(p.place, p.message) for p in error.problems]) from None
+    if not isinstance(content, Mapping):
+        raise RequestValidationError([_wrong("body", 'it is not like {"shared": true}')])
+    wrong = [
+        _wrong(str(name)[:60], "there is no such field") for name in content if name != "shared"
+    ]
+    if not isinstance(content.get("shared"), bool):
+        wrong.append(_wrong("shared", "it is neither true nor false"))
+    if wrong:
+        raise RequestValidationError(wrong)
+    return bool(content["shared"])
+
+
+def _wrong(place: str, message: str) -> dict[str, Any]:
+    return {"loc": (place,), "msg": message}

@@ -1,0 +1,75 @@
+"""Wrong keys are slowed: the more come from an address, the longer each waits for its answer."""
+
+from __future__ import annotations
+
+import logging
+import time
+from asyncio import sleep, to_thread
+from collections import Counter, OrderedDict, deque
+from collections.abc import Callable
+
+logger = logging.getLogger("vibrafeed.keys")
+
+REMEMBERED = 60.0  # s for which a wrong key counts
+SLOWER = 0.1  # s that each of them adds to the next one's wait
+MOST_WAIT = 3.0  # s
+MOST_WAITING = 4  # of one address; more are refused at once
+MOST_WAITING_IN_ALL = 64
+MOST_ADDRESSES = 10_000
+MOST_COUNTED = 100  # of one address
+MOST_NOTED = 10  # entries in the audit a minute: each is written to the disk
+
+
+class WrongKeys:
+    """Counts the wrong keys of each address.
+
+    Parameters
+    ----------
+    note : callable
+        Takes an address, and the name of the key if it was in force once; writes it down.
+    """
+
+    def __init__(self, note: Callable[[str, str], None]):
+        self._note = note
+        self._times: OrderedDict[str, deque[float]] = OrderedDict()
+        self._waiting: Counter[str] = Counter()
+        self._noted: deque[float] = deque(maxlen=MOST_NOTED)
+
+    async def slowed(self, address: str, name: str) -> bool:
+        """Wait as long as a wrong key has to; return False at once if too many wait already."""
+        count = self._count(address)
+        if count == 1:
+            await self._write_down(address, name)
+        if self._waiting[address] >= MOST_WAITING or self._waiting.total() >= MOST_WAITING_IN_ALL:
+            return False
+        self._waiting[address] += 1
+        try:
+            await sleep(min(MOST_WAIT, SLOWER * (count - 1)))
+        finally:
+            self._waiting[address] -= 1
+            if not self._waiting[address]:
+                del self._waiting[address]
+        return True
+
+    def _count(self, address: str) -> int:
+        """Count one more; return how many came in the last minute."""
+        now = time.monotonic()
+        times = self._times.setdefault(address, deque(maxlen=MOST_COUNTED))
+        self._times.move_to_end(address)
+        if len(self._times) > MOST_ADDRESSES:
+            self._times.popitem(last=False)
+        while times and now - times[0] > REMEMBERED:
+            times.popleft()
+        times.append(now)
+        return len(times)
+
+    async def _write_down(self, address: str, name: str) -> None:
+        """Note the first of an address; no more than some a minute in all."""
+        now = time.monotonic()
+        if len(self._noted) == MOST_NOTED and now - self._noted[0] < REMEMBERED:
+            return
+        self._noted.append(now)
+        try:
+            await to_thread(self._note, address, name)
+        except Exception:  # such as a full disk: the key is refused all the same
+            logger.exception("a refused key cannot be noted")

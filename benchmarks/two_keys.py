@@ -1,0 +1,311 @@
+"""Two keys that share a service: neither sees, changes, evicts or slows the other.
+
+`python -m benchmarks.two_keys` lets both make 2,000 calls in a random order against a server of its
+own: equal and different studies, reads by identifiers of their own and of the other, lists,
+dismissals, events, slices, Zarr, NetCDF, sharing. What each is to be told is known from what it did
+itself and what it was shared. One has a limit of bytes, and so loses results of its own; the other
+may lose nothing. Then a small slice is asked for alone, and beside the other's work.
+"""
+
+from __future__ import annotations
+
+import argparse
+import http.client
+import json
+import multiprocessing
+import random
+import time
+from pathlib import Path
+from statistics import median
+from typing import Any
+from urllib.parse import urlsplit
+
+from app.jobs.keys import Key, Keys
+from app.jobs.ledger import Ledger
+from benchmarks.serving import served
+
+STRICT, LIMITED = "strict", "limited"
+LIMITED_BYTES = 60_000
+STUDIES = 8  # different ones that both choose among
+SLICES = 300
+MOST_SLOWER = 1.5
+SLICE = "/slice?output=acceleration_x&axes=beta"
+ASYNC = {"Prefer": "respond-async"}
+
+
+def study(number: int, values: int = 20) -> dict[str, Any]:
+    """Return one of many studies of the same size."""
+    return {
+        "kind": "sweep",
+        "scene": "rectangle-on-track",
+        "outputs": ["acceleration_x"],
+        "parameters": {
+            "frequency": 50 + number / 1000,
+            "amplitude": "0.5 mm",
+            "alpha": 10,
+            "beta": {"start": 0, "stop": 60, "num": values},
+            "friction": 0.3,
+            "radius": "0.8 m",
+        },
+    }
+
+
+def make_keys(address: str, data: Path) -> dict[str, str]:
+    """Make both keys in the ledger of a service that runs; return them when it asks for them."""
+    ledger = Ledger(data / "jobs.sqlite3")
+    try:
+        keys = Keys(ledger.database)
+        strict, _ = keys.add(Key(STRICT, "run"))
+        limited, _ = keys.add(Key(LIMITED, "run", bytes=LIMITED_BYTES))
+    finally:
+        ledger.close()
+    stranger = Client(address, "", "vf_none")
+    while stranger.ask("GET", "/scenes")[0] == 200:
+        time.sleep(0.1)
+    stranger.close()
+    return {STRICT: strict, LIMITED: limited}
+
+
+class Client:
+    """One of the two, and what it knows.
+
+    Attributes
+    ----------
+    sweeps, jobs : dict
+        What it posted, and whether it shares it.
+    """
+
+    def __init__(self, address: str, name: str, key: str):
+        parts = urlsplit(address)
+        self._connection = http.client.HTTPConnection(str(parts.hostname), parts.port, timeout=60)
+        self.name, self._key = name, key
+        self.sweeps: dict[str, bool] = {}
+        self.jobs: dict[str, bool] = {}
+
+    def ask(
+        self, method: str, path: str, content: object = None, **headers: str
+    ) -> tuple[int, bytes]:
+        """Return the status and the body of a reply."""
+        body = None if content is None else json.dumps(content).encode()
+        given = {"Authorization": f"Bearer {self._key}", **headers}
+        self._connection.request(method, path, body, given)
+        reply = self._connection.getresponse()
+        return reply.status, reply.read()
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._connection.close()
+
+
+class Play:
+    """Makes random calls, and finds replies that are not as they are to be.
+
+    Attributes
+    ----------
+    wrong : list of str
+        What was found.
+    lost : int
+        Results that the one with the limit lost to its own.
+    """
+
+    def __init__(self, clients: tuple[Client, Client], seed: int):
+        self._clients, self._random = clients, random.Random(seed)
+        self.wrong: list[str] = []
+        self.lost = 0
+
+    def call(self) -> None:
+        """Make one call."""
+        me, other = self._random.sample(self._clients, 2)
+        action = self._random.choice(
+            [self._post_sweep, self._post_job, self._read_sweep, self._read_sweep, self._read_job,
+             self._read_job, self._list, self._dismiss, self._share, self._guess]
+        )  # fmt: skip
+        action(me, other)
+
+    def _expect(self, what: str, me: Client, status: int, *right: int) -> bool:
+        if me.name == LIMITED and status in (404, 410, 507):  # its own make room
+            self.lost += 1
+            return False
+        if status not in right:
+            self.wrong.append(f"{me.name}, {what}: {status}, not {right}")
+        return status in right
+
+    def _post_sweep(self, me: Client, other: Client) -> None:
+        status, body = me.ask("POST", "/sweeps", study(self._random.randrange(STUDIES)))
+        if self._expect("a sweep", me, status, 200, 201):
+            key = json.loads(body)["id"]
+            if me.name == STRICT and (status == 200) != (key in me.sweeps):
+                self.wrong.append(f"{me.name} was told {status} of a sweep")
+            me.sweeps.setdefault(key, False)
+
+    def _post_job(self, me: Client, other: Client) -> None:
+        number = self._random.randrange(STUDIES)
+        status, body = me.ask("POST", "/processes/sweep/execution", study(number), **ASYNC)
+        if self._expect("a job", me, status, 201):
+            job = json.loads(body)
+            me.jobs[job["jobID"]] = False
+            me.sweeps.setdefault(job["study"], False)
+            if job["owner"] != me.name or job["shared"]:
+                self.wrong.append(f"{me.name} has a job of {job}")
+
+    def _read_sweep(self, me: Client, other: Client) -> None:
+        if not me.sweeps:
+            return
+        key = self._random.choice(list(me.sweeps))
+        end = self._random.choice(["", SLICE, "/netcdf", "/zarr/zarr.json", "/zarr/beta/c/0"])
+        status, _ = me.ask("GET", f"/sweeps/{key}{end}")
+        if not self._expect(f"its sweep{end}", me, status, 200) and status == 404:
+            me.sweeps.pop(key)
+
+    def _read_job(self, me: Client, other: Client) -> None:
+        if not me.jobs:
+            return
+        number = self._random.choice(list(me.jobs))
+        status, body = me.ask("GET", f"/jobs/{number}")
+        self._expect("its job", me, status, 200)
+        if json.loads(body)["status"] != "successful":
+            return
+        for end in ("/results", "/results/dataset", "/events"):
+            status, _ = me.ask("GET", f"/jobs/{number}{end}")
+            self._expect(f"its job{end}", me, status, 200)
+
+    def _list(self, me: Client, other: Client) -> None:
+        status, body = me.ask("GET", "/jobs?limit=1000")
+        self._expect("the list", me, status, 200)
+        found = {job["jobID"] for job in json.loads(body)["jobs"]}
+        right = set(me.jobs) | {number for number, shared in other.jobs.items() if shared}
+        if found != right:
+            self.wrong.append(f"{me.name} lists {len(found - right)} too many")
+
+    def _dismiss(self, me: Client, other: Client) -> None:
+        if not me.jobs or self._random.random() < 0.5:
+            return
+        number = self._random.choice(list(me.jobs))
+        status, _ = me.ask("DELETE", f"/jobs/{number}")
+        self._expect("dismissal", me, status, 200)
+
+    def _share(self, me: Client, other: Client) -> None:
+        for path, mine in (("/sweeps", me.sweeps), ("/jobs", me.jobs)):
+            if mine:
+                name, shared = self._random.choice(list(mine)), self._random.random() < 0.3
+                status, body = me.ask("PATCH", f"{path}/{name}", {"shared": shared})
+                if self._expect("sharing", me, status, 200):
+                    mine[name] = shared
+                    if json.loads(body)["shared"] != shared:
+                        self.wrong.append(f"{me.name} shares in vain")
+
+    def _guess(self, me: Client, other: Client) -> None:
+        """Ask for what the other has, by a name that nobody told."""
+        unknown = "0" * 64
+        for name, shared in self._random.sample(
+            sorted(other.sweeps.items()), min(2, len(other.sweeps))
+        ):
+            if name in me.sweeps:
+                continue
+            end = self._random.choice(["", SLICE, "/netcdf", "/zarr/zarr.json", "/nowhere"])
+            status, body = me.ask("GET", f"/sweeps/{name}{end}")
+            if shared:
+                if status not in (200, 404):
+                    self.wrong.append(f"{me.name}, a shared sweep{end}: {status}")
+                status, _ = me.ask("PATCH", f"/sweeps/{name}", {"shared": False})
+                self._refused("a shared sweep", me, status, 403, 404)
+                continue
+            told, none = me.ask("GET", f"/sweeps/{unknown}{end}")
+            if (status, body) != (told, none.replace(unknown.encode(), name.encode())):
+                self.wrong.append(f"{me.name} tells sweep{end} of the other from none: {status}")
+            self._refused(
+                "a sweep", me, me.ask("PATCH", f"/sweeps/{name}", {"shared": True})[0], 404
+            )
+        for name, shared in self._random.sample(
+            sorted(other.jobs.items()), min(2, len(other.jobs))
+        ):
+            end = self._random.choice(
+                ["", "/results", "/results/dataset", "/events", "/results/zarr/zarr.json"]
+            )
+            if not shared:
+                status, body = me.ask("GET", f"/jobs/{name}{end}")
+                told, none = me.ask("GET", f"/jobs/{'0' * 32}{end}")
+                if (status, body) != (told, none.replace(b"0" * 32, name.encode())):
+                    self.wrong.append(f"{me.name} tells job{end} of the other from none: {status}")
+            status = 403 if shared else 404
+            self._refused("a job", me, me.ask("DELETE", f"/jobs/{name}")[0], status)
+            self._refused(
+                "a job", me, me.ask("PATCH", f"/jobs/{name}", {"shared": True})[0], status
+            )
+
+    def _refused(self, what: str, me: Client, status: int, *right: int) -> None:
+        if status not in right:
+            self.wrong.append(f"{me.name} changes {what} of the other: {status}, not {right}")
+
+
+def play(address: str, keys: dict[str, str], calls: int, seed: int) -> Play:
+    """Let both make calls in a random order; return what was found."""
+    strict, limited = (Client(address, name, key) for name, key in keys.items())
+    found = Play((strict, limited), seed)
+    try:
+        for _ in range(calls):
+            found.call()
+    finally:
+        strict.close()
+        limited.close()
+    return found
+
+
+def slices(address: str, key: str) -> list[float]:
+    """Return how long small slices take [s]."""
+    client = Client(address, STRICT, key)
+    taken = []
+    try:
+        _, body = client.ask("POST", "/sweeps", study(9999))
+        path = f"/sweeps/{json.loads(body)['id']}{SLICE}"
+        for _ in range(SLICES):
+            started = time.perf_counter()
+            client.ask("GET", path)
+            taken.append(time.perf_counter() - started)
+            time.sleep(0.01)
+    finally:
+        client.close()
+    return taken
+
+
+def busy(address: str, key: str) -> None:
+    """Post studies and read slices, one after another, until it is ended."""
+    client = Client(address, LIMITED, key)
+    count = 0
+    try:
+        while True:
+            count += 1
+            client.ask("POST", "/processes/sweep/execution", study(count), **ASYNC)
+            _, body = client.ask("POST", "/sweeps", study(count, 2000))
+            client.ask("GET", f"/sweeps/{json.loads(body).get('id')}{SLICE}")
+    finally:
+        client.close()
+
+
+def main() -> int:
+    """Print what was found; return 1 if something is wrong."""
+    parser = argparse.ArgumentParser(description=str(__doc__).partition("\n")[0])
+    parser.add_argument("--calls", type=int, default=2000)
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args()
+    with served(workers=1) as server:
+        keys = make_keys(server.address, server.data)
+        found = play(server.address, keys, given.calls, given.seed)
+        print(f"{given.calls:,} calls, {len(found.wrong)} wrong, {found.lost} lost to their own")
+        for line in found.wrong[:20]:
+            print(" ", line)
+        alone = median(slices(server.address, keys[STRICT]))
+        processes = multiprocessing.get_context("spawn")
+        other = processes.Process(target=busy, args=(server.address, keys[LIMITED]))
+        other.start()
+        time.sleep(3)
+        beside = median(slices(server.address, keys[STRICT]))
+        other.terminate()
+        other.join()
+    print(f"a small slice, median: alone {alone * 1e3:.2f} ms, beside the other {beside * 1e3:.2f}")
+    print(f"{beside / alone:.2f} times as long; the bar is {MOST_SLOWER:g}")
+    return int(bool(found.wrong) or beside / alone > MOST_SLOWER)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,326 @@
+"""Keys with roles and limits over HTTP, what belongs to whom, and wrong keys."""
+
+from __future__ import annotations
+
+import json
+import logging
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+
+from app.jobs import audit
+from app.jobs.keys import Key
+from app.main import create_app
+from app.settings import Settings
+from app.web import wrong_keys
+from benchmarks.two_keys import ASYNC, SLICE, study
+from local_client import local_client
+from posted_sweeps import problem
+
+EXECUTION = "/processes/sweep/execution"
+UNKNOWN = "0" * 64
+
+
+class House:
+    """A service in this process, and clients with keys of its ledger."""
+
+    def __init__(self, client: TestClient):
+        self.client = client
+        self.keys = client.app.state.keys
+        self.desk = client.app.state.desk
+
+    def key(self, name: str, role: str = "run", days: float | None = None, **limits: int) -> Any:
+        """Return what asks with a new key."""
+        made, _ = self.keys.add(Key(name, role, **limits), days)
+        self.read_keys()
+        return self.asking(made)
+
+    def asking(self, key: str) -> Any:
+        headers = {"Authorization": f"Bearer {key}"}
+
+        def ask(method: str, path: str, **options: Any) -> Any:
+            given = {**headers, **options.pop("headers", {})}
+            return self.client.request(method, path, headers=given, **options)
+
+        return ask
+
+    def read_keys(self) -> None:
+        """Have keys read again, as they are a second later."""
+        self.keys._looked = -100.0
+
+    def carried_out(self, ask: Any, number: int) -> str:
+        """Return a job that has ended well."""
+        job = ask("POST", EXECUTION, json=study(number), headers=ASYNC).json()
+        until = time.monotonic() + 60
+        while ask("GET", f"/jobs/{job['jobID']}").json()["status"] != "successful":
+            assert time.monotonic() < until
+            time.sleep(0.05)
+        return job["jobID"]
+
+
+@pytest.fixture
+def house(tmp_path) -> Iterator[House]:
+    """Give a service that has not been started: its jobs wait."""
+    app = create_app(Settings(data_directory=tmp_path))
+    yield House(local_client(app))
+    app.state.desk.ledger.close()
+
+
+@pytest.fixture(scope="module")
+def running(tmp_path_factory) -> Iterator[House]:
+    """Give one that works."""
+    settings = Settings(data_directory=tmp_path_factory.mktemp("data"), workers=1)
+    with local_client(create_app(settings)) as client:
+        yield House(client)
+
+
+class TestRoles:
+    def test_read_reads(self, house):
+        ask = house.key("reader", "read")
+        assert ask("GET", "/scenes").status_code == 200
+        assert ask("HEAD", "/").status_code == 200
+        for method, path in (("POST", "/sweeps"), ("DELETE", "/jobs/x"), ("PATCH", "/sweeps/x")):
+            assert problem(ask(method, path), 403)["type"] == "urn:vibrafeed:problem:role"
+
+    def test_the_figures_of_all_are_an_admins(self, house):
+        problem(house.key("lab")("GET", "/metrics"), 403)
+        assert house.key("boss", "admin")("GET", "/metrics").status_code == 200
+
+    def test_a_key_that_is_over_or_withdrawn_is_as_an_unknown_one(self, house):
+        over, gone = house.key("over", days=1e-6), house.key("gone")
+        assert gone("GET", "/scenes").status_code == 200
+        house.keys.withdraw("gone")
+        house.read_keys()
+        unknown = house.asking("vf_unknown")("GET", "/scenes")
+        time.sleep(0.1)  # longer than `over` lasts
+        for ask in (over, gone):
+            assert problem(ask("GET", "/scenes"), 401) == unknown.json()
+
+    def test_the_log_says_whose_key_it_was(self, house, caplog):
+        caplog.set_level(logging.INFO, "vibrafeed.requests")
+        house.key("lab")("GET", "/scenes")
+        assert caplog.records[-1].key == "lab"
+
+
+class TestLimits:
+    def test_requests_a_second(self, house):
+        ask, other = house.key("lab", requests=3), house.key("other")
+        replies = [ask("GET", "/conformance") for _ in range(8)]
+        assert [reply.status_code for reply in replies[:3]] == [200] * 3
+        refused = [reply for reply in replies if reply.status_code != 200]
+        assert problem(refused[0], 429)["type"] == "urn:vibrafeed:problem:rate"
+        assert refused[0].headers["retry-after"] == "1"
+        assert other("GET", "/conformance").status_code == 200
+
+    def test_cells_of_a_study(self, house):
+        ask = house.key("lab", cells=10)
+        for path in ("/sweeps", EXECUTION):
+            document = problem(ask("POST", path, json=study(1)), 422)
+            assert document["type"] == "urn:vibrafeed:problem:limit"
+            assert "the limit is 10" in document["detail"]
+        assert ask("POST", "/sweeps", json=study(1, 10)).status_code == 201
+
+    def test_jobs_at_a_time(self, house):
+        ask, other = house.key("lab", jobs=1), house.key("other", jobs=1)
+        job = ask("POST", EXECUTION, json=study(1), headers=ASYNC).json()
+        refused = ask("POST", EXECUTION, json=study(2), headers=ASYNC)
+        assert problem(refused, 429)["type"] == "urn:vibrafeed:problem:jobs"
+        assert "retry-after" in refused.headers
+        assert other("POST", EXECUTION, json=study(2), headers=ASYNC).status_code == 201
+        ask("DELETE", f"/jobs/{job['jobID']}")
+        assert ask("POST", EXECUTION, json=study(2), headers=ASYNC).status_code == 201
+
+    def test_bytes_make_room_among_their_own_only(self, house):
+        size = len(json.dumps(study(1)))
+        ask, other = house.key("lab", bytes=3 * size), house.key("other")
+        first, shared, *more = [
+            ask("POST", "/sweeps", json=study(number)).json()["id"] for number in range(2)
+        ]
+        assert other("POST", "/sweeps", json=study(1)).status_code == 201
+        theirs = other("POST", "/sweeps", json=study(50)).json()["id"]
+        for number in range(2, 9):
+            more.append(ask("POST", "/sweeps", json=study(number)).json()["id"])
+        problem(ask("GET", f"/sweeps/{first}"), 404)
+        problem(ask("GET", f"/sweeps/{shared}"), 404)
+        assert ask("GET", f"/sweeps/{more[-1]}").status_code == 200
+        for key in (shared, theirs):
+            assert other("GET", f"/sweeps/{key}").status_code == 200
+        held = house.desk.holdings.of_owner("lab")
+        assert sum(one.bytes for one in held) <= 3 * size
+        assert house.desk.store.used(first) == 0
+        refused = ask("POST", EXECUTION, json=study(60, 2000), headers=ASYNC)
+        assert "your key may keep" in problem(refused, 507)["detail"]
+        assert ask("GET", f"/sweeps/{more[-1]}").status_code == 200, "removed for nothing"
+
+
+class TestOwners:
+    def test_what_others_have_is_as_if_not_there(self, house):
+        one, two = house.key("one"), house.key("two")
+        key = one("POST", "/sweeps", json=study(1)).json()["id"]
+        number = one("POST", EXECUTION, json=study(1), headers=ASYNC).json()["jobID"]
+        assert one("GET", f"/jobs/{number}").json()["owner"] == "one"
+        for end in ("", SLICE, "/slice", "/netcdf", "/zarr/zarr.json"):
+            told = two("GET", f"/sweeps/{key}{end}")
+            none = two("GET", f"/sweeps/{UNKNOWN}{end}")
+            assert problem(told, 404)["detail"] == none.json()["detail"].replace(UNKNOWN, key)
+        for end in ("", "/results", "/results/dataset", "/events"):
+            problem(two("GET", f"/jobs/{number}{end}"), 404)
+        problem(two("DELETE", f"/jobs/{number}"), 404)
+        problem(two("PATCH", f"/jobs/{number}", json={"shared": True}), 404)
+        problem(two("PATCH", f"/sweeps/{key}", json={"shared": True}), 404)
+        assert two("GET", "/jobs").json()["jobs"] == []
+        # Posted by the other too, it is new to them, and theirs.
+        assert two("POST", "/sweeps", json=study(1)).status_code == 201
+        assert two("POST", "/sweeps", json=study(1)).status_code == 200
+        assert two("GET", f"/sweeps/{key}").status_code == 200
+
+    def test_an_admin_sees_all(self, house):
+        one, boss = house.key("one"), house.key("boss", "admin")
+        key = one("POST", "/sweeps", json=study(1)).json()["id"]
+        number = one("POST", EXECUTION, json=study(1), headers=ASYNC).json()["jobID"]
+        assert boss("GET", f"/sweeps/{key}").status_code == 200
+        assert [job["jobID"] for job in boss("GET", "/jobs").json()["jobs"]] == [number]
+        assert boss("PATCH", f"/sweeps/{key}", json={"shared": True}).json()["shared"] is True
+        assert boss("DELETE", f"/jobs/{number}").json()["status"] == "dismissed"
+
+    def test_what_is_shared_can_be_read_by_all_and_changed_by_none(self, house):
+        one, two, reader = house.key("one"), house.key("two"), house.key("reader", "read")
+        key = one("POST", "/sweeps", json=study(1)).json()["id"]
+        number = one("POST", EXECUTION, json=study(1), headers=ASYNC).json()["jobID"]
+        for path in (f"/sweeps/{key}", f"/jobs/{number}"):
+            assert one("PATCH", path, json={"shared": True}).json()["shared"] is True
+            for ask in (two, reader):
+                assert ask("GET", path).json()["shared"] is True
+            document = problem(two("PATCH", path, json={"shared": False}), 403)
+            assert document["type"] == "urn:vibrafeed:problem:owner"
+        problem(two("DELETE", f"/jobs/{number}"), 403)
+        assert [job["jobID"] for job in two("GET", "/jobs").json()["jobs"]] == [number]
+        for path in (f"/sweeps/{key}", f"/jobs/{number}"):
+            one("PATCH", path, json={"shared": False})
+            problem(two("GET", path), 404)
+        assert two("GET", "/jobs").json()["jobs"] == []
+
+    @pytest.mark.parametrize(
+        ("body", "count"),
+        [(b"[]", 1), (b"{}", 1), (b'{"shared": 1, "x": 2, "y": 3}', 3), (b"{", 1), (b"NaN", 1)],
+    )
+    def test_a_body_that_says_nothing_of_sharing(self, house, body, count):
+        one = house.key("one")
+        key = one("POST", "/sweeps", json=study(1)).json()["id"]
+        document = problem(one("PATCH", f"/sweeps/{key}", content=body), 422)
+        assert len(document["errors"]) == count
+
+    def test_the_audit_says_who_did_what(self, house):
+        one = house.key("one")
+        number = one("POST", EXECUTION, json=study(1), headers=ASYNC).json()["jobID"]
+        one("PATCH", f"/jobs/{number}", json={"shared": True})
+        one("DELETE", f"/jobs/{number}")
+        house.asking("vf_wrong")("GET", "/scenes")
+        entries = reversed(audit.latest(house.desk.ledger.database, 9))
+        assert [(entry.name, entry.action, entry.object) for entry in entries] == [
+            ("", "add key", "one"),
+            ("one", "post", number),
+            ("one", "share", number),
+            ("one", "dismiss", number),
+            ("", "refuse key", "testclient"),
+        ]
+
+    def test_making_room_takes_nothing_that_others_hold(self, tmp_path):
+        size = len(json.dumps(study(1)))
+        app = create_app(Settings(data_directory=tmp_path, disk_quota_bytes=12 * size))
+        house = House(local_client(app))
+        one, two = house.key("one"), house.key("two")
+        keys = [one("POST", "/sweeps", json=study(n)).json()["id"] for n in range(3)]
+        mine = two("POST", "/sweeps", json=study(10)).json()["id"]
+        for number in range(11, 40):
+            reply = two("POST", "/sweeps", json=study(number))
+            assert reply.status_code == 201, reply.text
+        assert house.desk.store.used(mine) == 0, "nothing had to make room"
+        for key in keys:
+            assert one("GET", f"/sweeps/{key}").status_code == 200
+        app.state.desk.ledger.close()
+
+
+@pytest.mark.service
+class TestResults:
+    def test_a_result_of_another_is_found_when_the_job_runs(self, running):
+        one, two = running.key("first"), running.key("second")
+        number = running.carried_out(one, 1)
+        again = one("POST", EXECUTION, json=study(1), headers=ASYNC).json()
+        assert again["status"] == "successful"
+        reply = two("POST", EXECUTION, json=study(1), headers=ASYNC).json()
+        assert reply["status"] == "accepted"
+        assert reply["elapsedSeconds"] == 0
+        other = running.carried_out(two, 1)
+        files = [
+            ask("GET", f"/jobs/{job}/results/dataset").content
+            for ask, job in ((one, number), (two, other))
+        ]
+        assert files[0] == files[1]
+        key = reply["study"]
+        entries = [path.name for path in running.desk.store.folder(key).iterdir()]
+        assert entries.count("result.nc") == 1
+
+    def test_head_tells_nothing_of_a_file_that_another_has_made(self, running):
+        one, two = running.key("third"), running.key("fourth")
+        key = one("POST", "/sweeps", json=study(2)).json()["id"]
+        assert one("GET", f"/sweeps/{key}/netcdf").status_code == 200
+        assert "etag" in one("HEAD", f"/sweeps/{key}/netcdf").headers
+        two("POST", "/sweeps", json=study(2))
+        assert "etag" not in two("HEAD", f"/sweeps/{key}/netcdf").headers
+        assert two("GET", f"/sweeps/{key}/netcdf").status_code == 200
+        assert "etag" in two("HEAD", f"/sweeps/{key}/netcdf").headers
+
+    def test_a_job_says_that_its_result_has_made_room(self, running):
+        one = running.key("fifth", bytes=40_000)
+        number = running.carried_out(one, 100)
+        key = one("GET", f"/jobs/{number}").json()["study"]
+        for other in range(101, 112):
+            if running.desk.holdings.of("fifth", key) is None:
+                break
+            running.carried_out(one, other)
+        job = one("GET", f"/jobs/{number}").json()
+        assert "Post the study again" in job["message"]
+        assert not [link for link in job["links"] if link["rel"].endswith("results")]
+        for end in ("/results", "/results/dataset"):
+            document = problem(one("GET", f"/jobs/{number}{end}"), 410)
+            assert document["type"] == "urn:vibrafeed:problem:gone"
+        assert one("POST", EXECUTION, json=study(100), headers=ASYNC).status_code == 201
+
+
+class TestWrongKeys:
+    def test_they_wait_longer_and_longer_and_right_ones_do_not(self, house, monkeypatch):
+        waits: list[float] = []
+
+        async def sleep(seconds: float) -> None:
+            waits.append(seconds)
+
+        monkeypatch.setattr(wrong_keys, "sleep", sleep)
+        right = house.key("lab")
+        for number in range(40):
+            problem(house.asking(f"vf_{number}")("GET", "/scenes"), 401)
+        assert waits == sorted(waits)
+        assert waits[0] == 0
+        assert waits[-1] == wrong_keys.MOST_WAIT
+        count = len(waits)
+        assert right("GET", "/scenes").status_code == 200
+        assert len(waits) == count
+
+    def test_too_many_that_wait_are_refused_at_once(self, house, monkeypatch):
+        monkeypatch.setattr(wrong_keys, "MOST_WAITING", 0)
+        house.key("lab")
+        reply = house.asking("vf_wrong")("GET", "/scenes")
+        assert problem(reply, 429)["type"] == "urn:vibrafeed:problem:wrong-keys"
+        assert reply.headers["retry-after"] == "60"
+
+
+def test_a_ledger_that_cannot_be_read_lets_nobody_in(house, monkeypatch):
+    def fails() -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(house.keys, "all", fails)
+    assert house.client.get("/healthz").status_code == 200
+    problem(house.client.get("/scenes"), 503)
