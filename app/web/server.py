@@ -12,6 +12,7 @@ import socket
 import sys
 import threading
 import time
+from collections.abc import Callable
 from types import FrameType
 
 import uvicorn
@@ -34,9 +35,19 @@ class Server(uvicorn.Server):
 
     New work is refused from then on, and replies without an end are ended. All else is answered for
     `drain_seconds`, and waited for `shutdown_seconds`.
+
+    Parameters
+    ----------
+    config : uvicorn.Config
+        What is served, and how.
+    end : callable, optional
+        Is called, on a thread of its own, if it has not ended in time.
     """
 
-    _drained = float("inf")  # when the draining ends [s, monotonic]
+    def __init__(self, config: uvicorn.Config, end: Callable[[], object] = lambda: None):
+        super().__init__(config)
+        self._end = end
+        self._drained = float("inf")  # when the draining ends [s, monotonic]
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         """Take note of the signal; a second one, or Ctrl-C, cuts the draining short."""
@@ -48,7 +59,7 @@ class Server(uvicorn.Server):
         if is_first:
             self.should_exit = drain == 0
             self._drained = time.monotonic() + drain
-            timer = threading.Timer(drain + state.settings.shutdown_seconds + LAST, _end)
+            timer = threading.Timer(drain + state.settings.shutdown_seconds + LAST, self._end)
             timer.daemon = True
             timer.start()
 
@@ -133,4 +144,4 @@ def serve_until_stopped(app: FastAPI, settings: Settings, host: str, port: int) 
         timeout_graceful_shutdown=settings.shutdown_seconds,
     )
     with contextlib.suppress(KeyboardInterrupt):
-        Server(config).run()
+        Server(config, _end).run()
