@@ -78,6 +78,8 @@ assert call("describe_process", processes[0].id).title == processes[0].title
 posted = call("post_sweep", body=sweep)
 assert call("post_sweep", body=sweep).to_dict() == posted.to_dict()
 assert call("get_sweep", posted.id).cells == 4
+sharing = models.Sharing.from_dict({"shared": True})
+assert call("share_sweep", posted.id, body=sharing).shared is True
 piece = call("get_slice", posted.id, output="acceleration_x", axes="beta", frequency="50")
 assert piece["axes"][0]["values"] == [15, 30]
 whole = call("get_netcdf", posted.id).payload.read()
@@ -92,6 +94,7 @@ job = call("execute_simulate", body=motion, prefer="respond-async")
 assert "event: status" in call("follow_job", job.job_id)
 job = call("get_job", job.job_id)
 assert (job.status.value, job.progress) == ("successful", 100), job
+assert call("share_job", job.job_id, body=sharing).shared is True
 assert job.job_id in {listed.job_id for listed in call("list_jobs", process_id=["simulate"]).jobs}
 results = call("get_results", job.job_id)
 content = call("get_dataset", job.job_id).payload.read()
@@ -122,6 +125,8 @@ PARSED = {
     "describe_process": "ProcessDescription",
     "post_sweep": "SweepDescription",
     "get_sweep": "SweepDescription",
+    "share_sweep": "SweepDescription",
+    "share_job": "StatusInfo",
     "get_netcdf": "File",
     "get_zarr": "File",
     "execute_simulate": "StatusInfo",

@@ -121,7 +121,7 @@ def get_sweep(key: Key, desk: DeskOf, who: WhoOf) -> Response:
     summary="Share a sweep, or share it no more",
     response_model=SweepDescription,
     responses={
-        **problems(s404="No such sweep", s422="The identifier is malformed"),
+        **problems(s404="No such sweep", s409="The sweep is another version's: post it again"),
         **NOT_OWNER,
         **NO_SHARING,
     },
