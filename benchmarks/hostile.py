@@ -168,6 +168,14 @@ def long_jobs(server: Served, seconds: float) -> None:
     _has_to_end(server, _posted(server, "sweep", SMALL), seconds / 2)
 
 
+def many_jobs(server: Served, seconds: float) -> None:
+    """Six such jobs, which stay; a small job has to come through beside them."""
+    numbers = [_posted(server, "simulate", _long_study(n)) for n in range(6)]
+    _has_to_end(server, _posted(server, "sweep", SMALL), seconds)
+    for number in numbers:
+        _delete(server, f"/jobs/{number}")
+
+
 def accuracy_jobs(server: Served, seconds: float) -> None:
     """Three accuracy jobs, dismissed as they run; a small job has to come through then."""
     numbers = []
@@ -215,12 +223,14 @@ def _delete(server: Served, path: str) -> None:
 
 
 def _has_to_end(server: Served, number: str, seconds: float) -> None:
-    until = time.monotonic() + seconds
+    started = time.monotonic()
+    until = started + seconds
     while (status := server.get(f"/jobs/{number}")["status"]) != "successful":
         if time.monotonic() > until:
             print(f"  MISSED a small job is {status} after {seconds:g} s")
             return
         time.sleep(0.1)
+    print(f"  a small job is successful after {time.monotonic() - started:.1f} s")
 
 
 ATTACKS: dict[str, tuple[Callable[[Served, float], None], float]] = {
@@ -233,6 +243,7 @@ ATTACKS: dict[str, tuple[Callable[[Served, float], None], float]] = {
     "heads": (heads, 10),
     "long_cells": (long_cells, 40),
     "long_jobs": (long_jobs, 60),
+    "many_jobs": (many_jobs, 60),
     "accuracy_jobs": (accuracy_jobs, 60),
 }
 """Every attack, and how long it lasts [s]."""

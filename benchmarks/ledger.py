@@ -1,0 +1,71 @@
+"""What the ledger's steps take: `python -m benchmarks.ledger`, or with the URL of a PostgreSQL.
+
+Medians of so many jobs that are posted, claimed and carried out one after another, in a new SQLite
+file: on the disk, and in memory, where no step waits for a disk.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import tempfile
+import time
+from collections import defaultdict
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from app.jobs.ledger import Ledger
+
+MEMORY = Path("/dev/shm")
+
+
+def steps(where: Path | str, jobs: int) -> dict[str, float]:
+    """Return the median of each step [s]."""
+    ledger = Ledger(where)
+    times: dict[str, list[float]] = defaultdict(list)
+
+    def timed(name: str, step: Callable[[], Any]) -> Any:
+        started = time.perf_counter()
+        found = step()
+        times[name].append(time.perf_counter() - started)
+        return found
+
+    size = {"cells": 1, "block_cells": 1, "blocks": 1, "bytes_": 1, "finished_seconds": None}
+    run = time.time_ns()
+    try:
+        for n in range(jobs):
+            key = f"{run}-{n}"
+            job = timed("post", lambda key=key: ledger.post(key, "sweep", **size))
+            work = timed("claim", lambda: ledger.claim("benchmark", 60.0))
+            timed("advance", lambda work=work: ledger.advance(work, done=1, seconds=1.0))
+            timed("holds", lambda work=work: ledger.holds(work))
+            timed("job", lambda job=job: ledger.job(job.id))
+            timed("succeed", lambda work=work: ledger.succeed(work))
+    finally:
+        ledger.close()
+    return {name: statistics.median(values) for name, values in times.items()}
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("url", nargs="?", help="of a ledger that nobody else uses")
+    parser.add_argument("--jobs", type=int, default=400)
+    asked = parser.parse_args()
+    if asked.url:
+        _tell("PostgreSQL", steps(asked.url, asked.jobs))
+        return
+    for name, place in {"disk": None, "memory": MEMORY if MEMORY.is_dir() else None}.items():
+        if name == "memory" and place is None:
+            continue
+        with tempfile.TemporaryDirectory(dir=place) as folder:
+            _tell(name, steps(Path(folder) / "jobs.sqlite3", asked.jobs))
+
+
+def _tell(name: str, found: dict[str, float]) -> None:
+    print(f"{name:12}" + "  ".join(f"{step} {1e3 * value:.2f} ms" for step, value in found.items()))
+
+
+if __name__ == "__main__":
+    main()
