@@ -241,6 +241,13 @@ class Settings(BaseSettings):
                 raise ValueError(why)
         return url
 
+    @field_validator("results_url")
+    @classmethod
+    def _store(cls, url: str) -> str:
+        if url and find_spec("obstore") is None:
+            raise ValueError("it takes a package that is missing: pip install vibrafeed[cluster]")
+        return url
+
     @field_validator("cors_origins")
     @classmethod
     def _origins(cls, origins: tuple[str, ...]) -> tuple[str, ...]:

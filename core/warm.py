@@ -7,6 +7,7 @@ everything is compiled already, it takes seconds.
 from __future__ import annotations
 
 import multiprocessing
+import os
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -86,20 +87,24 @@ def warm(processes: int) -> Path | None:
     """
     from core.compiled import folder
 
-    if not is_warm():
-        spawn = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(min(processes, len(GROUPS)), mp_context=spawn) as pool:
-            list(pool.map(carry_out, GROUPS))
-        mark = _mark()
-        if mark is not None:
-            mark.touch()
-    return folder()
+    place = folder()
+    if place is None or is_warm():
+        return place
+    if not os.access(place, os.W_OK):  # an image ships it, for another processor
+        return None
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(min(processes, len(GROUPS)), mp_context=spawn) as pool:
+        list(pool.map(carry_out, GROUPS))
+    _mark(place).touch()
+    return place
 
 
 def is_warm() -> bool:
     """Return whether every kernel has been compiled for this processor, and kept."""
-    mark = _mark()
-    return mark is not None and mark.exists()
+    from core.compiled import folder
+
+    place = folder()
+    return place is not None and _mark(place).exists()
 
 
 def carry_out(group: str) -> None:
@@ -108,9 +113,8 @@ def carry_out(group: str) -> None:
         tabulate(prepare_content(study))
 
 
-def _mark() -> Path | None:
+def _mark(place: Path) -> Path:
     """Return the file that says so; it goes with the code that it speaks of."""
-    from core.compiled import folder, processor
+    from core.compiled import processor
 
-    path = folder()
-    return None if path is None else path / f"warm-{processor()}"
+    return place / f"warm-{processor()}"

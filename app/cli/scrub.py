@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from app.cli import console
+from app.cli.serve import settings_in_force
 from app.cli.studies import FAILED, WRONG_INPUT, interruption
 
 SHOWN = 12  # letters of an identifier, as in the names of downloads
@@ -31,9 +32,8 @@ def scrub(
     from app.jobs.scrub import BROKEN, ORPHANED, WHOLE
     from app.jobs.scrub import scrub as found_in
     from app.jobs.store import Store
-    from app.settings import Settings
 
-    directory = directory or Settings().data_directory
+    directory = directory or settings_in_force().data_directory
     store = Store(directory)
     if not directory.is_dir():
         console.fail(f"There is no folder {directory}.")

@@ -13,12 +13,13 @@ from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING
 
+from app.jobs.errors import LostStoreError
 from app.jobs.groups import LIST, read_list
 from app.jobs.manifest import MANIFEST, ZARR, Manifest
 from app.jobs.sound import has_digest
 from app.jobs.studies import kept
 from core.dataset.files import PART, sync
-from core.dataset.shards import UNFINISHED, open_store, told_plainly
+from core.dataset.shards import open_store, told_plainly
 
 if TYPE_CHECKING:
     from obstore.store import ObjectStore
@@ -49,7 +50,7 @@ class Away:
     def send(self, key: str, folder: Path) -> None:
         """Send the result in the folder of a study, unless it is there; raise `OSError`."""
         told = (folder / MANIFEST).read_bytes()
-        with told_plainly():
+        with _plainly():
             store = self._store(key)
             if _get(store, MANIFEST) == told:
                 return
@@ -82,7 +83,7 @@ class Away:
         self._thread.shutdown(wait=False, cancel_futures=True)
 
     def _fetch(self, key: str, folder: Path) -> bool:
-        with told_plainly():
+        with _plainly():
             store = self._store(key)
             told = _get(store, MANIFEST)
             if told is None:
@@ -93,7 +94,8 @@ class Away:
                 there = Path(scratch)
                 if not _download(store, there, manifest):
                     logger.warning("a result in the object store is broken: %s", key)
-                    store.delete(MANIFEST)
+                    if _get(store, MANIFEST) == told:  # or another has sent a new one
+                        store.delete(MANIFEST)
                     return False
                 for path in list(there.iterdir()):
                     place = folder / path.name
@@ -114,38 +116,50 @@ def _names(folder: Path, manifest: Manifest) -> Iterator[str]:
     for name in manifest.files:
         if name == ZARR:
             yield LIST
-            yield from (f"{ZARR}/{key}" for key in read_list(folder) if key != UNFINISHED)
+            yield from (f"{ZARR}/{key}" for key in read_list(folder))
         else:
             yield name
 
 
 def _download(store: ObjectStore, folder: Path, manifest: Manifest) -> bool:
     """Write all files of a result to a folder; return whether they have their digests."""
-    try:
-        _write(store, STUDY, folder)
-        for name, known in manifest.files.items():
-            first = LIST if name == ZARR else name
-            _write(store, first, folder)
-            if not has_digest(folder / first, known["sha256"]):
-                return False
-        if ZARR in manifest.files:
-            for key, digest in read_list(folder).items():
-                _write(store, f"{ZARR}/{key}", folder)
-                if not has_digest(folder / ZARR / key, digest):
-                    return False
-    except FileNotFoundError:
+    if not _write(store, STUDY, folder):
         return False
+    for name, known in manifest.files.items():
+        first = LIST if name == ZARR else name
+        if not (_write(store, first, folder) and has_digest(folder / first, known["sha256"])):
+            return False
+    if ZARR in manifest.files:
+        for key, digest in read_list(folder).items():
+            name = f"{ZARR}/{key}"
+            if not (_write(store, name, folder) and has_digest(folder / name, digest)):
+                return False
     return True
 
 
-def _write(store: ObjectStore, name: str, folder: Path) -> None:
+def _write(store: ObjectStore, name: str, folder: Path) -> bool:
+    """Write a file to a folder; return whether the store has it."""
     path = folder / name
     path.parent.mkdir(parents=True, exist_ok=True)
-    found = store.get(name)
+    try:
+        found = store.get(name)
+    except FileNotFoundError:
+        return False
     with path.open("wb") as file:
         for piece in found.stream():
             file.write(piece)
     sync(path)
+    return True
+
+
+@contextlib.contextmanager
+def _plainly() -> Iterator[None]:
+    """Raise `LostStoreError` for whatever a store says of itself; the log has its words."""
+    try:
+        with told_plainly():
+            yield
+    except OSError as error:
+        raise LostStoreError(*error.args) from error
 
 
 def _get(store: ObjectStore, name: str) -> bytes | None:

@@ -107,6 +107,8 @@ class Carrier:
         Is told of blocks that are done.
     hands : Hands
         Who does it.
+    trouble : str or None
+        What keeps results from being sent where they are kept besides.
     """
 
     def __init__(
@@ -116,6 +118,7 @@ class Carrier:
         self._aside, self._settings = aside, settings
         self._directory = str(settings.data_directory.resolve())
         turns = Turns(LASTS * settings.block_seconds)
+        self.trouble: str | None = None
         self.hands = Hands(cluster, turns, settings.grace_seconds)
         self.course = Course()
 
@@ -153,7 +156,9 @@ class Carrier:
         try:
             await asyncio.to_thread(self._store.send, item.key)
         except OSError as error:
+            self.trouble = "a result cannot be sent to VIBRAFEED_RESULTS_URL; the log says why"
             raise LostError(f"the result cannot be sent: {error}") from error
+        self.trouble = None
 
     async def _compute_and_write(self, progress: _Progress) -> None:
         item = progress.item
@@ -213,8 +218,9 @@ class Carrier:
 
         async def began() -> None:
             nonlocal has_begun
+            if not has_begun:  # it begins again on another worker, if the first dies
+                progress.running.begin()
             has_begun = True
-            progress.running.begin()
             if progress.told is None:
                 progress.began = time.monotonic()
                 progress.told = asyncio.create_task(self._note(progress, 0.0))

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 from app.jobs import audit, work
-from app.jobs.errors import NotFoundError, NotOwnerError, TooManyJobsError
+from app.jobs.errors import FetchingError, NotFoundError, NotOwnerError, TooManyJobsError
 from app.jobs.keys import NOBODY, Key
 from app.jobs.ledger import Job, Ledger
 from app.jobs.room import Room
@@ -79,9 +79,12 @@ class Desk:
         self._room.look(key, needed, who)
         if self.store.manifest(key) is None:
             try:
-                self.store.fetch(key)
+                found = self.store.fetch(key)
             except OSError:  # it is computed again, then
                 logger.exception("a result cannot be fetched: %s", key)
+            else:
+                if found is None:
+                    raise FetchingError("The result is there, and is being fetched. Post it again.")
         # In one transaction, so that what is found here is not removed before the job is entered.
         with self.ledger.transaction():
             self._check_jobs(who)

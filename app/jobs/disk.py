@@ -6,12 +6,13 @@ import errno
 import sqlite3
 from typing import Any
 
-from app.jobs.errors import LostLedgerError
+from app.jobs.errors import LostLedgerError, LostStoreError
 
 FILES = "The service has as many files open as it may"
 HELD = "Another process holds the ledger"
 LOST = "The database of the ledger cannot be reached"
-PASSING = (FILES, HELD, LOST)  # soon, and by themselves
+AWAY = "The object store of results cannot be used"
+PASSING = (FILES, HELD, LOST, AWAY)  # soon, and by themselves
 
 
 # Why it cannot take more.
@@ -54,6 +55,8 @@ def why(error: OSError | sqlite3.Error) -> str:
     """Return what is wrong, in a few words; none of them names a file."""
     if isinstance(error, LostLedgerError):
         return LOST
+    if isinstance(error, LostStoreError):
+        return AWAY
     if isinstance(error, OSError):
         return STORAGE.get(error.errno or 0, "A file cannot be written")
     return next((text for word, text in SQLITE.items() if word in str(error)), "The ledger fails")

@@ -45,5 +45,13 @@ class LostLedgerError(OSError):
     """The database of the ledger cannot be reached; it is not on this machine's disk."""
 
 
+class LostStoreError(OSError):
+    """The object store in which results are kept cannot be used."""
+
+
+class FetchingError(VibrafeedError):
+    """A result is on its way from the object store."""
+
+
 class LaterLedgerError(VibrafeedError):
     """The ledger was changed by a later version of vibrafeed."""

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from app.jobs.manifest import ZARR
 from app.jobs.studies import kept
+from core.dataset.shards import UNFINISHED
 
 LIST = f"{ZARR}.sha256"
 KEPT = 8  # lists; one of 100,000 shards takes some 20 MB
@@ -25,7 +26,7 @@ def complete_list(folder: Path) -> None:
     """Add what is in a group and not in its list: documents, coordinates, all of an older one."""
     digests = dict(read_list(folder))
     for key, path in files_of(folder / ZARR):
-        if key not in digests:
+        if key not in digests and key != UNFINISHED:
             with path.open("rb") as file:
                 digests[key] = hashlib.file_digest(file, "sha256").hexdigest()
     write_list(folder, digests)

@@ -40,6 +40,9 @@ class Lanes:
 
         `active` are the keys of what this server has taken up.
         """
+        for key in active:
+            if key in self._prices:  # it is not forgotten while it runs
+                self._prices.move_to_end(key)
         long = sum(self._prices.get(key, 0.0) > self._short for key in active)
         short = len(active) - long
         if min(long, short) >= self._most:

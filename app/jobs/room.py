@@ -174,7 +174,7 @@ class Room:
     def used(self) -> int:
         """Return the bytes of all studies, counted a minute ago at most."""
         self._count(COUNTED_EVERY)
-        return sum({**self._sizes, **self._since}.values())
+        return sum(self._sizes.values())
 
     def _promised(self, key: str, needed: int) -> dict[str, int]:
         return self._ledger.promised() | {key: needed}

@@ -99,7 +99,7 @@ class Runner:
         """Return what keeps jobs from being carried out, or None."""
         if self._main is None or self._main.done():
             return "no work is looked for"
-        return self._carrier.hands.trouble
+        return self._carrier.hands.trouble or self._carrier.trouble
 
     def waits(self) -> str | None:
         """Return what work that has not begun waits for, besides its turn."""
@@ -161,8 +161,7 @@ class Runner:
     async def _keep(self, item: Work) -> None:
         """Carry out an item for as long as its lease is ours."""
         about = {"key": item.key, "kind": item.process, "blocks": item.blocks}
-        seconds = await self._aside(self._lanes.block_price, item)
-        carrying = asyncio.create_task(self._carrier.carry_out(item, seconds))
+        carrying = asyncio.create_task(self._carry_out(item))
         try:
             self.course.began(item)
             await self._hold(item, carrying)
@@ -193,18 +192,29 @@ class Runner:
             self._active.pop(item.owner, None)
             self._wake.set()
 
+    async def _carry_out(self, item: Work) -> None:
+        seconds = await self._aside(self._lanes.block_price, item)
+        await self._carrier.carry_out(item, seconds)
+
     async def _hold(self, item: Work, carrying: asyncio.Task[None]) -> None:
         """Keep the lease until work ends; return before that if it is lost or not wanted."""
         lease = self._settings.lease_seconds
         renewed = time.monotonic()
         while not carrying.done():
             await asyncio.wait([carrying], timeout=min(LOOK, lease / 4))
-            if carrying.done() or not await self._aside(self._ledger.holds, item):
+            if carrying.done():
                 return
-            if time.monotonic() - renewed > lease / 4:
-                renewed = time.monotonic()
-                if not await self._aside(self._ledger.renew, item, lease):
+            age = time.monotonic() - renewed
+            try:
+                if not await self._aside(self._ledger.holds, item):
                     return
+                if age > lease / 4:
+                    if not await self._aside(self._ledger.renew, item, lease):
+                        return
+                    renewed += age
+            except (OSError, sqlite3.Error):
+                if age > lease:  # till then nobody else has it, and the ledger may come back
+                    raise
 
     async def _problem_of(self, carrying: asyncio.Task[None]) -> Mapping[str, Any] | None:
         """Return why work failed as parts of a problem document; None if it did not."""

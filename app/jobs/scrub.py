@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -56,7 +57,10 @@ def _look(store: Store, folder: Path, stopped: Callable[[], bool]) -> Found:
         return Found(key, ORPHANED, files=(".",))
     manifest = store.manifest_as_it_is(key)
     names = set() if manifest is None else set(manifest.files)
-    others = {path.name for path in folder.iterdir() if not path.name.startswith(".")}
+    try:
+        others = {path.name for path in folder.iterdir() if not path.name.startswith(".")}
+    except FileNotFoundError:  # it has just been removed
+        return Found(key, WAITING)
     orphans = tuple(sorted(others - names - set(OURS)))
     if manifest is None:
         if (folder / MANIFEST).exists():
@@ -69,7 +73,8 @@ def _look(store: Store, folder: Path, stopped: Callable[[], bool]) -> Found:
         if digest is None or not has_digest(path, digest):
             broken.append(name)
         else:
-            size += path.stat().st_size
+            with contextlib.suppress(FileNotFoundError):  # it has just been removed
+                size += path.stat().st_size
     if broken:
         # It may have been made anew, or removed, since its manifest was read.
         is_same = store.manifest_as_it_is(key) == manifest

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import hashlib
 import os
 import threading
@@ -69,12 +70,19 @@ class Sound:
 
 
 def has_digest(path: Path, digest: str) -> bool:
-    """Return whether a file is there and has a SHA-256; it is read, whatever is known of it."""
+    """Return whether a file is there and has a SHA-256; it is read, whatever is known of it.
+
+    One that the disk does not give back is none; what else is wrong raises `OSError`.
+    """
     try:
         with path.open("rb", buffering=0) as file:
             return _digest(file) == digest
     except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
         return False
+    except OSError as error:
+        if error.errno == errno.EIO:
+            return False
+        raise
 
 
 def _digest(file: FileIO) -> str:

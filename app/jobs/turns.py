@@ -100,6 +100,8 @@ class Turns:
         self._hand_out()
 
     def _hand_out(self) -> None:
+        # Who was cancelled stays here until its task runs again.
+        self._waiting = [one for one in self._waiting if not one[3].done()]
         while self._waiting and len(self._taken) < self._places:
             lasting = sum(self._lasts(place.seconds, place) for place in self._taken)
             no_more = self._places > 1 and lasting >= self._places - 1

@@ -14,6 +14,7 @@ from starlette.routing import Match
 
 from app.jobs import disk
 from app.jobs.errors import (
+    FetchingError,
     GoneError,
     NoRoomError,
     NotFoundError,
@@ -81,6 +82,7 @@ STATUS: dict[type[Exception], tuple[int, str, str]] = {
     GoneError: (410, "gone", "The result is gone"),
     TooManyJobsError: (429, "jobs", "The key has as many jobs as it may"),
     QueueFullError: (429, "queue", "The queue of jobs is full"),
+    FetchingError: (503, "busy", "The service is busy"),
     BusyError: (503, "busy", "The service is busy"),
     NoRoomError: (507, "storage", "There is no room for the result"),
 }

@@ -6,6 +6,7 @@ import asyncio
 from pathlib import Path
 from typing import Any
 
+from app.jobs import lanes as module
 from app.jobs.lanes import Lanes
 from app.jobs.ledger import Work
 from app.jobs.store import Store
@@ -141,9 +142,9 @@ def test_who_gives_up_waiting_leaves_no_gap():
     asyncio.run(scene())
 
 
-def test_short_work_is_taken_up_beside_long_work(tmp_path: Path):
+def test_short_work_is_taken_up_beside_long_work(tmp_path: Path, monkeypatch):
     store = Store(tmp_path)
-    lanes = Lanes(store, Settings(data_directory=tmp_path, concurrent_jobs=2, block_seconds=1.0))
+    lanes = Lanes(store, Settings(data_directory=tmp_path, concurrent_jobs=2, block_seconds=0.1))
 
     def posted(frequency: float, **more: Any) -> Work:
         study = {
@@ -166,6 +167,30 @@ def test_short_work_is_taken_up_beside_long_work(tmp_path: Path):
         taken.append(item)
     assert taken == [*long[:2], *short[:2]]
     assert lanes.next(waiting, active - {short[0].key}) == short[0]
+    # Much that is priced meanwhile changes nothing.
+    monkeypatch.setattr(module, "MOST_KNOWN", len(active))
+    for n in range(5):
+        lanes.next([*waiting, posted(70.0 + n)], active)
+    assert lanes.next(waiting, active) is None
+    assert lanes.next(waiting, active - {short[0].key}) == short[0]
     # What cannot be read holds up nobody.
     lost = Work("0" * 64, "simulate", 1, 1, 0.0, "")
     assert lanes.next([lost], set()) == lost
+
+
+def test_who_is_cancelled_while_places_are_handed_out_takes_none():
+    async def scene() -> None:
+        turns = Turns(10.0)
+        turns.resize(1)
+        first = await turns.take("failed", 1.0)
+        waiting = [asyncio.create_task(turns.take("failed", 1.0)) for _ in range(4)]
+        await turned()
+        for task in waiting:  # as for a job of which a block has failed
+            task.cancel()
+        turns.leave(first)
+        await asyncio.gather(*waiting, return_exceptions=True)
+        assert not turns.waiting
+        place = await asyncio.wait_for(turns.take("other", 1.0), 1)
+        turns.leave(place)
+
+    asyncio.run(scene())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import shutil
 import subprocess
 import sys
@@ -12,6 +13,8 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
+from app.jobs import away
+from app.jobs.errors import LostStoreError
 from app.jobs.manifest import MANIFEST, NETCDF, ZARR
 from app.jobs.store import Store
 from app.main import create_app
@@ -161,6 +164,24 @@ def test_what_is_broken_there_is_no_result_and_is_sent_again(bucket, tmp_path):
     assert two.manifest(key) is None
     assert MANIFEST not in keys(bucket)
     one.send(key)
+    assert two.fetch(key) is True
+    for store in (one, two):
+        store.close()
+
+
+def test_what_fails_here_leaves_what_is_there(bucket, tmp_path, monkeypatch):
+    one, two = Store(tmp_path / "one", URL), Store(tmp_path / "two", URL)
+    key = finished(one)
+    one.send(key)
+
+    def gone(path: Path) -> None:
+        raise FileNotFoundError(errno.ENOENT, "somebody tidied", str(path))
+
+    with monkeypatch.context() as broken:
+        broken.setattr(away, "sync", gone)
+        with pytest.raises(LostStoreError):
+            two.fetch(key)
+    assert MANIFEST in keys(bucket)
     assert two.fetch(key) is True
     for store in (one, two):
         store.close()
