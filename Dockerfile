@@ -6,7 +6,7 @@ COPY app app
 COPY core core
 COPY vibrafeed vibrafeed
 RUN python -m venv /opt/vibrafeed \
-    && /opt/vibrafeed/bin/python -m pip install --no-cache-dir --constraint constraints.txt '.[plot]'
+    && /opt/vibrafeed/bin/python -m pip install --no-cache-dir --constraint constraints.txt '.[plot,cluster,postgres,tables,traces]'
 
 FROM python:3.11-slim-bookworm
 # The folder is not /app: nothing that is called like a package of ours stands above it.
@@ -29,6 +29,6 @@ VOLUME /var/lib/vibrafeed
 EXPOSE 8000
 HEALTHCHECK --interval=30s --timeout=5s --start-period=10s \
     CMD ["python", "-c", "import urllib.request as r; r.urlopen('http://127.0.0.1:8000/healthz', timeout=3)"]
-# One process: it owns the NetCDF writer. It listens to other machines, so it starts only if
-# VIBRAFEED_API_KEY_HASHES is given: docker run -e VIBRAFEED_API_KEY_HASHES=..., see docs/api.md.
+# One process: it owns the NetCDF writer. It listens to other machines, so it starts only where there
+# are keys: `vibrafeed key add` on its volume, or VIBRAFEED_API_KEY_HASHES; see docs/operations.md.
 CMD ["vibrafeed", "serve", "--host", "0.0.0.0", "--port", "8000"]

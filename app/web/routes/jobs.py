@@ -136,7 +136,7 @@ def get_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
 @router.delete("/{number}", summary="Dismiss a job", response_model=StatusInfo,
                responses={**NO_JOB, **NOT_OWNER})  # fmt: skip
 def dismiss_job(number: Number, desk: DeskOf, base: BaseOf, who: WhoOf) -> Response:
-    """Dismiss a job; what is computed for it alone is stopped at the next block."""
+    """Dismiss a job; what is computed for it alone is stopped."""
     job = desk.dismiss(number, who)
     if job is None:
         raise no_such_job(number)
