@@ -213,6 +213,8 @@ class Desk:
             If their key may not keep so much.
         """
         held = self.holdings.of(who.name, key)
+        if held is None and self.store.manifest(key) is None:
+            raise NotOwnerError("Its file is not made. POST the study yourself, to have it made.")
         if held is None or held.result:
             return
         self._room.look(key, needed, who)
@@ -233,8 +235,10 @@ class Desk:
             return None
         _check_owner(job, who)
         with self.ledger.transaction():
+            was_there = job.state != "dismissed"
             job = self.ledger.dismiss(number)
-            self._note(who, "dismiss", number)
+            if was_there:
+                self._note(who, "dismiss", number)
         self._wake()
         return job
 

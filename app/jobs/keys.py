@@ -177,6 +177,11 @@ class Keys:
         """Whether the ledger has been looked at."""
         return self._known is not None
 
+    @property
+    def is_fresh(self) -> bool:
+        """Whether the ledger has been looked at some moments ago at most."""
+        return self._known is not None and time.monotonic() - self._looked < 2 * LOOK
+
     def look(self) -> None:
         """Look at the ledger; what was known stays if it cannot be read."""
         with self._lock:

@@ -158,13 +158,15 @@ class Ledger:
             bytes=bytes_,
         )  # fmt: skip
         with self.transaction() as database:
-            if database.execute(select(WORK.c.key).where(WORK.c.key == key)).first() is None:
-                database.execute(new)
-            database.execute(
+            waiting = database.execute(
                 JOBS.update()
                 .where(JOBS.c.key == key, JOBS.c.state == "successful", JOBS.c.gone == 0)
                 .values(state="accepted", started=None, finished=None, seconds=None)
             )
+            is_there = select(WORK.c.key).where(WORK.c.key == key)
+            # All of them may have been dismissed meanwhile: then nobody waits for it.
+            if waiting.rowcount and database.execute(is_there).first() is None:
+                database.execute(new)
 
     def job(self, number: str) -> Job | None:
         """Return a job, or None if there is no such job."""
@@ -318,9 +320,11 @@ class Ledger:
         return {row[0]: row[1] for row in self._read(select(WORK.c.key, WORK.c.bytes))}
 
     def forget(self, before: float, most: int) -> None:
-        """Remove the jobs that were finished before a time, and of the others all but so many."""
-        over = select(JOBS.c.id).where(JOBS.c.finished.is_not(None))
-        oldest = over.order_by(JOBS.c.finished.desc()).offset(most)
+        """Remove the jobs that were finished before a time, and of each owner all but so many."""
+        latest = func.row_number().over(partition_by=JOBS.c.owner, order_by=JOBS.c.finished.desc())
+        over = select(JOBS.c.id, latest.label("place")).where(JOBS.c.finished.is_not(None))
+        numbered = over.subquery()
+        oldest = select(numbered.c.id).where(numbered.c.place > most)
         with self.transaction() as database:
             database.execute(JOBS.delete().where(JOBS.c.finished < before))
             database.execute(JOBS.delete().where(JOBS.c.id.in_(oldest)))

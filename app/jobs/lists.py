@@ -54,7 +54,8 @@ def job_of(row: Row[*tuple[Any, ...]]) -> Job:
         state=row.state,
         cells=row.cells,
         blocks=row.blocks,
-        done=row.blocks if row.state == "successful" else row.done,
+        # The work of a job that is over is that of others who asked for the same.
+        done=row.blocks if row.state == "successful" else row.done * (not over),
         created=row.created,
         started=row.started,
         finished=row.finished,

@@ -128,7 +128,9 @@ class Check:
 
     def look(self, path: Path, digest: str) -> None:
         """Raise what the client is told, unless a file is what was written; may take long."""
-        with path.open("rb", buffering=0) as file:
+        with _there():
+            file = path.open("rb", buffering=0)
+        with file:
             if not self.sound.look(file, digest):
                 raise self.broken(os.fstat(file.fileno()))
 

@@ -20,6 +20,7 @@ from app.web.wrong_keys import WrongKeys
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 # Figures of all owners together.
 ADMIN_PATHS = frozenset({"/metrics"})
+MOST_GIVEN = 2  # in one request: each takes a look at all keys
 SOON = 0.01  # s between looks at whether another request has read the keys
 
 
@@ -46,7 +47,7 @@ class Entry:
         self._rates = MovingWindowRateLimiter(MemoryStorage())
 
     async def look(self) -> None:
-        """Read the keys if that is due; who comes meanwhile goes by what was read before.
+        """Read the keys if that is due; who comes meanwhile goes by what was read just before.
 
         Raises
         ------
@@ -60,7 +61,7 @@ class Entry:
                     await asyncio.to_thread(self.keys.look)
                 finally:
                     self._is_looking = False
-            elif self.keys.is_known:
+            elif self.keys.is_fresh:
                 return
             else:
                 await asyncio.sleep(SOON)
@@ -70,7 +71,9 @@ class Entry:
         if not self.keys.are_needed:
             _enter(scope, NOBODY)
             return None
-        given = _given(headers)
+        given = set(_given(headers))
+        if len(given) > MOST_GIVEN:
+            return _without(f"{len(given):,} keys are sent. Send one.")
         if not given:
             return _without("Send a key: `Authorization: Bearer KEY`, or `X-API-Key: KEY`.")
         now = time.time()

@@ -9,6 +9,7 @@ import ipaddress
 import logging
 import re
 import sqlite3
+from collections import Counter
 from typing import Any
 
 from fastapi import FastAPI
@@ -31,6 +32,8 @@ DOCS = ("/docs", "/static-offline-docs")
 OPEN = HEALTH | {"/openapi.json"}
 
 LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]"})
+SHARE = 4  # one key has at most this part of the requests that may be under way
+_CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 _HOST = re.compile(r"([a-z0-9._-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?")
 
 # Pairs as ASGI has them: added to every reply, and no route sets one of them.
@@ -129,6 +132,9 @@ class Guard:
 
     async def _refusal(self, scope: Scope) -> Response | None:
         path = path_of(scope)
+        if _CONTROL.search(path):  # routes do not tell a path from one with a line's end after it
+            detail = "The path holds characters that no resource has in its name."
+            return problem_document(404, "not-found", "There is no such resource", detail)
         try:
             if not (is_open(path) and self.entry.keys.is_known):
                 await self.entry.look()
@@ -184,25 +190,37 @@ class Limits:
     def __init__(self, app: ASGIApp, settings: Settings):
         self.app = app
         self.most = settings.max_requests
+        self.most_of_one = max(1, self.most // SHARE)
         self.most_bytes = settings.max_body_bytes
         self.under_way = 0
+        self.of_keys: Counter[str] = Counter()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it without reading its body."""
         if scope["type"] != "http" or path_of(scope) in HEALTH:
             await self.app(scope, receive, send)
             return
-        refusal = self._refusal(scope)
+        name = getattr(scope.get("state", {}).get("key"), "name", "")
+        refusal = self._refusal(scope, name)
         if refusal is not None:
             await refusal(scope, receive, send)
             return
         self.under_way += 1
+        self.of_keys[name] += 1
         try:
             await self.app(scope, receive, send)
         finally:
             self.under_way -= 1
+            self.of_keys[name] -= 1
+            if not self.of_keys[name]:
+                del self.of_keys[name]
 
-    def _refusal(self, scope: Scope) -> Response | None:
+    def _refusal(self, scope: Scope, name: str) -> Response | None:
+        if name and self.of_keys[name] >= self.most_of_one:
+            detail = f"{self.most_of_one:,} requests of your key are under way, its share of all."
+            return problem_document(
+                429, "rate", "Too many requests", detail, headers={"Retry-After": "1"}
+            )
         if self.under_way >= self.most:
             detail = f"{self.most:,} requests are under way, the most that are taken at a time."
             return problem_document(

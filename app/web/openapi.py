@@ -11,6 +11,7 @@ from pydantic.json_schema import models_json_schema
 
 from app.web.execution import PROCESSES
 from app.web.replies import ProblemDocument, component, execution_name
+from app.web.sharing import Sharing
 
 
 def operation_id(route: APIRoute) -> str:
@@ -34,7 +35,7 @@ def install(app: FastAPI) -> None:
 
 def _components() -> dict[str, Any]:
     """Return the schemas of problem documents, studies, and execute requests."""
-    models: list[type[BaseModel]] = [ProblemDocument]
+    models: list[type[BaseModel]] = [ProblemDocument, Sharing]
     models += [process.study for process in PROCESSES.values()]
     _, schemas = models_json_schema(
         [(model, "validation") for model in models], ref_template=component("{model}")["$ref"]

@@ -6,23 +6,27 @@ from collections.abc import Mapping
 from typing import Any
 
 from fastapi.exceptions import RequestValidationError
+from pydantic import BaseModel, ConfigDict, StrictBool
 
-from app.web.replies import problems
+from app.web.replies import component, problems
 from core.errors import StudyError
 from core.study.load import read_json
+
+
+class Sharing(BaseModel):
+    """Who may read: all keys, or the owner only."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    shared: StrictBool
+
 
 SHARING_BODY: dict[str, Any] = {
     "requestBody": {
         "required": True,
         "content": {
             "application/json": {
-                "schema": {
-                    "title": "Sharing",
-                    "type": "object",
-                    "required": ["shared"],
-                    "properties": {"shared": {"type": "boolean"}},
-                    "additionalProperties": False,
-                },
+                "schema": component(Sharing.__name__),
                 "example": {"shared": True},
             }
         },

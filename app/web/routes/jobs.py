@@ -15,7 +15,7 @@ from fastapi.responses import Response, StreamingResponse
 from pydantic import AfterValidator
 
 from app.jobs.desk import Desk
-from app.jobs.keys import Key
+from app.jobs.keys import NOBODY, Key, Keys
 from app.jobs.ledger import ACTIVE, STATES, Wanted
 from app.web.dependencies import BaseOf, Body, DeskOf, Number, WhoOf, once
 from app.web.documents import (
@@ -23,6 +23,7 @@ from app.web.documents import (
     StatusInfo,
     status_info,
 )
+from app.web.execution import PROCESSES
 from app.web.outcomes import find_job, no_such_job
 from app.web.replies import json_reply, problems
 from app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
@@ -102,9 +103,10 @@ def list_jobs(
 ) -> Response:
     """Return jobs, the latest first."""
     seen_by = None if who.sees_all else who.name
-    wanted = Wanted(tuple(process), tuple(status), interval(created), (least, longest), seen_by)
+    known = [name for name in process if name in PROCESSES]
+    wanted = Wanted(tuple(known), tuple(status), interval(created), (least, longest), seen_by)
     found = []
-    if not kind or "process" in kind:
+    if (known or not process) and (not kind or "process" in kind):
         found = desk.ledger.jobs(wanted, limit=limit + 1, offset=offset)
     wishes = {
         "processID": process, "status": status, "type": kind, "datetime": created,
@@ -172,16 +174,28 @@ async def follow_job(
 ) -> Response:
     """Return the changes of a job's state and progress as server-sent events."""
     await asyncio.to_thread(find_job, desk, number)
-    events = _events(desk, number, who, base, request.app.state.stopping.is_set)
+    keys: Keys = request.app.state.keys
+
+    def over() -> bool:
+        """Whether the service stops, or the key is in force no more; may look at the ledger."""
+        if request.app.state.stopping.is_set():
+            return True
+        if who == NOBODY:
+            return False
+        keys.look()
+        found = keys.of_hash(who.hash)
+        return found is None or not found.stands(time.time())
+
+    events = _events(desk, number, who, base, over)
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     return StreamingResponse(events, media_type="text/event-stream", headers=headers)
 
 
 async def _events(
-    desk: Desk, number: str, who: Key, base: str, stopping: Callable[[], bool]
+    desk: Desk, number: str, who: Key, base: str, over: Callable[[], bool]
 ) -> AsyncIterator[bytes]:
     told, at = None, time.monotonic()
-    while not stopping():
+    while not await asyncio.to_thread(over):
         job = await asyncio.to_thread(desk.job, number, who)
         if job is None:
             return

@@ -251,6 +251,8 @@ async def get_netcdf(
     ):
         writer.check(sweep)
         return _not_made(key)
+    if await writer.known(key) is None:
+        writer.check(sweep)
     if not who.sees_all:
         await run_in_threadpool(desk.take_result, key, sweep.bytes, who)
     manifest = await writer.result(key, sweep, who)

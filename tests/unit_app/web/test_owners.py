@@ -6,6 +6,7 @@ import json
 import logging
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import pytest
@@ -89,6 +90,16 @@ class TestRoles:
         problem(house.key("lab")("GET", "/metrics"), 403)
         assert house.key("boss", "admin")("GET", "/metrics").status_code == 200
 
+    @pytest.mark.parametrize("path", ["/metrics%0A", "/jobs/%00", "/sweeps/a%00/slice", "/jobs%7F"])
+    def test_no_path_holds_characters_that_control(self, house, path):
+        problem(house.key("lab", "read")("GET", path), 404)
+
+    def test_many_keys_in_one_request_are_refused_unread(self, house):
+        house.key("lab")
+        many = [("X-API-Key", f"vf_{n}") for n in range(5000)]
+        reply = house.client.get("/scenes", headers=many)
+        assert "Send one" in problem(reply, 401)["detail"]
+
     def test_a_key_that_is_over_or_withdrawn_is_as_an_unknown_one(self, house):
         over, gone = house.key("over", days=1e-6), house.key("gone")
         assert gone("GET", "/scenes").status_code == 200
@@ -106,6 +117,24 @@ class TestRoles:
 
 
 class TestLimits:
+    def test_one_key_has_its_share_of_what_is_under_way(self, tmp_path):
+        app = create_app(Settings(data_directory=tmp_path, max_requests=8))
+        house = House(local_client(app))
+        job = house.key("lab")("POST", EXECUTION, json=study(0), headers=ASYNC).json()["jobID"]
+        with ThreadPoolExecutor(8) as threads:
+            lab = house.key("crowd", "admin")
+            streams = [threads.submit(lab, "GET", f"/jobs/{job}/events") for _ in range(6)]
+            until = time.monotonic() + 60
+            while sum(stream.done() for stream in streams) < 4:
+                assert time.monotonic() < until
+                time.sleep(0.05)
+            refused = [stream.result() for stream in streams if stream.done()]
+            assert house.key("other")("GET", "/scenes").status_code == 200
+            app.state.stopping.set()
+        for reply in refused:
+            assert problem(reply, 429)["type"] == "urn:vibrafeed:problem:rate"
+        app.state.desk.ledger.close()
+
     def test_requests_a_second(self, house):
         ask, other = house.key("lab", requests=3), house.key("other")
         replies = [ask("GET", "/conformance") for _ in range(8)]
@@ -324,3 +353,52 @@ def test_a_ledger_that_cannot_be_read_lets_nobody_in(house, monkeypatch):
     monkeypatch.setattr(house.keys, "all", fails)
     assert house.client.get("/healthz").status_code == 200
     problem(house.client.get("/scenes"), 503)
+
+
+class TestWithdrawn:
+    def test_a_stream_ends_with_its_key(self, house):
+        lab = house.key("lab")
+        job = lab("POST", EXECUTION, json=study(0), headers=ASYNC).json()["jobID"]
+        with ThreadPoolExecutor(1) as threads:
+            stream = threads.submit(lab, "GET", f"/jobs/{job}/events")
+            time.sleep(0.5)
+            assert not stream.done()
+            house.keys.withdraw("lab")
+            assert stream.result(60).status_code == 200
+
+
+class TestOver:
+    def test_a_job_that_is_over_does_not_follow_the_work_of_others(self, house):
+        one, other = house.key("one"), house.key("other")
+        ledger = house.desk.ledger
+        mine = one("POST", EXECUTION, json=study(0), headers=ASYNC).json()["jobID"]
+        one("DELETE", f"/jobs/{mine}")
+        theirs = other("POST", EXECUTION, json=study(0), headers=ASYNC).json()["jobID"]
+        work = ledger.claim("server", 60.0)
+        ledger.advance(work, done=1, seconds=1.0)
+        assert ledger.job(theirs).done == 1
+        assert one("GET", f"/jobs/{mine}").json()["progress"] == 0
+        assert ledger.job(mine).done == 0
+
+    def test_what_nobody_waits_for_is_not_entered_again(self, house):
+        ledger = house.desk.ledger
+        job = house.key("one")("POST", EXECUTION, json=study(0), headers=ASYNC).json()["jobID"]
+        key = ledger.job(job).key
+        ledger.succeed(ledger.claim("server", 60.0))
+        ledger.dismiss(job)
+        ledger.reenter(key, "sweep", cells=1, block_cells=1, blocks=1, bytes_=1)
+        assert ledger.promised() == {}
+
+    def test_each_owner_keeps_jobs_of_their_own(self, house):
+        ledger, numbers = house.desk.ledger, {}
+        for name, count in (("one", 2), ("other", 6)):
+            numbers[name] = [
+                ledger.post(
+                    f"{name}{n}", "sweep", cells=1, block_cells=1, blocks=1, bytes_=1,
+                    finished_seconds=1.0, owner=name,
+                ).id
+                for n in range(count)
+            ]  # fmt: skip
+        ledger.forget(0.0, 3)
+        assert all(ledger.job(number) for number in numbers["one"])
+        assert sum(ledger.job(number) is not None for number in numbers["other"]) == 3
