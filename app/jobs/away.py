@@ -69,18 +69,21 @@ class Away:
         """
         with self._lock:
             fetching = self._fetching.get(key)
+            is_new = fetching is None
             if fetching is None:
                 fetching = self._thread.submit(self._fetch, key, folder)
                 self._fetching[key] = fetching
-        if not wait([fetching], WAIT).done:
-            return None
-        with self._lock:
-            self._fetching.pop(key, None)
-        return fetching.result()
+        if is_new:  # what it tells is told to those who wait: later it may be another
+            fetching.add_done_callback(lambda _: self._forget(key))
+        return fetching.result() if wait([fetching], WAIT).done else None
 
     def close(self) -> None:
         """Fetch no more."""
         self._thread.shutdown(wait=False, cancel_futures=True)
+
+    def _forget(self, key: str) -> None:
+        with self._lock:
+            self._fetching.pop(key, None)
 
     def _fetch(self, key: str, folder: Path) -> bool:
         with _plainly():

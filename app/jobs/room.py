@@ -74,7 +74,9 @@ class Room:
         """
         promised = self._promised(key, needed)
         own = self._own_leaving(promised, key, who)
-        pinned = self.holdings.of_others(who.name)
+        pinned = set()
+        if own or max(self._lacking(promised)) > 0:  # long to find out where there is much
+            pinned = self.holdings.of_others(who.name)
         leaving = [] if is_there else self._leaving(promised, needed, pinned, set(own) - pinned)
         for other in own:
             self.holdings.let_go(other, who.name)
