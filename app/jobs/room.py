@@ -174,9 +174,12 @@ class Room:
         return promised.get(held.key) or self._size(held.key) or held.bytes
 
     def used(self) -> int:
-        """Return the bytes of all studies, counted a minute ago at most."""
+        """Return the bytes of all studies, counted a minute ago at most.
+
+        What was let in since counts with the most that it may take.
+        """
         self._count(COUNTED_EVERY)
-        return sum(self._sizes.values())
+        return sum({**self._sizes, **self._since}.values())
 
     def _promised(self, key: str, needed: int) -> dict[str, int]:
         return self._ledger.promised() | {key: needed}
