@@ -19,7 +19,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from app.jobs.manifest import NETCDF
+from app.jobs.manifest import MANIFEST, NETCDF, fingerprint
 from app.jobs.store import Store
 
 
@@ -59,10 +59,14 @@ class Served:
         path = f"/sweeps/{key}/netcdf"
         with urllib.request.urlopen(f"{self.address}{path}", timeout=60) as reply:
             reply.read()
+        folder = Store(self.data).folder(key)
         block = os.urandom(1 << 20)
-        with (Store(self.data).folder(key) / NETCDF).open("wb") as file:
+        with (folder / NETCDF).open("wb") as file:
             for start in range(0, size, len(block)):
                 file.write(block[: size - start])
+        manifest = json.loads((folder / MANIFEST).read_text())
+        manifest["files"][NETCDF] = fingerprint(folder / NETCDF)
+        (folder / MANIFEST).write_text(json.dumps(manifest))
         return path
 
     def memory(self) -> int:
