@@ -356,7 +356,7 @@ def _silence(place: tuple[str, int], path: str, every: float, over: threading.Ev
 def suffered(attack: Callable[[Served, float], None], seconds: float) -> Found:
     """Return what an attack does to a fresh server."""
     found = Found(seconds)
-    with served(open_files=OPEN_FILES, workers=1) as server:
+    with served(open_files=OPEN_FILES, workers=2) as server:
         key = server.post("/sweeps", SMALL)["id"]
         small = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta"
         server.get(small)

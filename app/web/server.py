@@ -28,6 +28,7 @@ QUEUE = 4096
 # s from the end of all replies to that of the process: jobs are handed on, workers ended, files
 # written. Containers give 10 s in all.
 LAST = 5.0
+CROWD = 64  # connections whose memory is worth giving back: a reader of a file has held a megabyte
 
 
 class Server(uvicorn.Server):
@@ -48,6 +49,7 @@ class Server(uvicorn.Server):
         super().__init__(config)
         self._end = end
         self._drained = float("inf")  # when the draining ends [s, monotonic]
+        self._most_seen = 0  # connections open at a time
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         """Take note of the signal; a second one, or Ctrl-C, cuts the draining short."""
@@ -77,10 +79,19 @@ class Server(uvicorn.Server):
         if counter % 10 == 0:
             for connection in list(self.server_state.connections):
                 connection.look()  # type: ignore[union-attr]
-            if self.config.app.state.unsent.has_fallen(KEPT):  # type: ignore[union-attr]
+            if self._is_crowd_gone() or self.config.app.state.unsent.has_fallen(KEPT):  # type: ignore[union-attr]
                 await asyncio.to_thread(give_memory_back)
         self.should_exit |= time.monotonic() >= self._drained
         return await super().on_tick(counter)
+
+    def _is_crowd_gone(self) -> bool:
+        """Return whether many connections fewer are open than once, since this was last true."""
+        here = len(self.server_state.connections)
+        self._most_seen = max(self._most_seen, here)
+        if self._most_seen - here < CROWD:
+            return False
+        self._most_seen = here
+        return True
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Finish, or cut short, what is under way."""

@@ -5,8 +5,10 @@ from __future__ import annotations
 import io
 import json
 import logging
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -19,6 +21,7 @@ from starlette.requests import ClientDisconnect
 from app import logs
 from app.main import create_app
 from app.settings import Settings
+from app.web import observe
 from local_client import local_client
 
 Lines = Callable[[], list[dict[str, Any]]]
@@ -176,6 +179,29 @@ def test_a_client_that_goes_is_no_error(client, lines):
         client.get("/left")
     (line,) = lines()
     assert (line["status"], line["cut_short"]) == (499, True)
+
+
+def test_a_crowd_that_goes_does_not_fill_the_log(client, lines, monkeypatch):
+    async def left(request: Request) -> None:
+        raise ClientDisconnect
+
+    now = 0.0
+    clock = SimpleNamespace(monotonic=lambda: now, perf_counter=time.perf_counter)
+    monkeypatch.setattr(observe, "time", clock)
+    client.app.add_api_route("/left", left)
+
+    def come_and_go(times: int) -> None:
+        for _ in range(times):
+            with pytest.raises(AssertionError):
+                client.get("/left")
+
+    come_and_go(observe.MOST_LEFT_LINES + 5)
+    assert len(lines()) == observe.MOST_LEFT_LINES
+    now = 1.5
+    come_and_go(1)
+    *_, told, line = lines()
+    assert (told["level"], told["requests"]) == ("warning", 5)
+    assert line["status"] == 499
 
 
 def test_lines_of_uvicorn_look_alike(lines):
