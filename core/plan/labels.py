@@ -73,6 +73,8 @@ def global_attributes(prepared: Prepared, how: str) -> dict[str, str]:
         attributes["drive"] = _origin(study.drive, study.values())
     if study.notes:
         attributes["notes"] = study.notes
+    if study.units:
+        attributes["shown_units"] = ", ".join(study.units)
     return attributes
 
 

@@ -24,6 +24,7 @@ from core.quantities import QUANTITIES, Quantity
 from core.study.drive import Drive
 from core.study.levels import Level, OpenLevel, at_most, refusal
 from core.study.reduction import Reduction
+from core.study.shown import read_shown
 from core.study.units import UnitError
 from core.study.values import Between, Values, read_between, read_values
 
@@ -140,6 +141,36 @@ else:
     )
 
 
+MOST_SHOWN = 8  # to look a unit up takes long
+
+
+def _read_units(raw: object) -> tuple[str, ...] | None:
+    """Return the words that say which units are shown, without saying so if none is."""
+    if raw is None:
+        return None
+    words = [raw] if isinstance(raw, str) else raw
+    is_list = isinstance(words, list | tuple) and len(words) <= MOST_SHOWN
+    if not is_list or not all(isinstance(word, str) for word in words):
+        raise refusal(
+            f"{reprlib.repr(raw)[:40]} are no units", 'Write "si", or a list such as ["m/min"]'
+        )
+    try:
+        read_shown(words)
+    except UnitError as error:
+        raise refusal(error.message, error.fix) from error
+    return tuple(words)
+
+
+_ONE_WORD = {"type": "string", "maxLength": 100}
+_UNITS_SCHEMA = {
+    "anyOf": [
+        _ONE_WORD,
+        {"type": "array", "items": _ONE_WORD, "maxItems": MOST_SHOWN},
+        {"type": "null"},
+    ]
+}
+
+
 class GridStudy(_Frozen):
     """What every kind of study has: a scene, and parameters that may range over a grid."""
 
@@ -159,6 +190,13 @@ class GridStudy(_Frozen):
         strict=True,
         ge=1,
         le=10_000,
+    )
+    units: Annotated[
+        tuple[str, ...] | None, PlainValidator(_read_units), WithJsonSchema(_UNITS_SCHEMA)
+    ] = Field(
+        None,
+        description="Units that screens and pictures show: trade (the default), si, or units such "
+        "as m/min, each for its kind. Files hold SI.",
     )
 
     def values(self) -> dict[str, Values]:

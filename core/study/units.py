@@ -24,7 +24,10 @@ PER_MINUTE = frozenset(
 )
 MOST_UNITS = 10  # that the values of one list are written in: to look one up takes long
 _TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*(.*?)\s*")
-_UNIT = re.compile(r"(?:1/)?[A-Za-zµμ°'\"_][\w µμ°*/^().'\"-]{0,40}")
+_UNIT = re.compile(r"(?:1/)?[A-Za-zµμ°'\"_][A-Za-z0-9_²³ µμ°*/^().'\"-]{0,40}")
+# Powers are exact, and as long as their exponents are high: "mm**99999999" would take hours.
+_POWER = re.compile(r"(?<![)\s])\s?(?:(?:\*\*|\^)\s?-?\d|[²³])(?![\w.]|\s?(?:\*\*|\^))")
+_HIGH_POWER = re.compile(r"\*\*|\^|[\d.][eE]|[²³]")
 _PINT_NAMES = {"1": "dimensionless", "m s-2": "m/s**2", "m s-1": "m/s", "rad s-1": "rad/s"}
 
 
@@ -104,7 +107,7 @@ def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Frac
     if unit and unit not in factors:
         if len(factors) >= MOST_UNITS:
             raise UnitError(f"{name} is written in many units", "Write all values in one unit")
-        factors[unit] = _factor(name, quantity, unit)
+        factors[unit] = unit_factor(name, quantity, unit)
     if unit:
         numerator *= factors[unit].numerator
         denominator *= factors[unit].denominator
@@ -114,12 +117,12 @@ def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Frac
         return math.inf
 
 
-def _factor(name: str, quantity: Quantity, unit: str) -> Fraction:
-    """Return what one `unit` is in the unit of `quantity`, exactly."""
+def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
+    """Return what one `unit` is in the unit of `quantity`, exactly; raise `UnitError` if none."""
     if quantity.unit == "Hz" and unit.replace(" ", "").lower() in PER_MINUTE:
         return Fraction(1, 60)
     fix = _how_to_write(name, quantity)
-    if not _UNIT.fullmatch(unit):
+    if not _UNIT.fullmatch(unit) or _HIGH_POWER.search(_POWER.sub("", unit)):
         raise UnitError(f"'{unit[:40]}' is not a unit", fix)
     try:
         one = _registry().Quantity(Fraction(1), unit)

@@ -1,0 +1,137 @@
+"""Units in which a person reads values: those of the trade, SI, or those that were asked for.
+
+Files and replies hold the units of `core.quantities`; screens and pictures show these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Final
+
+from core.quantities import QUANTITIES, Quantity
+from core.study.units import UnitError, unit_factor
+
+SYSTEMS: Final = ("trade", "si")
+
+SI: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "1": "",
+        "degree": "°",
+        "m s-1": "m/s",
+        "m s-2": "m/s²",
+        "m s-3": "m/s³",
+        "rad s-1": "rad/s",
+        "rad s-2": "rad/s²",
+        "N m": "N m",
+        "N s": "N s",
+        "kg m2": "kg m²",
+        "kg m2 s-1": "kg m²/s",
+        "kg-1": "1/kg",
+        "W kg-1": "W/kg",
+        "J kg-1": "J/kg",
+        "J kg-1 m-1": "J/(kg m)",
+        "min-1": "parts/min",
+    }
+)
+"""How the units of quantities are written; a unit that is not here is written as it is."""
+
+TRADE: Final[Mapping[str, tuple[float, str]]] = MappingProxyType(
+    {"m": (1e3, "mm"), "m s-1": (1e3, "mm/s")}
+)
+"""What designers of feeders read, however large the values are."""
+
+SMALLER: Final[Mapping[str, tuple[float, str]]] = MappingProxyType(
+    {
+        "s": (1e3, "ms"),
+        "kg": (1e3, "g"),
+        "N": (1e3, "mN"),
+        "N s": (1e3, "mN s"),
+        "N m": (1e3, "mN m"),
+        "J": (1e3, "mJ"),
+        "W": (1e3, "mW"),
+    }
+)
+SMALL: Final = 0.1
+"""Values all below this are read in the unit of `SMALLER`."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A unit in which values are read.
+
+    Attributes
+    ----------
+    factor : float
+        What a value in the quantity's own unit is multiplied by.
+    unit : str
+        How the unit is written; empty without one.
+    """
+
+    factor: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class ShownUnits:
+    """The units that somebody wants to read.
+
+    Attributes
+    ----------
+    system : str
+        One of `SYSTEMS`, for what `wanted` does not hold.
+    wanted : mapping of str to Shown
+        For units of quantities, such as ``m s-1``, what they are read in.
+    """
+
+    system: str = "trade"
+    wanted: Mapping[str, Shown] = field(default_factory=dict)
+
+    def of(self, unit: str, largest: float) -> Shown:
+        """Return the unit for values in `unit`, of which the largest has the size `largest`."""
+        if unit in self.wanted:
+            return self.wanted[unit]
+        if self.system == "trade" and unit in TRADE:
+            return Shown(*TRADE[unit])
+        if self.system == "trade" and unit in SMALLER and 0 < largest < SMALL:
+            return Shown(*SMALLER[unit])
+        return Shown(1.0, SI.get(unit, unit))
+
+
+def read_shown(words: Iterable[str]) -> ShownUnits:
+    """Return the units that `words` ask for: ``trade``, ``si``, or units such as ``m/min``.
+
+    A unit stands for all quantities of its kind.
+
+    Raises
+    ------
+    UnitError
+        If a word is no unit of a quantity, or two are of one kind.
+    """
+    system, wanted = "trade", {}
+    for word in (word.strip() for word in words):
+        if word.lower() in SYSTEMS:
+            system = word.lower()
+            continue
+        unit, shown = _unit(word)
+        if unit in wanted:
+            raise UnitError(f"'{word}' is the second unit of its kind", "Give one of each kind")
+        wanted[unit] = shown
+    return ShownUnits(system, MappingProxyType(wanted))
+
+
+def _unit(word: str) -> tuple[str, Shown]:
+    """Return the unit of quantities that a word stands for, and how it is read."""
+    for unit in dict.fromkeys(quantity.unit for quantity in QUANTITIES.values()):
+        if unit == "1":
+            continue
+        try:
+            factor = unit_factor("units", Quantity(unit, "", "units", "", examples=(unit,)), word)
+        except UnitError:
+            continue
+        return unit, Shown(float(1 / factor), word)
+    raise UnitError(
+        f"'{word[:40]}' is not a unit of anything here",
+        "Write trade, si, or units such as mm/s, m/min, mm or rad",
+    )
