@@ -148,9 +148,12 @@ def _read_units(raw: object) -> tuple[str, ...] | None:
     """Return the words that say which units are shown, without saying so if none is."""
     if raw is None:
         return None
-    words = [raw] if isinstance(raw, str) else raw
-    is_list = isinstance(words, list | tuple) and len(words) <= MOST_SHOWN
-    if not is_list or not all(isinstance(word, str) for word in words):
+    words = (raw,) if isinstance(raw, str) else tuple(raw) if isinstance(raw, list) else raw
+    if (
+        not isinstance(words, tuple)
+        or len(words) > MOST_SHOWN
+        or not all(isinstance(word, str) for word in words)
+    ):
         raise refusal(
             f"{reprlib.repr(raw)[:40]} are no units", 'Write "si", or a list such as ["m/min"]'
         )
@@ -158,7 +161,7 @@ def _read_units(raw: object) -> tuple[str, ...] | None:
         read_shown(words)
     except UnitError as error:
         raise refusal(error.message, error.fix) from error
-    return tuple(words)
+    return words
 
 
 _ONE_WORD = {"type": "string", "maxLength": 100}
