@@ -37,7 +37,7 @@ def _listed(raw: object) -> object:
         try:
             return json.loads(raw)
         except (ValueError, RecursionError):
-            raise ValueError("it starts like a JSON list and is none") from None
+            raise ValueError("it starts like a JSON list but is not one") from None
     return [word.strip() for word in raw.split(",") if word.strip()]
 
 
@@ -176,14 +176,15 @@ class Settings(BaseSettings):
     )
     api_key_hashes: Words = Field(
         default=(),
-        description="SHA-256 of each key that is let in, in hexadecimal, as a JSON list or between "
-        "commas; `vibrafeed key hash` makes them. They are of the role admin; `vibrafeed key add` "
-        "makes others, while the service runs. Listening elsewhere than on loopback takes one.",
+        description="SHA-256 of each key that is let in, in hexadecimal, as a JSON list or "
+        "comma-separated; `vibrafeed key hash` makes them. They are of the role admin; "
+        "`vibrafeed key add` makes others, while the service runs. Listening elsewhere than on "
+        "loopback takes one.",
     )
     cors_origins: Words = Field(
         default=(),
         description="Origins of web pages elsewhere that may use the service, as in "
-        "`https://lab.example`; a JSON list or between commas.",
+        "`https://lab.example`; a JSON list or comma-separated.",
     )
     max_requests: int = Field(
         default=512, gt=0, description="Most requests under way; more are answered by 503."

@@ -85,7 +85,7 @@ class MissingPackageError(VibrafeedError):
     """Something takes a package that is not installed; the message says how to install it."""
 
     def __init__(self, what: str, package: str, how: str):
-        super().__init__(f"{what} takes {package}, which is not installed: {how}")
+        super().__init__(f"{what} needs {package}, which is not installed: {how}")
 
 
 class SceneError(VibrafeedError):
@@ -129,7 +129,7 @@ class Suggestions:
     def within(self, search: Callable[[], str]) -> str:
         """Return what a search gives, as above."""
         self.left -= 1
-        return search() if self.left >= 0 else "Mend those before it first"
+        return search() if self.left >= 0 else "Fix the ones before it first"
 
 
 def _in_families(names: Iterable[str]) -> list[str]:

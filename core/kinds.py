@@ -157,7 +157,11 @@ def prepare_content(content: object, only: str | None = None, *, files: bool = F
     kind = KINDS.get(named) if isinstance(named, str) else None
     problems: list[Problem] = []
     if only is not None and kind is not None and named != only:
-        problems = [Problem("kind", f"'{named}' is not what belongs here", f"Set kind = '{only}'")]
+        problems = [
+            Problem(
+                "kind", f"'{named}' is not the kind that is wanted here", f"Set kind = '{only}'"
+            )
+        ]
     content, unsound, _ = _fitted(content, files=files)
     problems += unsound
     try:

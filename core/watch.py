@@ -50,7 +50,7 @@ class Watch:
     def check(self) -> None:
         """Raise `StoppedError` if it is time to stop."""
         if self.stopped():
-            raise StoppedError("it was stopped amid a cell")
+            raise StoppedError("it was stopped in the middle of a cell")
 
     @contextlib.contextmanager
     def flag(self) -> Iterator[NDArray[np.int8]]:

@@ -130,7 +130,10 @@ def print_hash() -> None:
     made, digest = new_key()
     typer.echo(f"key   {made}")
     typer.echo(f"hash  {digest}")
-    typer.echo(f"Set VIBRAFEED_API_KEY_HASHES={digest} for the service; commas part several.")
+    typer.echo(
+        f"Set VIBRAFEED_API_KEY_HASHES={digest} for the service; "
+        "give several as a JSON list or comma-separated."
+    )
     typer.echo("Clients send `Authorization: Bearer KEY`. The key is kept nowhere: note it now.")
 
 

@@ -275,7 +275,7 @@ def media_type_of(name: str) -> str:
 
 def _message(job: Job, waits: str | None) -> str:
     if job.gone:
-        return "Its result has made room. Post the study again."
+        return "Its result was removed to make room. Post the study again."
     if job.problem is not None:
         return f"{job.problem['title']}. {job.problem['detail']}"
     if job.state not in ACTIVE:

@@ -183,7 +183,7 @@ def _there() -> Iterator[None]:
     try:
         yield
     except FileNotFoundError:
-        raise NotFoundError("The result has been removed; ask for it anew.") from None
+        raise NotFoundError("The result has been removed; ask for it again.") from None
 
 
 def _names(headers: list[str], etag: str, *, strong: bool = False) -> bool:

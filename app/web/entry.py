@@ -97,7 +97,7 @@ class Entry:
         if key.role == "read" and scope["method"] not in SAFE_METHODS:
             detail = "The role of this key is `read`: it may post, change and dismiss nothing."
         elif key.role != "admin" and path_of(scope) in ADMIN_PATHS:
-            detail = f"It takes a key of the role `admin`; that of this one is `{key.role}`."
+            detail = f"This needs a key of the role `admin`; the role of this one is `{key.role}`."
         else:
             return None
         return problem_document(403, "role", "The role of the key does not allow it", detail)

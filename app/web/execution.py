@@ -151,7 +151,7 @@ def _read_wishes(content: Mapping[str, Any]) -> bool:
     problems = []
     response = content.get("response", "raw")
     if response not in ("raw", "document"):
-        message = f"{str(response)[:60]!r} is no form of reply"
+        message = f"{str(response)[:60]!r} is not a form of reply"
         problems.append(Problem("response", message, "Write 'raw' or 'document'"))
     outputs = content.get("outputs") or {}
     if not isinstance(outputs, Mapping):

@@ -35,7 +35,9 @@ def manifest_of(desk: Desk, job: Job) -> Manifest | Response:
     if job.problem is not None:
         return problem_document(**job.problem)
     if job.gone:
-        raise GoneError(f"The result of the job {job.id} has made room. Post its study again.")
+        raise GoneError(
+            f"The result of the job {job.id} was removed to make room. Post its study again."
+        )
     if job.state in ACTIVE:
         raise NotReadyError(f"The job {job.id} is {job.state}; its results are not there yet.")
     manifest = None if job.state == "dismissed" else desk.store.manifest(job.key)

@@ -43,10 +43,10 @@ def direction(mounting: object, problems: list[Problem]) -> NDArray[np.float64] 
         matrix = np.full((1, 1), np.nan)
     near = matrix.shape == (3, 3) and np.allclose(matrix @ matrix.T, np.eye(3), atol=ORTHONORMAL)
     if not near:
-        problems.append(Problem("mounting", "its matrix is no rotation", FIX))
+        problems.append(Problem("mounting", "its matrix is not a rotation", FIX))
         return None
     if np.linalg.det(matrix) < 0:
-        fix = 'Turn one channel round with a minus sign: sensor = ["ax", "-ay", "az"]'
+        fix = 'Reverse one channel with a minus sign: sensor = ["ax", "-ay", "az"]'
         problems.append(Problem("mounting", "its matrix mirrors, which no mounting does", fix))
         return None
     return Rotation.from_matrix(matrix).as_matrix()

@@ -75,11 +75,11 @@ class Table:
             problems.append(Problem(place, message, suggestion(name, self.columns), name))
             return None
         for fault in column.faults:
-            message = f"line {fault.line} of column '{name}' holds {fault.text[:40]!r}, no number"
+            message = f"line {fault.line} of column '{name}' is no number: {fault.text[:40]!r}"
             problems.append(Problem(place, message, "Correct the line, or leave it out", name))
         if column.faulty > SHOWN:
-            message = f"{column.faulty:,} cells of column '{name}' are no finite numbers"
-            problems.append(Problem(place, message, "Export the recording anew", name))
+            message = f"{column.faulty:,} cells of column '{name}' are not finite numbers"
+            problems.append(Problem(place, message, "Export the recording again", name))
         return None if column.faulty else column
 
 
@@ -123,7 +123,7 @@ def read_table(source: str | Path) -> Table:
     if len(body) > MOST_ROWS:
         raise _refused(
             f"it has more than {MOST_ROWS:,} rows",
-            "Cut it: a second of recording states a drive well",
+            "Cut it: one second of recording is enough",
         )
     _check_rows(body, names)
     lines = np.array([line for line, _ in body])
@@ -175,7 +175,7 @@ def _quoted(number: int, line: str, delimiter: str) -> list[str]:
     try:
         return next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
     except csv.Error as error:
-        raise _refused(f"line {number} is no row of cells", "Correct the line") from error
+        raise _refused(f"line {number} is not a row of cells", "Correct the line") from error
 
 
 def _names(header: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -202,7 +202,7 @@ def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str])
         for line, count in odd[:SHOWN]
     ]
     if len(odd) > SHOWN:
-        fix = "Export it anew; where a comma is a decimal comma, part the cells by semicolons"
+        fix = "Export it again; where a comma is a decimal comma, separate the cells by semicolons"
         problems.append(Problem("recording", f"{len(odd):,} lines are not whole", fix))
     if problems:
         raise StudyError(problems)
@@ -233,5 +233,5 @@ def _refused(message: str, fix: str) -> StudyError:
 def _too_long(size: int) -> StudyError:
     return _refused(
         f"the recording has {size / 1e6:,.0f} MB, the limit is {MOST_BYTES / 1e6:.0f} MB",
-        "Cut it: a second of recording states a drive well",
+        "Cut it: one second of recording is enough",
     )

@@ -211,7 +211,7 @@ def _factor(
         return None
     for text, factor in factors.items():
         if factor is None:
-            message = f"'{text[:40]}' is no unit of acceleration"
+            message = f"'{text[:40]}' is not a unit of acceleration"
             problems.append(Problem("unit" if text == unit else place, message, f"Known: {listed}"))
             return None
     if len(set(factors.values())) > 1:

@@ -57,7 +57,7 @@ def check_before(signal: Signal) -> None:
             problems.append(
                 Problem(
                     place,
-                    f"{count / duration:,.4g} samples a second do not tell {asked:g} Hz",
+                    f"{count / duration:,.4g} samples a second cannot resolve {asked:g} Hz",
                     f"Record {asked / NYQUIST_SHARE:,.4g} a second or more",
                 )
             )

@@ -112,7 +112,7 @@ def _table(source: str | Path, place: str, files: bool) -> Table:
 
 def _too_long(place: str, count: int, what: str) -> Problem:
     message = f"it has {count:,} {what}, the limit over HTTP is {MOST_ROWS_SENT:,}"
-    return Problem(place, message, "Cut it: a second of recording states a drive well")
+    return Problem(place, message, "Cut it: one second of recording is enough")
 
 
 def _recording(given: RecordedDrive) -> Recording:

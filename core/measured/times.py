@@ -31,7 +31,7 @@ def read_times(
     found = next((name for name in table.columns if name.casefold() in USUAL_NAMES), None)
     if rate is not None:
         if time is not None:
-            fix = "Give the one that the recorder is to be trusted with"
+            fix = "Give the one that the recorder measures best"
             problems.append(Problem("rate", "both rate and time are given", fix))
             return None
         try:
@@ -50,7 +50,7 @@ def read_times(
     factor = SECONDS.get(column.unit)
     if factor is None:
         fix = "Write s, ms, us or min in the header, or give rate and leave time out"
-        problems.append(Problem("time", f"'{column.unit[:40]}' is no unit of time", fix))
+        problems.append(Problem("time", f"'{column.unit[:40]}' is not a unit of time", fix))
         return None
     times = factor * (column.values - column.values[0])
     wrong = _uneven(name, times, table.lines)
@@ -69,7 +69,7 @@ def _uneven(name: str, times: NDArray[np.float64], lines: NDArray[np.int64]) -> 
     if backward.size:
         return Problem(
             "time",
-            f"column '{name}' does not ascend in {backward.size} "
+            f"column '{name}' does not increase in {backward.size} "
             f"place{'s' * (backward.size > 1)}, first in line {lines[backward[0] + 1]}",
             "Write times with more digits, or give rate and leave time out",
         )

@@ -39,7 +39,7 @@ def direction_of(rise: Array, run: Array) -> Direction:
 
 
 def diagonal_angle(*, corner_angle: Array, pitch: Array) -> Array:
-    """Return s = zeta + xi, the angle of the diagonal above the plane [rad]."""
+    """Return the angle of the diagonal above the plane, s = zeta + xi [rad]."""
     return corner_angle + pitch
 
 
@@ -99,14 +99,14 @@ def gap_tangential_rate(*, velocity_along: Array, pivot_velocity_along: Array) -
 def free_normal_acceleration(
     *, half_diagonal: Array, pitch_rate: Array, diagonal_direction: Direction, gravity: Array
 ) -> Array:
-    """Return chi = rho xi'^2 sin(s) - g, the corner's normal acceleration without force [m s-2]."""
+    """Return the corner's free normal acceleration, chi = rho xi'^2 sin(s) - g [m s-2]."""
     return half_diagonal * pitch_rate * pitch_rate * diagonal_direction[0] - gravity
 
 
 def free_tangential_acceleration(
     *, half_diagonal: Array, pitch_rate: Array, diagonal_direction: Direction
 ) -> Array:
-    """Return -rho xi'^2 cos(s), the corner's acceleration along the plane without force [m s-2]."""
+    """Return the corner's free acceleration along the plane, -rho xi'^2 cos(s) [m s-2]."""
     return -half_diagonal * pitch_rate * pitch_rate * diagonal_direction[1]
 
 
@@ -122,14 +122,14 @@ def _response(kappa: Array, direction: Direction, sigma_mu: Array) -> Array:
 def normal_response_right(
     *, inertia_ratio: Array, diagonal_direction: Direction, friction_kinetic: Array
 ) -> Array:
-    """Return m tau in slip to the right, 1 + kappa c^2 - mu kappa s c, (3.6a), (3.33a) [1]."""
+    """Return the response m tau in slip to the right, 1 + kappa c^2 - mu kappa s c, (3.6a) [1]."""
     return _response(inertia_ratio, diagonal_direction, friction_kinetic)
 
 
 def normal_response_left(
     *, inertia_ratio: Array, diagonal_direction: Direction, friction_kinetic: Array
 ) -> Array:
-    """Return m tau in slip to the left, 1 + kappa c^2 + mu kappa s c; not in the source [1]."""
+    """Return the response m tau in slip to the left, 1 + kappa c^2 + mu kappa s c [1]."""
     return _response(inertia_ratio, diagonal_direction, -friction_kinetic)
 
 
@@ -140,7 +140,7 @@ def normal_response(
     friction_kinetic: Array,
     slip_direction: Array,
 ) -> Array:
-    """Return m tau in the slip direction; the value without friction where nothing slips [1]."""
+    """Return the response m tau in the slip direction; without friction where nothing slips [1]."""
     return _response(inertia_ratio, diagonal_direction, slip_direction * friction_kinetic)
 
 
@@ -189,7 +189,7 @@ def slip_direction(
     holding_tangential_acceleration: Array,
     friction_static: Array,
 ) -> Array:
-    """Return sigma: 1 if the corner slips to the right, -1 to the left, 0 if it does not slip [1].
+    """Return the slip direction: 1 if the corner slips to the right, -1 to the left, 0 if not [1].
 
     From rest it slips against the force that would have held it (theory 2.4), unless it leaves.
     """
@@ -208,7 +208,7 @@ def contact_case(
     friction_static: Array,
     normal_response: Array,
 ) -> Array:
-    """Return the case of the contact, as the numbers of `core.mechanics.complementarity`.
+    """Return the case of the contact: how many solutions it has, and which one holds.
 
     A corner at rest has one solution always (theory 2.4).
     """
@@ -378,7 +378,7 @@ def impact_impulse_tangential(
 
 
 def inverse_limiting_friction(*, inertia_ratio: Array, diagonal_direction: Direction) -> Array:
-    """Return 1/mu_c of slip to the right, kappa s c/(1 + kappa c^2); to the left, its negative [1].
+    """Return the inverse of mu_c for slip to the right, kappa s c/(1 + kappa c^2) [1].
 
     Negative where that slip has one solution at every friction.
     """
@@ -393,14 +393,14 @@ def _limit(inverse: Array) -> Array:
 
 
 def limiting_friction_right(*, inverse_limiting_friction: Array) -> Array:
-    """Return mu_c, (3.7), (3.34): tau = 0 in slip to the right; infinite outside 0 < s < 90 deg
+    """Return the friction at which tau = 0 in slip to the right; infinite outside 0 < s < 90 deg
     (modulo 180 deg), where no friction makes tau vanish [1].
     """  # noqa: D205
     return _limit(inverse_limiting_friction)
 
 
 def limiting_friction_left(*, inverse_limiting_friction: Array) -> Array:
-    """Return mu_c of slip to the left, the mirror image; infinite outside 90 < s < 180 deg [1]."""
+    """Return the limiting friction in slip to the left; infinite outside 90 < s < 180 deg [1]."""
     return _limit(-inverse_limiting_friction)
 
 

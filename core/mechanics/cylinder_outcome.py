@@ -40,7 +40,7 @@ def separation_normal(
     cylinder_2: Cylinder,
     spatial_motion_after: SpatialMotion,
 ) -> Array:
-    """Return u_N of the velocities after the impact [m s-1]."""
+    """Return the normal velocity of the contact after the impact, u_N [m s-1]."""
     return approach(contact_frame, cylinder_1, cylinder_2, spatial_motion_after).normal
 
 
@@ -84,7 +84,7 @@ def energy_lost(
     spatial_motion: SpatialMotion,
     spatial_motion_after: SpatialMotion,
 ) -> Array:
-    """Return T_A - T_E as the work -L.(u + u')/2 of the impulse, free of cancellation [J]."""
+    """Return the kinetic energy lost, as the work -L.(u + u')/2 of the impulse [J]."""
     at, L = contact_frame, spatial_impulse
     before = approach(at, cylinder_1, cylinder_2, spatial_motion)
     after = approach(at, cylinder_1, cylinder_2, spatial_motion_after)

@@ -23,7 +23,7 @@ def friction_kinetic(*, friction: Array) -> Array:
 def per_axis_acceleration_x(
     *, in_plane_drive_x: Array, friction_kinetic: Array, normal_acceleration: Array
 ) -> Array:
-    """Return a_x = D_x - mu n0, (3.9), (3.11), (3.36) as printed [m s-2].
+    """Return the acceleration D_x - mu n0, (3.9), (3.11), (3.36) as printed [m s-2].
 
     The source lets friction act along -x whatever the sliding direction, and does not check n0:
     after lift-off (n0 < 0) this friction drives the part.
@@ -34,7 +34,7 @@ def per_axis_acceleration_x(
 def per_axis_acceleration_y(
     *, in_plane_drive_y: Array, friction_kinetic: Array, normal_acceleration: Array
 ) -> Array:
-    """Return a_y = D_y - mu n0, (3.9), (3.11), (3.36) as printed [m s-2].
+    """Return the acceleration D_y - mu n0, (3.9), (3.11), (3.36) as printed [m s-2].
 
     Friction acts along -y even where nothing pushes sideways; see `per_axis_acceleration_x`.
     """

@@ -72,12 +72,12 @@ def rectangle_2(
 
 
 def inertia_1(*, mass_1: Array, length_1: Array, width_1: Array) -> Array:
-    """Return I = m (a^2 + h^2)/12 of body 1 [kg m2]."""
+    """Return the moment of inertia of body 1, m (a^2 + h^2)/12 [kg m2]."""
     return mass_1 * (length_1 * length_1 + width_1 * width_1) / 12
 
 
 def inertia_2(*, mass_2: Array, length_2: Array, width_2: Array) -> Array:
-    """Return I = m (a^2 + h^2)/12 of body 2 [kg m2]."""
+    """Return the moment of inertia of body 2, m (a^2 + h^2)/12 [kg m2]."""
     return mass_2 * (length_2 * length_2 + width_2 * width_2) / 12
 
 
@@ -193,7 +193,7 @@ def contact_arms(
     rectangle_1: Rectangle,
     rectangle_2: Rectangle,
 ) -> Arms:
-    """Return rho x n and rho x t of both bodies, t = (-n_y, n_x) [m]."""
+    """Return the arms rho x n and rho x t of both bodies, t = (-n_y, n_x) [m]."""
     x_1, y_1 = contact_x - rectangle_1.x, contact_y - rectangle_1.y
     x_2, y_2 = contact_x - rectangle_2.x, contact_y - rectangle_2.y
     return Arms(
@@ -208,14 +208,14 @@ def contact_arms(
 
 
 def delassus_normal(*, contact_arms: Arms, rectangle_masses: Masses) -> Array:
-    """Return G_NN = 1/m1 + 1/m2 + (rho1 x n)^2/I1 + (rho2 x n)^2/I2 [kg-1]."""
+    """Return the Delassus number 1/m1 + 1/m2 + (rho1 x n)^2/I1 + (rho2 x n)^2/I2 [kg-1]."""
     mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
     of_1, of_2 = contact_arms.normal_1, contact_arms.normal_2
     return 1 / mass_1 + 1 / mass_2 + of_1 * of_1 / inertia_1 + of_2 * of_2 / inertia_2
 
 
 def delassus_coupling(*, contact_arms: Arms, rectangle_masses: Masses) -> Array:
-    """Return G_NT = (rho1 x n)(rho1 x t)/I1 + (rho2 x n)(rho2 x t)/I2 [kg-1]."""
+    """Return the Delassus number (rho1 x n)(rho1 x t)/I1 + (rho2 x n)(rho2 x t)/I2 [kg-1]."""
     arms, masses = contact_arms, rectangle_masses
     return (
         arms.normal_1 * arms.tangential_1 / masses.inertia_1
@@ -224,7 +224,7 @@ def delassus_coupling(*, contact_arms: Arms, rectangle_masses: Masses) -> Array:
 
 
 def delassus_tangential(*, contact_arms: Arms, rectangle_masses: Masses) -> Array:
-    """Return G_TT = 1/m1 + 1/m2 + (rho1 x t)^2/I1 + (rho2 x t)^2/I2 [kg-1]."""
+    """Return the Delassus number 1/m1 + 1/m2 + (rho1 x t)^2/I1 + (rho2 x t)^2/I2 [kg-1]."""
     mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
     of_1, of_2 = contact_arms.tangential_1, contact_arms.tangential_2
     return 1 / mass_1 + 1 / mass_2 + of_1 * of_1 / inertia_1 + of_2 * of_2 / inertia_2
@@ -237,7 +237,7 @@ def approach_normal(
     normal_y: Array,
     planar_motion: Motion,
 ) -> Array:
-    """Return u_N = n.(v1 + w1 x rho1 - v2 - w2 x rho2) [m s-1]."""
+    """Return the velocity n.(v1 + w1 x rho1 - v2 - w2 x rho2) before the impact [m s-1]."""
     u = planar_motion
     drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
     centres = normal_x * drift_x + normal_y * drift_y
@@ -251,7 +251,7 @@ def approach_tangential(
     normal_y: Array,
     planar_motion: Motion,
 ) -> Array:
-    """Return u_T = t.(v1 + w1 x rho1 - v2 - w2 x rho2) [m s-1]."""
+    """Return the velocity t.(v1 + w1 x rho1 - v2 - w2 x rho2) before the impact [m s-1]."""
     u = planar_motion
     drift_x, drift_y = u.velocity_x_1 - u.velocity_x_2, u.velocity_y_1 - u.velocity_y_2
     centres = normal_x * drift_y - normal_y * drift_x

@@ -45,7 +45,7 @@ def motion_after(
 def separation_normal(
     *, planar_motion_after: Motion, contact_arms: Arms, normal_x: Array, normal_y: Array
 ) -> Array:
-    """Return u_N of the velocities after the impact [m s-1]."""
+    """Return the normal velocity of the contact after the impact, u_N [m s-1]."""
     return approach_normal(
         contact_arms=contact_arms,
         normal_x=normal_x,
@@ -57,7 +57,7 @@ def separation_normal(
 def separation_tangential(
     *, planar_motion_after: Motion, contact_arms: Arms, normal_x: Array, normal_y: Array
 ) -> Array:
-    """Return u_T of the velocities after the impact [m s-1]."""
+    """Return the tangential velocity of the contact after the impact, u_T [m s-1]."""
     return approach_tangential(
         contact_arms=contact_arms,
         normal_x=normal_x,
@@ -86,7 +86,7 @@ def energy_lost(
     separation_normal: Array,
     separation_tangential: Array,
 ) -> Array:
-    """Return T_A - T_E as the work -L.(u + u')/2 of the impulse, free of cancellation [J]."""
+    """Return the kinetic energy lost, as the work -L.(u + u')/2 of the impulse [J]."""
     return (
         -(
             impulse_normal * (approach_normal + separation_normal)

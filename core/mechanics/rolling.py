@@ -16,7 +16,7 @@ MOST_STEPS = 9
 
 
 def printed_angular_acceleration(*, drive_across: Array, diameter: Array) -> Array:
-    """Return 4 P cos(beta) sin(alpha)/d, (3.36), (3.38) as printed [rad s-2].
+    """Return the angular acceleration 4 P cos(beta) sin(alpha)/d as printed in (3.36) [rad s-2].
 
     The source divides the drive's moment about the contact line by the inertia about the centre:
     three times the right value.
@@ -25,9 +25,10 @@ def printed_angular_acceleration(*, drive_across: Array, diameter: Array) -> Arr
 
 
 def rolling_angular_acceleration(*, drive_across: Array, diameter: Array) -> Array:
-    """Return 4 P cos(beta) sin(alpha)/(3 d), the same moment with the inertia about the contact
-    line; equal to (4.19) [rad s-2].
-    """  # noqa: D205
+    """Return the angular acceleration 4 P cos(beta) sin(alpha)/(3 d), as in (4.19) [rad s-2].
+
+    The same moment as printed, with the inertia about the contact line.
+    """
     return 4 * drive_across / (3 * diameter)
 
 

@@ -151,7 +151,7 @@ def _speed_ratio(K: Array, friction: Array, radius: Array, speed: Array) -> Arra
 def stopping_distance(
     *, starting_acceleration: Array, friction_kinetic: Array, radius: Array, speed: Array
 ) -> Array:
-    """Return R/(2 mu) log1p(mu v0^2/(|K| R)) [m]; infinite for K > 0, or K = 0 in motion.
+    """Return the distance R/(2 mu) log1p(mu v0^2/(|K| R)) [m]; infinite if it never stops.
 
     For y = v0 sqrt(mu/(|K| R)) below 1 it is written as v0^2/(2|K|) log1p(y^2)/y^2, else the
     logarithm is taken of y: v0/|K| may be too large for a float where the distance is not.
@@ -173,7 +173,7 @@ def stopping_distance(
 def stopping_time(
     *, starting_acceleration: Array, friction_kinetic: Array, radius: Array, speed: Array
 ) -> Array:
-    """Return sqrt(R/(|K| mu)) atan(v0 sqrt(mu/(|K| R))) [s]; infinite as the distance.
+    """Return the time sqrt(R/(|K| mu)) atan(v0 sqrt(mu/(|K| R))) [s]; infinite if it never stops.
 
     Written as v0/|K| atan(y)/y for y below 1.
     """
@@ -199,7 +199,7 @@ def velocity_at_time(
     speed: Array,
     stopping_time: Array,
 ) -> Array:
-    """Return v(t) = (v0 + K t T)/(1 + mu v0 t T/R) [m s-1]; 0 after the stop.
+    """Return the speed v(t) = (v0 + K t T)/(1 + mu v0 t T/R) [m s-1]; 0 after the stop.
 
     T = tanh(u)/u for K > 0, tan(u)/u for K < 0, u = t sqrt(mu |K|/R).
     """
@@ -222,7 +222,7 @@ def distance_at_time(
     stopping_time: Array,
     stopping_distance: Array,
 ) -> Array:
-    """Return x(t) [m]; the stopping distance after the stop.
+    """Return the distance x(t) [m]; the stopping distance after the stop.
 
     exp(mu x/R) is cosh u + y0 sinh u (K > 0) or cos u + y0 sin u (K < 0), y0 = v0/sqrt(|K| R/mu);
     written as one log1p whose argument has mu/R as a factor, so that (R/mu) cancels.
@@ -251,7 +251,7 @@ def distance_at_time(
 
 
 def suggested_distance(*, amplitude: Array, alpha: Array, beta: Array) -> Array:
-    """Return (A0/2) cos(beta) cos(alpha), the bound below for negligible gravity [m]."""
+    """Return the bound of the distance for negligible gravity, (A0/2) cos(beta) cos(alpha) [m]."""
     return np.abs(amplitude / 2 * cosine(beta) * cosine(alpha))
 
 

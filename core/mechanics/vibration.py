@@ -139,10 +139,10 @@ def floor_force(*, mass: Array, floor_acceleration: Array) -> Array:
 
 
 def unchecked_acceleration(*, normal_acceleration: Array) -> Array:
-    """Return n0 itself, whatever its sign, as the source does [m s-2]."""
+    """Return the normal force per mass, n0, whatever its sign, as in the source [m s-2]."""
     return normal_acceleration
 
 
 def no_acceleration_z() -> Array:
-    """Return 0: the source takes the part to stay on the floor [m s-2]."""
+    """Return the value 0: the source assumes that the part stays on the floor [m s-2]."""
     return np.zeros(())

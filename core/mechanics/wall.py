@@ -16,7 +16,7 @@ from core.mechanics.arrays import Array, Mask, compensated_sum, ratio
 
 
 def centripetal_acceleration(*, speed: Array, radius: Array) -> Array:
-    """Return v^2/R [m s-2]."""
+    """Return the acceleration v^2/R of a part that follows the wall [m s-2]."""
     return speed * (speed / radius)
 
 
@@ -28,7 +28,7 @@ def derived_starting_acceleration(
     gravity_across: Array,
     friction_kinetic: Array,
 ) -> Array:
-    """Return K = P cb (ca + mu sa) - g (sin gamma + mu cos gamma sin delta) [m s-2].
+    """Return acceleration P cb (ca + mu sa) - g (sin gamma + mu cos gamma sin delta) [m s-2].
 
     Its sign decides about motion: the sum is compensated.
     """
@@ -44,7 +44,7 @@ def printed_starting_acceleration(
     gravity_across: Array,
     friction_kinetic: Array,
 ) -> Array:
-    """Return K as printed in (3.17): lean lets gravity help, against (3.13)'s own matrices."""
+    """Return the starting acceleration as printed in (3.17), where lean lets gravity help."""
     mu = friction_kinetic
     return compensated_sum(drive_along, mu * drive_across, -gravity_along, mu * gravity_across)
 
@@ -52,12 +52,12 @@ def printed_starting_acceleration(
 def curved_acceleration_x(
     *, starting_acceleration: Array, friction_kinetic: Array, centripetal_acceleration: Array
 ) -> Array:
-    """Return a_x = K - mu_k v^2/R, (3.17) [m s-2]."""
+    """Return the acceleration K - mu_k v^2/R, (3.17) [m s-2]."""
     return starting_acceleration - friction_kinetic * centripetal_acceleration
 
 
 def curved_acceleration_y(*, centripetal_acceleration: Array) -> Array:
-    """Return a_y = v^2/R, the part following the wall [m s-2]."""
+    """Return the acceleration v^2/R of a part that follows the wall [m s-2]."""
     return centripetal_acceleration
 
 
@@ -71,14 +71,14 @@ def derived_wall_balance(
 def printed_wall_balance(
     *, centripetal_acceleration: Array, gravity_across: Array, drive_across: Array
 ) -> Array:
-    """Return B = v^2/R - g_y - W, with the sign of g_y that (3.16) prints [m s-2]."""
+    """Return the load on the wall per mass, v^2/R - g_y - W, as printed in (3.16) [m s-2]."""
     return compensated_sum(centripetal_acceleration, -gravity_across, -drive_across)
 
 
 def top_edge_wall_acceleration(
     *, wall_balance: Array, width: Array, height: Array, friction_static: Array
 ) -> Array:
-    """Return S/m = b B/(2b - mu_s a), (3.16); NaN at the pole 2b = mu_s a [m s-2].
+    """Return the force per mass b B/(2b - mu_s a), (3.16); NaN at the pole 2b = mu_s a [m s-2].
 
     Negative where the wall would have to pull.
     """
@@ -88,7 +88,7 @@ def top_edge_wall_acceleration(
 def top_edge_floor_acceleration(
     *, wall_acceleration: Array, width: Array, height: Array, friction_static: Array
 ) -> Array:
-    """Return lambda_N/m = S/m (1 - mu_s a/b), (3.15b) [m s-2].
+    """Return the floor force per mass, S/m (1 - mu_s a/b), (3.15b) [m s-2].
 
     The source defines it by the moment balance; it does not carry the weight (`z_residual`).
     """
@@ -103,19 +103,19 @@ def z_residual(
     wall_acceleration: Array,
     friction_static: Array,
 ) -> Array:
-    """Return what (3.14) leaves in the balance normal to the floor, per mass [m s-2]."""
+    """Return the residual of (3.14) in the balance normal to the floor, per mass [m s-2]."""
     return compensated_sum(
         -gravity_normal, drive_normal, floor_acceleration, -friction_static * wall_acceleration
     )
 
 
 def pushing_wall_acceleration(*, wall_balance: Array) -> Array:
-    """Return S/m of a wall that cannot pull, max(0, B) [m s-2]."""
+    """Return the wall force per mass of a wall that cannot pull, max(0, B) [m s-2]."""
     return np.maximum(0.0, wall_balance)
 
 
 def chord_cosine(*, length: Array, radius: Array) -> Array:
-    """Return cos(sigma) with sin(sigma) = h/(2R); NaN where the part is longer than 2R [1]."""
+    """Return the cosine of sigma, sin(sigma) = h/(2R); NaN where the part is longer than 2R [1]."""
     fits = length <= 2 * radius
     half = np.where(fits, length / 2, radius)
     cosine = np.sqrt((radius - half) * (radius + half)) / radius
@@ -130,7 +130,7 @@ def wall_force(*, mass: Array, wall_acceleration: Array) -> Array:
 def wall_force_front(
     *, wall_force: Array, chord_cosine: Array, width: Array, length: Array, friction_kinetic: Array
 ) -> Array:
-    """Return lambda2 = S (h + mu_k a)/(2 h c), (3.16) [N]; NaN where the corners do not fit."""
+    """Return the force S (h + mu_k a)/(2 h c), (3.16) [N]; NaN where the corners do not fit."""
     share = (length + friction_kinetic * width) / length
     return ratio(wall_force, 2 * chord_cosine, np.nan) * share
 
@@ -138,7 +138,7 @@ def wall_force_front(
 def wall_force_rear(
     *, wall_force: Array, chord_cosine: Array, width: Array, length: Array, friction_kinetic: Array
 ) -> Array:
-    """Return lambda1 = S (h - mu_k a)/(2 h c), (3.16) [N]; NaN where the corners do not fit."""
+    """Return the force S (h - mu_k a)/(2 h c), (3.16) [N]; NaN where the corners do not fit."""
     share = (length - friction_kinetic * width) / length
     return ratio(wall_force, 2 * chord_cosine, np.nan) * share
 
@@ -162,7 +162,7 @@ def supported_acceleration_x(
     friction_kinetic: Array,
     speed: Array,
 ) -> Array:
-    """Return a_x of a part that slides along the track, D_x -+ mu_k (n + s), 0 in stick [m s-2].
+    """Return the acceleration of a part that slides, D_x -+ mu_k (n + s), 0 in stick [m s-2].
 
     Friction opposes the speed; from rest, the drive.
     """
@@ -180,7 +180,7 @@ def supported_acceleration_x(
 
 
 def off_wall_acceleration_y(*, centripetal_acceleration: Array, wall_balance: Array) -> Array:
-    """Return a_y: v^2/R along the wall, W - g_y where the part leaves it [m s-2]."""
+    """Return the acceleration v^2/R along the wall, W - g_y where the part leaves it [m s-2]."""
     return centripetal_acceleration + np.maximum(0.0, -wall_balance)
 
 

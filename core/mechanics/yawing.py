@@ -41,34 +41,34 @@ def axial_drive(
 def axial_friction_acceleration(
     *, axial_drive: Array, diameter: Array, spin_rate: Array, yaw_rate: Array
 ) -> Array:
-    """Return F_sigma/m = D_sigma - r phi' theta', (4.16): the yaw turns the velocity [m s-2]."""
+    """Return the friction per mass along the axis, D_sigma - r phi' theta', (4.16) [m s-2]."""
     return axial_drive - diameter / 2 * spin_rate * yaw_rate
 
 
 def rolling_friction(*, mass: Array, rolling_drive: Array) -> Array:
-    """Return F_eta = m D_eta/3, (4.15): a third of the drive spins the cylinder [N]."""
+    """Return the friction force that rolls the cylinder, m D_eta/3, (4.15) [N]."""
     return mass * rolling_drive / 3
 
 
 def axial_friction(*, mass: Array, axial_friction_acceleration: Array) -> Array:
-    """Return F_sigma = m (D_sigma - r phi' theta'), (4.16) [N]."""
+    """Return the friction force along the axis, m (D_sigma - r phi' theta'), (4.16) [N]."""
     return mass * axial_friction_acceleration
 
 
 def spin_acceleration(*, rolling_drive: Array, diameter: Array) -> Array:
-    """Return phi'' = 2 D_eta/(3 r) as 4 D_eta/(3 d), (4.19) [rad s-2]."""
+    """Return the spin acceleration, phi'' = 4 D_eta/(3 d), (4.19) [rad s-2]."""
     return 4 * rolling_drive / (3 * diameter)
 
 
 def yaw_acceleration(
     *, mass: Array, diameter: Array, length: Array, drilling_moment: Array
 ) -> Array:
-    """Return theta'' = M_z/I1, I1 = m (3 r^2 + L^2)/12; (4.18) has it 0, without M_z [rad s-2]."""
+    """Return the yaw acceleration, M_z/I1 with I1 = m (3 r^2 + L^2)/12; 0 in (4.18) [rad s-2]."""
     return 12 * drilling_moment / (mass * (0.75 * np.square(diameter) + np.square(length)))
 
 
 def printed_yaw_rate(*, axial_drive: Array, diameter: Array, spin_rate: Array) -> Array:
-    """Return theta' = 2 D_sigma/(3 r phi') as 4 D_sigma/(3 d phi'), (4.20) as printed [rad s-1].
+    """Return the yaw rate, theta' = 4 D_sigma/(3 d phi'), (4.20) as printed [rad s-1].
 
     It follows only if the floor's resultant is held at mid-length, e = 0. Without spin it has no
     value, as at every start from rest, and its time derivative contradicts (4.18).
@@ -85,7 +85,7 @@ def pressure_offset_axial(
     yaw_rate: Array,
     normal_acceleration: Array,
 ) -> Array:
-    """Return e = r (D_sigma - (3/2) r phi' theta')/n0, the shift of the floor's normal force [m].
+    """Return the shift of the floor's normal force, r (D_sigma - (3/2) r phi' theta')/n0 [m].
 
     Friction along the axis tilts the cylinder and the yaw of its spin resists; the floor balances
     both. The source leaves it out. NaN in flight.
@@ -110,7 +110,7 @@ def cone_margin(
     axial_friction_acceleration: Array,
     normal_acceleration: Array,
 ) -> Array:
-    """Return mu_s lambda_N - hypot(F_eta, F_sigma): below 0 it slips [N]."""
+    """Return the margin mu_s lambda_N - hypot(F_eta, F_sigma); below 0 it slips [N]."""
     friction = hypot(rolling_drive / 3, axial_friction_acceleration)
     return mass * (friction_static * normal_acceleration - friction)
 

@@ -91,13 +91,15 @@ def _is_from(value: object, number: float) -> bool:
 def _check(prepared: Simulation, names: Sequence[str], draws: int) -> None:
     problems = []
     for axis in prepared.grid.axes:
-        message = "it ranges, and the error is that of one cell"
+        message = "it has several values, and the error is computed for one cell"
         problems.append(Problem(f"parameters.{axis}", message, "Give one value"))
     if not names:
-        message = "the study has no number of the recording"
-        problems.append(Problem("drive", message, "Leave out what it gives itself"))
+        message = "the study takes no number from the recording"
+        problems.append(
+            Problem("drive", message, "Leave out the numbers of the drive that it gives itself")
+        )
     if not LEAST_DRAWS <= draws <= MOST_DRAWS:
         fix = f"Give {LEAST_DRAWS} to {MOST_DRAWS:,}"
-        problems.append(Problem("draws", f"{draws:,} are too few or too many", fix))
+        problems.append(Problem("draws", f"{draws:,} draws are too few or too many", fix))
     if problems:
         raise StudyError(problems)

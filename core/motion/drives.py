@@ -185,10 +185,10 @@ def what_is_open(shape: Shape, values: Mapping[str, Array]) -> list[Problem]:
     if not np.all(np.isnan(waves.size(wave))):
         return []
     if np.all(np.isnan(wave.steps[waves.ENDS])):
-        message = "the steps of the drive take no time"
-        return [Problem("parameters.duration_1", message, "Give one of the durations above 0")]
+        message = "all steps of the drive have no duration"
+        return [Problem("parameters.duration_1", message, "Give at least one duration above 0")]
     axis = next(axis for i, axis in enumerate(AXES) if np.all(np.isnan(wave.steps[i]).any(axis=0)))
-    message = f"the acceleration {axis} has a mean: the track would run away"
+    message = f"the mean acceleration {axis} is not 0: the track would run away"
     fix = (
         "Leave one of its steps out, which then closes the wave, or change durations so that the "
         "sum of acceleration times duration is 0"
@@ -223,14 +223,16 @@ def shape_of(given: Iterable[str]) -> tuple[Shape | None, list[Problem]]:
     levels = {(m[1], int(m[2])) for m in found if m[1]}
     count = max(int(m[2]) for m in found)
     if not levels or count == 1:
-        message = "one step alone is no drive" if levels else "steps need an acceleration"
+        message = "one step alone does not make a drive" if levels else "steps need an acceleration"
         fix = "Add, for example, acceleration_along_1, duration_1 and duration_2"
         return None, [Problem(f"parameters.{steps[0]}", message, fix)]
     return Steps(count, tuple(sorted(levels, key=_by_axis))), []
 
 
 def _mixed(name: str, kind: str, other: str, fix: str) -> Problem:
-    return Problem(f"parameters.{name}", f"it is of {kind}, and the study gives {other}, too", fix)
+    return Problem(
+        f"parameters.{name}", f"it belongs to {kind}, but the study also gives {other}", fix
+    )
 
 
 def _by_axis(term: tuple[str, int]) -> tuple[int, int]:

@@ -14,7 +14,7 @@ import numpy as np
 from core.mechanics.arrays import Array
 from core.motion import waves
 from core.motion.waves import Wave
-from core.quantities.drive import AXES
+from core.quantities.drive import AXES, WHERE
 from core.scenes.scene import Equation
 
 
@@ -42,19 +42,19 @@ class Limit:
 
 LIMITS = {
     "largest_acceleration": Limit(
-        "largest size of the track's acceleration {} [m s-2]",
+        "largest acceleration of the drive {} [m s-2]",
         lambda *, gravity: gravity,
         1.0,
         lambda wave, axis: waves.largest(wave, axis, "push size"),
     ),
     "stroke": Limit(
-        "way of the track {}, peak to peak [m]",
+        "stroke of the drive {}, peak to peak [m]",
         lambda *, length_scale: length_scale,
         2.0,
         waves.stroke,
     ),
     "largest_jerk": Limit(
-        "largest size of the track's jerk {}, infinite where its acceleration jumps [m s-3]",
+        "largest jerk of the drive {}, infinite where its acceleration jumps [m s-3]",
         lambda *, gravity, frequency: gravity * (waves.TURN * frequency),
         1.0,
         waves.jerk,
@@ -85,5 +85,5 @@ def _function(limit: Limit, axis: str, drive: str) -> Callable[..., Array]:
     scale = inspect.signature(limit.scale).parameters
     named = inspect.Parameter(given, inspect.Parameter.KEYWORD_ONLY)
     value.__signature__ = inspect.Signature([named, *scale.values()])  # type: ignore[attr-defined]
-    value.__doc__ = f"Return the {limit.says.format(axis)}."
+    value.__doc__ = f"Return the {limit.says.format(WHERE[axis])}."
     return value

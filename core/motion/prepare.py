@@ -135,7 +135,7 @@ def prepare(study: SimulateStudy) -> Simulation:
     scene, method, _ = chosen
     if study.drive is not None and scene.name not in CONTACTS:
         fix = f"Choose among {', '.join(CONTACTS)}"
-        raise StudyError([Problem("drive", f"{scene.name} knows the plain sine only", fix)])
+        raise StudyError([Problem("drive", f"{scene.name} supports only the plain sine", fix)])
     settings = study.settings()
     # `motion_status` tells how each value was found: it is never left out.
     asked = tuple(dict.fromkeys((*study.outputs, "motion_status")))

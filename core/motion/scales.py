@@ -20,37 +20,37 @@ def drive_number(*, vibration_acceleration: Array, gravity: Array) -> Array:
 
 
 def drive_number_along(*, drive_number: Array, alpha: Array, beta: Array) -> Array:
-    """Return p cos(beta) cos(alpha) [1]."""
+    """Return the drive number along the track, p cos(beta) cos(alpha) [1]."""
     return drive_number * (cosine(beta) * cosine(alpha))
 
 
 def drive_number_across(*, drive_number: Array, alpha: Array, beta: Array) -> Array:
-    """Return p cos(beta) sin(alpha) [1]."""
+    """Return the drive number across the track, p cos(beta) sin(alpha) [1]."""
     return drive_number * (cosine(beta) * sine(alpha))
 
 
 def drive_number_normal(*, drive_number: Array, beta: Array) -> Array:
-    """Return p sin(beta) [1]."""
+    """Return the drive number normal to the floor, p sin(beta) [1]."""
     return drive_number * sine(beta)
 
 
 def gravity_number_along(*, gamma: Array) -> Array:
-    """Return sin(gamma) [1]."""
+    """Return the share of gravity along the track, sin(gamma) [1]."""
     return sine(gamma)
 
 
 def gravity_number_across(*, gamma: Array, delta: Array) -> Array:
-    """Return cos(gamma) sin(delta) [1]."""
+    """Return the share of gravity towards the wall, cos(gamma) sin(delta) [1]."""
     return cosine(gamma) * sine(delta)
 
 
 def gravity_number_normal(*, gamma: Array) -> Array:
-    """Return cos(gamma), for a floor without lean [1]."""
+    """Return the share of gravity onto a floor without lean, cos(gamma) [1]."""
     return cosine(gamma)
 
 
 def leaning_gravity_number_normal(*, gamma: Array, delta: Array) -> Array:
-    """Return cos(gamma) cos(delta) [1]."""
+    """Return the share of gravity onto the floor, cos(gamma) cos(delta) [1]."""
     return cosine(gamma) * cosine(delta)
 
 
@@ -65,7 +65,7 @@ def wall_restitution(*, restitution: Array) -> Array:
 
 
 def acceleration_scale(*, gravity: Array) -> Array:
-    """Return g [m s-2]."""
+    """Return the acceleration of gravity, g [m s-2]."""
     return gravity
 
 
@@ -85,17 +85,17 @@ def throw_number(*, drive_number_normal: Array, load_number: Array) -> Array:
 
 
 def velocity_scale(*, gravity: Array, frequency: Array) -> Array:
-    """Return g/w [m s-1]."""
+    """Return the velocity scale, g/w with w = 2 pi f [m s-1]."""
     return gravity / (2 * np.pi * frequency)
 
 
 def length_scale(*, gravity: Array, frequency: Array) -> Array:
-    """Return g/w^2 [m]."""
+    """Return the length scale, g/w^2 with w = 2 pi f [m]."""
     return gravity / np.square(2 * np.pi * frequency)
 
 
 def curvature_number(*, length_scale: Array, radius: Array) -> Array:
-    """Return g/(w^2 R) [1]."""
+    """Return the curvature number, g/(w^2 R) [1]."""
     return length_scale / radius
 
 

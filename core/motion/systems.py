@@ -75,13 +75,13 @@ RESULTS = (
     *fields(
         "motion",
         "theory 13.2",
-        stick_fraction=("stick", "the part of the period in which friction holds the part [1]"),
-        forward_fraction=("forward", "the part of the period in which the part slides forward [1]"),
+        stick_fraction=("stick", "share of the period in which friction holds the part [1]"),
+        forward_fraction=("forward", "share of the period in which the part slides forward [1]"),
         backward_fraction=(
             "backward",
-            "the part of the period in which the part slides backward [1]",
+            "share of the period in which the part slides backward [1]",
         ),
-        flight_fraction=("flight", "the part of the period in which the part is off the floor [1]"),
+        flight_fraction=("flight", "share of the period in which the part is off the floor [1]"),
     ),
     *fields(
         "motion",
@@ -101,7 +101,7 @@ RESULTS = (
     *fields(
         "motion",
         "theory 13.8",
-        motion_status=("status", "how the motion ended, a `MOTION_STATUSES` value"),
+        motion_status=("status", "how the motion ended, as a status"),
     ),
 )
 ANY_RESULT = frozenset(equation.gives for equation in (*RESULTS, *spending.RESULTS)) | {"regime"}

@@ -119,7 +119,7 @@ RESULTS = (
     *fields(
         "tumble",
         "theory 2.3",
-        motion_status=("status", "how the run ended, a `MOTION_STATUSES` value"),
+        motion_status=("status", "how the run ended, as a status"),
     ),
 )
 ANY_RESULT = frozenset(equation.gives for equation in RESULTS) | {"regime"}

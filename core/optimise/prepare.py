@@ -63,7 +63,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         raise StudyError(found) from None
     scene, variant, _ = chosen
     if study.drive is not None and (scene.choice != "method" or scene.name not in DRIVEN):
-        message = "closed forms know the plain sine of amplitude, alpha and beta only"
+        message = "closed forms support only the plain sine of amplitude, alpha and beta"
         fix = f"Ask for conveying_velocity of {', '.join(DRIVEN)}, or give these"
         raise StudyError([Wrong("drive", message, fix)])
     kept = tuple(_kept(study, scene, variant))

@@ -98,7 +98,9 @@ def of_other_drive(problem: Wrong, scene: Scene) -> Wrong:
         return problem
     if not any(problem.about in closed.outputs(variant) for variant in closed.variants):
         return problem
-    message = f"'{problem.about}' is a closed form of the plain sine, and the drive is another"
+    message = (
+        f"'{problem.about}' is a closed form of the plain sine, and the study gives another drive"
+    )
     fix = "Take an output of the motion, such as conveying_velocity"
     return replace(problem, message=message, fix=fix)
 

@@ -249,7 +249,7 @@ def _doubled_friction(given: Collection[str]) -> list[Problem]:
             problems.append(
                 Problem(
                     f"parameters.{name}",
-                    f"it stands beside {' and '.join(doubled)}",
+                    f"it is given together with {' and '.join(doubled)}",
                     f"Give either {name} or {' and '.join(others)}",
                 )
             )
@@ -270,7 +270,9 @@ def _missing(scene: Scene, name: str, user: str) -> Problem:
 def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> Problem:
     if name in DRIVE and "wave" not in scene.producers(variant):
         fix = "Give amplitude, alpha and beta instead, or ask for the conveying_velocity of a part"
-        message = f"{scene.name} knows the plain sine only here, and {name} is of another drive"
+        message = (
+            f"{scene.name} supports only the plain sine here, and {name} belongs to another drive"
+        )
         return Problem(f"parameters.{name}", message, fix)
     takes_part = name in scene_parameters(scene, variant)
     what = f"{', '.join(outputs)} of {scene.name}" if takes_part else scene.name

@@ -14,13 +14,13 @@ MOST_STEPS = 12
 """Pieces of constant acceleration in a period."""
 
 _LETTERS = dict(zip(AXES, "xyz", strict=True))
-_WHERE = {"along": "along the track", "across": "across the track", "normal": "off the floor"}
+WHERE = {"along": "along the track", "across": "across the track", "normal": "off the floor"}
 
 
 def _amplitude(axis: str, order: int) -> Quantity:
     return Quantity(
         "m", f"A{_LETTERS[axis]}{order}", f"Amplitude {axis}, order {order}",
-        f"Amplitude of the track's motion {_WHERE[axis]} at {_times(order)}, zero to peak.", 0.0,
+        f"Amplitude of the track's motion {WHERE[axis]} at {_times(order)}, zero to peak.", 0.0,
         parameter=True, examples=("0.1 mm",),
     )  # fmt: skip
 
@@ -28,7 +28,7 @@ def _amplitude(axis: str, order: int) -> Quantity:
 def _phase(axis: str, order: int) -> Quantity:
     return angle(
         f"phi{_LETTERS[axis]}{order}", f"Phase {axis}, order {order}",
-        f"Lead of the track's motion {_WHERE[axis]} at {_times(order)}: the displacement is "
+        f"Lead of the track's motion {WHERE[axis]} at {_times(order)}: the displacement is "
         f"A sin({order if order > 1 else ''} w t + phi).", 720.0, "90 deg",
     )  # fmt: skip
 
@@ -40,7 +40,7 @@ def _times(order: int) -> str:
 def _level(axis: str, step: int) -> Quantity:
     return Quantity(
         "m s-2", f"a{_LETTERS[axis]}{step}", f"Acceleration {axis}, step {step}",
-        f"Acceleration of the track {_WHERE[axis]} during step {step} of a period.",
+        f"Acceleration of the track {WHERE[axis]} during step {step} of a period.",
         parameter=True, examples=("4 m/s^2",),
     )  # fmt: skip
 
@@ -54,11 +54,11 @@ def _duration(step: int) -> Quantity:
 
 
 def _limits(axis: str) -> dict[str, Quantity]:
-    letter, where = _LETTERS[axis], _WHERE[axis]
+    letter, where = _LETTERS[axis], WHERE[axis]
     return {
         f"largest_acceleration_{axis}": Quantity(
             "m s-2", f"max |a_{letter}|", f"Largest acceleration {axis}",
-            f"Largest size of the track's acceleration {where} over a period.",
+            f"Largest acceleration of the track {where} over a period.",
         ),
         f"stroke_{axis}": Quantity(
             "m", f"s_{letter}", f"Stroke {axis}",
@@ -66,7 +66,7 @@ def _limits(axis: str) -> dict[str, Quantity]:
         ),
         f"largest_jerk_{axis}": Quantity(
             "m s-3", f"max |j_{letter}|", f"Largest jerk {axis}",
-            f"Largest size of the track's jerk {where}; infinite where its acceleration jumps.",
+            f"Largest jerk of the track {where}; infinite where its acceleration jumps.",
         ),
     }  # fmt: skip
 

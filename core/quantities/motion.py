@@ -6,7 +6,7 @@ from core.quantities.quantity import Quantity, acceleration, number, velocity
 
 
 def _fraction(label: str, description: str) -> Quantity:
-    return Quantity("1", "", label, f"Part of the period in which {description}.")
+    return Quantity("1", "", label, f"Share of the period in which {description}.")
 
 
 _SPENT = {

@@ -15,7 +15,7 @@ from core.scenes.scene import Equation, Scene
 
 
 def corner_angle(*, diameter: Array, length: Array) -> Array:
-    """Return zeta = atan2(d, h), the angle of the diagonal in the part [rad]."""
+    """Return the angle of the diagonal in the part, zeta = atan2(d, h) [rad]."""
     return np.arctan2(diameter, length)
 
 
@@ -25,12 +25,12 @@ def corner_direction(*, diameter: Array, length: Array) -> Direction:
 
 
 def half_diagonal(*, diameter: Array, length: Array) -> Array:
-    """Return rho = sqrt(d^2 + h^2)/2, from the centre to the rim [m]."""
+    """Return the distance from the centre to the rim, rho = sqrt(d^2 + h^2)/2 [m]."""
     return hypot(diameter, length) / 2
 
 
 def inertia_ratio(*, corner_direction: Direction) -> Array:
-    """Return kappa = m rho^2/I = 12 (d^2 + h^2)/(3 d^2 + 4 h^2), as 12/(3 + cos^2 zeta) [1].
+    """Return the inertia ratio, kappa = m rho^2/I = 12/(3 + cos^2 zeta) [1].
 
     From 3 (needle) to 4 (disc).
     """

@@ -39,9 +39,9 @@ PLACE = (
         gap=("gap", "the gap; a lower bound of it where rims have entered each other [m]"),
         contact_form=("form", "the form of contact, 1 to 5, or 0"),
         face_body=("face_body", "the body whose face or side is met, 1 or 2; 0 if it is both"),
-        normal_x=("normal", 0, "n_x, the normal pointing from body 2 to body 1"),
-        normal_y=("normal", 1, "n_y, the normal pointing from body 2 to body 1"),
-        normal_z=("normal", 2, "n_z, the normal pointing from body 2 to body 1"),
+        normal_x=("normal", 0, "the normal from body 2 to body 1, its x component"),
+        normal_y=("normal", 1, "the normal from body 2 to body 1, its y component"),
+        normal_z=("normal", 2, "the normal from body 2 to body 1, its z component"),
     ),
 )
 REST = (
@@ -58,14 +58,17 @@ REST = (
         "theory 8.1",
         delassus_normal=(
             "NN",
-            "G_NN = 1/m1 + 1/m2 + (rho1 x n).J1^-1 (rho1 x n) + the like of body 2 [kg-1]",
+            "the number 1/m1 + 1/m2 + (rho1 x n).J1^-1 (rho1 x n) + that of body 2 [kg-1]",
         ),
     ),
     Equation("spatial_approach", cylinder_impact.spatial_approach, "theory 8.1"),
     *fields(
         "spatial_approach",
         "theory 8.1",
-        approach_normal=("normal", "u_N = n.(v1 + w1 x rho1 - v2 - w2 x rho2) [m s-1]"),
+        approach_normal=(
+            "normal",
+            "the velocity n.(v1 + w1 x rho1 - v2 - w2 x rho2) before the impact [m s-1]",
+        ),
     ),
     Equation("sliding_before", cylinder_outcome.sliding_before, "theory 8.1"),
     *fields(

@@ -12,7 +12,7 @@ from core.scenes.scene import Equation, Scene
 
 
 def corner_angle(*, height: Array, length: Array) -> Array:
-    """Return zeta = atan2(b, h), the angle of the diagonal in the part [rad]."""
+    """Return the angle of the diagonal in the part, zeta = atan2(b, h) [rad]."""
     return np.arctan2(height, length)
 
 
@@ -22,12 +22,12 @@ def corner_direction(*, height: Array, length: Array) -> Direction:
 
 
 def half_diagonal(*, height: Array, length: Array) -> Array:
-    """Return rho = sqrt(b^2 + h^2)/2, from the centre to the corner [m]."""
+    """Return the distance from the centre to the corner, rho = sqrt(b^2 + h^2)/2 [m]."""
     return hypot(height, length) / 2
 
 
 def inertia_ratio() -> Array:
-    """Return kappa = m rho^2/I = 3, the same for every rectangle [1]."""
+    """Return the inertia ratio, kappa = m rho^2/I = 3, the same for every rectangle [1]."""
     return np.full((), 3.0)
 
 

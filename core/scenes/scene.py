@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -17,6 +18,8 @@ from core.scenes.graph import CycleError, behind
 
 Function = Callable[..., Any]
 
+_UNIT = re.compile(r" \[[A-Za-z0-9 -]+\](?=[.,;:]|$)")
+
 
 def _inputs(function: Function) -> tuple[str, ...]:
     """Return the names of the arguments that have no default: those are quantities."""
@@ -25,9 +28,14 @@ def _inputs(function: Function) -> tuple[str, ...]:
 
 
 def _summary(function: Function) -> str:
-    """Return the first paragraph of a docstring as one line."""
+    """Return what users read of a function: the first paragraph of its docstring as a description.
+
+    Its first word "Return", its units, which the catalogue has beside it, and its marks of code
+    are left out.
+    """
     paragraph = (inspect.getdoc(function) or "").split("\n\n")[0]
-    return " ".join(paragraph.split())
+    text = _UNIT.sub("", " ".join(paragraph.split()).removeprefix("Return ").replace("`", ""))
+    return text[:1].upper() + text[1:]
 
 
 @dataclass(frozen=True)
@@ -64,7 +72,7 @@ class Equation:
 
     @property
     def summary(self) -> str:
-        """One sentence: what the function returns."""
+        """One sentence: what the equation gives."""
         return _summary(self.function)
 
 

@@ -37,7 +37,7 @@ class RecordedDrive(BaseModel):
     )
     data: str | None = Field(None, description="The text of the CSV.")
     along: _Column | None = Field(
-        None, description="Column of the acceleration along the track; -ax turns it round."
+        None, description="Column of the acceleration along the track; -ax reverses it."
     )
     across: _Column | None = Field(None, description="Across the track, to the left.")
     normal: _Column | None = Field(None, description="Normal to the track, upwards.")

@@ -64,7 +64,7 @@ def read_toml(text: str) -> object:
     try:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        _fail("file", f"it is not TOML: {error}", "Mend the syntax there", error)
+        _fail("file", f"it is not TOML: {error}", "Fix the syntax there", error)
 
 
 def read_json(text: str | bytes) -> object:
@@ -143,7 +143,7 @@ def _problems(kind: str, error: ValidationError, *place: str) -> list[Problem]:
         problems.append(_problem(kind, one, suggest))
     if len(found) > MOST_PROBLEMS:
         more = f"{len(found) - MOST_PROBLEMS:,} further problems are not listed"
-        problems.append(Problem("study", more, "Mend these first"))
+        problems.append(Problem("study", more, "Fix these first"))
     return problems
 
 
@@ -178,7 +178,7 @@ def _problem(kind: str, error: ErrorDetails, suggest: Suggestions) -> Problem:
             one = str(within).removesuffix("s")
             return Problem(place, f"'{name}' is not a key of the {one}{which}", "Remove it")
         if name == "drive":
-            message = "closed forms know the plain sine of amplitude, alpha and beta only"
+            message = "closed forms support only the plain sine of amplitude, alpha and beta"
             return Problem(place, message, 'Write kind = "simulate", or give these')
         known = tuple(STUDIES[kind].model_fields)
         return Problem(place, f"'{name}' is not a key of kind '{kind}'", suggest(name, known))
@@ -190,7 +190,7 @@ def _problem(kind: str, error: ErrorDetails, suggest: Suggestions) -> Problem:
         return Problem(f"{place}.kind", "it is missing", fix)
     if error["type"] == "missing":
         return Problem(place, "it is missing", f"Add {name}")
-    return Problem(place, error["msg"].removesuffix("."), "Mend the value or its type")
+    return Problem(place, error["msg"].removesuffix("."), "Fix the value or its type")
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -201,12 +201,12 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(content) < len(pairs):
         names = [name for name, _ in pairs]
         twice = next(name for k, name in enumerate(names) if name in names[:k])
-        raise ValueError(f"the key '{_shown(twice)}' stands twice in one object")
+        raise ValueError(f"the key '{_shown(twice)}' appears twice in one object")
     return content
 
 
 def _refuse_constant(constant: str) -> NoReturn:
-    raise ValueError(f"{constant} is not a number that JSON knows")
+    raise ValueError(f"{constant} is not a JSON number")
 
 
 def _check_values(content: object, *, texts: bool) -> None:
@@ -223,7 +223,7 @@ def _check_values(content: object, *, texts: bool) -> None:
                 for key, value in part.items():
                     within = f"{place}.{_shown(key)}".lstrip(".")
                     if texts and _is_no_text(key):
-                        _fail(within, "its name holds a character that is no text", "Mend the name")
+                        _fail(within, "its name holds an invalid character", "Fix the name")
                     _check_plain(within, (value,), texts)
                     if isinstance(value, dict | list):
                         below.append((within, value))
@@ -244,10 +244,10 @@ def _check_plain(place: str, values: Sequence[Any], texts: bool) -> None:
     else:
         numbers = [value for value in values if type(value) in (int, float)]
     if numbers and not -LARGEST <= min(numbers) <= max(numbers) <= LARGEST:
-        _fail(place or "body", "it is a number larger than 1.8e308", "Mend the value")
+        _fail(place or "body", "it is a number larger than 1.8e308", "Fix the value")
     if texts and any(isinstance(value, str) and _is_no_text(value) for value in values):
-        wrong = "it holds a character that is no text: NUL, or half of one"
-        _fail(place or "body", wrong, "Mend the value")
+        wrong = "it holds an invalid character: NUL, or half of a surrogate pair"
+        _fail(place or "body", wrong, "Fix the value")
 
 
 def _is_no_text(text: str) -> bool:

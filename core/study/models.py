@@ -155,7 +155,7 @@ def _read_units(raw: object) -> tuple[str, ...] | None:
         or not all(isinstance(word, str) for word in words)
     ):
         raise refusal(
-            f"{reprlib.repr(raw)[:40]} are no units", 'Write "si", or a list such as ["m/min"]'
+            f"{reprlib.repr(raw)[:40]} are not units", 'Write "si", or a list such as ["m/min"]'
         )
     try:
         read_shown(words)

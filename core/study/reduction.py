@@ -65,7 +65,7 @@ def _read_condition(raw: object) -> Condition:
         return raw
     found = _CONDITION.fullmatch(raw) if isinstance(raw, str) else None
     if found is None:
-        raise refusal(f"{str(raw)[:60]!r} is no condition", HOW)
+        raise refusal(f"{str(raw)[:60]!r} is not a condition", HOW)
     name, comparison, value = found.groups()
     if name == "regime":
         if comparison not in ("==", "!="):
@@ -108,7 +108,7 @@ def _read_name(raw: object) -> str:
     if not isinstance(raw, str) or not _NAME.fullmatch(raw):
         raise refusal(
             f"{str(raw)[:60]!r} cannot be the name of a variable",
-            "Take small letters, digits and underscores, 40 at most, a letter first",
+            "Use lower-case letters, digits and underscores, 40 at most, beginning with a letter",
         )
     return raw
 

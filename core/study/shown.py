@@ -116,7 +116,9 @@ def read_shown(words: Iterable[str]) -> ShownUnits:
             continue
         unit, shown = _unit(word)
         if unit in wanted:
-            raise UnitError(f"'{word}' is the second unit of its kind", "Give one of each kind")
+            raise UnitError(
+                f"'{word}' is a second unit of the same kind", "Give one unit of each kind"
+            )
         wanted[unit] = shown
     return ShownUnits(system, MappingProxyType(wanted))
 

@@ -37,7 +37,7 @@ def read_wishes(text: str, sizes: Mapping[str, int], most: int) -> dict[str, int
         elif name in found:
             wrong, fix = f"{name} stands twice", "Name each axis once"
         elif length != ALL and not (is_number and int(length) > 0):
-            wrong, fix = f"'{length[:60]}' is no length along {name}", _FIX
+            wrong, fix = f"'{length[:60]}' is not a length along {name}", _FIX
         else:
             found[name] = None if length == ALL else min(int(length), sizes[name])
             continue

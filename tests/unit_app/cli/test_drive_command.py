@@ -67,7 +67,7 @@ def test_every_problem_is_told_at_once(tmp_path):
         "  mounting: it turns a sensor of three axes only. Give sensor = three columns instead of "
         "along, across and normal.",
         "  along: the recording has no column 'bx'. Known: ax, ay, az, time.",
-        "  unit: 'kg' is no unit of acceleration. Known: m s-2, mm s-2, cm/s2, g, mg.",
+        "  unit: 'kg' is not a unit of acceleration. Known: m s-2, mm s-2, cm/s2, g, mg.",
         "  harmonics: 12 orders cannot be fitted. Give a whole number from 1 to 10, or leave it "
         "out.",
     ]

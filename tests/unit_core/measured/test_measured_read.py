@@ -188,8 +188,8 @@ def test_endless_lines_are_not_taken_apart():
 def test_decimal_commas_between_commas_are_guessed():
     lines = refused("ax,az\n" + 5 * "1,5,2,5\n")
     assert lines[-1] == (
-        "recording: 5 lines are not whole. Export it anew; where a comma is a decimal comma, part "
-        "the cells by semicolons."
+        "recording: 5 lines are not whole. Export it again; where a comma is a decimal comma, "
+        "separate the cells by semicolons."
     )
 
 
@@ -223,15 +223,14 @@ def test_unknown_columns_are_named_with_what_is_there():
 def test_cells_that_are_no_numbers_are_told_by_line(cell):
     (line,) = refused(changed(17, f"0.0075,{cell},1.5"))
     assert line == (
-        f"along: line 17 of column 'ax' holds {cell!r}, no number. Correct the line, or leave it "
-        "out."
+        f"along: line 17 of column 'ax' is no number: {cell!r}. Correct the line, or leave it out."
     )
 
 
 def test_of_many_faulty_cells_three_are_shown():
     lines = refused(TEXT.replace(".0,", ".0x,").replace("-", "--"))
-    assert sum("of column 'ax' holds" in line for line in lines) == 3
-    assert any("cells of column 'ax' are no finite numbers. Export" in line for line in lines)
+    assert sum("of column 'ax' is no number" in line for line in lines) == 3
+    assert any("cells of column 'ax' are not finite numbers. Export" in line for line in lines)
 
 
 def test_everything_that_is_wrong_is_told_at_once():
@@ -261,7 +260,7 @@ def test_times_that_are_none():
         "time = the name of a column of times."
     ]
     assert refused(TEXT.replace("time [s]", "time [h]"))[0].startswith(
-        "time: 'h' is no unit of time. Write s, ms, us or min"
+        "time: 'h' is not a unit of time. Write s, ms, us or min"
     )
     both = Recording(along="ax", time="time", rate=2000)
     assert refused(TEXT, both)[0].startswith("rate: both rate and time are given")
@@ -269,8 +268,8 @@ def test_times_that_are_none():
     back = signal.times.copy()
     back[100] = back[99]
     assert refused(csv_of(signal._replace(times=back))) == [
-        "time: column 'time' does not ascend in 1 place, first in line 102. Write times with more "
-        "digits, or give rate and leave time out."
+        "time: column 'time' does not increase in 1 place, first in line 102. Write times with "
+        "more digits, or give rate and leave time out."
     ]
     gap = signal.times + 0.0015 * (np.arange(400) > 99)
     assert refused(csv_of(signal._replace(times=gap))) == [
@@ -339,7 +338,7 @@ def test_a_crest_that_is_rounded_is_not_clipped(steps, rate):
         ),
         (
             Recording(along="ax", unit="furlong"),
-            "unit: 'furlong' is no unit of acceleration. Known:",
+            "unit: 'furlong' is not a unit of acceleration. Known:",
         ),
         (
             Recording(along="ax", unit="g"),
@@ -357,7 +356,7 @@ def test_a_channel_without_a_unit_is_told_where_to_write_it():
         "mg, or write it in the header: 'ax [g]'."
     ]
     assert refused(TEXT.replace("ax [m s-2]", "ax [V]"))[0].startswith(
-        "along: 'V' is no unit of acceleration. Known: m s-2"
+        "along: 'V' is not a unit of acceleration. Known: m s-2"
     )
 
 
@@ -366,8 +365,8 @@ def test_a_channel_without_a_unit_is_told_where_to_write_it():
     [
         ((0, 0), "it holds neither three angles nor a matrix"),
         ("level", "it holds neither three angles nor a matrix"),
-        (((1, 0, 0), (0, 1, 0), (0, 0, 2)), "its matrix is no rotation"),
-        (((1,), (0, 1, 0), (0, 0, 2)), "its matrix is no rotation"),
+        (((1, 0, 0), (0, 1, 0), (0, 0, 2)), "its matrix is not a rotation"),
+        (((1,), (0, 1, 0), (0, 0, 2)), "its matrix is not a rotation"),
         (((1, 0, 0), (0, 1, 0), (0, 0, -1)), "its matrix mirrors, which no mounting does"),
     ],
 )

@@ -102,21 +102,21 @@ def test_a_measured_drive_can_be_optimised():
     closed = content | {"criterion": {"kind": "maximise", "output": "acceleration_x"}}
     (problem,) = refused(closed)
     assert problem == (
-        "criterion.output: 'acceleration_x' is a closed form of the plain sine, and the drive is "
-        "another. Take an output of the motion, such as conveying_velocity."
+        "criterion.output: 'acceleration_x' is a closed form of the plain sine, and the study "
+        "gives another drive. Take an output of the motion, such as conveying_velocity."
     )
 
 
 def test_a_sweep_of_closed_forms_has_no_measured_drive():
     assert refused(study(kind="sweep", outputs=["acceleration_x"]))[0] == (
-        "drive: closed forms know the plain sine of amplitude, alpha and beta only. "
+        "drive: closed forms support only the plain sine of amplitude, alpha and beta. "
         'Write kind = "simulate", or give these.'
     )
 
 
 def test_a_part_that_tumbles_has_no_measured_drive():
     assert refused(study(scene="rectangle-isolated")) == [
-        "drive: rectangle-isolated knows the plain sine only. Choose among rectangle-on-plane, "
+        "drive: rectangle-isolated supports only the plain sine. Choose among rectangle-on-plane, "
         "cylinder-on-plane, rectangle-on-track."
     ]
 
@@ -173,8 +173,8 @@ def test_a_study_of_the_network_reads_no_file_and_no_long_recording(tmp_path, mo
     prepare_content(study())
     monkeypatch.setattr(measured, "MOST_ROWS_SENT", 700)
     assert refused(study(), files=False) == [
-        "drive.data: it has 800 rows, the limit over HTTP is 700. Cut it: a second of recording "
-        "states a drive well."
+        "drive.data: it has 800 rows, the limit over HTTP is 700. Cut it: one second of "
+        "recording is enough."
     ]
     prepare_content(study(), files=True)
 
@@ -215,9 +215,11 @@ def test_the_error_of_a_speed_is_that_of_what_comes_from_the_recording():
         drive_error(study_of({"frequency": 49, "amplitude": 1e-4, "beta": 20,
                               "friction": [0.2, 0.3]}), fit, draws=3)  # fmt: skip
     assert [str(problem) for problem in caught.value.problems] == [
-        "parameters.friction: it ranges, and the error is that of one cell. Give one value.",
-        "drive: the study has no number of the recording. Leave out what it gives itself.",
-        "draws: 3 are too few or too many. Give 20 to 10,000.",
+        "parameters.friction: it has several values, and the error is computed for one cell. "
+        "Give one value.",
+        "drive: the study takes no number from the recording. Leave out the numbers of the drive "
+        "that it gives itself.",
+        "draws: 3 draws are too few or too many. Give 20 to 10,000.",
     ]
 
 

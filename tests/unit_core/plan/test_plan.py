@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,9 @@ from core.scenes.scene import Scene
 from core.study import load_study, parse_study
 from core.study.models import STUDIES
 from core.sweep import prepare, sweep
+
+READABLE = re.compile(r"[A-Z][a-z']+,? (?! )[^`\[\]]*(?<! )\.")
+"""A description: it begins with a word, and has no marks of code and no units in brackets."""
 
 DRIVE = ("frequency", "amplitude", "beta")
 EVERY_VARIANT = [(name, variant) for name, scene in SCENES.items() for variant in scene.variants]
@@ -305,16 +309,18 @@ def test_one_missing_parameter_is_one_problem():
 
 
 class TestScenes:
-    def test_every_scene_declares_what_it_gives_and_describes_it(self):
-        for name, scene in SCENES.items():
+    @pytest.mark.parametrize("known", [SCENES, SYSTEMS], ids=["scenes", "systems"])
+    def test_every_scene_declares_what_it_gives_and_describes_it(self, known):
+        for name, scene in known.items():
             assert scene.name == name
             for variant in scene.variants:
                 for equation in (*scene.variants[variant], *ALIASES):
                     assert equation.source
-                    assert equation.summary.startswith("Return ")
                     assert set(equation.inputs) <= set(QUANTITIES)
+                    if not QUANTITIES[equation.gives].bundle:
+                        assert READABLE.fullmatch(equation.summary), equation.summary
                 for condition in scene.conditions[variant]:
-                    assert condition.summary.startswith("Return where ")
+                    assert condition.summary.startswith("Where ")
 
     def test_every_quantity_is_used(self):
         used = {name for scene in (*SCENES.values(), *SYSTEMS.values()) for v in scene.variants

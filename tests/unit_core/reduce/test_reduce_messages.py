@@ -77,7 +77,7 @@ MAX = {"statistics": ["max"]}
         ({**MAX, "over": ["beta"], "cell": "all"}, "Did you mean 'cells'?"),
         (
             {"over": ["beta"], "shares": {"a": ["throw number < 1"]}},
-            "reduce.shares.a.0: 'throw number < 1' is no condition. Write, for example, "
+            "reduce.shares.a.0: 'throw number < 1' is not a condition. Write, for example, "
             "'throw_number < 1' or 'regime == slip'.",
         ),
         (

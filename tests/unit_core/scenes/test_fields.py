@@ -28,7 +28,7 @@ def test_a_row_is_an_equation():
     gap, _ = ROWS
     assert gap.gives == "gap"
     assert gap.inputs == ("planar_impulse",)
-    assert gap.summary == "Return the second side [m]."
+    assert gap.summary == "The second side."
     assert (gap.source, gap.variant) == ("theory 5.2", "all")
 
 

@@ -89,13 +89,13 @@ def test_the_first_of_many_names_are_searched_for():
         prepare_content(content)
     fixes = [p.fix for p in caught.value.problems if p.place.startswith("parameters.frequncy")]
     assert fixes.count("Did you mean 'frequency'?") == errors.SEARCHED
-    assert set(fixes[errors.SEARCHED :]) == {"Mend those before it first"}
+    assert set(fixes[errors.SEARCHED :]) == {"Fix the ones before it first"}
 
 
 def test_a_reply_names_a_hundred_problems_and_counts_the_rest():
     from app.web.replies import problem_document
 
-    problems = [Problem(f"outputs.{k}", "it is wrong", "Mend it") for k in range(1234)]
+    problems = [Problem(f"outputs.{k}", "it is wrong", "Fix it") for k in range(1234)]
     told = json.loads(problem_document(422, "study", "Wrong", "1234 problems.", problems).body)
     assert len(told["errors"]) == 100
     assert "1,134 more" in told["detail"]
