@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from app.cli.console import fail, new_grid, say, stdout
 from core.kinds import is_whole, not_verified, share_left_out
+from core.motion.feeding import travel_in_words
 from core.optimise import Optimisation
 from core.optimise.run import criterion_in_words
 from core.quantities import REGIMES
@@ -87,6 +88,8 @@ def show_table(
     if "message" in table.attributes:
         say(f"  {table.attributes['criterion']}, method {table.attributes['method']}")
         say(f"  {table.attributes['message']}")
+    if backwards := travel_in_words(table):
+        say(f"  {backwards}")
     _show_verified(table)
     left = share_left_out(table)
     if left:

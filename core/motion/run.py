@@ -22,7 +22,7 @@ from core.motion.verify import accuracy, verified
 from core.plan.equations import regimes, run_equations
 from core.plan.labels import coordinates_of, global_attributes, outputs_of
 from core.plan.pieces import Computed, carry_out
-from core.quantities import MOTION_STATUSES
+from core.quantities import DIRECTIONS, MOTION_STATUSES
 from core.watch import Watch
 
 if TYPE_CHECKING:
@@ -71,10 +71,10 @@ def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
     """Return what was computed of a simulation, labelled; `watch` may stop verifying it."""
     plan, arrays = prepared.plan, computed.arrays
     variables = outputs_of(prepared, arrays)
-    variables["motion_status"] = replace(
-        variables["motion_status"],
-        attributes=flag_attributes("motion_status", MOTION_STATUSES, tuple(MOTION_STATUSES)),
-    )
+    for name, flags in (("motion_status", MOTION_STATUSES), ("direction", DIRECTIONS)):
+        if name in variables:
+            told = flag_attributes(name, flags, tuple(flags))
+            variables[name] = replace(variables[name], attributes=told)
     variables["regime"] = Variable(
         prepared.dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
     )

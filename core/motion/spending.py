@@ -62,6 +62,21 @@ def part_impact_power(*, impact_power: Array, mass: Array) -> Array:
     return impact_power * mass
 
 
+def part_drive_work(*, drive_work: Array, mass: Array) -> Array:
+    """Return the work of the track on a part, per metre travelled [J m-1]."""
+    return drive_work * mass
+
+
+def part_friction_work(*, friction_work: Array, mass: Array) -> Array:
+    """Return what friction takes from a part while contacts slip, per metre travelled [J m-1]."""
+    return friction_work * mass
+
+
+def part_impact_work(*, impact_work: Array, mass: Array) -> Array:
+    """Return what impacts take from a part, per metre travelled [J m-1]."""
+    return impact_work * mass
+
+
 def work_is_unbounded(*, energy: Energy, motion: Motion) -> Mask:
     """Return where the drive works on a part that does not travel."""
     return np.isinf(_a_metre(energy.drive, motion))
@@ -72,9 +87,20 @@ RESULTS = (
     *(Equation(f"{kind}_work", _work(kind), SOURCE) for kind in KINDS),
     *(
         Equation(function.__name__, function, SOURCE)
-        for function in (part_friction_power, part_impact_power, part_drive_power)
+        for function in (
+            part_friction_power,
+            part_impact_power,
+            part_drive_power,
+            part_friction_work,
+            part_impact_work,
+            part_drive_work,
+        )
     ),
 )
 """What a method tells that tells the energy."""
 
-UNBOUNDED = Condition("unbounded", work_is_unbounded, frozenset(f"{kind}_work" for kind in KINDS))
+UNBOUNDED = Condition(
+    "unbounded",
+    work_is_unbounded,
+    frozenset(f"{whose}{kind}_work" for kind in KINDS for whose in ("", "part_")),
+)

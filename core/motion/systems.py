@@ -14,12 +14,13 @@ import numpy as np
 
 from core.mechanics import vibration
 from core.mechanics.arrays import Mask
-from core.motion import best_wave, groups, limits, scales, spending
+from core.motion import best_wave, feeding, groups, limits, scales, spending
 from core.motion.groups import SOLID_CYLINDER, Contacts
 from core.motion.method import Method
 from core.motion.methods import METHODS
 from core.motion.result import STATUS, Motion
 from core.motion.tumbling_scene import cylinder, rectangle, tumbling_scene
+from core.quantities import QUANTITIES
 from core.scenes.scene import (
     STANDARD_GRAVITY,
     STATIC_ABOVE_KINETIC,
@@ -103,8 +104,13 @@ RESULTS = (
         "theory 13.8",
         motion_status=("status", "how the motion ended, as a status"),
     ),
+    *feeding.RESULTS,
 )
-ANY_RESULT = frozenset(equation.gives for equation in (*RESULTS, *spending.RESULTS)) | {"regime"}
+ANY_RESULT = frozenset(
+    equation.gives
+    for equation in (*RESULTS, *spending.RESULTS)
+    if not QUANTITIES[equation.gives].parameter
+) | {"regime"}
 
 CONDITIONS = (
     Condition(
@@ -168,6 +174,7 @@ DEFAULTS = {
     "gravity": STANDARD_GRAVITY,
     "hold_down_number": 0.0,
     "restitution": 0.0,
+    **feeding.DEFAULTS,
 }
 VALIDITY = (
     "The part is a point with contact conditions: it does not tip. It starts at rest on the floor. "

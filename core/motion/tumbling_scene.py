@@ -68,6 +68,11 @@ def throw(
     )
 
 
+def part_energy_lost(*, specific_energy_lost: Array, mass: Array) -> Array:
+    """Return the energy that impacts and friction took from a part [J]."""
+    return specific_energy_lost * mass
+
+
 def _ended(name: str) -> Callable[..., Mask]:
     def ended(*, tumble: Tumble) -> Mask:
         return tumble.status == STATUS[name]
@@ -116,6 +121,7 @@ RESULTS = (
             "the energy per mass that impacts and friction took [J kg-1]",
         ),
     ),
+    Equation("part_energy_lost", part_energy_lost, "theory 5.3"),
     *fields(
         "tumble",
         "theory 2.3",

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
+from core.motion.feeding import RESOLVED
 from core.motion.prepare import ERROR, Simulation, other_method
 from core.motion.result import STATUS
 from core.motion.systems import methods_of
@@ -25,10 +26,7 @@ SOUND = [STATUS[name] for name in ("periodic", "at_rest", "neutral", "settled")]
 
 SPEED = ("drive_number", "velocity_scale")
 
-RESOLVED = 1e-9
-"""Of the drive's speed: nearer to each other than this, two mean velocities are the same."""
-
-NOT_COMPARED = (ERROR, "motion_status", "impacts_per_period", "impact_count")
+NOT_COMPARED = (ERROR, "motion_status", "direction", "impacts_per_period", "impact_count")
 """What each method has of its own: of shrinking hops each counts those that it resolves."""
 
 

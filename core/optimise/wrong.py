@@ -15,7 +15,7 @@ from core.study.models import (
 )
 from core.study.values import Between, Values
 
-NAMES_OF_STATES = ("regime", "motion_status")
+NAMES_OF_STATES = ("regime", "motion_status", "direction")
 """Outputs that are names and no numbers."""
 
 

@@ -22,7 +22,7 @@ Box = Mapping[str, tuple[int, int]]
 
 MOST_SECONDS_TO_VERIFY = 100.0
 
-BYTES = {"regime": 1, "motion_status": 1}  # of one value; 8 for all others
+BYTES = {"regime": 1, "motion_status": 1, "direction": 1}  # of one value; 8 for all others
 
 
 @dataclass(frozen=True)

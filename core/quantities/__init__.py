@@ -7,6 +7,7 @@ show are read from here. Inside the code all values are SI and angles are radian
 
 from __future__ import annotations
 
+from core.quantities.directions import DIRECTIONS
 from core.quantities.drive import DRIVE
 from core.quantities.flags import (
     MOTION_MODES,
@@ -24,6 +25,7 @@ from core.quantities.rolling import ROLLING
 from core.quantities.track import TRACK
 
 __all__ = [
+    "DIRECTIONS",
     "FAMILIES",
     "MOTION_MODES",
     "MOTION_STATUSES",

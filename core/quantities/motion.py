@@ -18,6 +18,7 @@ _SPENT_PER = {
     "{}_power": ("W kg-1", "{} power per mass", "{}, per mass, mean over the cycle."),
     "{}_work": ("J kg-1 m-1", "{} work per mass and metre", "{}, per mass and metre travelled."),
     "part_{}_power": ("W", "{} power of a part", "{}, mean over the cycle."),
+    "part_{}_work": ("J m-1", "{} work of a part per metre", "{}, per metre travelled."),
 }
 
 SCALES: dict[str, Quantity] = {
@@ -137,6 +138,24 @@ RESULTS: dict[str, Quantity] = {
     },
     "motion_status": number("", "Status of the motion", "How the motion ended."),
 }  # fmt: skip
+FEEDING: dict[str, Quantity] = {
+    "part_gap": Quantity(
+        "m", "", "Gap between parts", "Free length between two parts on the track.", 0.0,
+        parameter=True, examples=("5 mm",),
+    ),
+    "occupancy": Quantity(
+        "1", "", "Occupancy",
+        "Share of the track's length that parts cover, 1 where each touches the next; follows from "
+        "part_gap unless given.", 0.0, 1.0, strict=True, parameter=True, examples=("0.6",),
+    ),
+    "feed_rate": Quantity(
+        "min-1", "", "Feed rate",
+        "Parts a minute that pass a place of the track; negative where they travel backwards.",
+    ),
+    "direction": number(
+        "", "Direction of travel", "Which way the part travels: forwards, backwards, or it rests."
+    ),
+}  # fmt: skip
 TUMBLING: dict[str, Quantity] = {
     "duration": Quantity(
         "s", "t_e", "Duration", "Time after which the run ends.", 0.0, strict=True,
@@ -171,6 +190,9 @@ TUMBLING: dict[str, Quantity] = {
     ),
     "specific_energy_lost": Quantity(
         "J kg-1", "e_l", "Energy lost per mass", "Energy that impacts and friction took."
+    ),
+    "part_energy_lost": Quantity(
+        "J", "E_l", "Energy that a part loses", "Energy that impacts and friction took from a part."
     ),
     "tumbling_part": Quantity("1", "", "Tumbling part", "Its shape and size.", bundle=True),
     "throw": Quantity("1", "", "Throw", "The tumbling part, the plane, the start.", bundle=True),
@@ -210,4 +232,4 @@ TRAJECTORY: dict[str, Quantity] = {
     "motion_mode": number("", "Mode of the motion", "What the part does on the track."),
 }  # fmt: skip
 
-MOTION = {**SCALES, **SETTINGS, **RESULTS, **TUMBLING, **TRAJECTORY}
+MOTION = {**SCALES, **SETTINGS, **RESULTS, **FEEDING, **TUMBLING, **TRAJECTORY}

@@ -32,6 +32,7 @@ SI: Final[Mapping[str, str]] = MappingProxyType(
         "W kg-1": "W/kg",
         "J kg-1": "J/kg",
         "J kg-1 m-1": "J/(kg m)",
+        "J m-1": "J/m",
         "min-1": "parts/min",
     }
 )
@@ -50,6 +51,7 @@ SMALLER: Final[Mapping[str, tuple[float, str]]] = MappingProxyType(
         "N s": (1e3, "mN s"),
         "N m": (1e3, "mN m"),
         "J": (1e3, "mJ"),
+        "J m-1": (1e3, "mJ/m"),
         "W": (1e3, "mW"),
     }
 )

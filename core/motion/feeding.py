@@ -1,0 +1,106 @@
+"""What a motion means to who feeds parts: parts a minute, and which way they travel."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.mechanics.arrays import Array
+from core.motion.rates import parts_per_minute
+from core.motion.result import ANSWERED, STATUS, Motion
+from core.quantities import DIRECTIONS
+from core.scenes.scene import Equation
+
+if TYPE_CHECKING:
+    from core.dataset.table import Table
+
+RESOLVED = 1e-9
+"""Of the drive's speed: nearer to each other than this, two mean velocities are the same."""
+
+SLOWEST = 1e-9
+"""A nanometre a second: a speed that nobody sees, where nothing tells the drive's [m s-1]."""
+
+
+def occupancy(*, length: Array, part_gap: Array) -> Array:
+    """Return the share of the track that parts cover, length/(length + gap) [1]."""
+    return length / (length + part_gap)
+
+
+def feed_rate(*, conveying_velocity: Array, length: Array, occupancy: Array) -> Array:
+    """Return the parts a minute, 60 v occupancy/length; below 0 where they travel back [min-1].
+
+    The sign is that of the velocity, and not cut off at 0: a rate of 0 would not tell parts that
+    rest from parts that leave at the wrong end, and a search for the best rate could not get away
+    from there.
+    """
+    return parts_per_minute(velocity=conveying_velocity, length=length / occupancy)
+
+
+def direction(*, motion: Motion, drive_number: Array) -> NDArray[np.int8]:
+    """Return the direction of travel, as a flag.
+
+    A mean velocity that is no larger than its own stated error, or than what is resolved of the
+    drive's speed, is none: the last bit of a sum decides nothing.
+    """
+    value = {name: np.int8(flag.value) for name, flag in DIRECTIONS.items()}
+    velocity = np.asarray(motion.velocity)
+    error = np.where(np.isnan(motion.error), 0.0, motion.error)
+    rests = np.abs(velocity) <= np.maximum(error, RESOLVED * np.asarray(drive_number))
+    way = np.where(velocity > 0, value["forwards"], value["backwards"])
+    answered = np.isin(motion.status, [STATUS[name] for name in ANSWERED])
+    known = np.where(rests | motion.only("stick"), value["rests"], way)
+    found: NDArray[np.int8] = np.where(answered & ~np.isnan(velocity), known, value["unknown"])
+    return found
+
+
+RESULTS = (
+    Equation("occupancy", occupancy, "theory 13.12"),
+    Equation("feed_rate", feed_rate, "theory 13.12"),
+    Equation("direction", direction, "theory 13.12"),
+)
+DEFAULTS = {"part_gap": 0.0}
+
+
+def travel_in_words(table: Table) -> str:
+    """Return a sentence that says how many cells of a result travel backwards; empty if none do.
+
+    It is told by `direction` if the result has that, else by its mean velocity or its feed rate;
+    speeds below the stated error, or a nanometre a second, are those of parts that rest.
+    """
+    share = _share_backwards(table)
+    if not share:
+        return ""
+    which = "The part travels" if share == 1 else f"{_percent(share)} of the cells travel"
+    if share == 1 and not _is_single(table):
+        which = "All cells travel"
+    return f"{which} backwards, against x."
+
+
+def _share_backwards(table: Table) -> float:
+    """Return the share of the cells that travel backwards."""
+    found = {name: variable.values for name, variable in table.variables.items()}
+    if "direction" in found:
+        return float(np.mean(found["direction"] == DIRECTIONS["backwards"].value))
+    if "conveying_velocity" in found:
+        error = found.get("conveying_velocity_error")
+        least = SLOWEST
+        if error is not None and table.variables["conveying_velocity_error"].dims == (
+            table.variables["conveying_velocity"].dims
+        ):
+            least = np.fmax(error, SLOWEST)
+        return float(np.mean(found["conveying_velocity"] < -least))
+    if "feed_rate" in found:
+        # Of parts of a metre: shorter ones give a higher rate at the same speed.
+        return float(np.mean(found["feed_rate"] < -60.0 * SLOWEST))
+    return 0.0
+
+
+def _is_single(table: Table) -> bool:
+    return all(not variable.dims for variable in table.variables.values())
+
+
+def _percent(share: float) -> str:
+    """Return a share that is neither 0 nor 1 as one."""
+    return f"{min(max(share, 0.001), 0.999):.1%}"
