@@ -21,7 +21,7 @@ from core.accuracy.curves import Measured, tabulate_curves
 from core.accuracy.families import SECONDS, families_of
 from core.dataset.table import Table
 from core.kinds import share_left_out, tabulate
-from core.plan.grid import Grid, axis_values
+from core.plan.grid import Grid
 from core.plan.labels import global_attributes
 from core.plan.prepared import Prepared
 from core.study.values import Points
@@ -219,6 +219,6 @@ def thinned(grid: Grid, most: int) -> Grid:
             axes[name] = axis
             continue
         places = {round(k * (axis.size - 1) / max(1, sizes[name] - 1)) for k in range(sizes[name])}
-        values = (float(axis_values(axis, k, k + 1)[0]) for k in sorted(places))
+        values = (float(axis.array(k, k + 1)[0]) for k in sorted(places))
         axes[name] = Points(tuple(values))
     return Grid(axes, grid.fixed)

@@ -15,6 +15,7 @@ from core.optimise.found import Found
 from core.optimise.methods import METHODS
 from core.optimise.problem import LIMIT, Problem, cells_of
 from core.study.models import Pareto, Weighted
+from core.study.spacing import evenly
 from core.watch import Watch
 
 WIDE = 1e3  # of the other output's scale: a limit that never binds
@@ -47,7 +48,7 @@ def find_front(
     top = solve(inner, {**design, LIMIT: WIDE * scale}, scales, ends)
     least = _least(problem, inner, design, scales, method, ends)
     first, last = (_other(problem, end, design) for end in (top, least))
-    share = np.linspace(0.0, 1.0, points)
+    share = evenly(0.0, 1.0, points)
     levels = first[:, None] + (last - first)[:, None] * share
     repeated = {name: np.repeat(values, points) for name, values in design.items()}
     wide = {name: np.repeat(values, points) for name, values in scales.items()}

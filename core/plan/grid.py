@@ -76,7 +76,7 @@ class Grid:
     def within(self, box: Mapping[str, tuple[int, int]]) -> Grid:
         """Return the part of the grid between start and stop of each named axis."""
         axes = {
-            name: Points(tuple(axis_values(axis, *box[name]))) if name in box else axis
+            name: Points(tuple(axis.array(*box[name]))) if name in box else axis
             for name, axis in self.axes.items()
         }
         return Grid(axes, self.fixed)
@@ -133,7 +133,7 @@ class Grid:
         """
         wanted = set(names)
         cells = {
-            name: np.array([axis_values(axis, int(k), int(k) + 1)[0] for k in places[name]])
+            name: np.array([axis.array(int(k), int(k) + 1)[0] for k in places[name]])
             for name, axis in self.axes.items()
             if name in wanted
         }
@@ -153,27 +153,3 @@ def random_places(grid: Grid, count: int, seed: int | str) -> dict[str, NDArray[
     for name, size in reversed(grid.shape.items()):
         left, places[name] = np.divmod(left, size)
     return places
-
-
-def axis_values(axis: Points | Span, start: int, stop: int) -> NDArray[np.float64]:
-    """Return the values `start` to `stop` of an axis, to the bit those that it has as a whole.
-
-    A span repeats what numpy's linspace and geomspace do: an axis may have a hundred million
-    values, of which a chunk needs a few.
-    """
-    if isinstance(axis, Points):
-        return np.array(axis.values[start:stop])
-    is_log = axis.spacing == "log"
-    first, last = (np.log10(axis.start), np.log10(axis.stop)) if is_log else (axis.start, axis.stop)
-    values = np.arange(start, stop, dtype=np.float64)
-    steps = axis.size - 1
-    step = (last - first) / steps
-    values = values * step if step else values / steps * (last - first)
-    values += first
-    if is_log:
-        values = np.power(10.0, values)
-    if start == 0:
-        values[0] = axis.start
-    if stop == axis.size:
-        values[-1] = axis.stop
-    return values

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.plan.grid import Grid, axis_values, random_places
+from core.plan.grid import Grid, random_places
 from core.plan.prepared import Prepared
 from core.quantities import QUANTITIES
 
@@ -64,7 +64,7 @@ class Sample:
         for name, axis in self.grid.axes.items():
             k = int(self.places[name][cell])
             unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
-            value = float(axis_values(axis, k, k + 1)[0])
+            value = float(axis.array(k, k + 1)[0])
             parts.append(f"{name} {value:.12g}" + ("" if unit == "1" else f" {unit}"))
         return f"at {', '.join(parts)}" if parts else "at the only cell"
 

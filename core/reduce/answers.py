@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.plan.grid import Grid, axis_values
+from core.plan.grid import Grid
 from core.quantities import REGIMES
 from core.reduce.boxes import Boxes, values_of
 from core.reduce.kernels.others import BINS, SHIFT
@@ -145,7 +145,7 @@ def _points(
         if axis in boxes.field.dims:
             number, at = np.divmod(number, grid.shape[axis])
         unique, place = np.unique(at, return_inverse=True)
-        found = [axis_values(grid.axes[axis], int(k), int(k) + 1)[0] for k in unique]
+        found = [grid.axes[axis].array(int(k), int(k) + 1)[0] for k in unique]
         points[axis] = np.array(found)[place]
     return points
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.plan.evaluate import evaluate
-from core.plan.grid import Grid, axis_values
+from core.plan.grid import Grid
 from core.plan.plan import Plan
 from core.quantities import QUANTITIES, REGIMES
 from core.reduce.cutting import Box, Cutting, Rows
@@ -209,7 +209,7 @@ class Boxes:
         found = np.full(rows.count, -np.inf if largest else np.inf)
         others.crossings(
             values[level.output], values["regime"], self._valid, level.level,
-            axis_values(self._grid.axes[level.along], *box[at]), stride, largest,
+            self._grid.axes[level.along].array(*box[at]), stride, largest,
             rows.slots, rows.length, rows.spread, found,
         )  # fmt: skip
         return {f"{name}.{level.take}": found}

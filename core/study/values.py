@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from core.errors import suggestion
 from core.quantities import QUANTITIES, Quantity
+from core.study.spacing import as_typed, evenly, geometrically
 from core.study.units import UnitError, read_number, read_numbers
 
 if TYPE_CHECKING:
@@ -47,11 +48,11 @@ class Points:
         """Number of values."""
         return len(self.values)
 
-    def array(self) -> NDArray[np.float64]:
-        """Return the values, shape (size,)."""
+    def array(self, start: int = 0, stop: int | None = None) -> NDArray[np.float64]:
+        """Return the values from position `start` to before `stop`; all if left out."""
         import numpy as np
 
-        return np.array(self.values)
+        return np.array(self.values[start:stop])
 
     def canonical(self) -> Any:
         """Return the plain JSON form, in the quantity's unit."""
@@ -67,13 +68,13 @@ class Span:
     size: int
     spacing: Literal["linear", "log"] = "linear"
 
-    def array(self) -> NDArray[np.float64]:
-        """Return the values, shape (size,)."""
-        import numpy as np
+    def array(self, start: int = 0, stop: int | None = None) -> NDArray[np.float64]:
+        """Return the values from position `start` to before `stop`; all if left out.
 
-        if self.spacing == "log":
-            return np.geomspace(self.start, self.stop, self.size)
-        return np.linspace(self.start, self.stop, self.size)
+        A part has the bits of the whole. Linear values are as typed: see `core.study.spacing`.
+        """
+        spaced = geometrically if self.spacing == "log" else evenly
+        return spaced(self.start, self.stop, self.size, start, stop)
 
     def canonical(self) -> Any:
         """Return the plain JSON form, in the quantity's unit."""
@@ -248,7 +249,9 @@ def _step(
     whole = math.floor(steps * (1 + 1e-12) + 1e-12)
     if whole < 1:
         raise UnitError(f"the step of {name} is larger than the range", "Take a smaller step")
-    return (stop if abs(steps - whole) < 1e-9 else start + whole * step), whole + 1
+    if abs(steps - whole) < 1e-9:
+        return stop, whole + 1
+    return float(as_typed(start) + whole * as_typed(step)), whole + 1
 
 
 def _difference(quantity: Quantity) -> Quantity:

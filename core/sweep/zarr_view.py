@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from core.dataset.layout import CHUNK_CELLS
 from core.dataset.zarr_metadata import FILL, array_document, group_document
 from core.plan.evaluate import evaluate
-from core.plan.grid import axis_values
 from core.plan.plan import Plan
 from core.sweep.chunk_wishes import Wishes, read_wishes, wished_shape
 from core.sweep.prepare import Sweep
@@ -164,6 +163,6 @@ class ZarrView:
         axes, plan = self._grid.axes, self._arrays[name].plan
         if plan is None:
             if name in axes:
-                return axis_values(axes[name], *box[name])
+                return axes[name].array(*box[name])
             return self._labels.coordinates[name].values
         return self._in_files(name, evaluate(plan, self._grid.piece(box, plan.parameters))[name])

@@ -18,6 +18,7 @@ from core.optimise.exact.answers import (
     tight,
     usable,
 )
+from core.study.spacing import evenly
 
 
 def plane_thesis_fastest(
@@ -154,7 +155,7 @@ def plane_thesis_pareto(
     g, A = G / np.where(driven, P, 1.0), np.hypot(1.0, mu)
     lifts = mu >= g * A
     lift_off = np.arcsin(np.minimum(g, 1.0))
-    share = np.linspace(0.0, 1.0, points)
+    share = evenly(0.0, 1.0, points)
     first = lift_off if floor_contact else np.arctan(mu)
     alpha = np.where(lifts, 0.0, share * _alpha_max(g, mu))
     beta = np.where(lifts, first + share * (lift_off - first), _curve_beta(alpha, mu))
