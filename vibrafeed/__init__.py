@@ -46,7 +46,7 @@ import core  # noqa: E402 - found only now
 TYPE_CHECKING = False  # of the standard library's it is known to all, and would have to be loaded
 if TYPE_CHECKING:
     import os
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from typing import Any
 
     import xarray
@@ -306,6 +306,11 @@ def plot(
     axes: str | tuple[str, ...] | None = None,
     at: Mapping[str, float | str] | None = None,
     kind: str | None = None,
+    title: str | None = None,
+    units: str | Sequence[str] | None = None,
+    nearest: bool = False,
+    dark: bool = False,
+    small: bool = False,
 ) -> Figure:
     """Return the picture of an output with its regimes, of the regimes alone, or of one motion.
 
@@ -325,6 +330,17 @@ def plot(
         middle one if left out.
     kind : str, optional
         contour, surface, line, map, trajectory, front or landscape; what fits if left out.
+    title : str, optional
+        The name of the picture; that of what it shows if left out.
+    units : str or sequence of str, optional
+        Units in which values are read: trade (mm, mm/s), si, or units such as m/min, each for its
+        kind. If left out, those of the study, else trade.
+    nearest : bool
+        Whether a value of `at` that the dataset does not have stands for the nearest one.
+    dark : bool
+        Light on dark.
+    small : bool
+        For a column of a document, some 11 cm wide.
 
     Raises
     ------
@@ -335,7 +351,10 @@ def plot(
     from core.plots.fixed import read_fixed
 
     dims = (axes,) if isinstance(axes, str) else axes
-    return draw(dataset, variable=variable, axes=dims, at=read_fixed(at or {}), kind=kind)
+    return draw(
+        dataset, variable=variable, axes=dims, at=read_fixed(at or {}), kind=kind, title=title,
+        units=units, nearest=nearest, dark=dark, small=small,
+    )  # fmt: skip
 
 
 def scenes(

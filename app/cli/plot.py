@@ -39,6 +39,22 @@ def plot(
             "--kind", "-k", help="contour, surface, line, map, trajectory, front or landscape."
         ),
     ] = None,
+    title: Annotated[
+        str | None, typer.Option("--title", help="The name of the picture.", show_default=False)
+    ] = None,
+    units: Annotated[
+        str | None,
+        typer.Option(
+            "--units", help="trade (mm, mm/s), si, or units, as in m/min,rad; those of the study."
+        ),
+    ] = None,
+    nearest: Annotated[
+        bool, typer.Option("--nearest", help="Take the nearest value where --at names none.")
+    ] = False,
+    dark: Annotated[bool, typer.Option("--dark", help="Light on dark.")] = False,
+    small: Annotated[
+        bool, typer.Option("--small", help="For a column of a document, 11 cm wide.")
+    ] = False,
 ) -> None:
     """Draw an output with its regimes, a map of the regimes, or the course of one part."""
     from app.cli import console
@@ -57,6 +73,11 @@ def plot(
             axes=tuple(part.strip() for part in axes.split(",")) if axes else None,
             at=dict(_fixed(text) for text in at or ()),
             kind=kind,
+            title=title,
+            units=units,
+            nearest=nearest,
+            dark=dark,
+            small=small,
         )
     except PlotError as error:
         refuse({file: [error.problem]})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -12,20 +13,24 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from core.plots.parts import add_colour_bar, set_log
-from core.plots.regimes import VEIL, Look, shade, veiled_swatch
-from core.plots.scale import Scale, scale_of
+from core.plots.exact import LEVELS
+from core.plots.islands import without_specks
+from core.plots.names import add_names, gives_way
+from core.plots.parts import add_colour_bar, say_nothing_is_finite, set_log
+from core.plots.regimes import Look, shade, veiled_swatch
+from core.plots.scale import scale_of
 from core.plots.selection import Selection, thin
+from core.plots.style import Style
 from core.plots.text import number
 
 MOST_POINTS = 1000  # of an axis; a picture shows no more
-LINE = "#1a1a1a"
-MARGIN = 0.035  # of the frame, free of labels
-APART = 0.05  # of the frame, between labels
+
+Array = NDArray[np.float64]
+Masked = np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]
 
 
 def draw_contour(
-    figure: Figure, selection: Selection, looks: Sequence[Look]
+    figure: Figure, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
     """Draw the contours; return the axes and the legend's entries."""
     axes = figure.add_subplot()
@@ -37,43 +42,57 @@ def draw_contour(
     for axis, spine in ((across, axes.xaxis), (up, axes.yaxis)):
         if axis.is_log:
             set_log(spine, axis.values)
-    scale = scale_of(values)
-    faces = {look: to_rgb(VEIL) for look in looks}
-    if scale is not None:
+    scale = scale_of(values, style)
+    faces = {look: to_rgb(style.ground) for look in looks}
+    if scale is None:
+        say_nothing_is_finite(axes, selection, style)
+    else:
         faces = {look: scale.typical(values[regimes == look.value]) for look in looks}
         filled = axes.contourf(
             x, y, np.ma.masked_invalid(values), levels=scale.levels, cmap=scale.colours,
             norm=scale.norm, extend=scale.extend, zorder=1,
         )  # fmt: skip
-        add_colour_bar(figure, axes, filled, scale, selection, pad=0.02, aspect=28)
-    shade(axes, x, y, regimes, faces)
+        add_colour_bar(figure, axes, filled, scale, selection, style, pad=0.02, aspect=28)
+    shade(axes, x, y, regimes, faces, style)
     if scale is not None:
-        _add_lines(axes, x, y, np.ma.masked_invalid(values), scale)
+        shown = np.ma.masked_invalid(values)
+        _add_lines(axes, x, y, shown, scale.levels, style)
+        _mark_level(axes, x, y, shown, selection, style)
+    across, up = replace(across, values=x), replace(up, values=y)
+    add_names(axes, across, up, without_specks(regimes), looks, style)
     axes.set_xlabel(across.label)
     axes.set_ylabel(up.label)
     return axes, [veiled_swatch(look, face) for look, face in faces.items()]
 
 
-def _add_lines(
-    axes: Axes,
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    values: np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]],
-    scale: Scale,
-) -> None:
-    """Add contour lines with labels, but for those that would cross the frame or each other."""
-    inner = scale.levels[(scale.levels > values.min()) & (scale.levels < values.max())]
+def _add_lines(axes: Axes, x: Array, y: Array, values: Masked, levels: Array, style: Style) -> None:
+    """Add contour lines with labels, which give way to whatever stands there."""
+    inner = levels[(levels > values.min()) & (levels < values.max())]
     if not inner.size:
         return
-    widths = np.where(inner == 0, 1.4, 0.6).tolist()
-    lines = axes.contour(x, y, values, levels=inner, colors=[LINE], linewidths=widths, zorder=3)
-    kept: list[NDArray[np.float64]] = []
-    into_frame = axes.transData + axes.transAxes.inverted()
-    for label in axes.clabel(lines, fontsize=8, fmt=number, inline=False, zorder=6):
-        place = into_frame.transform(label.get_position())
-        inside = bool((np.abs(place - 0.5) < 0.5 - MARGIN).all())
-        if inside and all(np.hypot(*(place - other)) > APART for other in kept):
-            kept.append(place)
-        else:
-            label.set_visible(False)
-        label.set_path_effects([withStroke(linewidth=3.0, foreground="white")])
+    widths = [style.width(1.4 if level == 0 else 0.6) for level in inner]
+    lines = axes.contour(
+        x, y, values, levels=inner, colors=[style.ink], linewidths=widths, zorder=3
+    )
+    for label in axes.clabel(
+        lines, fontsize=style.text(8), fmt=number, inline=False, zorder=6, colors=[style.ink]
+    ):
+        label.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])
+        gives_way(label)
+
+
+def _mark_level(
+    axes: Axes, x: Array, y: Array, values: Masked, selection: Selection, style: Style
+) -> None:
+    """Draw the line of the value at which something begins, and say what."""
+    level, begins = LEVELS.get(str(selection.variable.name), (np.nan, ""))
+    if not values.min() < level < values.max():
+        return
+    line = axes.contour(
+        x, y, values, levels=[level], colors=[style.accent], linewidths=[style.width(2.4)], zorder=7
+    )
+    for label in axes.clabel(
+        line, fontsize=style.text(9), fmt=f"{number(level)}: {begins}", inline=False, zorder=8,
+        colors=[style.accent],
+    )[:1]:  # fmt: skip
+        label.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])

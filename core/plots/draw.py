@@ -2,40 +2,45 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Callable, Mapping, Sequence
 
 import xarray
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from core.plots.categories import looks_of_categories
 from core.plots.contour import draw_contour
+from core.plots.heading import finish, source_of
 from core.plots.line import draw_line
 from core.plots.problem import PlotError
 from core.plots.regime_map import draw_map
 from core.plots.regimes import Look, looks_of
 from core.plots.selection import Selection, select
+from core.plots.style import Style
 from core.plots.surface import draw_surface
-from core.plots.text import long_name
-from core.plots.trajectory import TIME, draw_trajectory, read_trajectory
+from core.plots.text import long_name, units_of
+from core.plots.trajectory import TIME, check_trajectory, draw_trajectory, read_trajectory
+from core.plots.tumbling import draw_tumbling, read_tumbling
 
-SIZE = (8.0, 6.4)  # inches
-Painter = Callable[[Figure, Selection, Sequence[Look]], tuple[Axes, list[Artist]]]
+NOT_DESCRIBED = "the closed forms do not describe a part there"
+Painter = Callable[[Figure, Selection, Sequence[Look], Style], tuple[Axes, list[Artist]]]
 PAINTERS: dict[str, Painter] = {
     "contour": draw_contour,
     "surface": draw_surface,
     "line": draw_line,
     "map": draw_map,
 }
-LINE_LENGTH = 108  # characters of the subtitle
-SHORT_LINE = 90  # beside a legend, or above a surface
-LEGEND_LENGTH = 112
-HANDLE_LENGTH = 10  # the like of a swatch in the legend
-TRAJECTORY = "Motion of the part on the moving track"
-DOT = " \N{MIDDLE DOT} "
-QUIET = "#444444"
+BEYOND = {
+    "contour": "Pale and hatched",
+    "surface": "Grey",
+    "line": "Hatched or dashed",
+    "map": "Hatched",
+}
+MOTIONS = {
+    "track": "Motion of the part on the moving track",
+    "tumbling": "Course of the part as it falls and tumbles",
+}
 
 
 def draw(
@@ -45,6 +50,11 @@ def draw(
     axes: tuple[str, ...] | None = None,
     at: Mapping[str, float] | None = None,
     kind: str | None = None,
+    title: str | None = None,
+    units: Sequence[str] | str | None = None,
+    nearest: bool = False,
+    dark: bool = False,
+    small: bool = False,
 ) -> Figure:
     """Return the picture of an output with the regime shaded, of the regimes, or of one motion.
 
@@ -60,10 +70,21 @@ def draw(
     at : mapping of str to float, optional
         Values of other dimensions, in the unit of the dataset; the middle one if left out.
     kind : str, optional
-        contour, surface, line, map or trajectory. If left out: contour over two axes, line over
-        one, trajectory where the dataset holds a motion over a cycle. A line with two axes is a
-        family of curves, at most seven. A map shows the regimes alone; it and a trajectory have no
-        use for `variable`.
+        contour, surface, line, map, trajectory, front or landscape. If left out: contour over two
+        axes, line over one, trajectory where the dataset holds a motion over a cycle. A line with
+        two axes is a family of curves, at most seven, and what is drawn where an axis has no more
+        values than that. A map shows the regimes, or an output whose numbers stand for words.
+    title : str, optional
+        The name of the picture; that of what it shows if left out.
+    units : str or sequence of str, optional
+        Units in which values are read: trade, si, or units such as m/min, each for its kind. If
+        left out, those of the study.
+    nearest : bool
+        Whether a value of `at` that the dataset does not have stands for the nearest one.
+    dark : bool
+        Light on dark.
+    small : bool
+        For a column of a document, some 11 cm wide.
 
     Returns
     -------
@@ -84,57 +105,43 @@ def draw(
     >>> dataset = sweep(load_study(Path("configs/figures/fig-5-1.toml")))
     >>> figure = draw(dataset, axes=("beta", "alpha"), kind="surface")
     """
+    style, shown = Style(dark=dark, small=small), units_of(dataset, units)
     if kind in ("front", "landscape") or (kind is None and not axes and "knee" in dataset):
-        from core.plots.optimum import draw_front, draw_landscape  # loads the optimiser
+        from core.plots.front import draw_front  # loads the optimiser
+        from core.plots.landscape import draw_landscape
 
-        return draw_landscape(dataset, at) if kind == "landscape" else draw_front(dataset)
+        if kind == "landscape":
+            return draw_landscape(dataset, at, style, shown, title=title, nearest=nearest)
+        return draw_front(dataset, style, shown, title=title)
     if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
         fix = "Draw a file that `vibrafeed run` wrote"
         raise PlotError("dataset", "it is no result of vibrafeed: no regime or no scene", fix)
-    figure = Figure(figsize=SIZE, layout="constrained", facecolor="white")
-    FigureCanvasAgg(figure)
+    figure = style.sheet()
     if kind == "trajectory" or (
         (kind, variable, axes) == (None, None, None) and TIME in dataset.dims
     ):
-        trajectory = read_trajectory(dataset, variable, axes, at or {})
-        top, entries = draw_trajectory(figure, trajectory)
-        name, facts, length = TRAJECTORY, trajectory.facts, LINE_LENGTH
+        check_trajectory(dataset, variable, axes, at or {})
+        if "path_gap" in dataset:
+            course = read_tumbling(dataset, shown)
+            top, entries = draw_tumbling(figure, course, style)
+            name, facts, note = MOTIONS["tumbling"], course.facts, ""
+        else:
+            trajectory = read_trajectory(dataset, shown)
+            top, entries = draw_trajectory(figure, trajectory, style)
+            name, facts, note = MOTIONS["track"], trajectory.facts, ""
     else:
-        selection = select(dataset, variable, axes, at or {}, kind)
-        looks = looks_of(dataset["regime"], selection.regimes)
-        top, entries = PAINTERS[selection.kind](figure, selection, looks)
-        name = "Regimes" if selection.kind == "map" else long_name(selection.variable)
+        selection = select(dataset, variable, axes, at or {}, kind, shown, nearest=nearest)
+        if selection.categories:
+            looks = looks_of_categories(selection.categories, style)
+        else:
+            looks = looks_of(dataset["regime"], selection.regimes, style, exact=selection.exact)
+        top, entries = PAINTERS[selection.kind](figure, selection, looks, style)
+        bare = selection.variable.name == "regime"
+        name = "Regimes" if bare else long_name(selection.variable)
         facts = list(selection.fixed)
-        wide = selection.kind in ("contour", "map") or len(selection.axes) == 1
-        length = LINE_LENGTH if wide else SHORT_LINE
-    heading = figure.suptitle(name, x=0.02, ha="left", fontsize=13, fontweight="bold")
-    subtitle = top.set_title(
-        _subtitle(facts, length, dataset), loc="left", fontsize=8.5, color=QUIET, linespacing=1.4
-    )
-    _add_legend(figure, entries)
-    figure.draw_without_rendering()
-    heading.set_x(subtitle.get_window_extent().x0 / figure.bbox.width)
-    return figure
-
-
-def _subtitle(facts: Sequence[str], length: int, dataset: xarray.Dataset) -> str:
-    """Return what is held fixed, and where the values come from, in lines of a length."""
-    fixed = [line.strip(DOT) for line in textwrap.wrap(DOT.join(facts), length)]
-    parts = (dataset.attrs.get(name) for name in ("scene", "variant", "method"))
-    origin = ",\N{NO-BREAK SPACE}".join(str(part) for part in parts if part)
-    title = dataset.attrs.get("title")
-    source = f"{title} ({origin})" if title else origin
-    return "\n".join(fixed + textwrap.wrap(source, length, break_on_hyphens=False))
-
-
-def _add_legend(figure: Figure, entries: Sequence[Artist]) -> None:
-    longest = max((len(str(entry.get_label())) for entry in entries), default=0)
-    figure.legend(
-        handles=list(entries),
-        loc="outside lower left",
-        ncols=max(1, min(len(entries), LEGEND_LENGTH // (longest + HANDLE_LENGTH))),
-        frameon=False,
-        fontsize=9,
-        handlelength=3.0,
-        handleheight=1.4,
-    )
+        beyond = any(look.beyond for look in looks)
+        note = f"{BEYOND[selection.kind]}: {NOT_DESCRIBED}" if beyond else ""
+    return finish(
+        figure, top, style, name=title or name, facts=facts, source=source_of(dataset),
+        entries=entries, note=note,
+    )  # fmt: skip

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import xarray
 from matplotlib.figure import Figure
@@ -31,6 +32,7 @@ def draw_file(
     axes: tuple[str, ...] | None = None,
     at: Mapping[str, str] | None = None,
     kind: str | None = None,
+    **look: Any,
 ) -> None:
     """Draw a NetCDF file that `vibrafeed run` wrote; see `draw`.
 
@@ -44,6 +46,8 @@ def draw_file(
         As for `draw`.
     at : mapping of str to str, optional
         Values of other dimensions as a user writes them, in the unit of the file.
+    **look
+        title, units, nearest, dark and small, as for `draw`.
 
     Raises
     ------
@@ -55,7 +59,7 @@ def draw_file(
     for target in targets:
         check_format(target)
     held = read_fixed(at or {})
-    figure = draw(_read(file), variable=variable, axes=axes, at=held, kind=kind)
+    figure = draw(_read(file), variable=variable, axes=axes, at=held, kind=kind, **look)
     for target in targets:
         save(figure, target)
 

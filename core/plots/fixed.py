@@ -35,9 +35,16 @@ def read_fixed(texts: Mapping[str, float | str]) -> dict[str, float]:
 
 
 def fixed_positions(
-    dataset: xarray.Dataset, at: Mapping[str, float], loose: Iterable[str], axes: Iterable[str]
+    dataset: xarray.Dataset,
+    at: Mapping[str, float],
+    loose: Iterable[str],
+    axes: Iterable[str],
+    *,
+    nearest: bool = False,
 ) -> dict[str, int]:
     """Return the position of each loose dimension: as asked in `at`, else in the middle.
+
+    A value that the dataset does not have stands for the `nearest` one where that is asked for.
 
     Raises
     ------
@@ -52,12 +59,14 @@ def fixed_positions(
         if name not in known:
             message = "the dataset has no such dimension"
             raise PlotError(_place(name), message, suggestion(name, map(str, dataset.dims)))
-        asked[name] = _position(dataset[name], value)
+        asked[name] = _position(dataset[name], value, nearest=nearest)
     return {name: asked.get(name, dataset.sizes[name] // 2) for name in loose}
 
 
-def _position(coordinate: xarray.DataArray, value: float) -> int:
+def _position(coordinate: xarray.DataArray, value: float, *, nearest: bool) -> int:
     values = np.atleast_1d(np.asarray(coordinate.values, dtype=np.float64))
+    if nearest and np.isfinite(value):
+        return int(np.abs(values - value).argmin())
     try:
         return position_on_axis(str(coordinate.name), values, value)
     except UnitError as error:

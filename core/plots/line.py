@@ -6,26 +6,28 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Literal
 
-import matplotlib
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from core.plots.parts import add_room, cell_edges, set_log
-from core.plots.regimes import EDGE, HATCH_WIDTH, MOTION, PLAIN, VEIL, Look, mix, swatch
+from core.plots.exact import LEVELS
+from core.plots.parts import add_room, cell_edges, say_nothing_is_finite, set_log
+from core.plots.regimes import HATCH_WIDTH, MOTION, PLAIN, Look, swatch
 from core.plots.scale import value_range
-from core.plots.selection import Axis, Selection, thin
+from core.plots.selection import FEW, Axis, Selection, thin
+from core.plots.style import Style, mix
 from core.plots.text import axis_label, number, short_label, with_unit
 
-MOST_CURVES = 7
+MOST_CURVES = FEW
+MOST_MARKED = 12  # points of a curve that are marked: between them nothing was computed
 MOST_RUNS = 20  # of a regime; the borders of more would hide the curve
 STRIP = 0.055  # of the height of the curves
 BAND = 0.4  # strength of the colour of a spread
-CURVE = "#1f3b73"
 DASHES = ((4.0, 2.0), (1.0, 1.5), (7.0, 2.0, 1.0, 2.0), (3.0, 1.5, 1.0, 1.5, 1.0, 1.5))
 
 Dashes = tuple[float, tuple[float, ...]] | Literal["solid"]
@@ -33,24 +35,24 @@ Colour = tuple[float, float, float] | str
 
 
 def draw_line(
-    figure: Figure, selection: Selection, looks: Sequence[Look]
+    figure: Figure, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
     """Draw the lines; return the axes and the legend's entries for the regimes."""
     across = selection.axes[0]
     chosen = thin(selection.axes[1].values.size, MOST_CURVES) if len(selection.axes) > 1 else [0]
-    values = selection.values.reshape(across.values.size, -1)[:, chosen]
     regimes = selection.regimes.reshape(across.values.size, -1)[:, chosen]
+    if selection.categories:
+        return _draw_categories(figure, selection, regimes, looks, style, chosen)
+    values = selection.values.reshape(across.values.size, -1)[:, chosen]
     alike = bool((regimes == regimes[:, :1]).all())
-    colours = _colours(len(chosen))
+    colours: list[Colour] = [*style.series_over(len(chosen))] if len(chosen) > 1 else [style.curve]
     entries: list[Artist] = []
     # Where the strokes of a curve cannot tell all regimes apart, a strip below the curves does.
     striped = not alike and len({_style(look, looks, alike) for look in looks}) < len(looks)
     if striped:
         heights = (1.0, STRIP * len(chosen))
         axes, strips = figure.subplots(2, 1, sharex=True, height_ratios=heights)
-        second = selection.axes[1]
-        labels = [with_unit(number(value, 4), second.unit) for value in second.values[chosen]]
-        _add_strips(strips, across, regimes, looks, labels)
+        _add_strips(strips, across, regimes, looks, _labels(selection, chosen))
         lowest = strips
         entries += [swatch(look, look.fill, hatched=not look.valid) for look in looks]
     else:
@@ -58,27 +60,76 @@ def draw_line(
     if across.is_log:
         set_log(axes.xaxis, across.values)
     if alike:
-        _spans(axes, across, regimes[:, 0], looks)
+        _spans(axes, across, regimes[:, 0], looks, style)
         entries += [swatch(look, look.tint, hatched=look.name not in MOTION) for look in looks]
     elif not striped:
-        entries += [_handle(look, looks) for look in looks]
+        entries += [_handle(look, looks, style) for look in looks]
     for colour, curve, states in zip(colours, values.T, regimes.T, strict=True):
         for look in looks:
-            style = _style(look, looks, alike or striped)
-            _part(axes, across.values, curve, states, look, style, colour)
-        _mark_edges(axes, across.values, curve, states, looks)
+            stroke = _style(look, looks, alike or striped)
+            _part(axes, across.values, curve, states, look, stroke, colour)
+        if across.values.size <= MOST_MARKED:
+            axes.plot(across.values, curve, "o", color=colour, markersize=style.width(4), zorder=4)
+        _mark_edges(axes, across.values, curve, states, looks, style)
     if selection.spread is not None and selection.spread.any():
         spread = selection.spread.reshape(across.values.size, -1)[:, chosen]
-        entries.append(_add_bands(axes, across.values, values, spread, colours))
+        entries.append(_add_bands(axes, across.values, values, spread, colours, style))
         values = np.concatenate([values - spread, values + spread])
     if len(selection.axes) > 1:
         _name_curves(figure, selection, selection.axes[1].values[chosen], colours)
-    _limit(axes, across, values)
+    _limit(axes, across, values, style)
+    if value_range(values) is None:
+        say_nothing_is_finite(axes, selection, style)
+        axes.set_yticks([])
+    _mark_level(axes, selection, style)
     lowest.set_xlabel(across.label)
     axes.set_ylabel(short_label(selection.variable, selection.unit))
-    axes.grid(visible=True, color="#000000", alpha=0.12, linewidth=0.6)
-    axes.set_axisbelow(True)
+    style.add_grid(axes)
     return axes, entries
+
+
+def _draw_categories(
+    figure: Figure,
+    selection: Selection,
+    codes: NDArray[np.int64],
+    looks: Sequence[Look],
+    style: Style,
+    chosen: Sequence[int] | NDArray[np.int64],
+) -> tuple[Axes, list[Artist]]:
+    """Draw an output that has words as a strip, or as one for each value of the second axis."""
+    axes = figure.add_subplot()
+    across = selection.axes[0]
+    if across.is_log:
+        set_log(axes.xaxis, across.values)
+    several = len(selection.axes) > 1
+    labels = _labels(selection, chosen) if several else [""]
+    _add_strips(axes, across, codes, looks, labels)
+    axes.set_xlim(across.values[0], across.values[-1])
+    axes.set_xlabel(across.label)
+    if not several:
+        axes.set(ylim=(-0.4, 0.4), yticks=[])
+    else:
+        axes.set_ylabel(axis_label(selection.variable[selection.axes[1].name], ""))
+    return axes, [swatch(look, look.fill, hatched=False) for look in looks]
+
+
+def _labels(selection: Selection, chosen: Sequence[int] | NDArray[np.int64]) -> list[str]:
+    second = selection.axes[1]
+    return [with_unit(number(value, 4), second.unit) for value in second.values[chosen]]
+
+
+def _mark_level(axes: Axes, selection: Selection, style: Style) -> None:
+    """Draw the value at which something begins, and say what, where it is in sight."""
+    level, begins = LEVELS.get(str(selection.variable.name), (np.nan, ""))
+    low, high = axes.get_ylim()
+    if low < level < high:
+        axes.axhline(level, color=style.accent, linewidth=style.width(1.6), zorder=1.8)
+        axes.annotate(
+            f"{number(level)}: {begins}", (0.01, level), xycoords=axes.get_yaxis_transform(),
+            xytext=(0, 3), textcoords="offset points", color=style.accent,
+            fontsize=style.text(9), zorder=6,
+            path_effects=[withStroke(linewidth=3.0, foreground=style.ground)],
+        )  # fmt: skip
 
 
 def _add_bands(
@@ -87,6 +138,7 @@ def _add_bands(
     values: NDArray[np.float64],
     spread: NDArray[np.float64],
     colours: list[Colour],
+    style: Style,
 ) -> Artist:
     """Add a light band about each curve; return the legend's entry."""
     for curve, width, colour in zip(values.T, spread.T, colours, strict=True):
@@ -94,8 +146,8 @@ def _add_bands(
             axes.fill_between(
                 x, curve - width, curve + width, color=colour, alpha=BAND, linewidth=0, zorder=1.5
             )
-    shown = colours[0] if len(colours) == 1 else "#555555"
-    return Patch(facecolor=mix(shown, VEIL, 1 - BAND), label="\N{PLUS-MINUS SIGN} spread")
+    shown = colours[0] if len(colours) == 1 else style.quiet
+    return Patch(facecolor=mix(shown, style.ground, 1 - BAND), label="\N{PLUS-MINUS SIGN} spread")
 
 
 def _add_strips(
@@ -105,7 +157,7 @@ def _add_strips(
     looks: Sequence[Look],
     labels: list[str],
 ) -> None:
-    """Show the regimes of each curve in a strip."""
+    """Show the regimes, or the categories, of each curve in a strip."""
     edges = cell_edges(across)
     by_value = {look.value: look for look in looks}
     for row, states in enumerate(regimes.T):
@@ -116,24 +168,17 @@ def _add_strips(
             )
             bar.set_linewidth(0)
             if not look.valid:
-                bar.set(hatch=look.hatch, edgecolor=mix(look.colour, VEIL, 0.35))
+                bar.set(hatch=look.hatch, edgecolor=look.hatch_ink)
                 bar.set_hatch_linewidth(HATCH_WIDTH)
     axes.set_ylim(-0.6, len(labels) - 0.4)
     axes.set_yticks(range(len(labels)), labels)
-    axes.tick_params(axis="y", length=0, labelsize=8)
+    axes.tick_params(axis="y", length=0)
 
 
 def _runs(states: NDArray[np.int64]) -> list[tuple[int, int, int]]:
     """Return value, first position and end of each run of equal states."""
     changes = [0, *(np.flatnonzero(np.diff(states)) + 1).tolist(), states.size]
     return [(int(states[start]), start, stop) for start, stop in pairwise(changes)]
-
-
-def _colours(count: int) -> list[Colour]:
-    if count == 1:
-        return [CURVE]
-    shades = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.85, count))
-    return [(float(r), float(g), float(b)) for r, g, b, _ in shades]
 
 
 def _style(look: Look, looks: Sequence[Look], alike: bool) -> tuple[float, tuple[float, ...]]:
@@ -148,10 +193,10 @@ def _draw_style(dashes: tuple[float, ...]) -> Dashes:
     return (0.0, dashes) if dashes else "solid"
 
 
-def _handle(look: Look, looks: Sequence[Look]) -> Line2D:
+def _handle(look: Look, looks: Sequence[Look], style: Style) -> Line2D:
     width, dashes = _style(look, looks, alike=False)
     return Line2D(
-        [], [], color="#222222", linewidth=width, linestyle=_draw_style(dashes), label=look.label
+        [], [], color=style.ink, linewidth=width, linestyle=_draw_style(dashes), label=look.label
     )
 
 
@@ -188,15 +233,18 @@ def _mark_edges(
     curve: NDArray[np.float64],
     states: NDArray[np.int64],
     looks: Sequence[Look],
+    style: Style,
 ) -> None:
     """Put a dot where a curve leaves what the closed forms describe."""
     valid = np.isin(states, [look.value for look in looks if look.valid])
     last = np.flatnonzero(valid[:-1] != valid[1:])
     last = np.where(valid[last], last, last + 1)
-    axes.plot(x[last], curve[last], "o", color=EDGE, markersize=4.5, zorder=5)
+    axes.plot(x[last], curve[last], "o", color=style.ink, markersize=style.width(4.5), zorder=5)
 
 
-def _spans(axes: Axes, across: Axis, states: NDArray[np.int64], looks: Sequence[Look]) -> None:
+def _spans(
+    axes: Axes, across: Axis, states: NDArray[np.int64], looks: Sequence[Look], style: Style
+) -> None:
     """Colour the background by regime; borders lie halfway between two points."""
     edges = cell_edges(across)
     by_value = {look.value: look for look in looks}
@@ -205,14 +253,15 @@ def _spans(axes: Axes, across: Axis, states: NDArray[np.int64], looks: Sequence[
         look = by_value[value]
         area = axes.axvspan(edges[start], edges[stop], facecolor=look.tint, linewidth=0, zorder=0)
         if look.hatch and look.name not in MOTION:
-            area.set(hatch=look.hatch, edgecolor=mix(look.colour, VEIL, 0.72))
+            area.set(hatch=look.hatch, edgecolor=mix(look.hatch_ink, style.ground, 0.55))
             area.set_hatch_linewidth(HATCH_WIDTH)
     for (before, _, _), (after, start, _) in pairwise(runs):
         leaves = by_value[before].valid != by_value[after].valid
         if leaves or len(runs) <= MOST_RUNS:
             axes.axvline(
-                edges[start], color=EDGE if leaves else "#333333", linewidth=2.0 if leaves else 0.8
-            )
+                edges[start], color=style.ink if leaves else style.quiet,
+                linewidth=style.width(2.0 if leaves else 0.8),
+            )  # fmt: skip
 
 
 def _name_curves(
@@ -228,17 +277,15 @@ def _name_curves(
         title=axis_label(selection.variable[second.name], ""),
         loc="outside right upper",
         frameon=False,
-        fontsize=9,
-        title_fontsize=9,
         alignment="left",
     )
 
 
-def _limit(axes: Axes, across: Axis, values: NDArray[np.float64]) -> None:
+def _limit(axes: Axes, across: Axis, values: NDArray[np.float64], style: Style) -> None:
     axes.set_xlim(across.values[0], across.values[-1])
     ends = value_range(values)
     if ends is None:
         return
     axes.set_ylim(*add_room(*ends))
     if ends[0] < 0 < ends[1]:
-        axes.axhline(0.0, color="#333333", linewidth=0.7, zorder=1)
+        axes.axhline(0.0, color=style.quiet, linewidth=0.7, zorder=1)

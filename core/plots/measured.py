@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from core.measured.drive import Fit
 from core.measured.harmonics import Array
-from core.plots.draw import DOT, QUIET
+from core.plots.heading import finish
+from core.plots.style import LIGHT, Style
 
 SIZE = (10.0, 7.0)  # inches
-COLOURS = {"along": "#1f3b73", "across": "#b3560f", "normal": "#2f7d32"}
-INK = "#333333"
+AXES = ("along", "across", "normal")  # in the order of the colours of a series
 MOST_POINTS = 3000  # of one axis; more hide one another
 FINE = 721  # points of a smooth curve
 DISPLAYED = 1.3  # times the highest order, the end of the spectrum
@@ -22,38 +21,31 @@ EXACT = 1e-9  # of the frequency: an error below is not worth its digits
 MICRO = 1e6
 
 
-def draw_fit(fit: Fit) -> Figure:
+def draw_fit(fit: Fit, style: Style = LIGHT) -> Figure:
     """Return the picture of a fit, a figure with a canvas of its own.
 
     Left the samples of one period with the fitted drive, an axis below the other, and what is left
     over; right the spectrum, in which dots mark what has been fitted, and the path of the track.
     """
-    figure = Figure(figsize=SIZE, layout="constrained", facecolor="white")
-    FigureCanvasAgg(figure)
+    figure = style.sheet(*SIZE)
     left, right = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), squeeze=False)[0]
     count = len(fit.axes)
     periods = left.subplots(count + 1, 1, sharex=True, height_ratios=(*(1.0,) * count, 0.8))
-    _draw_period(periods, fit)
+    _draw_period(periods, fit, style)
     spectrum, path = right.subplots(2, 1, height_ratios=(1.0, 1.2))
-    _draw_spectrum(spectrum, fit)
-    _draw_path(path, fit)
+    _draw_spectrum(spectrum, fit, style)
+    _draw_path(path, fit, style)
     for axes in (*periods, spectrum, path):
-        axes.grid(visible=True, color="#000000", alpha=0.12, linewidth=0.6)
-        axes.set_axisbelow(True)
+        style.add_grid(axes)
+    for part in (left, right):
+        part.set_facecolor(style.ground)
     left.align_ylabels(periods)
-    heading = figure.suptitle(
-        "Drive of a recording", x=0.02, ha="left", fontsize=13, fontweight="bold"
-    )
-    subtitle = periods[0].set_title(
-        _facts(fit), loc="left", fontsize=8.5, color=QUIET, linespacing=1.4
-    )
-    figure.draw_without_rendering()
-    heading.set_x(subtitle.get_window_extent().x0 / figure.bbox.width)
-    return figure
+    found, rest = _facts(fit)
+    return finish(figure, periods[0], style, name="Drive of a recording", facts=found, source=rest)
 
 
-def _facts(fit: Fit) -> str:
-    """Return what the fit found, in two lines."""
+def _facts(fit: Fit) -> tuple[list[str], str]:
+    """Return what the fit found, and what it left over."""
     frequency = f"{fit.frequency:.8g} Hz"
     if fit.frequency_error > EXACT * fit.frequency:
         digits = max(0, 1 - int(np.floor(np.log10(fit.frequency_error))))
@@ -64,14 +56,14 @@ def _facts(fit: Fit) -> str:
         facts.append(f"clock {100 * abs(fit.clock.error):.2g} % {pace}")
     facts.append(f"{fit.periods:.0f} periods, {fit.samples:,} samples")
     left = f"left over {_percent(fit.left_over)}, drift {_percent(fit.drifting)} of the drive"
-    return DOT.join(facts) + "\n" + left
+    return facts, left
 
 
 def _percent(shares: Array) -> str:
     return f"{100 * np.linalg.norm(shares):.2g} %"
 
 
-def _draw_period(panels: list[Axes], fit: Fit) -> None:
+def _draw_period(panels: list[Axes], fit: Fit, style: Style) -> None:
     """Draw the samples of each axis over one period, the fit, and the residual below."""
     fold = fit.fold()
     milliseconds = 1e3 / (2.0 * np.pi * fit.frequency)
@@ -83,18 +75,26 @@ def _draw_period(panels: list[Axes], fit: Fit) -> None:
     for panel, axis, values, curve, residual in zip(
         panels[:-1], fit.axes, fold.accelerations, curves, fold.residual, strict=True
     ):
-        colour = COLOURS[axis]
-        panel.plot(times, values[some], ".", color=colour, markersize=2.0, alpha=0.3, zorder=2)
-        panel.plot(milliseconds * smooth, curve, color=INK, linewidth=1.2, zorder=3)
+        colour = style.series[AXES.index(axis)]
+        panel.plot(
+            times,
+            values[some],
+            ".",
+            color=colour,
+            markersize=style.width(3.0),
+            alpha=0.35,
+            zorder=2,
+        )
+        panel.plot(milliseconds * smooth, curve, color=style.ink, linewidth=1.2, zorder=3)
         panel.set_ylabel(f"{axis.capitalize()} (m/s²)")
-        last.plot(times, residual[some], ".", color=colour, markersize=2.0, alpha=0.3)
-    last.axhline(0.0, color=INK, linewidth=0.8)
+        last.plot(times, residual[some], ".", color=colour, markersize=style.width(3.0), alpha=0.35)
+    last.axhline(0.0, color=style.ink, linewidth=0.8)
     last.set_ylabel("Left over (m/s²)")
     last.set_xlabel("Time in the period (ms)")
     last.set_xlim(0.0, 1e3 / fit.frequency)
 
 
-def _draw_spectrum(axes: Axes, fit: Fit) -> None:
+def _draw_spectrum(axes: Axes, fit: Fit, style: Style) -> None:
     """Draw amplitudes of acceleration over frequency, and what has been fitted."""
     fold = fit.fold()
     window = np.hanning(fit.samples)
@@ -104,7 +104,7 @@ def _draw_spectrum(axes: Axes, fit: Fit) -> None:
     orders = np.array(fit.orders)
     peaks = fit.amplitudes * (2.0 * np.pi * fit.frequency * orders) ** 2
     for axis, curve, row, told in zip(fit.axes, amplitude, peaks, fit.told, strict=True):
-        colour = COLOURS[axis]
+        colour = style.series[AXES.index(axis)]
         axes.plot(places[shown], curve[shown], color=colour, linewidth=0.7, alpha=0.8)
         axes.plot(fit.frequency * orders[told], row[told], "o", color=colour, markersize=5.0)
     axes.set_yscale("log")
@@ -112,38 +112,43 @@ def _draw_spectrum(axes: Axes, fit: Fit) -> None:
     axes.set_xlim(0.0, float(places[shown][-1]))
     axes.set_xlabel("Frequency (Hz)")
     axes.set_ylabel("Amplitude (m/s²)")
-    handles = [Line2D([], [], color=COLOURS[axis], label=axis) for axis in fit.axes]
-    handles.append(Line2D([], [], color=INK, marker="o", linewidth=0.0, label="fitted"))
+    handles = [
+        Line2D([], [], color=style.series[AXES.index(axis)], label=axis) for axis in fit.axes
+    ]
+    handles.append(Line2D([], [], color=style.ink, marker="o", linewidth=0.0, label="fitted"))
     axes.legend(
         handles=handles,
         loc="lower center",
         bbox_to_anchor=(0.5, 1.0),
         ncols=len(handles),
         frameon=False,
-        fontsize=9,
         handlelength=1.2,
     )
 
 
-def _draw_path(axes: Axes, fit: Fit) -> None:
+def _draw_path(axes: Axes, fit: Fit, style: Style) -> None:
     """Draw the path of the track seen from its side; displacements over time without two axes."""
     phase = np.linspace(0.0, 2.0 * np.pi, FINE)
     moved = dict(zip(fit.axes, MICRO * fit.displacement(phase), strict=True))
     if "along" not in moved or "normal" not in moved:
         for axis, curve in moved.items():
-            axes.plot(1e3 * phase / (2.0 * np.pi * fit.frequency), curve, color=COLOURS[axis])
+            axes.plot(
+                1e3 * phase / (2.0 * np.pi * fit.frequency),
+                curve,
+                color=style.series[AXES.index(axis)],
+            )
         axes.set_xlabel("Time in the period (ms)")
         axes.set_ylabel("Displacement (µm)")
         return
     along, normal = moved["along"], moved["normal"]
-    axes.plot(along, normal, color=INK, linewidth=1.6)
-    axes.plot(along[0], normal[0], "o", color=INK, markersize=5.0)
+    axes.plot(along, normal, color=style.ink, linewidth=1.6)
+    axes.plot(along[0], normal[0], "o", color=style.ink, markersize=5.0)
     quarter = FINE // 8
     axes.annotate(
         "",
         xy=(along[quarter + 4], normal[quarter + 4]),
         xytext=(along[quarter], normal[quarter]),
-        arrowprops={"arrowstyle": "-|>", "color": INK, "mutation_scale": 16},
+        arrowprops={"arrowstyle": "-|>", "color": style.ink, "mutation_scale": 16},
     )
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("Along (µm); the dot is at t = 0")

@@ -9,12 +9,13 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis as Spine
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
 from core.plots.scale import Scale
 from core.plots.selection import Axis, Selection
-from core.plots.text import number, short_label
+from core.plots.style import Style
+from core.plots.text import long_name, number, short_label
 
 DECADE = 10.0
 
@@ -31,10 +32,10 @@ def set_log(spine: Spine, values: NDArray[np.float64]) -> None:
     else:
         spine.axes.set_yscale("log")
     spine.set_major_formatter(FuncFormatter(plain))
-    if values[-1] >= DECADE * values[0]:
-        spine.set_minor_formatter(NullFormatter())
-    else:
-        spine.set_minor_formatter(FuncFormatter(plain))
+    spine.set_minor_formatter(NullFormatter())
+    if values[-1] < DECADE * values[0]:
+        spine.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+        spine.set_minor_locator(NullLocator())
 
 
 def cell_edges(axis: Axis) -> NDArray[np.float64]:
@@ -54,16 +55,27 @@ def add_colour_bar(
     colours: ScalarMappable,
     scale: Scale,
     selection: Selection,
+    style: Style,
     **layout: Any,
 ) -> None:
-    """Add a colour bar with a tick at each level."""
-    bar = figure.colorbar(colours, ax=axes, ticks=scale.levels.tolist(), **layout)
+    """Add a colour bar with a tick at each level, at every other one of a small picture."""
+    ticks = scale.levels[:: 2 if style.small else 1]
+    bar = figure.colorbar(colours, ax=axes, ticks=ticks.tolist(), **layout)
     bar.ax.yaxis.set_major_formatter(FuncFormatter(plain))
-    bar.ax.tick_params(labelsize=9)
-    bar.set_label(short_label(selection.variable, selection.unit), fontsize=10)
+    bar.set_label(short_label(selection.variable, selection.unit))
 
 
 def add_room(low: float, high: float) -> tuple[float, float]:
     """Return limits of an axis that leave some room about two values."""
     room = 0.06 * (high - low) or 0.05 * abs(low) or 1.0
     return low - room, high + room
+
+
+def say_nothing_is_finite(axes: Axes, selection: Selection, style: Style) -> None:
+    """Write into empty axes that there is no value to draw."""
+    name = long_name(selection.variable)
+    axes.annotate(
+        f"{name}:\nno value here is finite.", (0.5, 0.5), xycoords="axes fraction", ha="center",
+        va="center", fontsize=style.text(11), color=style.ink, zorder=6,
+        bbox={"facecolor": style.ground, "edgecolor": "none", "boxstyle": "round,pad=0.6"},
+    )  # fmt: skip

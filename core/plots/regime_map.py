@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -11,29 +10,21 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap, to_rgb
 from matplotlib.figure import Figure
-from matplotlib.patheffects import withStroke
-from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt, uniform_filter
 
 from core.plots.islands import without_specks
+from core.plots.names import add_names
 from core.plots.parts import cell_edges, set_log
-from core.plots.regimes import HATCH_WIDTH, VEIL, Look, mix, swatch
+from core.plots.regimes import HATCH_WIDTH, Look, swatch
 from core.plots.selection import Axis, Selection, thin
-from core.plots.text import words
+from core.plots.style import Style
 
 MOST_POINTS = 500  # of an axis; a cell is then two points of the picture wide
-BORDER = "#1a1a1a"
-TEXT_SIZE = 10
-BOX = (500.0, 330.0)  # points: about the frame of the picture
-RASTER = (250, 165)  # of the frame, in which room for labels is sought
-ROOM = 1.3  # of a label's size
-OTHERS = 0.02  # of a label's box that may lie over other regimes
-ASIDE = 0.1  # how much less deep a place may be that lies nearer to the middle
+BORDER = "#1a1a1a"  # on fills, which are light in every style
 
 
 def draw_map(
-    figure: Figure, selection: Selection, looks: Sequence[Look]
+    figure: Figure, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
     """Draw the map; return the axes and the legend's entries, each with its share of the area."""
     axes = figure.add_subplot()
@@ -49,8 +40,7 @@ def draw_map(
     _fill(axes, x, y, regimes, looks)
     plain = without_specks(regimes)
     _add_borders(axes, x, y, plain, looks)
-    raster = plain[np.ix_(_cells_at(up, y, RASTER[1]), _cells_at(across, x, RASTER[0]))]
-    _add_names(axes, raster, looks)
+    add_names(axes, across, up, plain, looks, style, on_fill=True)
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     axes.set_xlabel(across.label)
     axes.set_ylabel(up.label)
@@ -78,7 +68,7 @@ def _fill(
             area = axes.contourf(
                 *corners, cells, levels=[0.5, 1.5], colors=["none"], hatches=[look.hatch], zorder=2
             )
-            area.set_edgecolor(_ink(look))
+            area.set_edgecolor(look.hatch_ink)
             area.set_linewidth(0.0)
             area.set_hatch_linewidth(HATCH_WIDTH)
 
@@ -106,45 +96,6 @@ def _as_corners(
     return corners, inside.repeat(2, axis=0).repeat(2, axis=1).astype(float)
 
 
-def _cells_at(axis: Axis, edges: NDArray[np.float64], count: int) -> NDArray[np.intp]:
-    """Return the cells at points spread evenly over the axis as it is drawn."""
-    drawn = np.log(edges) if axis.is_log else edges
-    points = drawn[0] + (np.arange(count) + 0.5) / count * (drawn[-1] - drawn[0])
-    return np.searchsorted(drawn[1:-1], points)
-
-
-def _add_names(axes: Axes, raster: NDArray[np.int64], looks: Sequence[Look]) -> None:
-    """Write the name of each regime where there is most room for it, if there is any."""
-    for look in looks:
-        bounds = TextPath((0, 0), words(look.name), size=TEXT_SIZE).get_extents()
-        size = (bounds.width, max(bounds.height, TEXT_SIZE))
-        for (width, height), rotation in ((size, 0), (size[::-1], 90)):
-            place = _place(raster == look.value, width, height)
-            if place is not None:
-                axes.text(
-                    *place, words(look.name), transform=axes.transAxes, ha="center", va="center",
-                    rotation=rotation, fontsize=TEXT_SIZE, color="#000000", zorder=4,
-                    path_effects=[withStroke(linewidth=2.5, foreground=look.fill)],
-                )  # fmt: skip
-                break
-
-
-def _place(inside: NDArray[np.bool_], width: float, height: float) -> tuple[float, float] | None:
-    """Return the place for a text of a size in points, in shares of the frame; None if none is."""
-    columns = math.ceil(width * RASTER[0] / BOX[0] * ROOM)
-    rows = math.ceil(height * RASTER[1] / BOX[1] * ROOM)
-    framed = np.pad(inside, 1)  # the frame is a border too
-    filled = uniform_filter(framed.astype(float), size=(rows, columns), mode="constant")
-    free = filled[1:-1, 1:-1] > 1 - OTHERS
-    if not free.any():
-        return None
-    depth = distance_transform_edt(framed)[1:-1, 1:-1]
-    row, column = np.meshgrid(*(np.arange(n) for n in inside.shape), indexing="ij")
-    aside = np.hypot(row - row[inside].mean(), column - column[inside].mean())
-    best = int(np.where(free, depth - ASIDE * aside, -np.inf).argmax())
-    return (best % RASTER[0] + 0.5) / RASTER[0], (best // RASTER[0] + 0.5) / RASTER[1]
-
-
 def _shares(
     across: Axis,
     up: Axis,
@@ -162,7 +113,7 @@ def _shares(
 
 
 def _entry(look: Look, share: float) -> Artist:
-    ink = to_rgb(BORDER) if look.valid else _ink(look)
+    ink = to_rgb(BORDER) if look.valid else look.hatch_ink
     entry = swatch(look, look.fill, ink, hatched=not look.valid)
     entry.set_label(f"{look.label}, {percent(share)}")
     return entry
@@ -173,7 +124,3 @@ def percent(share: float) -> str:
     if share < 0.0005:
         return "< 0.1\N{NO-BREAK SPACE}%"
     return f"{100 * share:.{1 if share < 0.0995 else 0}f}\N{NO-BREAK SPACE}%"
-
-
-def _ink(look: Look) -> tuple[float, float, float]:
-    return mix(look.colour, VEIL, 0.35)

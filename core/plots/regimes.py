@@ -15,16 +15,14 @@ from numpy.typing import NDArray
 
 from core.plots.islands import without_specks
 from core.plots.problem import PlotError
+from core.plots.style import LIGHT, RGB, Style, mix
 from core.plots.text import words
 from core.quantities import REGIMES
 
-RGB = tuple[float, float, float]
-
-VEIL = "#ffffff"
-VEIL_STRENGTH = 0.55
-EDGE = "#000000"  # the border of what the closed forms describe
+VEIL_STRENGTH = 0.45
+TINT_VEIL = 0.68
 HATCH_WIDTH = 0.7
-HATCH_STRENGTH = 0.5
+HATCH_STRENGTH = 0.3  # the values below are to be read
 LINE_STRENGTH = 0.3  # beside contours, which are lines too
 
 # Hatch, colour of hatches and borders, width of a line. Where values hold, regimes of closed forms
@@ -71,43 +69,43 @@ LOOKS = {
 }
 PLAIN = ("", "#8a8a8a", 1.8)
 
-# Fills of a map, near the light scheme of P. Tol: told apart in every kind of colour vision, and
-# black text is read on all of them. Regimes that share one do not occur in one scene. Where values
-# do not hold, a map is pale and hatched.
+# Fills of a map, chosen by measurement: the least distance (CAM02-UCS) of two that may stand side
+# by side is above 14 in every kind of colour vision, and black text is read on all of them. Regimes
+# that share one do not occur in one scene. Where values do not hold, a map is pale and hatched.
 FILLS = {
-    "stick": "#88ccee",
-    "no_motion": "#9a86b8",
-    "no_impact": "#88ccee",
-    "slip": "#bbcc33",
-    "sliding": "#bbcc33",
-    "impact_slip": "#bbcc33",
-    "roll": "#33a888",
-    "stick_slip": "#33a888",
-    "impact_stick": "#33a888",
-    "hopping": "#eedd88",
-    "separation": "#eedd88",
-    "hop_after_hop": "#ee8866",
-    "impact": "#ee8866",
-    "period_doubled": "#ffb3c4",
-    "stopped": "#ffb3c4",
-    "aperiodic": "#9a86b8",
-    "rests": "#88ccee",
-    "tumbles": "#ee8866",
-    "contact": "#f4f4f4",
-    "apart": "#dddddd",
+    "stick": "#9ccbff",
+    "no_motion": "#a05ce6",
+    "no_impact": "#9ccbff",
+    "slip": "#a3c02c",
+    "sliding": "#a3c02c",
+    "impact_slip": "#a3c02c",
+    "roll": "#3f8a70",
+    "stick_slip": "#3f8a70",
+    "impact_stick": "#3f8a70",
+    "hopping": "#ffd98f",
+    "separation": "#ffd98f",
+    "hop_after_hop": "#c66a2c",
+    "impact": "#c66a2c",
+    "period_doubled": "#f48fb0",
+    "stopped": "#f48fb0",
+    "aperiodic": "#a05ce6",
+    "rests": "#9ccbff",
+    "tumbles": "#c66a2c",
+    "contact": "#f2f2f2",
+    "apart": "#c4c4c4",
     "not_assessed": "#dddddd",
-    "unbounded": "#e6e6fa",
+    "unbounded": "#c4c4c4",
 }
+ON_FILL = "#000000"  # what is written on a fill
 MOTION = ("stick_slip", "hopping", "hop_after_hop", "period_doubled", "aperiodic")
 
 # What is said of values that do not hold.
 NOTES = {"runaway": "no mean velocity", "unresolved": "no answer"}
-NOTE = "closed forms invalid"
 
 
 @dataclass(frozen=True)
 class Look:
-    """A regime and how it is drawn."""
+    """A regime, or a category of an output, and how it is drawn; `paint` is its fill, if any."""
 
     value: int
     name: str
@@ -115,36 +113,48 @@ class Look:
     hatch: str
     colour: str
     width: float
+    style: Style = LIGHT
+    paint: str = ""
 
     @property
     def label(self) -> str:
-        """Its name in words, and why its values do not hold, if so."""
-        note = NOTES.get(self.name, NOTE)
-        return words(self.name) if self.valid else f"{words(self.name)} ({note})"
+        """Its name in words, and what is missing there, if anything."""
+        note = NOTES.get(self.name)
+        return words(self.name) if self.valid or not note else f"{words(self.name)} ({note})"
+
+    @property
+    def beyond(self) -> bool:
+        """Whether closed forms do not describe a part there."""
+        return not self.valid and self.name not in NOTES
 
     @property
     def fill(self) -> RGB:
         """Its colour on a map."""
-        return to_rgb(FILLS[self.name]) if self.name in FILLS else self.tint
+        return to_rgb(self.paint) if self.paint else self.tint
 
     @property
     def tint(self) -> RGB:
         """A pale form of its colour, for backgrounds."""
-        if self.name in MOTION:
-            return mix(FILLS[self.name], VEIL, 0.6)
-        return mix(self.colour, VEIL, 0.88)
+        if self.paint:
+            return mix(self.paint, self.style.ground, TINT_VEIL)
+        return mix(self.colour, self.style.ground, 0.88)
+
+    @property
+    def hatch_ink(self) -> RGB:
+        """The colour of its hatch on a map."""
+        return mix(self.colour, self.style.ink if self.style.dark else self.style.ground, 0.35)
 
 
-def mix(colour: str | RGB, other: str | RGB, share: float) -> RGB:
-    """Return a colour with a share of another."""
-    red, green, blue = (
-        (1 - share) * a + share * b for a, b in zip(to_rgb(colour), to_rgb(other), strict=True)
-    )
-    return red, green, blue
-
-
-def looks_of(regime: xarray.DataArray, present: NDArray[np.int64]) -> list[Look]:
+def looks_of(
+    regime: xarray.DataArray,
+    present: NDArray[np.int64],
+    style: Style = LIGHT,
+    *,
+    exact: bool = False,
+) -> list[Look]:
     """Return the looks of the regimes that occur, by the flags of the variable `regime`.
+
+    What is `exact` in every regime is hatched in none.
 
     Raises
     ------
@@ -161,7 +171,11 @@ def looks_of(regime: xarray.DataArray, present: NDArray[np.int64]) -> list[Look]
             raise PlotError("dataset", message, "Draw a file that `vibrafeed run` wrote")
         name = meanings[value]
         valid = REGIMES[name].valid if name in REGIMES else True
-        found.append(Look(value, name, valid, *LOOKS.get(name, PLAIN)))
+        hatch, colour, width = LOOKS.get(name, PLAIN)
+        if exact and not valid:
+            hatch = ""
+        paint = FILLS.get(name, "")
+        found.append(Look(value, name, valid or exact, hatch, colour, width, style, paint))
     return found
 
 
@@ -171,6 +185,7 @@ def shade(
     y: NDArray[np.float64],
     regimes: NDArray[np.int64],
     faces: Mapping[Look, RGB],
+    style: Style,
 ) -> None:
     """Veil and hatch the regimes of a plane, arrays (y, x), and draw their borders.
 
@@ -180,7 +195,7 @@ def shade(
     for look, face in faces.items():
         inside = (regimes == look.value).astype(float)
         if look.hatch or not look.valid:
-            veil = (*to_rgb(VEIL), 0.0 if look.valid else VEIL_STRENGTH)
+            veil = (*to_rgb(style.ground), 0.0 if look.valid else VEIL_STRENGTH)
             area = axes.contourf(
                 x, y, inside, levels=[0.5, 1.5], colors=[veil], hatches=[look.hatch], zorder=2
             )
@@ -190,16 +205,22 @@ def shade(
             area.set_hatch_linewidth(HATCH_WIDTH)
         inside = (bordered == look.value).astype(float)
         if inside.min() < inside.max():
-            axes.contour(x, y, inside, levels=[0.5], colors=[EDGE], linewidths=[0.9], zorder=4)
+            axes.contour(
+                x, y, inside, levels=[0.5], colors=[style.ink], linewidths=[style.width(1.1)],
+                zorder=4,
+            )  # fmt: skip
     valid = np.isin(regimes, [look.value for look in faces if look.valid]).astype(float)
     if valid.min() < valid.max():
-        border = axes.contour(x, y, valid, levels=[0.5], colors=[EDGE], linewidths=[2.2], zorder=5)
-        border.set_path_effects([withStroke(linewidth=4.0, foreground=VEIL)])
+        border = axes.contour(
+            x, y, valid, levels=[0.5], colors=[style.ink], linewidths=[style.width(2.2)], zorder=5
+        )
+        halo = withStroke(linewidth=style.width(4.0), foreground=style.ground)
+        border.set_path_effects([halo])
 
 
 def swatch(look: Look, face: RGB, ink: RGB | None = None, *, hatched: bool = True) -> Patch:
     """Return the legend entry of a regime; `face` is the colour in which it is seen."""
-    patch = Patch(facecolor=face, edgecolor=ink or mix(look.colour, VEIL, 0.3), label=look.label)
+    patch = Patch(facecolor=face, edgecolor=ink or look.hatch_ink, label=look.label)
     patch.set_linewidth(0.8)
     if hatched:
         patch.set_hatch(look.hatch)
@@ -209,8 +230,9 @@ def swatch(look: Look, face: RGB, ink: RGB | None = None, *, hatched: bool = Tru
 
 def veiled_swatch(look: Look, face: RGB) -> Patch:
     """Return the legend entry of a regime over a colour, as `shade` draws it."""
-    seen = face if look.valid else mix(face, VEIL, VEIL_STRENGTH)
-    return swatch(look, seen, mix(seen, _ink(look, face), 0.7))
+    ground = look.style.ground
+    seen = face if look.valid else mix(face, ground, VEIL_STRENGTH)
+    return swatch(look, seen, mix(seen, _ink(look, face), 0.6))
 
 
 def luminance(colours: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -221,5 +243,5 @@ def luminance(colours: NDArray[np.float64]) -> NDArray[np.float64]:
 def _ink(look: Look, face: RGB) -> RGB:
     """Return the colour of a hatch: the regime's on a veil, else what stands out."""
     if not look.valid:
-        return to_rgb(look.colour)
+        return look.hatch_ink if look.style.dark else to_rgb(look.colour)
     return to_rgb("#ffffff" if luminance(np.array(face)) < 0.5 else "#000000")

@@ -5,16 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-import matplotlib
 import numpy as np
 from matplotlib.colors import Colormap, Normalize
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from core.plots.regimes import RGB
+from core.plots.style import RGB, Style
 
-ONE_SIGN = "viridis"
-TWO_SIGNS = "coolwarm"
 BANDS = 12
 OUTLIERS = 1.0  # per cent on either side that may be cut off ...
 SPREAD = 4.0  # ... where the range shrinks by more than this
@@ -59,7 +56,7 @@ def value_range(values: NDArray[np.float64]) -> tuple[float, float] | None:
     return low, high
 
 
-def scale_of(values: NDArray[np.float64]) -> Scale | None:
+def scale_of(values: NDArray[np.float64], style: Style) -> Scale | None:
     """Return the scale for values; None if nothing is finite."""
     ends = value_range(values)
     if ends is None:
@@ -72,6 +69,6 @@ def scale_of(values: NDArray[np.float64]) -> Scale | None:
     )
     if min(-ends[0], ends[1]) > MINOR_SIGN * max(-ends[0], ends[1]):
         most = float(np.abs(levels).max())
-        return Scale(levels, matplotlib.colormaps[TWO_SIGNS], Normalize(-most, most), extend)
+        return Scale(levels, style.two_signs, Normalize(-most, most), extend)
     norm = Normalize(float(levels[0]), float(levels[-1]))
-    return Scale(levels, matplotlib.colormaps[ONE_SIGN], norm, extend)
+    return Scale(levels, style.one_sign, norm, extend)

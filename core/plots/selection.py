@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -10,13 +11,17 @@ import xarray
 from numpy.typing import NDArray
 
 from core.errors import suggestion
+from core.plots.categories import categories_of, codes_of
+from core.plots.exact import is_exact
 from core.plots.fixed import fixed_positions
 from core.plots.problem import PlotError
-from core.plots.text import axis_label, number, read_unit, scaled, with_unit, words
+from core.plots.text import axis_label, name_in_words, number, scaled, shown_in, with_unit
 from core.quantities import QUANTITIES
+from core.study.shown import ShownUnits
 
 KINDS = ("contour", "surface", "line", "map", "trajectory")
 LOG_TOLERANCE = 1e-6
+FEW = 7  # values of an axis between which nothing is drawn: curves, not contours
 
 
 @dataclass(frozen=True)
@@ -52,11 +57,15 @@ class Selection:
     unit : str
         The unit in which the values are read.
     regimes : array of int
-        Regime of each value, of the same shape.
+        Regime of each value, of the same shape; its category where there are `categories`.
     fixed : tuple of str
-        Name, value and unit of every other dimension and parameter.
+        Name, value and unit of every other dimension and parameter, what was asked for first.
     kind : str
         contour, surface, line or map.
+    exact : bool
+        Whether the values hold in every regime.
+    categories : dict of int to str, optional
+        Words of an output whose numbers stand for words.
     spread : array, optional
         Spread of the values about each, of the same shape and unit, where the dataset has it.
     """
@@ -68,6 +77,8 @@ class Selection:
     regimes: NDArray[np.int64]
     fixed: tuple[str, ...]
     kind: str
+    exact: bool = False
+    categories: dict[int, str] | None = None
     spread: NDArray[np.float64] | None = None
 
 
@@ -77,8 +88,11 @@ def select(
     axes: tuple[str, ...] | None,
     at: Mapping[str, float],
     kind: str | None,
+    units: ShownUnits | None = None,
+    *,
+    nearest: bool = False,
 ) -> Selection:
-    """Return the slice that is asked for.
+    """Return the slice that is asked for, at the `nearest` values where there are no equal ones.
 
     Raises
     ------
@@ -87,14 +101,23 @@ def select(
     """
     if kind is not None and kind not in KINDS:
         raise PlotError("kind", f"'{kind[:40]}' is unknown", suggestion(kind, KINDS))
-    if kind == "map":
-        if variable not in (None, "regime"):
-            _variable(dataset, variable)  # it plays no part, but a slip in its name is one
-        whole = dataset["regime"]
-    else:
-        whole = dataset[_variable(dataset, variable)]
+    units = units or ShownUnits()
+    whole = dataset["regime"] if kind == "map" else dataset[_variable(dataset, variable)]
+    if kind == "map" and variable not in (None, "regime"):
+        named = dataset[_variable(dataset, variable)]
+        whole = named if categories_of(named) else whole  # no part else, but a slip is one
     names = _axes(whole, axes, 1 if kind == "line" else 2)
-    kind = kind or ("contour" if len(names) == 2 else "line")
+    categories = None if whole.name == "regime" else categories_of(whole)
+    if categories and kind in ("contour", "surface"):
+        message = f"{whole.name} has names, not heights"
+        raise PlotError("kind", message, "Leave the kind out, or ask for map")
+    if kind is None:
+        few = len(names) == 2 and min(whole.sizes[name] for name in names) <= FEW
+        kind = "line" if len(names) == 1 or (few and not categories) else "contour"
+        if kind == "line" and axes is None:
+            names = tuple(sorted(names, key=lambda name: -whole.sizes[name]))
+        if kind == "contour" and categories:
+            kind = "map"
     if kind != "line" and len(names) == 1:
         line = "Draw an output as a line" if kind == "map" else "Draw it as a line"
         fix = "Name two axes" if len(_ranged(whole)) > 1 else line
@@ -103,9 +126,9 @@ def select(
     regime = dataset["regime"]
     order = [*whole.dims, *(dim for dim in regime.dims if dim not in whole.dims)]
     loose = [str(dim) for dim in order if dim not in names]
-    positions = fixed_positions(dataset, at, loose, names)
-    fixed = [_held(dataset[name], position) for name, position in positions.items()]
-    fixed += held_fixed(dataset)
+    positions = fixed_positions(dataset, at, loose, names, nearest=nearest)
+    fixed = [held_at(dataset[name], units, position) for name, position in positions.items()]
+    fixed += held_fixed(dataset, units)
 
     def part(array: xarray.DataArray) -> xarray.DataArray:
         return array.isel(positions, missing_dims="ignore").transpose(*names).sortby(list(names))
@@ -117,27 +140,39 @@ def select(
     states = regime.isel(positions, missing_dims="ignore").sortby(
         [name for name in names if name in regime.dims]
     )
-    factor, unit = read_unit(slice_)
-    values = scaled(slice_, factor)
+    shown = shown_in(slice_, units)
+    values = scaled(slice_, shown.factor)
+    codes = states.broadcast_like(slice_).transpose(*names).values.astype(np.int64)
     return Selection(
         variable=slice_,
-        axes=tuple(_axis(slice_[name]) for name in names),
+        axes=tuple(_axis(slice_[name], units) for name in names),
         values=np.where(np.isfinite(values), values, np.nan),
-        unit=unit,
-        regimes=states.broadcast_like(slice_).transpose(*names).values.astype(np.int64),
+        unit=shown.unit,
+        regimes=codes_of(slice_.values) if categories else codes,
         fixed=tuple(fixed),
         kind=kind,
-        spread=None if spread is None else np.nan_to_num(scaled(spread, factor), posinf=0.0),
+        exact=is_exact(dataset, str(whole.name)),
+        categories=categories,
+        spread=None if spread is None else np.nan_to_num(scaled(spread, shown.factor), posinf=0.0),
     )
 
 
-def held_fixed(dataset: xarray.Dataset) -> list[str]:
-    """Return name, value and unit of every parameter with one value; settings are left out."""
-    return [
-        _held(coordinate)
+def held_fixed(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
+    """Return name, value and unit of every parameter with one value; settings are left out.
+
+    What the study says comes before what it leaves to defaults.
+    """
+    try:
+        given = json.loads(str(dataset.attrs.get("study", "{}"))).get("parameters", {})
+    except ValueError:
+        given = {}
+    single = [
+        str(name)
         for name, coordinate in dataset.coords.items()
         if not coordinate.dims and (name not in QUANTITIES or QUANTITIES[str(name)].parameter)
     ]
+    ordered = sorted(single, key=lambda name: name not in given)
+    return [held_at(dataset[name], units) for name in ordered]
 
 
 def thin(size: int, most: int) -> NDArray[np.int64]:
@@ -182,15 +217,16 @@ def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> 
     return names
 
 
-def _axis(coordinate: xarray.DataArray) -> Axis:
-    factor, unit = read_unit(coordinate)
-    return Axis(
-        str(coordinate.name), axis_label(coordinate, unit), unit, scaled(coordinate, factor)
-    )
+def _axis(coordinate: xarray.DataArray, units: ShownUnits) -> Axis:
+    shown = shown_in(coordinate, units)
+    label = axis_label(coordinate, shown.unit)
+    return Axis(str(coordinate.name), label, shown.unit, scaled(coordinate, shown.factor))
 
 
-def _held(coordinate: xarray.DataArray, position: int | None = None) -> str:
-    factor, unit = read_unit(coordinate)
-    values = scaled(coordinate, factor)
-    value = float(values if position is None else values[position])
-    return f"{words(str(coordinate.name))}\N{NO-BREAK SPACE}{with_unit(number(value), unit)}"
+def held_at(coordinate: xarray.DataArray, units: ShownUnits, position: int | None = None) -> str:
+    """Return name, value and unit of a parameter, in one piece."""
+    values = coordinate if position is None else coordinate[position]
+    shown = shown_in(values, units)
+    value = with_unit(number(float(scaled(values, shown.factor))), shown.unit)
+    name = name_in_words(str(coordinate.name))
+    return f"{name} {value}".replace(" ", "\N{NO-BREAK SPACE}")

@@ -8,28 +8,34 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
     Line3DCollection,
     Poly3DCollection,
 )
 from numpy.typing import NDArray
 
-from core.plots.parts import add_colour_bar
-from core.plots.regimes import EDGE, VEIL, Look, luminance, mix, swatch
+from core.plots.parts import add_colour_bar, say_nothing_is_finite
+from core.plots.regimes import Look, luminance, swatch
 from core.plots.scale import Scale, scale_of
 from core.plots.selection import Selection, thin
+from core.plots.style import RGB, Style, mix
 from core.plots.text import short_label
 
 MOST_POINTS = 91  # of an axis: every face is a shape in an SVG
 GREYED = 0.8
 TINT = 0.3
 ELEVATION = 28.0
+RELIEF = 2.0  # of the heights, in the light: no face is in the dark
+LIGHT_FROM = (-0.6, -0.3, 1.0)
+SHADE = 0.55  # brightness of a face that the light does not reach
 AZIMUTHS = (-50.0, -130.0, 130.0, 50.0)  # from where the corner in front may be seen
 
 
 def draw_surface(
-    figure: Figure, selection: Selection, looks: Sequence[Look]
+    figure: Figure, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
     """Draw the surface; return the axes and the legend's entries."""
     axes = figure.add_subplot(projection="3d")
@@ -38,25 +44,40 @@ def draw_surface(
     part = np.ix_(rows, columns)
     x, y = np.meshgrid(first.values[rows], second.values[columns], indexing="ij")
     z, regimes = selection.values[part], selection.regimes[part]
-    scale = scale_of(z)
-    if scale is not None:
+    scale = scale_of(z, style)
+    # Where several regimes hold, colours tell them apart: the height tells the value.
+    by_regime = sum(look.valid for look in looks) > 1
+    if scale is None:
+        say_nothing_is_finite(axes, selection, style)
+    else:
         points = np.stack([x, y, z], axis=-1)
-        _add_faces(axes, points, regimes, looks, scale)
-        _add_borders(axes, points, regimes, looks, scale)
+        _add_faces(axes, points, regimes, looks, scale, style, by_regime=by_regime)
+        _add_borders(axes, points, regimes, looks, scale, style)
         axes.set_zlim(scale.levels[0], scale.levels[-1])
+    if scale is not None and not by_regime:
         add_colour_bar(
-            figure, axes, ScalarMappable(scale.norm, scale.colours), scale, selection,
+            figure, axes, ScalarMappable(scale.norm, scale.colours), scale, selection, style,
             boundaries=np.linspace(scale.levels[0], scale.levels[-1], 257).tolist(),
             extend=scale.extend, shrink=0.7, aspect=24, pad=0.1,
         )  # fmt: skip
     axes.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
-    axes.set_xlabel(first.label, labelpad=8)
-    axes.set_ylabel(second.label, labelpad=8)
-    axes.set_zlabel(short_label(selection.variable, selection.unit), labelpad=10)
+    axes.set_xlabel(first.label, labelpad=0 if style.small else 8)
+    axes.set_ylabel(second.label, labelpad=0 if style.small else 8)
+    axes.set_zlabel(
+        short_label(selection.variable, selection.unit), labelpad=2 if style.small else 10
+    )
+    if style.small:
+        axes.tick_params(pad=0)
+        for spine in (axes.xaxis, axes.yaxis, axes.zaxis):
+            spine.set_major_locator(MaxNLocator(4))
     axes.view_init(elev=ELEVATION, azim=_azimuth(z))
     axes.set_box_aspect((4, 4, 2.8), zoom=1.05)
     axes.computed_zorder = False
-    return axes, [_entry(look, scale, z[regimes == look.value]) for look in looks]
+    entries = []
+    for look in looks:
+        face = scale.typical(z[regimes == look.value]) if scale else to_rgb(style.ground)
+        entries.append(_entry(look, look.fill if by_regime else face))
+    return axes, entries
 
 
 def _add_faces(
@@ -65,8 +86,11 @@ def _add_faces(
     regimes: NDArray[np.int64],
     looks: Sequence[Look],
     scale: Scale,
+    style: Style,
+    *,
+    by_regime: bool,
 ) -> None:
-    """Add one face for each cell with four corners in sight, in the colour of its mean value."""
+    """Add one face for each cell with four corners in sight, coloured by its mean or its regime."""
     corners = [points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]]
     faces = np.stack(corners, axis=-2).reshape(-1, 4, 3)
     states = regimes[:-1, :-1].ravel()
@@ -75,12 +99,28 @@ def _add_faces(
     colours = np.asarray(scale.colours(scale.norm(faces[:, :, 2].mean(axis=1))))[:, :3]
     for look in looks:
         here = states == look.value
+        if by_regime:
+            colours[here] = look.fill
         colours[here] = _greyed(colours[here], look)
+    if by_regime:
+        colours = colours * _light(faces, scale)[:, np.newaxis]
     axes.add_collection3d(  # type: ignore[attr-defined]
         Poly3DCollection(
             faces, facecolors=colours, edgecolors=colours * 0.88, linewidths=0.25, zorder=1
         )
     )
+
+
+def _light(faces: NDArray[np.float64], scale: Scale) -> NDArray[np.float64]:
+    """Return how bright faces are, shape (n,): those that rise to the left lie in the light."""
+    ends = faces.reshape(-1, 3)
+    across, up = np.ptp(ends[:, 0]) or 1.0, np.ptp(ends[:, 1]) or 1.0
+    size = np.array([across, up, (scale.levels[-1] - scale.levels[0]) * RELIEF])
+    one, other = ((faces[:, k] - faces[:, 0]) / size for k in (2, 1))
+    normal = np.cross(other, one)
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    light = np.array(LIGHT_FROM) / np.linalg.norm(LIGHT_FROM)
+    return np.asarray(SHADE + (1 - SHADE) * np.clip(normal @ light, 0.0, 1.0))
 
 
 def _add_borders(
@@ -89,6 +129,7 @@ def _add_borders(
     regimes: NDArray[np.int64],
     looks: Sequence[Look],
     scale: Scale,
+    style: Style,
 ) -> None:
     """Add the edges between faces of different regimes, heavy where validity ends."""
     valid = np.isin(regimes, [look.value for look in looks if look.valid])
@@ -104,7 +145,7 @@ def _add_borders(
         edges = edges[_shown(edges[:, :, 2], scale).all(axis=1)]
         if edges.size:
             axes.add_collection3d(  # type: ignore[attr-defined]
-                Line3DCollection(edges, colors=EDGE, linewidths=width, zorder=2)
+                Line3DCollection(edges, colors=style.ink, linewidths=style.width(width), zorder=2)
             )
 
 
@@ -112,8 +153,7 @@ def _shown(z: NDArray[np.float64], scale: Scale) -> NDArray[np.bool_]:
     return np.isfinite(z) & (z >= scale.levels[0]) & (z <= scale.levels[-1])
 
 
-def _entry(look: Look, scale: Scale | None, values: NDArray[np.float64]) -> Artist:
-    face = scale.typical(values) if scale is not None else (1.0, 1.0, 1.0)
+def _entry(look: Look, face: RGB) -> Artist:
     red, green, blue = _greyed(np.array([face]), look)[0].tolist()
     return swatch(look, (red, green, blue), hatched=False)
 
@@ -124,7 +164,7 @@ def _greyed(colours: NDArray[np.float64], look: Look) -> NDArray[np.float64]:
         return colours
     grey = 0.6 + 0.36 * (luminance(colours))[:, np.newaxis]
     return (1 - GREYED) * colours + GREYED * (
-        (1 - TINT) * grey + TINT * np.array(mix(look.colour, VEIL, 0.35))
+        (1 - TINT) * grey + TINT * np.array(mix(look.colour, "#ffffff", 0.35))
     )
 
 

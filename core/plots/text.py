@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-UNITS = {
-    "1": "",
-    "degree": "°",
-    "m s-1": "m/s",
-    "m s-2": "m/s²",
-    "rad s-1": "rad/s",
-    "rad s-2": "rad/s²",
-}
-SMALL_UNITS = {"m": "mm", "s": "ms", "kg": "g", "N": "mN"}
-SMALL = 0.1  # values all below this are read in the thousandth
+from core.plots.problem import PlotError
+from core.study.shown import Shown, ShownUnits, read_shown
+from core.study.units import UnitError
+
 GREEK = (
     "Gamma", "Lambda", "alpha", "beta", "gamma", "delta", "zeta", "theta", "kappa", "lambda", "mu",
     "xi", "rho", "sigma", "tau", "chi", "psi",
 )  # fmt: skip
+LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 SUBSCRIPTS = {"inf": r"\infty"}
 
 
@@ -30,14 +26,32 @@ def words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def read_unit(array: xarray.DataArray) -> tuple[float, str]:
-    """Return the factor to the unit in which a person reads the values, and that unit."""
-    unit = str(array.attrs.get("units", "1"))
+def name_in_words(name: str) -> str:
+    """Return a name of the code in words, its numbers below the line: they are no values."""
+    return re.sub(r" (\d+)\b", lambda found: found[1].translate(LOWERED), words(name))
+
+
+def shown_in(array: xarray.DataArray, units: ShownUnits) -> Shown:
+    """Return the unit in which a person reads the values of an array."""
     values = np.abs(np.asarray(array.values, dtype=np.float64))
-    finite = values[np.isfinite(values)]
-    if unit in SMALL_UNITS and 0 < finite.max(initial=0) < SMALL:
-        return 1000.0, SMALL_UNITS[unit]
-    return 1.0, UNITS.get(unit, unit)
+    largest = float(values[np.isfinite(values)].max(initial=0.0))
+    return units.of(str(array.attrs.get("units", "1")), largest)
+
+
+def units_of(dataset: xarray.Dataset, asked: Sequence[str] | str | None) -> ShownUnits:
+    """Return the units that are asked for, else those that the study of a dataset asks for.
+
+    Raises
+    ------
+    PlotError
+        If what is asked for is no unit.
+    """
+    words = dataset.attrs.get("shown_units", "") if asked is None else asked
+    listed = words.split(",") if isinstance(words, str) else list(words)
+    try:
+        return read_shown(word for word in listed if word.strip())
+    except UnitError as error:
+        raise PlotError("units", error.message, error.fix) from None
 
 
 def number(value: float, digits: int = 6) -> str:
@@ -84,5 +98,5 @@ def in_brackets(unit: str) -> str:
 
 
 def scaled(array: xarray.DataArray, factor: float) -> NDArray[np.float64]:
-    """Return values times the factor of `read_unit`."""
+    """Return values times the factor of `shown_in`."""
     return np.asarray(array.values, dtype=np.float64) * factor

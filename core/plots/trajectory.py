@@ -19,10 +19,12 @@ from core.motion.waves import ALONG, NORMAL, TURN, Wave, place, speed
 from core.plots.fixed import fixed_positions
 from core.plots.parts import add_room
 from core.plots.problem import PlotError
-from core.plots.regimes import FILLS, HATCH_WIDTH, VEIL, mix
+from core.plots.regimes import FILLS, HATCH_WIDTH
 from core.plots.selection import held_fixed
-from core.plots.text import number, read_unit, with_unit, words
+from core.plots.style import RGB, Style, mix
+from core.plots.text import number, shown_in, with_unit, words
 from core.quantities import QUANTITIES
+from core.study.shown import ShownUnits
 
 TIME = "cycle_time"
 NEEDED = (
@@ -31,9 +33,7 @@ NEEDED = (
 )  # fmt: skip
 MILLI = 1000.0
 PANELS = (3.0, 2.4, 1.8)  # heights
-PART = "#1f3b73"
-TRACK = "#8a6a3a"
-PALE = 0.65
+PALE = 0.55
 AT_REST = 1e-9  # of the heights: a position below is rounding
 MOST_PERIODS = 12  # that are told apart by lines
 ORBIT_POINTS = 400
@@ -41,12 +41,11 @@ STRAIGHT = 1e-6  # of an orbit's length: one that is no wider is a line
 ORBIT_PLACE = (0.80, 0.60, 0.19, 0.30)  # of the upper panel
 ORBIT_ROOM = 0.7  # of the heights, above them
 
-# Hatch and colour of the background while the part is in a mode.
+# Hatch and colour of the background while the part is in a mode; in flight it is the ground.
 MODES = {
-    "stick": ("..", mix(FILLS["stick"], VEIL, PALE)),
-    "forward": ("", mix(FILLS["slip"], VEIL, PALE)),
-    "backward": ("\\\\", mix(FILLS["hop_after_hop"], VEIL, PALE)),
-    "flight": ("", (1.0, 1.0, 1.0)),
+    "stick": ("..", FILLS["stick"]),
+    "forward": ("", FILLS["slip"]),
+    "backward": ("\\\\", FILLS["hop_after_hop"]),
 }
 LEGEND = {
     "stick": "sticking",
@@ -54,7 +53,7 @@ LEGEND = {
     "backward": "sliding backward",
     "flight": "in flight",
 }
-UNKNOWN = ("", (0.9, 0.9, 0.9))
+UNKNOWN = ("", "#b0b0b0")
 
 
 class Trajectory(NamedTuple):
@@ -69,7 +68,7 @@ class Trajectory(NamedTuple):
     track, part : ndarray, shape (n,)
         Heights of the track and of the part in the fixed frame, in `height_unit`.
     track_velocity, part_velocity : ndarray, shape (n,)
-        Velocities along the track, in the fixed frame [m s-1].
+        Velocities along the track, in the fixed frame, in `velocity_unit`.
     position : ndarray, shape (n,)
         Position on the track, in `position_unit`.
     modes : list of str, length n
@@ -87,6 +86,7 @@ class Trajectory(NamedTuple):
     height_unit: str
     track_velocity: NDArray[np.float64]
     part_velocity: NDArray[np.float64]
+    velocity_unit: str
     position: NDArray[np.float64]
     position_unit: str
     modes: list[str]
@@ -94,19 +94,13 @@ class Trajectory(NamedTuple):
     orbit: NDArray[np.float64] | None = None
 
 
-def read_trajectory(
+def check_trajectory(
     dataset: xarray.Dataset,
     variable: str | None,
     axes: tuple[str, ...] | None,
     at: Mapping[str, float],
-) -> Trajectory:
-    """Return the motion of the one part that the dataset shows.
-
-    Raises
-    ------
-    PlotError
-        If there is none, or if a variable, an axis or a value is asked for that it cannot show.
-    """
+) -> None:
+    """Raise `PlotError` if there is no motion, or something is asked for that it cannot show."""
     if TIME not in dataset.dims:
         fix = "Set trajectory = 400 in a study of one point, and run it"
         raise PlotError("kind", f"the dataset holds no motion over a cycle: no {TIME}", fix)
@@ -116,6 +110,18 @@ def read_trajectory(
     if axes is not None and axes != (TIME,):
         raise PlotError("axes", f"a trajectory is drawn over {TIME}", "Leave axes out")
     fixed_positions(dataset, at, (), (TIME,))
+    if dataset.sizes[TIME] < 2:
+        raise PlotError("dataset", "it shows one time only", "Ask for two times or more")
+
+
+def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
+    """Return the motion of the one part that the dataset shows.
+
+    Raises
+    ------
+    PlotError
+        If the dataset lacks a part of it.
+    """
     known = {**dataset.data_vars, **dataset.coords}
     shape, _ = shape_of(map(str, known))
     needed = (*NEEDED, "frequency", *(("gravity", *shape.inputs) if shape else ()))
@@ -123,14 +129,12 @@ def read_trajectory(
     if missing:
         fix = "Draw a file that `vibrafeed run` wrote"
         raise PlotError("dataset", f"its motion has no {missing[0]}", fix)
-    if dataset.sizes[TIME] < 2:
-        raise PlotError("dataset", "it shows one time only", "Ask for two times or more")
     dataset = dataset.sortby(TIME)
 
     seconds = _values(dataset[TIME])
     period = 1.0 / float(dataset["frequency"])
-    track, height = _values(dataset["track_normal"]), _values(dataset["height_above_floor"])
-    part, orbit = track + height, None
+    track = _values(dataset["track_normal"])
+    part, orbit = track + _values(dataset["height_above_floor"]), None
     if shape is None:
         swing = _swing(seconds, period, _values(dataset["track_along"]))
     else:
@@ -138,75 +142,91 @@ def read_trajectory(
         swing = scale * speed(wave, ALONG, TURN * seconds / period)
         orbit = _orbit(wave)
     seen = part if part.any() else _values(dataset["track_along"])  # a level drive
-    scale, height_unit = read_unit(xarray.DataArray(seen, attrs={"units": "m"}))
+    height = shown_in(xarray.DataArray(seen, attrs={"units": "m"}), units)
     if not np.isfinite(part).any():
         raise PlotError("dataset", "no cycle was found: its motion has no values", "Draw another")
-    position = _values(dataset["position_along"])
-    factor, position_unit = read_unit(dataset["position_along"])
-    if np.nanmax(np.abs(position)) <= AT_REST * np.nanmax(np.abs(part)):
-        position, factor, position_unit = np.zeros_like(position), scale, height_unit
+    place = shown_in(dataset["position_along"], units)
+    position = place.factor * _values(dataset["position_along"])
+    if np.nanmax(np.abs(position)) <= AT_REST * place.factor * np.nanmax(np.abs(part)):
+        position, place = np.zeros_like(position), height
+    moved = swing + _values(dataset["relative_velocity_along"])
+    fastest = xarray.DataArray([swing, moved], attrs={"units": "m s-1"})
+    speed_shown = shown_in(fastest, units)
     return Trajectory(
         time=MILLI * seconds,
         period=MILLI * period,
-        track=scale * track,
-        part=scale * part,
-        height_unit=height_unit,
-        track_velocity=swing,
-        part_velocity=swing + _values(dataset["relative_velocity_along"]),
-        position=factor * position,
-        position_unit=position_unit,
+        track=height.factor * track,
+        part=height.factor * part,
+        height_unit=height.unit,
+        track_velocity=speed_shown.factor * swing,
+        part_velocity=speed_shown.factor * moved,
+        velocity_unit=speed_shown.unit,
+        position=position,
+        position_unit=place.unit,
         modes=_modes(dataset["motion_mode"]),
-        facts=_facts(dataset),
+        facts=_facts(dataset, units),
         orbit=orbit,
     )
 
 
-def draw_trajectory(figure: Figure, shown: Trajectory) -> tuple[Axes, list[Artist]]:
+def draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[Axes, list[Artist]]:
     """Draw the motion; return the upper axes and the legend's entries."""
     panels = figure.subplots(3, 1, sharex=True, height_ratios=PANELS)
     heights, velocities, positions = panels
     for axes in panels:
-        _shade_modes(axes, shown)
-        _mark_periods(axes, shown)
-        axes.grid(visible=True, axis="y", color="#000000", alpha=0.12, linewidth=0.6)
+        _shade_modes(axes, shown, style)
+        _mark_periods(axes, shown, style)
+        axes.grid(visible=True, axis="y", color=style.grid, linewidth=0.6)
         axes.set_axisbelow(True)
+    part = {"color": style.curve, "linewidth": style.width(2.0), "zorder": 4}
+    track = {"color": style.other, "linewidth": style.width(1.4), "zorder": 3}
 
     ends = _limits(shown.track, shown.part)
-    heights.fill_between(
-        shown.time, shown.track, ends[0], facecolor=mix(TRACK, VEIL, 0.5), linewidth=0, zorder=2
-    )
-    heights.plot(shown.time, shown.track, color=TRACK, linewidth=1.0, zorder=3)
-    heights.plot(shown.time, shown.part, color=PART, linewidth=2.0, zorder=4)
+    body = mix(style.other, style.ground, 0.5)
+    heights.fill_between(shown.time, shown.track, ends[0], facecolor=body, linewidth=0, zorder=2)
+    heights.plot(shown.time, shown.track, **{**track, "linewidth": style.width(1.0)})
+    heights.plot(shown.time, shown.part, **part)
     heights.set_ylim(*ends)
     if shown.orbit is not None:
         heights.set_ylim(ends[0], ends[1] + ORBIT_ROOM * (ends[1] - ends[0]))
-        _draw_orbit(heights, shown.orbit)
-    heights.set_ylabel(f"Height ({shown.height_unit})")
+        _draw_orbit(heights, shown.orbit, style)
+    heights.set_ylabel(f"Height{_under(style)}({shown.height_unit})")
 
-    velocities.axhline(0.0, color="#333333", linewidth=0.7, zorder=1)
-    velocities.plot(shown.time, shown.track_velocity, color=TRACK, linewidth=1.4, zorder=3)
-    velocities.plot(shown.time, shown.part_velocity, color=PART, linewidth=2.0, zorder=4)
+    velocities.axhline(0.0, color=style.quiet, linewidth=0.7, zorder=1)
+    velocities.plot(shown.time, shown.track_velocity, **track)
+    velocities.plot(shown.time, shown.part_velocity, **part)
     velocities.set_ylim(*_limits(shown.track_velocity, shown.part_velocity))
-    velocities.set_ylabel("Velocity along\nthe track (m/s)")
+    along = "" if style.small else " along\nthe track"
+    velocities.set_ylabel(f"Velocity{along}{_under(style)}({shown.velocity_unit})")
 
-    positions.plot(shown.time, shown.position, color=PART, linewidth=2.0, zorder=4)
+    positions.plot(shown.time, shown.position, **part)
     positions.set_ylim(*(_limits(shown.position) if shown.position.any() else ends))
-    positions.set_ylabel(f"Position on\nthe track ({shown.position_unit})")
+    on = "" if style.small else " on\nthe track"
+    positions.set_ylabel(f"Position{on}{_under(style)}({shown.position_unit})")
     positions.set_xlabel("Time since the start of the cycle (ms)")
     positions.set_xlim(shown.time[0], shown.time[-1])
     figure.align_ylabels(panels)
-    return heights, [*_lines(), *_mode_entries(shown.modes)]
+    return heights, [*_lines(style), *_mode_entries(shown.modes, style)]
 
 
-def _facts(dataset: xarray.Dataset) -> list[str]:
+def _under(style: Style) -> str:
+    """Return what parts a label from its unit: panels of a small picture are low."""
+    return "\n" if style.small else " "
+
+
+def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
     """Return mean velocity and regime, and what is held fixed."""
     facts = []
     mean = dataset.get("conveying_velocity")
     if mean is not None and not mean.ndim and np.isfinite(mean):
-        facts.append("mean velocity " + with_unit(number(float(mean), 4), "m/s"))
+        shown = units.of("m s-1", abs(float(mean)))
+        facts.append(
+            f"mean velocity {with_unit(number(shown.factor * float(mean), 4), shown.unit)}"
+        )
     if not dataset["regime"].ndim:
         facts.append("regime " + words(_flag(dataset["regime"], int(dataset["regime"]))))
-    return [fact.replace(" ", "\N{NO-BREAK SPACE}") for fact in facts] + held_fixed(dataset)
+    held = held_fixed(dataset, units)
+    return [fact.replace(" ", "\N{NO-BREAK SPACE}") for fact in facts] + held
 
 
 def _values(array: xarray.DataArray) -> NDArray[np.float64]:
@@ -246,19 +266,18 @@ def _orbit(wave: Wave) -> NDArray[np.float64] | None:
     return orbit if width > STRAIGHT * length else None
 
 
-def _draw_orbit(axes: Axes, orbit: NDArray[np.float64]) -> None:
+def _draw_orbit(axes: Axes, orbit: NDArray[np.float64], style: Style) -> None:
     """Draw the orbit of the track, from a dot at the start of a period, with an arrow its way."""
-    inset = axes.inset_axes(ORBIT_PLACE, facecolor="white", zorder=5)
-    inset.plot(*orbit, color=TRACK, linewidth=1.4)
-    inset.plot(*orbit[:, :1], color=TRACK, marker="o", markersize=3.5)
+    inset = axes.inset_axes(ORBIT_PLACE, facecolor=style.ground, zorder=5)
+    inset.plot(*orbit, color=style.other, linewidth=style.width(1.4))
+    inset.plot(*orbit[:, :1], color=style.other, marker="o", markersize=style.width(3.5))
     ahead = orbit[:, ORBIT_POINTS // 12 : ORBIT_POINTS // 12 + 2].T
-    inset.annotate(
-        "", ahead[1], ahead[0], arrowprops={"arrowstyle": "-|>", "color": TRACK, "lw": 1.4}
-    )
+    arrow = {"arrowstyle": "-|>", "color": style.other, "lw": style.width(1.4)}
+    inset.annotate("", ahead[1], ahead[0], arrowprops=arrow)
     inset.set_aspect("equal", adjustable="datalim")
     inset.margins(0.12)
     inset.set(xticks=[], yticks=[])
-    inset.set_title("Orbit of the track", fontsize=7, pad=2)
+    inset.set_title("Orbit of the track", fontsize=style.text(7.5), pad=2, color=style.ink)
 
 
 def _flag(array: xarray.DataArray, value: int) -> str:
@@ -276,48 +295,53 @@ def _modes(array: xarray.DataArray) -> list[str]:
     return [_flag(array, value) for value in array.values.astype(np.int64).tolist()]
 
 
-def _shade_modes(axes: Axes, shown: Trajectory) -> None:
+def _look(mode: str, style: Style) -> tuple[str, RGB]:
+    """Return hatch and colour of the background in a mode."""
+    if mode == "flight":
+        return "", mix(style.ground, style.ground, 0.0)
+    hatch, colour = MODES.get(mode, UNKNOWN)
+    return hatch, mix(colour, style.ground, PALE)
+
+
+def _shade_modes(axes: Axes, shown: Trajectory, style: Style) -> None:
     """Colour the background by mode; borders lie halfway between two times."""
     time = shown.time
     edges = np.concatenate([time[:1], (time[:-1] + time[1:]) / 2, time[-1:]])
     changes = [i for i in range(1, len(shown.modes)) if shown.modes[i] != shown.modes[i - 1]]
     for start, stop in zip([0, *changes], [*changes, len(shown.modes)], strict=True):
-        hatch, colour = MODES.get(shown.modes[start], UNKNOWN)
+        hatch, colour = _look(shown.modes[start], style)
         area = axes.axvspan(edges[start], edges[stop], facecolor=colour, linewidth=0, zorder=0)
         if hatch:
-            area.set(hatch=hatch, edgecolor=_ink(colour))
+            area.set(hatch=hatch, edgecolor=mix(colour, style.ink, 0.25))
             area.set_hatch_linewidth(HATCH_WIDTH)
 
 
-def _mark_periods(axes: Axes, shown: Trajectory) -> None:
+def _mark_periods(axes: Axes, shown: Trajectory, style: Style) -> None:
     """Draw a line where a period of the drive begins."""
     first, last = np.ceil(shown.time[0] / shown.period), np.floor(shown.time[-1] / shown.period)
     if last - first > MOST_PERIODS:
         return
     for count in np.arange(first, last + 1):
-        axes.axvline(count * shown.period, color="#333333", linewidth=0.8, linestyle=":", zorder=1)
+        axes.axvline(
+            count * shown.period, color=style.quiet, linewidth=0.8, linestyle=":", zorder=1
+        )
 
 
-def _lines() -> list[Artist]:
+def _lines(style: Style) -> list[Artist]:
     return [
-        Line2D([], [], color=PART, linewidth=2.0, label="part"),
-        Line2D([], [], color=TRACK, linewidth=1.4, label="track"),
+        Line2D([], [], color=style.curve, linewidth=style.width(2.0), label="part"),
+        Line2D([], [], color=style.other, linewidth=style.width(1.4), label="track"),
     ]
 
 
-def _mode_entries(modes: list[str]) -> list[Artist]:
+def _mode_entries(modes: list[str], style: Style) -> list[Artist]:
     entries: list[Artist] = []
-    for name in dict.fromkeys((*MODES, *modes)):
+    for name in dict.fromkeys((*MODES, "flight", *modes)):
         if name in modes:
-            hatch, colour = MODES.get(name, UNKNOWN)
-            patch = Patch(
-                facecolor=colour, edgecolor=_ink(colour), label=LEGEND.get(name, words(name))
-            )
+            hatch, colour = _look(name, style)
+            ink = mix(colour, style.ink, 0.3)
+            patch = Patch(facecolor=colour, edgecolor=ink, label=LEGEND.get(name, words(name)))
             patch.set(hatch=hatch, linewidth=0.8)
             patch.set_hatch_linewidth(HATCH_WIDTH)
             entries.append(patch)
     return entries
-
-
-def _ink(colour: tuple[float, float, float]) -> tuple[float, float, float]:
-    return mix(colour, "#000000", 0.25)

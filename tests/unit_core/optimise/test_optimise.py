@@ -15,7 +15,8 @@ from core.optimise.codes import STATUS
 from core.optimise.front import knee
 from core.optimise.labels import BINDS
 from core.plots import PlotError
-from core.plots.optimum import draw_front, draw_landscape
+from core.plots.front import draw_front
+from core.plots.landscape import draw_landscape
 from core.quantities import OPTIMUM_STATUSES, REGIMES
 from core.study import load_study, parse_study
 from core.sweep import sweep

@@ -1,0 +1,75 @@
+"""Outputs whose numbers stand for words: they are drawn as colours with names, not as heights."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from core.plots.regimes import FILLS, Look
+from core.plots.style import Style
+from core.plots.text import words
+
+MOST = 8  # categories of a picture; more are drawn as numbers
+NO_VALUE = -1
+
+CODED: Mapping[str, Mapping[int, str]] = {
+    "resting_side": {
+        0: "no side", 1: "the side at pitch 0°", 2: "the side at pitch 90°",
+        3: "the side at pitch 180°", 4: "the side at pitch 270°",
+    },
+    "contact_form": {
+        0: "no form", 1: "rim on face", 2: "rim on side", 3: "face on face", 4: "side on side",
+        5: "side on face",
+    },
+    "period_multiple": {0: "does not repeat", 1: "repeats every period"},
+    "path_corners": {},
+}  # fmt: skip
+"""Words of numbers, as the descriptions of the quantities have them."""
+OTHERS = {"period_multiple": "repeats every {} periods", "path_corners": "corners: {}"}
+
+COLOURS = (
+    "stick", "hopping", "hop_after_hop", "stick_slip", "period_doubled", "slip", "no_motion",
+    "apart",
+)  # fmt: skip
+PALE = "#f2f2f2"
+
+
+def categories_of(array: xarray.DataArray) -> dict[int, str] | None:
+    """Return the words of the numbers that an output has, None if they are values.
+
+    What is not finite is `NO_VALUE`.
+    """
+    name = str(array.name)
+    if "flag_values" in array.attrs:
+        numbers = np.atleast_1d(array.attrs["flag_values"]).tolist()
+        meanings = map(words, str(array.attrs.get("flag_meanings", "")).split())
+        named = dict(zip(numbers, meanings, strict=False))
+        other = "{}"
+    elif name in CODED:
+        named, other = dict(CODED[name]), OTHERS.get(name, "{}")
+    else:
+        return None
+    present = np.unique(codes_of(array.values)).tolist()
+    if len(present) > MOST:
+        return None
+    named[NO_VALUE] = "no value"
+    return {value: named.get(value, other.format(value)) for value in present}
+
+
+def codes_of(values: NDArray[np.generic]) -> NDArray[np.int64]:
+    """Return numbers as integers."""
+    numbers = np.asarray(values, dtype=np.float64)
+    finite = np.isfinite(numbers)
+    return np.where(finite, np.where(finite, numbers, 0).round(), NO_VALUE).astype(np.int64)
+
+
+def looks_of_categories(named: Mapping[int, str], style: Style) -> list[Look]:
+    """Return the looks of categories, ascending; those that have no value are pale."""
+    looks = []
+    for value, name in named.items():
+        paint = PALE if value == NO_VALUE else FILLS[COLOURS[value % len(COLOURS)]]
+        looks.append(Look(value, name, True, "", paint, 1.8, style, paint))
+    return looks

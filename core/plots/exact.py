@@ -1,0 +1,25 @@
+"""Which outputs hold in every regime, and which of their values matter."""
+
+from __future__ import annotations
+
+import xarray
+
+from core.scenes import SCENES
+
+EXACT = ("throw_number",)
+"""Outputs of which conditions are assessed, and that hold whatever these say."""
+
+LEVELS = {"throw_number": (1.0, "lift-off")}
+"""A value of an output that is marked, and what begins there."""
+
+
+def is_exact(dataset: xarray.Dataset, output: str) -> bool:
+    """Return whether no condition of a scene makes the values of an output doubtful."""
+    if output in EXACT:
+        return True
+    name, variant = str(dataset.attrs.get("scene")), str(dataset.attrs.get("variant"))
+    scene = SCENES.get(name)
+    if scene is None or variant not in scene.conditions:
+        return False
+    doubtful = {found for condition in scene.conditions[variant] for found in condition.outputs}
+    return output in scene.producers(variant) and output not in doubtful

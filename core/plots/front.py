@@ -1,0 +1,83 @@
+"""The picture of a trade-off: two outputs along a front, with its knee."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from core.optimise.labels import criterion_in_words
+from core.plots.heading import finish, source_of
+from core.plots.optimum import prepared_of
+from core.plots.problem import PlotError
+from core.plots.selection import FEW, held_fixed
+from core.plots.style import LIGHT, RGB, Style
+from core.plots.text import axis_label, name_in_words, number, scaled, shown_in, with_unit
+from core.study.models import Pareto
+from core.study.shown import ShownUnits
+
+
+def draw_front(
+    dataset: xarray.Dataset,
+    style: Style = LIGHT,
+    units: ShownUnits | None = None,
+    *,
+    title: str | None = None,
+) -> Figure:
+    """Return the picture of a trade-off: both outputs along the front, with its knee.
+
+    Of a dataset with several designs up to seven fronts are drawn, evenly taken.
+
+    Raises
+    ------
+    PlotError
+        If the dataset holds no front.
+    """
+    units = units or ShownUnits()
+    problem = prepared_of(dataset).problem
+    criterion = problem.criterion
+    if not isinstance(criterion, Pareto):
+        fix = "Draw the result of a study with criterion kind 'pareto'"
+        raise PlotError("dataset", "it holds no front", fix)
+    figure = style.sheet()
+    axes = figure.add_subplot()
+    others = [str(name) for name in dataset["regime"].dims if name != "front"]
+    fronts = dataset.stack(design=others) if others else dataset.expand_dims("design")
+    count = fronts.sizes["design"]
+    chosen = np.unique(np.linspace(0, count - 1, min(count, FEW)).astype(int))
+    colours: list[RGB | str] = [style.curve]
+    if len(chosen) > 1:
+        colours = [*style.series_over(len(chosen))]
+    against, output = dataset[criterion.against], dataset[criterion.output]
+    side, height = shown_in(against, units), shown_in(output, units)
+    entries = []
+    for colour, place in zip(colours, chosen, strict=True):
+        one = fronts.isel(design=int(place))
+        across = np.abs(scaled(one[criterion.against], side.factor))
+        along = scaled(one[criterion.output], height.factor)
+        axes.plot(across, along, color=colour, lw=style.width(1.8))
+        knee = np.flatnonzero(one["knee"].values)
+        axes.plot(across[knee], along[knee], "o", color=colour, ms=style.width(8),
+                  mec=style.ground, zorder=5)  # fmt: skip
+        named = ", ".join(_value(one[name], units) for name in others)
+        entries.append(Line2D([], [], color=colour, lw=style.width(1.8), label=named or "front"))
+    entries.append(
+        Line2D([], [], ls="", marker="o", color=style.quiet, ms=style.width(8),
+               mec=style.ground, label="knee: beyond it more costs most")
+    )  # fmt: skip
+    label = axis_label(against, side.unit)
+    axes.set_xlabel(f"Size of: {label[0].lower()}{label[1:]}")
+    axes.set_ylabel(axis_label(output, height.unit))
+    style.add_grid(axes)
+    return finish(
+        figure, axes, style, name=title or "Trade-off along a front",
+        facts=[criterion_in_words(problem), *held_fixed(dataset, units)],
+        source=source_of(dataset), entries=entries,
+    )  # fmt: skip
+
+
+def _value(array: xarray.DataArray, units: ShownUnits) -> str:
+    shown = shown_in(array, units)
+    value = number(float(scaled(array, shown.factor)), 4)
+    return f"{name_in_words(str(array.name))} {with_unit(value, shown.unit)}"

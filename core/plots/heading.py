@@ -1,0 +1,145 @@
+"""What stands above and below a picture: its name, what is held fixed, its legend."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import xarray
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+
+from core.plots.names import leave_out_what_meets
+from core.plots.style import Style
+
+DOT = " \N{MIDDLE DOT} "
+NAME = 13.0  # points
+FACTS = 8.5
+LEGEND = 9.0
+HANDLE = 5.0  # widths of a letter: a swatch of the legend, and the gap behind it
+MARGIN = 0.02  # of the width, on either side
+
+
+def finish(
+    figure: Figure,
+    top: Axes,
+    style: Style,
+    *,
+    name: str,
+    facts: Sequence[str] = (),
+    source: str = "",
+    entries: Sequence[Artist] = (),
+    note: str = "",
+) -> Figure:
+    """Add name, facts in a line, their source in another, and the legend; return the figure.
+
+    Parameters
+    ----------
+    top : Axes
+        The uppermost axes, above which the facts stand.
+    facts : sequence of str
+        What is held fixed; those that find no room in their line are counted.
+    note : str
+        A sentence above the legend.
+    """
+    style.dress(figure)
+    _add_legend(figure, entries, note, style)
+    _add_name(figure, name, style)
+    # Where the axes begin is known only after a first layout, with a text of two lines.
+    top.set_title("\n" if source and facts else "", loc="left", fontsize=style.text(FACTS),
+                  linespacing=1.4, color=style.quiet)  # fmt: skip
+    figure.draw_without_rendering()
+    start = top.get_window_extent().x0
+    beside = [legend.get_window_extent() for legend in figure.legends]
+    ends = [box.x0 - MARGIN * figure.bbox.width for box in beside if box.x0 > start]
+    room = min([(1 - MARGIN) * figure.bbox.width, *ends]) - start
+    size = style.text(FACTS)
+    lines = [_packed(figure, facts, room, size), _cut(figure, source, room, size)]
+    title = top.set_title("\n".join(filter(None, lines)), loc="left", fontsize=size,
+                          linespacing=1.4, color=style.quiet)  # fmt: skip
+    figure.draw_without_rendering()
+    heading = figure._suptitle  # type: ignore[attr-defined]
+    start = title.get_window_extent().x0 if title.get_text() else MARGIN * figure.bbox.width
+    if start + heading.get_window_extent().width < (1 - MARGIN) * figure.bbox.width:
+        heading.set_x(start / figure.bbox.width)
+    leave_out_what_meets(figure)
+    return figure
+
+
+def source_of(dataset: xarray.Dataset) -> str:
+    """Return where values come from: the title of their study, and its scene."""
+    parts = (dataset.attrs.get(name) for name in ("scene", "variant", "method"))
+    origin = ", ".join(str(part) for part in parts if part)
+    title = dataset.attrs.get("title")
+    return f"{title} ({origin})" if title else origin
+
+
+def text_width(figure: Figure, text: str, size: float, weight: str = "normal") -> float:
+    """Return how wide a text is, in dots."""
+    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    font = FontProperties(size=size, weight=weight)
+    width, _, _ = renderer.get_text_width_height_descent(text, font, ismath="$" in text)
+    return float(width)
+
+
+def _packed(figure: Figure, facts: Sequence[str], room: float, size: float) -> str:
+    """Return the facts that find room in a line, and how many more there are."""
+    for count in range(len(facts), 0, -1):
+        left = len(facts) - count
+        more = [f"{left}\N{NO-BREAK SPACE}more"] if left else []
+        line = DOT.join([*facts[:count], *more])
+        if text_width(figure, line, size) <= room:
+            return line
+    return ""
+
+
+def _cut(figure: Figure, text: str, room: float, size: float) -> str:
+    """Return a text, without its last words where it is too wide."""
+    parts = text.split(" ")
+    for count in range(len(parts), 0, -1):
+        shown = " ".join(parts[:count])
+        shown = shown if count == len(parts) else shown.rstrip(" ,(") + " …"
+        if text_width(figure, shown, size) <= room:
+            return shown
+    return ""
+
+
+def _add_name(figure: Figure, name: str, style: Style) -> None:
+    """Add the name of the picture, in two lines where one is too short."""
+    size, room = style.text(NAME), (1 - 2 * MARGIN) * figure.bbox.width
+    lines = [""]
+    for word in name.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if text_width(figure, longer, size, "bold") <= room or not lines[-1]:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    shown = lines[:2] if len(lines) <= 2 else [lines[0], lines[1] + " …"]
+    figure.suptitle("\n".join(shown), x=MARGIN, ha="left", fontsize=size, fontweight="bold",
+                    color=style.ink)  # fmt: skip
+
+
+def _add_legend(figure: Figure, entries: Sequence[Artist], note: str, style: Style) -> None:
+    if not entries:
+        return
+    size = style.text(LEGEND)
+    letter = text_width(figure, "n", size)
+    widest = max(text_width(figure, str(entry.get_label()), size) for entry in entries)
+    room = (1 - 2 * MARGIN) * figure.bbox.width
+    columns = int(room // (widest + HANDLE * letter + 2 * letter))
+    legend = figure.legend(
+        handles=list(entries),
+        loc="outside lower left",
+        ncols=max(1, min(len(entries), columns)),
+        frameon=False,
+        fontsize=size,
+        handlelength=3.0,
+        handleheight=1.4,
+        columnspacing=1.4,
+        labelcolor=style.ink,
+        title=_cut(figure, note, room, size) or None,
+        title_fontsize=size,
+        alignment="left",
+    )
+    legend.get_title().set_color(style.quiet)

@@ -1,0 +1,265 @@
+"""The objective of an optimisation over its variables, with optimum and limits.
+
+It is computed again from the study that a dataset carries. Best values over a swept parameter are
+plain lines: `draw` shows them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+import xarray
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter
+from numpy.typing import NDArray
+
+from core.dataset.table import quantity_attributes
+from core.optimise import Optimisation
+from core.optimise.codes import STATUS
+from core.optimise.labels import criterion_in_words
+from core.optimise.problem import Problem, chosen_cells
+from core.optimise.run import designs_of
+from core.plan.grid import from_si
+from core.plots.fixed import fixed_positions
+from core.plots.heading import finish, source_of
+from core.plots.names import gives_way
+from core.plots.optimum import prepared_of
+from core.plots.parts import add_room, plain
+from core.plots.problem import PlotError
+from core.plots.scale import scale_of
+from core.plots.selection import held_at, held_fixed
+from core.plots.style import LIGHT, Style, mix
+from core.plots.text import axis_label, scaled, shown_in, words
+from core.quantities import QUANTITIES
+from core.study.shown import ShownUnits
+
+POINTS = {1: 721, 2: 181}  # of each variable
+EXCLUDED = 0.55  # strength of the veil over what a constraint excludes
+SOLVED = (STATUS["optimal"], STATUS["not_attained"])
+
+Array = NDArray[np.float64]
+
+
+class Landscape(NamedTuple):
+    """The objective over one variable or two, in the units in which it is drawn.
+
+    Attributes
+    ----------
+    variables : tuple of Axis
+        The variables; the last is drawn across.
+    labels : tuple of str
+        Their labels.
+    value : ndarray, shape (n,) or (n, n)
+        The objective.
+    margins : dict of str to ndarray
+        How far each constraint is from being broken, below 0 where it is.
+    best : ndarray, shape (variables, k)
+        The optimum, or the points of a front; none where there is no answer.
+    """
+
+    variables: tuple[Array, ...]
+    labels: tuple[str, ...]
+    value: Array
+    label: str
+    margins: dict[str, Array]
+    best: Array
+
+
+def draw_landscape(
+    dataset: xarray.Dataset,
+    at: Mapping[str, float] | None = None,
+    style: Style = LIGHT,
+    units: ShownUnits | None = None,
+    *,
+    title: str | None = None,
+    nearest: bool = False,
+) -> Figure:
+    """Return the picture of the objective over one variable or two, with optimum and limits.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The result of an optimisation.
+    at : mapping of str to float, optional
+        Values of the ranged parameters; the middle ones if left out.
+    nearest : bool
+        Whether a value that the dataset does not have stands for the nearest one.
+
+    Raises
+    ------
+    PlotError
+        If the study has more variables, or the dataset does not have a value.
+    """
+    units = units or ShownUnits()
+    prepared = prepared_of(dataset)
+    problem = prepared.problem
+    if len(problem.names) not in POINTS:
+        message = f"the study has {len(problem.names)} variables, a landscape needs 1 or 2"
+        raise PlotError("dataset", message, "Draw best values as lines instead")
+    for name in at or {}:
+        if name not in prepared.designs.axes:
+            known = ", ".join(prepared.designs.axes) or "none"
+            raise PlotError("at", f"{name} is not ranged", f"Ranged parameters: {known}")
+    place = fixed_positions(dataset, at or {}, prepared.designs.axes, (), nearest=nearest)
+    shown = _computed(dataset, prepared, place, units)
+    figure = style.sheet()
+    axes = figure.add_subplot()
+    entries = (_draw_curve if len(problem.names) == 1 else _draw_plane)(axes, shown, style)
+    held = [held_at(dataset[name], units, position) for name, position in place.items()]
+    return finish(
+        figure, axes, style, name=title or f"Objective: {_name(problem)}",
+        facts=[criterion_in_words(problem), *held, *held_fixed(dataset, units)],
+        source=source_of(dataset), entries=entries,
+    )  # fmt: skip
+
+
+def _name(problem: Problem) -> str:
+    label = QUANTITIES[problem.criterion.output].label
+    return f"{label[0].lower()}{label[1:]}{', weighted' if problem.weight else ''}"
+
+
+def _computed(
+    dataset: xarray.Dataset,
+    prepared: Optimisation,
+    place: Mapping[str, int],
+    units: ShownUnits,
+) -> Landscape:
+    """Return the objective of the design at a place, on a grid of the variables."""
+    problem, count = prepared.problem, POINTS[len(prepared.problem.names)]
+    flat = np.ravel_multi_index(tuple(place.values()), tuple(prepared.designs.shape.values()))
+    cell = int(flat) if place else 0
+    design = chosen_cells(designs_of(problem, prepared.designs), slice(cell, cell + 1))
+    sides = [
+        np.linspace(low, high, count)
+        for low, high in zip(problem.lower, problem.upper, strict=True)
+    ]
+    grid = np.stack(np.meshgrid(*sides, indexing="ij"))
+    known = problem.known(grid, design)
+
+    def over(values: Array) -> Array:
+        return np.array(np.broadcast_to(values, grid.shape[1:]))
+
+    best = dataset.isel({str(name): position for name, position in place.items()})
+    solved = bool(np.all(np.isin(best["optimum_status"], SOLVED)))
+    tops, drawn, labels = [], [], []
+    for name, side in zip(problem.names, sides, strict=True):
+        variable = _array(name, np.asarray(from_si(name, side), dtype=np.float64))
+        unit = shown_in(variable, units)
+        drawn.append(scaled(variable, unit.factor))
+        labels.append(axis_label(variable, unit.unit))
+        tops.append(unit.factor * np.atleast_1d(best[f"best_{name}"].values))
+    output = problem.criterion.output
+    value = _array(output, problem.sign * over(problem.objective(known)))
+    unit = shown_in(value, units)
+    label = axis_label(value, unit.unit)
+    return Landscape(
+        variables=tuple(drawn),
+        labels=tuple(labels),
+        value=scaled(value, unit.factor),
+        label=label,
+        margins={kept.name: over(problem.margin(kept, known, design)) for kept in problem.kept},
+        best=np.array(tops) if solved else np.empty((len(tops), 0)),
+    )
+
+
+def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
+    """Draw the objective over two variables; return the legend's entries."""
+    (y, x), value = shown.variables, np.ma.masked_invalid(shown.value)
+    scale = scale_of(shown.value, style)
+    if scale is not None:
+        filled = axes.contourf(
+            x, y, value, levels=scale.levels, cmap=scale.colours, norm=scale.norm,
+            extend=scale.extend,
+        )  # fmt: skip
+        figure = axes.get_figure()
+        bar = figure.colorbar(  # type: ignore[union-attr]
+            filled, ax=axes, pad=0.02, aspect=28,
+            ticks=scale.levels[:: 2 if style.small else 1].tolist(),
+        )  # fmt: skip
+        bar.ax.yaxis.set_major_formatter(FuncFormatter(plain))
+        bar.set_label(shown.label)
+        lines = axes.contour(
+            x, y, value, levels=scale.levels, colors=[style.ink], linewidths=style.width(0.5)
+        )
+        for text in axes.clabel(lines, fontsize=style.text(8), fmt=plain, inline=False):
+            gives_way(text)
+    entries = _limits(axes, shown, style)
+    tops = shown.best
+    if tops.shape[1] > 1:
+        axes.plot(tops[1], tops[0], "-", color=style.accent, lw=style.width(3.0), clip_on=False,
+                  zorder=5)  # fmt: skip
+        entries.append(Line2D([], [], color=style.accent, lw=style.width(3.0), label="front"))
+    elif tops.size:
+        entries.append(_star(axes, tops[1], tops[0], style))
+    axes.set_xlabel(shown.labels[1])
+    axes.set_ylabel(shown.labels[0])
+    return entries
+
+
+def _draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
+    """Draw the objective over one variable; return the legend's entries."""
+    (x,), value = shown.variables, shown.value
+    axes.plot(x, value, color=style.curve, lw=style.width(2.0), zorder=4)
+    entries: list[Artist] = []
+    for name, margin in shown.margins.items():
+        if margin.min() < 0:
+            axes.fill_between(
+                x, 0, 1, where=(margin < 0).tolist(), transform=axes.get_xaxis_transform(),
+                facecolor=mix(style.quiet, style.ground, 0.75), hatch="///",
+                edgecolor=mix(style.quiet, style.ground, 0.5), linewidth=0, zorder=1,
+            )  # fmt: skip
+            patch = Patch(facecolor=mix(style.quiet, style.ground, 0.75), hatch="///",
+                          edgecolor=mix(style.quiet, style.ground, 0.5),
+                          label=f"excluded by {words(name)}")  # fmt: skip
+            entries.append(patch)
+    if shown.best.size:
+        entries.append(_star(axes, shown.best[0], np.interp(shown.best[0], x, value), style))
+    finite = value[np.isfinite(value)]
+    if finite.size:
+        axes.set_ylim(*add_room(float(finite.min()), float(finite.max())))
+    axes.set_xlim(x[0], x[-1])
+    axes.set_xlabel(shown.labels[0])
+    axes.set_ylabel(shown.label)
+    style.add_grid(axes)
+    return entries
+
+
+def _limits(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
+    """Veil what constraints exclude, and draw the edge of each."""
+    (y, x), entries = shown.variables, list[Artist]()
+    colours = (style.series[1], style.series[2], style.series[3], style.series[5])
+    excluded = False
+    for colour, (name, margin) in zip(colours, shown.margins.items(), strict=False):
+        if margin.min() < 0 < margin.max():
+            axes.contour(x, y, margin, levels=[0.0], colors=[colour], linewidths=style.width(2.2))
+            label = f"edge of {words(name)}"
+            entries.append(Line2D([], [], color=colour, lw=style.width(2.2), label=label))
+        if margin.min() < 0:
+            excluded = True
+            axes.contourf(
+                x, y, margin, levels=[margin.min(), 0.0], colors=[style.ground], alpha=EXCLUDED
+            )
+    if excluded:
+        pale = mix(style.one_sign(0.5)[:3], style.ground, EXCLUDED)
+        patch = Patch(facecolor=pale, edgecolor=style.quiet, label="pale: excluded")
+        entries.append(patch)
+    return entries
+
+
+def _star(axes: Axes, x: Array, y: Array, style: Style) -> Artist:
+    """Mark the optimum; return its entry in the legend."""
+    look = {"marker": "*", "color": style.accent, "mec": style.ground, "ls": ""}
+    axes.plot(x, y, ms=style.width(17), clip_on=False, zorder=6, **look)  # type: ignore[arg-type]
+    return Line2D([], [], ms=style.width(12), label="optimum", **look)  # type: ignore[arg-type]
+
+
+def _array(name: str, values: Array) -> xarray.DataArray:
+    """Return values of a quantity with its attributes."""
+    dims = [f"axis_{k}" for k in range(values.ndim)]
+    return xarray.DataArray(values, dims=dims, name=name, attrs=quantity_attributes(name))

@@ -1,0 +1,167 @@
+"""One style for all pictures: light or dark, of a page's or of a column's width."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import Colormap, ListedColormap, to_rgb
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from mpl_toolkits.mplot3d import Axes3D  # type: ignore[import-untyped]
+from numpy import linspace
+
+RGB = tuple[float, float, float]
+SMALL = 0.8  # text of a small picture over that of a normal one
+NARROW = 0.55  # width of a small picture over that of a normal one
+LOW = 0.68  # its height: the text below and above takes more of it
+DARKEST = 0.8  # of a scale that ends in a colour on which lines are still seen
+
+
+@dataclass(frozen=True)
+class Style:
+    """Colours and sizes that all kinds of picture share.
+
+    Attributes
+    ----------
+    dark : bool
+        Light on dark.
+    small : bool
+        For a column of a document.
+    """
+
+    dark: bool = False
+    small: bool = False
+
+    @property
+    def ground(self) -> str:
+        """What everything lies on."""
+        return "#15181d" if self.dark else "#ffffff"
+
+    @property
+    def ink(self) -> str:
+        """Text, frames, borders."""
+        return "#eceef1" if self.dark else "#16181c"
+
+    @property
+    def quiet(self) -> str:
+        """What matters less, and is still read."""
+        return "#b4b9c2" if self.dark else "#4a4d55"
+
+    @property
+    def grid(self) -> RGB:
+        """Lines behind the values."""
+        return mix(self.ground, self.ink, 0.13)
+
+    @property
+    def curve(self) -> str:
+        """The one curve of a picture."""
+        return "#8fb8ff" if self.dark else "#1f3b73"
+
+    @property
+    def other(self) -> str:
+        """A second curve beside it."""
+        return "#d9b27c" if self.dark else "#8a6a3a"
+
+    @property
+    def accent(self) -> str:
+        """What a picture is about: the best, a limit."""
+        return "#ff7aa8" if self.dark else "#b3124f"
+
+    @property
+    def series(self) -> tuple[str, ...]:
+        """Colours of things without an order."""
+        if self.dark:
+            return (
+                "#6fb1e8", "#f0925f", "#7cc576", "#b99be0", "#d9b44a", "#f07fb0", "#5fd0d0",
+                "#b8bcc4", "#e58a8a", "#9fc0ff", "#c4c46a",
+            )  # fmt: skip
+        return (
+            "#1f5a8a", "#c2572b", "#3f7d3a", "#7a4f9a", "#8a6d1f", "#b0366b", "#1f7f7f",
+            "#555555", "#a33c3c", "#4a78bd", "#6d6d1f",
+        )  # fmt: skip
+
+    @property
+    def one_sign(self) -> Colormap:
+        """Colours of a scale: nothing is as pale, or as dark, as the ground."""
+        colours = matplotlib.colormaps["YlGnBu"](linspace(0.0, DARKEST, 256))
+        return ListedColormap(colours[::-1] if self.dark else colours, "one sign")
+
+    @property
+    def two_signs(self) -> Colormap:
+        """Colours of a scale with zero in the middle."""
+        return matplotlib.colormaps["berlin" if self.dark else "RdYlBu_r"]
+
+    def text(self, size: float) -> float:
+        """Return the size of a text that is `size` points large in a normal picture."""
+        return size * (SMALL if self.small else 1.0)
+
+    def width(self, size: float) -> float:
+        """Return the width of a line or mark that is `size` points in a normal picture."""
+        return size * (SMALL if self.small else 1.0)
+
+    def sheet(self, width: float = 8.0, height: float = 6.4) -> Figure:
+        """Return an empty figure with a canvas of its own, of a normal picture's size in inches."""
+        if self.small:
+            width, height = NARROW * width, LOW * height
+        figure = Figure(figsize=(width, height), layout="constrained", facecolor=self.ground)
+        FigureCanvasAgg(figure)
+        return figure
+
+    def series_over(self, count: int) -> list[RGB]:
+        """Return the colours of curves over a quantity, in its order."""
+        ends = (0.25, 1.0) if self.dark else (0.0, 0.78)
+        shades = matplotlib.colormaps["viridis"](linspace(*ends, count))
+        return [(float(r), float(g), float(b)) for r, g, b, _ in shades]
+
+    def dress(self, figure: Figure) -> None:
+        """Give all axes and legends of a figure their colours and sizes of text."""
+        for axes in figure.findobj(Axes):
+            self._dress_axes(axes)
+        for legend in figure.findobj(Legend):
+            for text in (legend.get_title(), *legend.get_texts()):
+                text.set_color(self.ink)
+                text.set_fontsize(self.text(9))
+        if figure._suptitle is not None:  # type: ignore[attr-defined]
+            figure._suptitle.set_color(self.ink)  # type: ignore[attr-defined]
+
+    def _dress_axes(self, axes: Axes) -> None:
+        axes.set_facecolor(self.ground)
+        for spine in axes.spines.values():
+            spine.set_edgecolor(mix(self.ground, self.ink, 0.75))
+            spine.set_linewidth(0.8)
+        axes.tick_params(
+            which="both", colors=mix(self.ground, self.ink, 0.75), labelcolor=self.ink,
+            labelsize=self.text(9.5),
+        )  # fmt: skip
+        sides: list[Any] = [axes.xaxis, axes.yaxis]
+        if isinstance(axes, Axes3D):
+            sides.append(axes.zaxis)
+            for side in sides:
+                side.set_pane_color((*to_rgb(mix(self.ground, self.ink, 0.03)), 1.0))
+                side._axinfo["grid"]["color"] = self.grid
+                side.line.set_color(mix(self.ground, self.ink, 0.5))
+        for side in sides:
+            side.label.set_color(self.ink)
+            side.label.set_fontsize(self.text(10))
+            side.get_offset_text().set_color(self.ink)
+            side.get_offset_text().set_fontsize(self.text(8.5))
+
+    def add_grid(self, axes: Axes) -> None:
+        """Draw lines behind the values."""
+        axes.grid(visible=True, color=self.grid, linewidth=0.6)
+        axes.set_axisbelow(True)
+
+
+def mix(colour: str | RGB, other: str | RGB, share: float) -> RGB:
+    """Return a colour with a share of another."""
+    red, green, blue = (
+        (1 - share) * a + share * b for a, b in zip(to_rgb(colour), to_rgb(other), strict=True)
+    )
+    return red, green, blue
+
+
+LIGHT = Style()

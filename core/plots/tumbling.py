@@ -1,0 +1,204 @@
+"""The course of a part that falls and tumbles: its outlines, the gap below it, its pitch."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon
+from numpy.typing import NDArray
+
+from core.plots.categories import CODED
+from core.plots.parts import add_room
+from core.plots.problem import PlotError
+from core.plots.selection import held_fixed
+from core.plots.style import Style, mix
+from core.plots.text import number, shown_in, with_unit
+from core.study.shown import ShownUnits
+
+TIME = "cycle_time"
+NEEDED = ("path_along", "path_height", "path_pitch", "path_gap", "path_corners", "length")
+HEIGHTS = ("height", "diameter")  # of a part, whichever it has
+PANELS = (2.6, 1.2, 1.2)
+OUTLINES = 14
+QUIET_TAIL = 0.12  # of the time shown, after the last change
+STILL = 1e-3  # of the part's size, and of a turn
+
+Array = NDArray[np.float64]
+
+
+class Course(NamedTuple):
+    """The course of one part in the units in which it is drawn.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        Times, in `time_unit`.
+    along, upward, gap : ndarray, shape (n,)
+        Place of the part's middle, and height of its lowest corner, in `length_unit`.
+    pitch : ndarray, shape (n,)
+        Pitch, clockwise, in `pitch_unit`.
+    outlines : ndarray, shape (n, 4, 2)
+        The corners of the part.
+    touches : ndarray, shape (n,)
+        Whether a corner is on the plane.
+    facts : list of str
+        How it ends, and every parameter, in words.
+    """
+
+    time: Array
+    time_unit: str
+    along: Array
+    upward: Array
+    gap: Array
+    length_unit: str
+    pitch: Array
+    pitch_unit: str
+    outlines: Array
+    touches: NDArray[np.bool_]
+    facts: list[str]
+
+
+def read_tumbling(dataset: xarray.Dataset, units: ShownUnits) -> Course:
+    """Return the course of the one part that the dataset shows.
+
+    Raises
+    ------
+    PlotError
+        If the dataset lacks a part of it, or holds no values.
+    """
+    known = {**dataset.data_vars, **dataset.coords}
+    heights = [name for name in HEIGHTS if name in known]
+    missing = [*(name for name in NEEDED if name not in known), *(() if heights else HEIGHTS)]
+    if missing:
+        fix = "Draw a file that `vibrafeed run` wrote"
+        raise PlotError("dataset", f"its motion has no {missing[0]}", fix)
+    dataset = dataset.sortby(TIME)
+    along, upward, pitch, gap = (
+        np.asarray(dataset[name].values, dtype=np.float64) for name in NEEDED[:4]
+    )
+    if not np.isfinite(upward).all():
+        raise PlotError("dataset", "its motion has no values", "Draw another")
+    corners = (
+        0.5
+        * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+        * np.array([float(dataset["length"]), float(dataset[heights[0]])])
+    )
+    turned = np.deg2rad(pitch)[:, np.newaxis]
+    middle = np.stack([along, upward], axis=-1)[:, np.newaxis, :]
+    x, y = corners.T
+    # Clockwise: a corner in front goes down.
+    outlines = middle + np.stack(
+        [x * np.cos(turned) + y * np.sin(turned), y * np.cos(turned) - x * np.sin(turned)], axis=-1
+    )
+    length = shown_in(xarray.DataArray(outlines, attrs={"units": "m"}), units)
+    time, angle = shown_in(dataset[TIME], units), shown_in(dataset["path_pitch"], units)
+    shown = slice(0, _end(outlines, pitch, float(np.hypot(*corners[0]))))
+    return Course(
+        time=(time.factor * dataset[TIME].values)[shown],
+        time_unit=time.unit,
+        along=length.factor * along[shown],
+        upward=length.factor * upward[shown],
+        gap=length.factor * gap[shown],
+        length_unit=length.unit,
+        pitch=angle.factor * pitch[shown],
+        pitch_unit=angle.unit,
+        outlines=length.factor * outlines[shown],
+        touches=dataset["path_corners"].values[shown] > 0,
+        facts=_facts(dataset, units),
+    )
+
+
+def draw_tumbling(figure: Figure, shown: Course, style: Style) -> tuple[Axes, list[Artist]]:
+    """Draw the course; return the upper axes and the legend's entries."""
+    side, gaps, turns = figure.subplots(3, 1, height_ratios=PANELS)
+    gaps.sharex(turns)
+    gaps.tick_params(labelbottom=False)
+    _draw_side(side, shown, style)
+    gaps.plot(shown.time, shown.gap, color=style.curve, linewidth=style.width(1.8), zorder=4)
+    gaps.set_ylim(*add_room(0.0, float(shown.gap.max())))
+    gaps.set_ylabel(f"Lowest corner\n({shown.length_unit})")
+    turns.plot(shown.time, shown.pitch, color=style.curve, linewidth=style.width(1.8), zorder=4)
+    turns.set_ylim(*add_room(float(shown.pitch.min()), float(shown.pitch.max())))
+    turns.set_ylabel(f"Pitch\n({shown.pitch_unit})")
+    turns.set_xlabel(f"Time since the start ({shown.time_unit})")
+    turns.set_xlim(shown.time[0], shown.time[-1])
+    for axes in (gaps, turns):
+        style.add_grid(axes)
+        axes.fill_between(
+            shown.time, 0, 1, where=shown.touches.tolist(), transform=axes.get_xaxis_transform(),
+            facecolor=mix(style.other, style.ground, 0.75), linewidth=0, zorder=0,
+        )  # fmt: skip
+    figure.align_ylabels([side, gaps, turns])
+    return side, _entries(style)
+
+
+def _draw_side(axes: Axes, shown: Course, style: Style) -> None:
+    """Draw the part as it is seen from the side, at times that are far enough apart."""
+    moved = np.abs(np.diff(shown.outlines, axis=0)).sum(axis=(1, 2))
+    passed = np.concatenate([[0.0], np.cumsum(moved)])
+    chosen = np.unique(np.searchsorted(passed, np.linspace(0.0, passed[-1], OUTLINES)))
+    shades = np.linspace(0.75, 0.15, len(chosen))
+    outlines = [shown.outlines[k] for k in chosen]
+    axes.add_collection(
+        LineCollection(
+            [np.vstack([corners, corners[:1]]) for corners in outlines],
+            colors=[mix(style.curve, style.ground, float(shade)) for shade in shades],
+            linewidths=style.width(0.9), zorder=3,
+        )
+    )  # fmt: skip
+    for place, weight, face in ((0, 1.2, 0.9), (-1, 2.0, 0.55)):
+        axes.add_patch(
+            Polygon(
+                shown.outlines[place], closed=True, edgecolor=style.curve,
+                facecolor=mix(style.curve, style.ground, face), linewidth=style.width(weight),
+                zorder=4,
+            )
+        )  # fmt: skip
+    axes.plot(shown.along, shown.upward, color=style.accent, linewidth=style.width(1.0), zorder=5)
+    axes.axhline(0.0, color=style.other, linewidth=style.width(1.6), zorder=2)
+    x, y = shown.outlines[..., 0], shown.outlines[..., 1]
+    low, high = add_room(min(0.0, float(y.min())), float(y.max()))
+    axes.axhspan(low, 0.0, facecolor=mix(style.other, style.ground, 0.5), linewidth=0, zorder=1)
+    axes.set_xlim(*add_room(float(x.min()), float(x.max())))
+    axes.set_ylim(low, high)
+    axes.set_aspect("equal", adjustable="box", anchor="W")
+    axes.set_xlabel(f"Along the plane ({shown.length_unit})")
+    axes.set_ylabel(f"Height\n({shown.length_unit})")
+
+
+def _end(outlines: Array, pitch: Array, size: float) -> int:
+    """Return how many times are shown: up to a little after the part has come to rest."""
+    still = np.abs(outlines - outlines[-1]).max(axis=(1, 2)) < STILL * size
+    still &= np.abs(pitch - pitch[-1]) < STILL * 360
+    moving = np.flatnonzero(~still)
+    last = int(moving[-1]) + 1 if moving.size else len(pitch)
+    return min(len(pitch), max(2, int(np.ceil(last * (1 + QUIET_TAIL)))))
+
+
+def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
+    """Return how the part ends, and what is held fixed."""
+    facts = []
+    side, settled = dataset.get("resting_side"), dataset.get("settling_time")
+    if side is not None and not side.ndim and np.isfinite(side):
+        facts.append(f"rests on {CODED['resting_side'].get(int(side), 'a side')}")
+    if settled is not None and not settled.ndim and np.isfinite(settled):
+        shown = units.of("s", float(settled))
+        after = with_unit(number(shown.factor * float(settled), 3), shown.unit)
+        facts.append(f"after {after}")
+    words = [" ".join(facts)] if facts else []
+    return [word.replace(" ", "\N{NO-BREAK SPACE}") for word in words] + held_fixed(dataset, units)
+
+
+def _entries(style: Style) -> list[Artist]:
+    patch = Polygon([(0, 0), (1, 0), (1, 1)], facecolor=mix(style.curve, style.ground, 0.55))
+    patch.set(edgecolor=style.curve, label="the part, at the end heaviest")
+    touch = Polygon([(0, 0), (1, 0), (1, 1)], facecolor=mix(style.other, style.ground, 0.75))
+    touch.set(edgecolor=mix(style.other, style.ground, 0.4), label="on the plane")
+    return [patch, Line2D([], [], color=style.accent, label="its middle"), touch]
