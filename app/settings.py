@@ -169,7 +169,12 @@ class Settings(BaseSettings):
         default=1_000_000, gt=0, description="Largest number of values of one slice."
     )
     max_table_rows: int = Field(
-        default=1_000_000, gt=0, description="Most rows of a result as CSV or Parquet."
+        default=1_000_000, gt=0, description="Most rows of a table as CSV or Parquet."
+    )
+    max_sheet_rows: int = Field(
+        default=100_000,
+        gt=0,
+        description="Most rows of a table as XLSX, which takes long to write.",
     )
     zarr_cache_bytes: int = Field(
         default=64_000_000, ge=0, description="Memory for the chunks that were read last."

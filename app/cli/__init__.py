@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import typer
 
-from app.cli import drive, key, parts, plot, report, run, scenes, schema, scrub, serve, warm
+from app.cli import drive, export, key, parts, plot, report, run, scenes, schema, scrub, serve, warm
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -16,8 +16,8 @@ app = typer.Typer(
     help="Sweeps, motion in time and best drives of parts on vibratory feeder tracks.",
 )
 for _command in (
-    run.run, parts.join, plot.plot, drive.drive, report.report, scenes.scenes, schema.schema,
-    serve.serve, scrub.scrub, warm.warm,
+    run.run, export.export, parts.join, plot.plot, drive.drive, report.report, scenes.scenes,
+    schema.schema, serve.serve, scrub.scrub, warm.warm,
 ):  # fmt: skip
     app.command()(_command)
 app.add_typer(key.key, name="key")

@@ -1,9 +1,8 @@
-"""`vibrafeed run`: studies in, NetCDF files or Zarr groups out."""
+"""`vibrafeed run`: studies in, results out, in the format that a suffix names."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -14,16 +13,13 @@ from app.cli.studies import (
     FAILED,
     interruption,
     prepare_all,
-    refuse,
     refuse_beyond_memory,
-    refuse_clashes,
 )
+from app.cli.targets import targets_of, write_or_exit
 from core.compiling import stopwatch
-from core.errors import MissingPackageError, Problem, StoppedError
+from core.errors import StoppedError
 
 if TYPE_CHECKING:
-    from core.dataset.table import Table
-    from core.plan.prepared import Prepared
     from core.sweep import Sweep
 
 
@@ -34,15 +30,16 @@ def run(
         typer.Option(
             "-o",
             "--output",
-            help="File .nc, .csv or .parquet, or .zarr or s3://bucket/key (one study), or folder; "
-            "beside the study if left out.",
+            help="Of one study a file .nc, .csv, .xlsx, .parquet or .mat, or a group .zarr or "
+            "s3://bucket/key; or a folder. Beside the study if left out.",
         ),
     ] = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Say what would run, and how large it is.")
     ] = False,
     plain: Annotated[
-        bool, typer.Option("--plain", help="Do not compress NetCDF files: faster, and larger.")
+        bool,
+        typer.Option("--plain", help="Do not compress NetCDF and MAT files: faster, and larger."),
     ] = False,
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with large sweeps that were stopped or killed.")
@@ -76,7 +73,7 @@ def run(
         int | None, typer.Option(min=1, help="Number of parts, with --scheduler.")
     ] = None,
 ) -> None:
-    """Carry out studies and write one NetCDF file, or Zarr group, each.
+    """Carry out studies and write one file each: NetCDF, or what the suffix of the output names.
 
     All files are checked before the first is run. Exit code 2 means that a file is wrong, 1 that
     a result could not be written, that a verification failed, or that a study was stopped, by
@@ -90,7 +87,7 @@ def run(
         for path, prepared in studies.items():
             tables.show_plan(path, prepared)
         return
-    targets = _targets(studies, output)
+    targets = targets_of(studies, output)
     if part is not None or scheduler is not None:
         from app.cli.parts import run_on_scheduler, run_part
 
@@ -136,11 +133,7 @@ def run(
                 console.fail(f"{path}: {stopped}; nothing is written.")
                 break
         evaluated = time.perf_counter()
-        try:
-            _write(table, Path(target), history, plain)
-        except OSError as error:
-            console.fail(f"{target} cannot be written: {error.strerror or error}.")
-            raise typer.Exit(FAILED) from None
+        write_or_exit(path, table, target, history, compression=not plain)
         written = time.perf_counter()
         seconds = float(table.price["elapsed_seconds"])
         tables.show_table(path, target, table, prepared.cells, seconds, written - evaluated)
@@ -159,70 +152,13 @@ def run(
 
 def _is_streamed(sweep: Sweep, target: str) -> bool:
     """Return whether a sweep is written tile by tile, in place of being held in memory."""
-    from core.dataset.frame import FORMS
+    from core.dataset.formats import NETCDF, ZARR, suffix_of
     from core.dataset.netcdf import is_large
     from core.plan.tiles import Tiled
-    from core.sweep.targets import is_zarr
 
-    if Path(target).suffix in FORMS:
-        return False
-    return is_zarr(target) or is_large(Tiled(sweep).tiles)
-
-
-def _write(table: Table, target: Path, history: str, plain: bool) -> None:
-    from core.dataset.frame import FORMS, write_frame
-    from core.dataset.netcdf import write_netcdf
-
-    if target.suffix in FORMS:
-        write_frame(table, target)
-    else:
-        write_netcdf(table, target, history=history, compression=not plain)
+    suffix = suffix_of(target)
+    return suffix == ZARR or (suffix == NETCDF and is_large(Tiled(sweep).tiles))
 
 
 def _history(path: Path) -> str:
     return f"{datetime.now(UTC).isoformat(timespec='seconds')} vibrafeed run {path.name}"
-
-
-def _is_file(output: str) -> bool:
-    return Path(output).suffix in (".nc", ".csv", ".parquet") and not Path(output).is_dir()
-
-
-def _targets(studies: Mapping[Path, Prepared], output: str | None) -> dict[Path, str]:
-    """Return where each result goes; exit if two would go to one place."""
-    from core.dataset.frame import pyarrow
-    from core.sweep import Sweep
-    from core.sweep.targets import is_zarr
-
-    if output is not None and is_zarr(output):
-        problem = None
-        if len(studies) > 1:
-            problem = Problem("output", "a Zarr group is of one study", "Give a folder")
-        elif not all(isinstance(one, Sweep) for one in studies.values()):
-            problem = Problem(
-                "output",
-                "only sweeps that keep their cells go to Zarr",
-                "Give a name that ends in .nc",
-            )
-        if problem is not None:
-            refuse({path: [problem] for path in studies})
-        targets = dict.fromkeys(studies, output)
-    elif len(studies) == 1 and output and _is_file(output):
-        if output.endswith(".parquet"):
-            try:
-                pyarrow()
-            except MissingPackageError as error:
-                refuse({path: [Problem("output", str(error), "Or give .csv")] for path in studies})
-        targets = dict.fromkeys(studies, output)
-    else:
-        targets = {file: str(Path(output or file.parent) / f"{file.stem}.nc") for file in studies}
-    refuse_clashes(targets)
-    for target in targets.values():
-        if "://" in target:
-            continue
-        folder = Path(target).parent
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            place = Problem("output", f"{folder} cannot be made", str(error.strerror))
-            refuse({Path(target): [place]})
-    return targets

@@ -13,7 +13,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.web.accept import takes_gzip
 from app.web.documents import NETCDF_TYPE
-from app.web.tables import TABLES
+from app.web.tables import TABLES, XLSX
 
 SMALL = 1400  # bytes: with its head, such a reply fills one packet
 LEVEL = 1  # digits hardly compress further at higher ones, which take several times as long
@@ -23,6 +23,7 @@ PLAIN = (
     "application/octet-stream",
     NETCDF_TYPE,
     TABLES["parquet"],
+    XLSX,
 )
 
 

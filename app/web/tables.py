@@ -1,4 +1,4 @@
-"""Results as CSV and Parquet, sent in pieces as they are written."""
+"""Results as tables in files that people open, sent in pieces as they are written."""
 
 from __future__ import annotations
 
@@ -11,30 +11,44 @@ from anyio import CapacityLimiter, to_thread
 from fastapi import Request
 from fastapi.responses import Response, StreamingResponse
 
+from app.settings import Settings
 from app.web.outgoing import expect
-from core.dataset.frame import EXTRA, FORMS, Frame, pyarrow
+from core.dataset.formats import FORMATS
+from core.dataset.frame import EXTRA, Frame
 
 NOTE: Final = "Vibrafeed-Note"
-TABLES: Final = {"csv": "text/csv", "parquet": "application/vnd.apache.parquet"}
+XLSX: Final = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
+TABLES: Final = {"csv": "text/csv", "parquet": "application/vnd.apache.parquet", "xlsx": XLSX}
+PACKAGES: Final = {"parquet": "pyarrow", "xlsx": "openpyxl"}  # that write a form
 IN_WORK: Final = 16_000_000  # bytes of the pieces that are written while others are sent
 
 
 def tables_there() -> dict[str, str]:
     """Return the media types of the forms that this service can write."""
-    return TABLES if find_spec("pyarrow") else {"csv": TABLES["csv"]}
+    return {form: kind for form, kind in TABLES.items() if form not in _missing()}
 
 
 def missing() -> str:
     """Return what is told of forms that this service cannot write."""
-    return "" if find_spec("pyarrow") else f"Parquet takes pyarrow: {EXTRA}."
+    lacking = [f"{form} takes {PACKAGES[form]}" for form in _missing()]
+    return f"{', '.join(lacking)}: {EXTRA}." if lacking else ""
+
+
+def _missing() -> list[str]:
+    return [form for form, package in PACKAGES.items() if find_spec(package) is None]
 
 
 def written_by(form: str) -> str:
     """Return what else the bytes of a table follow from, for its ETag."""
-    if form != "parquet":
+    if form not in PACKAGES:
         return form
-    pyarrow()
-    return f"parquet {version('pyarrow')}"
+    FORMATS[f".{form}"].needs()
+    return f"{form} {version(PACKAGES[form])}"
+
+
+def most_rows(settings: Settings, form: str, most: int) -> int:
+    """Return how many rows a table may have in a form, of those that may have `most`."""
+    return min(most, settings.max_sheet_rows) if form == "xlsx" else most
 
 
 async def table_reply(
@@ -43,7 +57,9 @@ async def table_reply(
     """Return a table in a form, in pieces; each is written in a thread of a lane."""
     values = [one.values for one in frame.table.variables.values()]
     expect(request, sum(array.nbytes for array in values) + min(IN_WORK, 500 * frame.rows))
-    pieces = FORMS[f".{form}"](frame)
+    write = FORMATS[f".{form}"].pieces
+    assert write is not None
+    pieces = write(frame)
     note = frame.note
     reply = StreamingResponse(_written(pieces, lane), media_type=TABLES[form])
     if note:
@@ -52,5 +68,6 @@ async def table_reply(
 
 
 async def _written(pieces: Iterator[bytes], lane: CapacityLimiter | None) -> AsyncIterator[bytes]:
-    while piece := await to_thread.run_sync(next, pieces, b"", limiter=lane):
-        yield piece
+    while (piece := await to_thread.run_sync(next, pieces, None, limiter=lane)) is not None:
+        if piece:  # none comes while rows are added to a workbook
+            yield piece

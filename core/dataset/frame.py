@@ -1,4 +1,4 @@
-"""A result as rows and columns: one row a cell, for spreadsheets, pandas, MATLAB and databases.
+"""A result as rows and columns: one row a cell, for spreadsheets, pandas, R and databases.
 
 CSV has units in its headings, `frequency [Hz]`, as it has no other place for them, and as the CSV
 files have that vibrafeed reads; Parquet has bare names, and units as metadata of the columns.
@@ -10,13 +10,11 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.files import whole
 from core.dataset.table import Table, Variable
 from core.errors import LimitError, MissingPackageError
 from core.quantities import REGIMES
@@ -76,19 +74,25 @@ class Frame:
         share = f"{sum(beyond.values()):,} of {regime.values.size:,} cells"
         return f"{share} do not describe a real part: regime {', '.join(beyond)}"
 
+    @property
+    def about(self) -> dict[str, Any]:
+        """The attributes of the whole, with what it cost and what is to be noted."""
+        note = {"note": self.note} if self.note else {}
+        return {**self.table.attributes, **self.table.price, **note}
+
     def csv(self) -> Iterator[bytes]:
         """Yield the pieces of a CSV file after RFC 4180, in UTF-8.
 
         Numbers have all their digits; what has no value is an empty field.
         """
-        yield ",".join(map(_quoted, map(_heading, self._columns))).encode() + b"\r\n"
+        yield ",".join(map(_quoted, map(heading, self.columns))).encode() + b"\r\n"
         # What is repeated is put into words once.
         texts = [
-            _Column(c.name, c.variable, _texts(c.values)) if c.values.size < self.rows else c
-            for c in self._columns
+            Column(c.name, c.variable, _texts(c.values)) if c.values.size < self.rows else c
+            for c in self.columns
         ]
         for start in range(0, self.rows, CSV_ROWS):
-            pieces = (self._piece(column, start, CSV_ROWS) for column in texts)
+            pieces = (self.piece(column, start, CSV_ROWS) for column in texts)
             words = [
                 (piece if piece.dtype == object else _texts(piece)).tolist() for piece in pieces
             ]
@@ -108,13 +112,14 @@ class Frame:
         return _parquet(self)
 
     @cached_property
-    def _columns(self) -> list[_Column]:
+    def columns(self) -> list[Column]:
+        """The columns, in their order."""
         return [
-            _Column(name, variable)
+            Column(name, variable)
             for name, variable in (*self.table.coordinates.items(), *self.table.variables.items())
         ]
 
-    def _piece(self, column: _Column, start: int, rows: int) -> NDArray[Any]:
+    def piece(self, column: Column, start: int, rows: int) -> NDArray[Any]:
         """Return the values of a column in some rows."""
         own = column.variable.dims
         order = [own.index(dim) for dim in self.sizes if dim in own]
@@ -144,8 +149,8 @@ def pyarrow() -> Any:
 
 
 @dataclass(frozen=True)
-class _Column:
-    """A variable with its name; its values are texts where it is a flag."""
+class Column:
+    """A variable with its name."""
 
     name: str
     variable: Variable
@@ -158,6 +163,7 @@ class _Column:
 
     @cached_property
     def values(self) -> NDArray[Any]:
+        """The values as rows show them: words where it is a flag."""
         if self.texts is not None:
             return self.texts
         if not self.words:
@@ -173,7 +179,8 @@ class _Column:
         return found[self.variable.values.astype(np.uint8)]
 
 
-def _heading(column: _Column) -> str:
+def heading(column: Column) -> str:
+    """Return the name of a column with its unit, if it has one."""
     unit = column.variable.attributes.get("units", "1")
     return column.name if unit in ("", "1") else f"{column.name} [{unit}]"
 
@@ -206,13 +213,13 @@ class _Sink:
     closed = False
 
     def __init__(self) -> None:
-        self._pieces: list[bytes] = []
+        self.pieces: list[bytes] = []
         self._size = 0
 
     def write(self, piece: Any) -> int:
-        self._pieces.append(bytes(piece))
-        self._size += len(self._pieces[-1])
-        return len(self._pieces[-1])
+        self.pieces.append(bytes(piece))
+        self._size += len(self.pieces[-1])
+        return len(self.pieces[-1])
 
     def tell(self) -> int:
         return self._size
@@ -225,7 +232,7 @@ class _Sink:
 
     def taken(self) -> bytes:
         """Return what was written since this was last asked for."""
-        pieces, self._pieces = self._pieces, []
+        pieces, self.pieces = self.pieces, []
         return b"".join(pieces)
 
 
@@ -235,16 +242,13 @@ def _parquet(frame: Frame) -> Iterator[bytes]:
 
 
 def _parquet_pieces(arrow: Any, frame: Frame) -> Iterator[bytes]:
-    columns = frame._columns
-    about = {**frame.table.attributes, **frame.table.price}
-    if frame.note:
-        about["note"] = frame.note
+    columns = frame.columns
     schema = arrow.schema(
         [
             arrow.field(c.name, _type(arrow, c), metadata=_metadata(c.variable.attributes))
             for c in columns
         ],
-        metadata=_metadata(about),
+        metadata=_metadata(frame.about),
     )
     sink = _Sink()
     with arrow.parquet.ParquetWriter(arrow.PythonFile(sink, "w"), schema) as writer:
@@ -255,7 +259,7 @@ def _parquet_pieces(arrow: Any, frame: Frame) -> Iterator[bytes]:
     yield sink.taken()
 
 
-def _type(arrow: Any, column: _Column) -> Any:
+def _type(arrow: Any, column: Column) -> Any:
     if column.words:
         return arrow.dictionary(arrow.int8(), arrow.string())
     dtype = column.variable.values.dtype
@@ -264,13 +268,13 @@ def _type(arrow: Any, column: _Column) -> Any:
     return arrow.from_numpy_dtype(dtype.newbyteorder("="))
 
 
-def _array(arrow: Any, frame: Frame, column: _Column, start: int) -> Any:
+def _array(arrow: Any, frame: Frame, column: Column, start: int) -> Any:
     """Return some rows of a column; what has no value is null in words, and NaN in numbers."""
     if not column.words:
-        piece = frame._piece(column, start, PARQUET_ROWS)
+        piece = frame.piece(column, start, PARQUET_ROWS)
         piece = piece.astype(piece.dtype.newbyteorder("="), copy=False)
         return arrow.array(piece, type=_type(arrow, column))
-    codes = frame._piece(_Column(column.name, column.variable, column.codes), start, PARQUET_ROWS)
+    codes = frame.piece(Column(column.name, column.variable, column.codes), start, PARQUET_ROWS)
     indices = arrow.array(codes, mask=codes == len(column.words))
     return arrow.DictionaryArray.from_arrays(indices, column.words)
 
@@ -278,25 +282,3 @@ def _array(arrow: Any, frame: Frame, column: _Column, start: int) -> Any:
 def _metadata(attributes: Mapping[str, Any]) -> dict[str, str]:
     """Return attributes as texts; what only numbers of flags need is left out."""
     return {n: str(v) for n, v in attributes.items() if not n.startswith("flag_")}
-
-
-def write_frame(table: Table, path: Path) -> None:
-    """Write a table as CSV or Parquet, by the suffix of a file; all of it or nothing.
-
-    Raises
-    ------
-    MissingPackageError
-        If Parquet is asked for and pyarrow is not installed.
-    OSError
-        If the file cannot be written.
-    """
-    pieces = FORMS[path.suffix](Frame.of(table))
-    with whole(path) as temporary, temporary.open("wb") as file:
-        file.writelines(pieces)
-
-
-FORMS: dict[str, Callable[[Frame], Iterator[bytes]]] = {
-    ".csv": Frame.csv,
-    ".parquet": Frame.parquet,
-}
-"""Writers by the suffix of a file."""

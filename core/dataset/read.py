@@ -10,6 +10,7 @@ import numpy as np
 
 from core.dataset.frame import check_rows
 from core.dataset.table import Table, Variable
+from core.errors import LimitError
 
 if TYPE_CHECKING:
     import h5py
@@ -18,7 +19,28 @@ if TYPE_CHECKING:
 _OWN = {"CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST", "coordinates", "ancillary_variables"}
 
 
-def read_netcdf(path: Path, *, most_rows: int | None = None) -> Table:
+def attributes_of_file(path: Path) -> dict[str, object]:
+    """Return the global attributes of a NetCDF file; none if it is something else.
+
+    Raises
+    ------
+    OSError
+        If there is no such file, or it cannot be read.
+    """
+    import h5py
+
+    with path.open("rb"):  # the system says why it cannot be read; the library only that
+        pass
+    try:
+        with h5py.File(path) as file:
+            return _attributes(file.attrs)
+    except OSError:
+        return {}
+
+
+def read_netcdf(
+    path: Path, *, most_rows: int | None = None, most_bytes: int | None = None
+) -> Table:
     """Return the table in a file that `write_netcdf` has written.
 
     It is read by h5py, which, unlike the NetCDF library, any thread may use.
@@ -29,11 +51,13 @@ def read_netcdf(path: Path, *, most_rows: int | None = None) -> Table:
         The file.
     most_rows : int, optional
         Most cells; of a larger result no array is read.
+    most_bytes : int, optional
+        Largest size of all arrays, likewise.
 
     Raises
     ------
     LimitError
-        If there are more cells.
+        If there are more cells, or bytes.
     OSError
         If it cannot be read.
     """
@@ -42,6 +66,7 @@ def read_netcdf(path: Path, *, most_rows: int | None = None) -> Table:
     with h5py.File(path) as file:
         sizes = {name: one.size for name, one in file.items() if one.is_scale and one.ndim}
         check_rows(sizes, most_rows)
+        check_size(sum(one.nbytes for one in file.values()), most_bytes)
         named = " ".join(_plain(one.attrs.get("coordinates", "")) for one in file.values())
         coordinates: dict[str, Variable] = {}
         variables: dict[str, Variable] = {}
@@ -49,6 +74,13 @@ def read_netcdf(path: Path, *, most_rows: int | None = None) -> Table:
             is_coordinate = one.is_scale or name in named.split()
             (coordinates if is_coordinate else variables)[name] = _variable(file, name, one)
         return Table(coordinates, variables, _attributes(file.attrs))
+
+
+def check_size(size: int, most: int | None) -> None:
+    """Raise `LimitError` if arrays of so many bytes are more than `most`."""
+    if most is not None and size > most:
+        fix = "Read slices of it with xarray, in Python"
+        raise LimitError("bytes of memory", size, most, fix)
 
 
 def _variable(file: h5py.File, name: str, one: h5py.Dataset) -> Variable:

@@ -14,6 +14,7 @@ import os
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,7 @@ from core.dataset.layout import Field, Layout, Tile, Tiles
 from core.dataset.packing import index_length, is_whole, pack
 from core.dataset.table import Table
 from core.dataset.zarr_metadata import array_document, group_document
-from core.errors import VibrafeedError
+from core.errors import MissingPackageError
 
 if TYPE_CHECKING:
     from obstore.store import ObjectStore
@@ -33,7 +34,7 @@ GROUP = "zarr.json"
 UNFINISHED = "unfinished.json"  # beside the arrays while some are missing: whose they are
 GROWING = "growing.json"  # the group's document for those who read it meanwhile
 UNDER_WAY = "This group is being written: what is not there yet reads as NaN, a regime as 0."
-INSTALL = "Zarr files need zarr and obstore: pip install 'vibrafeed[cluster]'"
+EXTRA = "pip install 'vibrafeed[cluster]'"
 
 
 class GrowingZarr:
@@ -71,7 +72,7 @@ class GrowingZarr:
 
     Raises
     ------
-    VibrafeedError
+    MissingPackageError
         If zarr or obstore is not installed.
     FileExistsError
         If there is something else, or a whole result.
@@ -182,13 +183,14 @@ class GrowingZarr:
                 self._store.delete(GROWING)
 
     def _write_untiled(self) -> None:
-        """Write the coordinates, and the arrays without dimension."""
+        """Write what is in no tile: coordinates, texts, and arrays without dimension."""
         import zarr
         from zarr.storage import ObjectStore
 
         table = self._table
+        tiled = {name for field in self.tiles.fields for name in field.names}
         for name, one in {**table.coordinates, **table.variables}.items():
-            if name in table.coordinates or not one.dims:
+            if name not in tiled:
                 array = zarr.open_array(ObjectStore(self._store), path=name, mode="r+")
                 array.with_config({"write_empty_chunks": True})[...] = one.values
 
@@ -266,15 +268,20 @@ def told_plainly() -> Iterator[None]:
 
 def open_store(where: str | Path) -> ObjectStore:
     """Return the store in a folder, which is made, or at a URL."""
-    try:
-        import zarr.storage  # noqa: F401
-        from obstore.store import LocalStore, from_url
-    except ImportError:
-        raise VibrafeedError(INSTALL) from None
+    needed_for_zarr()
+    from obstore.store import LocalStore, from_url
+
     if isinstance(where, Path):
         return LocalStore(where, mkdir=True)
     with told_plainly():
         return from_url(where)
+
+
+def needed_for_zarr() -> None:
+    """Raise `MissingPackageError` if zarr or obstore is not installed."""
+    for package in ("zarr", "obstore"):
+        if find_spec(package) is None:
+            raise MissingPackageError("Zarr", package, EXTRA)
 
 
 def _shard(name: str, tile: Tile) -> str:

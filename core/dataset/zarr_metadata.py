@@ -10,7 +10,7 @@ import numpy as np
 from core.dataset.table import Table, Variable
 
 FILL: dict[str, tuple[float, str | int]] = {
-    "float64": (np.nan, "NaN"), "float32": (np.nan, "NaN"), "int8": (0, 0)
+    "float64": (np.nan, "NaN"), "float32": (np.nan, "NaN"), "int8": (0, 0), "int64": (0, 0)
 }  # fmt: skip
 """What pads the chunks at the end of an axis, by type: the value, and its word in JSON.
 
@@ -90,9 +90,10 @@ def array_document(
     """
     is_output = name in table.variables
     variable = table.variables[name] if is_output else table.coordinates[name]
-    data_type = variable.values.dtype.name
+    is_text = variable.values.dtype == object
+    data_type = "string" if is_text else variable.values.dtype.name
     links = _links(table, name, variable) if is_output else {}
-    codecs = [LITTLE]
+    codecs = [{"name": "vlen-utf8"}] if is_text else [LITTLE]
     if shard_shape is not None:
         codecs = [_sharding(chunk_shape, variable.values.dtype.itemsize)]
     return {
@@ -105,7 +106,7 @@ def array_document(
             "configuration": {"chunk_shape": list(shard_shape or chunk_shape)},
         },
         "chunk_key_encoding": {"name": "default", "configuration": {"separator": "/"}},
-        "fill_value": FILL[data_type][1],
+        "fill_value": "" if is_text else FILL[data_type][1],
         "codecs": codecs,
         "dimension_names": list(variable.dims),
         "attributes": {**_plain(variable.attributes), **links},
@@ -116,7 +117,8 @@ def _links(table: Table, name: str, variable: Variable) -> dict[str, str]:
     """Return the CF attributes by which an output names coordinates and its regime."""
     scalars = " ".join(n for n, coordinate in table.coordinates.items() if not coordinate.dims)
     links = {"coordinates": scalars} if scalars else {}
-    if name != "regime" and set(table.variables["regime"].dims) <= set(variable.dims):
+    has_regime = name != "regime" and "regime" in table.variables
+    if has_regime and set(table.variables["regime"].dims) <= set(variable.dims):
         links["ancillary_variables"] = "regime"
     return links
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import core
 from core.dataset.growing import GrowingNetcdf
 from core.dataset.netcdf import define
+from core.dataset.read import attributes_of_file
 from core.dataset.shards import GrowingZarr, attributes_at
 from core.dataset.table import Table
 from core.plan.tiles import Tiled
@@ -17,30 +18,20 @@ from core.sweep.stream import identity
 
 def is_zarr(where: str) -> bool:
     """Return whether a name is that of a Zarr group: a URL, or a path that ends in ``.zarr``."""
-    return "://" in where or where.endswith(".zarr")
+    return "://" in where or where.lower().endswith(".zarr")
 
 
 def is_complete(where: str, sweep: Sweep) -> bool:
     """Return whether the whole result of a sweep stands under this name already."""
-    attributes = attributes_at(where) if is_zarr(where) else _attributes_of_file(Path(where))
+    if is_zarr(where):
+        attributes = attributes_at(where)
+    else:
+        attributes = attributes_of_file(Path(where)) if Path(where).exists() else {}
     made = str(attributes.get("source")).partition(",")[0]
     return (
         attributes.get("study_sha256") == sweep.study.key()
         and made == f"vibrafeed {core.__version__}"
     )
-
-
-def _attributes_of_file(path: Path) -> dict[str, object]:
-    import h5py
-
-    try:
-        with h5py.File(path) as file:
-            return {
-                name: value.decode() if isinstance(value, bytes) else value
-                for name, value in file.attrs.items()
-            }
-    except OSError:  # there is none, or it is something else
-        return {}
 
 
 def open_target(

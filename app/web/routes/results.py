@@ -22,7 +22,7 @@ from app.web.downloads import ASK_AGAIN, etag_of, file_reply, not_modified
 from app.web.outcomes import check_of, find_job, lost, manifest_of, results_reply
 from app.web.replies import BINARY, OBJECT, kept, problems, without_length
 from app.web.routes.zarr import ZarrKey
-from app.web.tables import TABLES, missing, table_reply, tables_there, written_by
+from app.web.tables import TABLES, missing, most_rows, table_reply, tables_there, written_by
 from core.dataset.frame import Frame
 from core.dataset.read import read_netcdf
 
@@ -75,7 +75,7 @@ async def get_dataset(
     desk: DeskOf,
     settings: SettingsOf,
     form: Annotated[
-        Literal["netcdf", "json", "csv", "parquet"] | None,
+        Literal["netcdf", "json", "csv", "parquet", "xlsx"] | None,
         Query(
             alias="format",
             description="What `Accept` asks for if left out; else NetCDF. JSON is there of small "
@@ -94,7 +94,7 @@ async def get_dataset(
     else:
         path, etag = found
         lane = request.app.state.large_slices
-        most = settings.max_table_rows
+        most = most_rows(settings, chosen, settings.max_table_rows)
         frame = await to_thread.run_sync(
             lambda: Frame.of(read_netcdf(path, most_rows=most), most=most), limiter=lane
         )

@@ -26,7 +26,7 @@ from app.web.outgoing import expect
 from app.web.replies import BINARY, component, json_reply, kept, problems, without_length
 from app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
 from app.web.sweep_document import SweepDescription, description
-from app.web.tables import TABLES, missing, table_reply, tables_there, written_by
+from app.web.tables import TABLES, missing, most_rows, table_reply, tables_there, written_by
 from core.dataset.frame import Frame
 from core.errors import LimitError
 from core.kinds import prepare_content
@@ -169,7 +169,7 @@ async def get_slice(
         str, Query(description="One or two free axes, as in `beta,alpha`.", max_length=200)
     ],
     form: Annotated[
-        Literal["json", "binary", "csv", "parquet"] | None,
+        Literal["json", "binary", "csv", "parquet", "xlsx"] | None,
         Query(alias="format", description="What `Accept` asks for if left out; else JSON."),
     ] = None,
 ) -> Response:
@@ -209,7 +209,10 @@ async def get_slice(
         elif chosen in TABLES:
             expect(request, BYTES_A_VALUE * min(values, most))
             frame = await to_thread.run_sync(
-                lambda: Frame.of(table_of(sweep, carried_out(prepare()))), limiter=lane
+                lambda: Frame.of(
+                    table_of(sweep, carried_out(prepare())), most=most_rows(settings, chosen, most)
+                ),
+                limiter=lane,
             )
             reply = await table_reply(request, frame, chosen, lane=lane)
         else:

@@ -1,0 +1,56 @@
+"""`vibrafeed export`: a result in another format."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from app.cli.studies import FAILED, WRONG_INPUT, refuse
+from app.cli.targets import check_suffix, make_folder_of, write_or_exit
+from core.errors import LimitError, Problem, VibrafeedError
+
+
+def export(
+    file: Annotated[
+        str, typer.Argument(help="A NetCDF file or Zarr group of `run`.", show_default=False)
+    ],
+    output: Annotated[
+        str,
+        typer.Option(
+            "-o", "--output", help="File .csv, .xlsx, .parquet, .mat or .nc, or group .zarr."
+        ),
+    ],
+) -> None:
+    """Write a result in another format, which the suffix of the output names.
+
+    Nothing is computed again. Exit code 2 means that the file is no result, or that the format
+    cannot hold it, 1 that it could not be read or written.
+    """
+    from app.cli import console
+    from core.dataset.formats import read_result
+
+    check_suffix(output)
+    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    try:
+        table = read_result(file, most_bytes=memory)
+    except LimitError as error:
+        refuse({Path(file): [Problem("file", error.message, error.fix)]})
+    except VibrafeedError as error:
+        console.fail(f"{file}: {error}.")
+        raise typer.Exit(WRONG_INPUT) from None
+    except OSError as error:
+        console.fail(f"{file} cannot be read: {error.strerror or error}.")
+        raise typer.Exit(FAILED) from None
+    if "://" not in output:
+        make_folder_of(output)
+    before = str(table.attributes.get("history", ""))
+    attributes = {name: value for name, value in table.attributes.items() if name != "history"}
+    stamp = datetime.now(UTC).isoformat(timespec="seconds")
+    history = f"{stamp} vibrafeed export {Path(file).name}\n{before}".rstrip()
+    write_or_exit(Path(file), replace(table, attributes=attributes), output, history)
+    console.say(f"{file} -> {output}")

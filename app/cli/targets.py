@@ -1,0 +1,111 @@
+"""Where results go: files by their suffix, folders, and places that are refused before a run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from app.cli.studies import FAILED, refuse, refuse_clashes
+from core.errors import LimitError, MissingPackageError, Problem, nearest
+
+if TYPE_CHECKING:
+    from core.dataset.table import Table
+    from core.plan.prepared import Prepared
+
+
+def targets_of(studies: Mapping[Path, Prepared], output: str | None) -> dict[Path, str]:
+    """Return where the result of each study goes; exit if it cannot go there.
+
+    A folder is what exists as one, ends in a slash, or has no suffix.
+    """
+    if output is not None and output.rstrip("/").lower().endswith(".zarr"):
+        output = output.rstrip("/")
+    if output is None or _is_folder(output):
+        targets = {file: str(Path(output or file.parent) / f"{file.stem}.nc") for file in studies}
+    else:
+        check_suffix(output)
+        if len(studies) > 1:
+            problem = Problem("output", f"{output} is for one study", "Give a folder")
+            refuse({path: [problem] for path in studies})
+        targets = dict.fromkeys(studies, output)
+    refuse_clashes(targets)
+    _check_formats(studies, targets)
+    for target in targets.values():
+        if "://" not in target:
+            make_folder_of(target)
+    return targets
+
+
+def check_suffix(output: str) -> None:
+    """Exit if no format has the suffix of a place, or what writes it is not installed."""
+    from core.dataset.formats import FORMATS, known_suffixes, suffix_of
+
+    suffix = suffix_of(output)
+    problem = None
+    if suffix not in FORMATS:
+        message = f"'{suffix}' is no format of results"
+        meant = nearest(suffix, FORMATS)
+        hint = f"Did you mean {meant}? " if meant else ""
+        fix = f"{hint}End it in {known_suffixes()}, or in / if it is a folder"
+        problem = Problem("output", message, fix)
+    else:
+        try:
+            FORMATS[suffix].needs()
+        except MissingPackageError as error:
+            problem = Problem("output", str(error), "Or end it in .nc or .csv")
+    if problem is not None:
+        refuse({Path(output): [problem]})
+
+
+def make_folder_of(target: str) -> None:
+    """Make the folder that a file goes to; exit if it cannot be made."""
+    folder = Path(target).parent
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        place = Problem("output", f"{folder} cannot be made", str(error.strerror))
+        refuse({Path(target): [place]})
+
+
+def write_or_exit(
+    path: Path, table: Table, target: str, history: str, *, compression: bool = True
+) -> None:
+    """Write a result; exit, with the reason, if it cannot be written."""
+    from app.cli import console
+    from core.dataset.formats import write_result
+
+    try:
+        write_result(table, target, history=history, compression=compression)
+    except LimitError as error:
+        refuse({path: [Problem("output", error.message, error.fix)]})
+    except FileExistsError as error:
+        refuse({path: [Problem("output", str(error), "Remove it, or give another name")]})
+    except OSError as error:
+        console.fail(f"{target} cannot be written: {error.strerror or error}.")
+        raise typer.Exit(FAILED) from None
+
+
+def _is_folder(output: str) -> bool:
+    if "://" in output or output.lower().endswith(".zarr"):
+        return False
+    return output.endswith("/") or not Path(output).suffix or Path(output).is_dir()
+
+
+def _check_formats(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) -> None:
+    """Exit if a format cannot hold what is to go there, before anything is computed."""
+    from core.dataset.formats import FORMATS, suffix_of
+
+    wrong = {}
+    for path, prepared in studies.items():
+        kept = {dim for dims in prepared.dims.values() for dim in dims}
+        rows = math.prod(prepared.sizes[dim] for dim in kept)
+        try:
+            FORMATS[suffix_of(targets[path])].check(rows, prepared.bytes)
+        except LimitError as error:
+            wrong[path] = [Problem("output", error.message, error.fix)]
+    if wrong:
+        refuse(wrong)

@@ -1,0 +1,57 @@
+"""What a CSV file cannot hold, in a file beside it: units, descriptions, the study.
+
+The form is that of "Metadata Vocabulary for Tabular Data" (W3C, 2015), known as CSV on the Web:
+its readers find `x.csv-metadata.json` by the name of `x.csv`.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from core.dataset.frame import Column, Frame, heading
+
+
+def metadata_path(path: Path) -> Path:
+    """Return the name of the file beside a CSV file."""
+    return path.with_name(f"{path.name}-metadata.json")
+
+
+def csv_metadata(frame: Frame, name: str) -> bytes:
+    """Return the file beside the CSV file of that name.
+
+    The study is among the notes as an object; `study_sha256` is the hash of its canonical text.
+    """
+    about = {key: _plain(value) for key, value in frame.about.items()}
+    if "study" in about:
+        about["study"] = json.loads(about["study"])
+    document = {
+        "@context": "http://www.w3.org/ns/csvw",
+        "url": name,
+        **({"dc:title": about["title"]} if "title" in about else {}),
+        "tableSchema": {"columns": [_column(one) for one in frame.columns]},
+        "notes": [about],
+    }
+    return (json.dumps(document, indent=2, ensure_ascii=False) + "\n").encode()
+
+
+def _column(column: Column) -> dict[str, Any]:
+    attributes = column.variable.attributes
+    kind = column.variable.values.dtype.kind
+    found = {
+        "name": column.name,
+        "titles": heading(column),
+        "datatype": "string" if column.words or kind == "O" else "integer" if kind in "iu" else
+        "number",
+        "dc:title": attributes.get("long_name"),
+        "dc:description": attributes.get("comment"),
+        "schema:unitText": attributes.get("units"),
+    }  # fmt: skip
+    return {key: value for key, value in found.items() if value is not None}
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value

@@ -1,0 +1,177 @@
+"""The formats of results, by the suffix of a file: what writes each, and what it can hold.
+
+NetCDF and Zarr can be read back as well, and written in any other format.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from core.dataset import matlab, workbook
+from core.dataset.csv_metadata import csv_metadata, metadata_path
+from core.dataset.files import whole
+from core.dataset.frame import Frame, pyarrow
+from core.dataset.group import read_zarr, write_zarr
+from core.dataset.netcdf import write_netcdf
+from core.dataset.read import attributes_of_file, read_netcdf
+from core.dataset.shards import attributes_at, needed_for_zarr
+from core.dataset.table import Table
+from core.errors import VibrafeedError
+
+NETCDF: Final = ".nc"
+ZARR: Final = ".zarr"
+MAKER: Final = "vibrafeed "  # begins the attribute `source` of all that is ours
+
+
+def _nothing() -> None:
+    """Take what is always there."""
+
+
+def _everything(rows: int, size: int) -> None:
+    """Hold any number of rows and bytes."""
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format of results.
+
+    Attributes
+    ----------
+    name : str
+        What people call it.
+    write : callable
+        Writes a table at a place, all of it or nothing. Takes besides the CF history attribute, and
+        whether to compress, which counts where a format lets one choose.
+    pieces : callable, optional
+        Yields the bytes of the rows of a table, if it is a format of rows.
+    needs : callable
+        Raises `MissingPackageError` if a package is missing.
+    check : callable
+        Takes a number of rows and of bytes; raises `LimitError` if the format cannot hold them.
+    """
+
+    name: str
+    write: Callable[[Table, str, str, bool], None]
+    pieces: Callable[[Frame], Iterator[bytes]] | None = None
+    needs: Callable[[], object] = _nothing
+    check: Callable[[int, int], None] = _everything
+
+
+def suffix_of(where: str) -> str:
+    """Return the suffix by which a place is written; whatever is at a URL is a Zarr group."""
+    return ZARR if "://" in where else Path(where).suffix.lower()
+
+
+def known_suffixes() -> str:
+    """Return the suffixes of all formats, for messages."""
+    *first, last = FORMATS
+    return f"{', '.join(first)} or {last}"
+
+
+def write_result(table: Table, where: str, *, history: str, compression: bool = True) -> None:
+    """Write a table in the format that the suffix of a place names; all of it or nothing.
+
+    Parameters
+    ----------
+    table : Table
+        What to write.
+    where : str
+        A path with a known suffix, or the URL of a Zarr group.
+    history : str
+        The CF history attribute: a date and a command.
+    compression : bool
+        Whether to compress, in NetCDF and MAT files; the others always do, or never.
+
+    Raises
+    ------
+    MissingPackageError
+        If a package is missing.
+    LimitError
+        If the format cannot hold it.
+    OSError
+        If it cannot be written.
+    """
+    FORMATS[suffix_of(where)].write(table, where, history, compression)
+
+
+def read_result(where: str, *, most_bytes: int | None = None) -> Table:
+    """Return the table in a NetCDF file or Zarr group of ours.
+
+    Parameters
+    ----------
+    where : str
+        A file, a folder, or the URL of a Zarr group.
+    most_bytes : int, optional
+        Largest size of all arrays; of a larger result none is read.
+
+    Raises
+    ------
+    LimitError
+        If they are larger.
+    VibrafeedError
+        If it is no result of vibrafeed.
+    OSError
+        If it cannot be read.
+    """
+    is_group = "://" in where or Path(where).is_dir()
+    attributes = attributes_at(where) if is_group else attributes_of_file(Path(where))
+    if not str(attributes.get("source", "")).startswith(MAKER):
+        wanted = "Give a NetCDF file or a Zarr group that vibrafeed wrote"
+        raise VibrafeedError(f"it is no result of vibrafeed. {wanted}")
+    if is_group:
+        return read_zarr(where, most_bytes=most_bytes)
+    return read_netcdf(Path(where), most_bytes=most_bytes)
+
+
+def _with_history(table: Table, history: str) -> Table:
+    return replace(table, attributes={**table.attributes, "history": history})
+
+
+def _write_netcdf(table: Table, where: str, history: str, compression: bool) -> None:
+    write_netcdf(table, Path(where), history=history, compression=compression)
+
+
+def _write_zarr(table: Table, where: str, history: str, compression: bool) -> None:
+    write_zarr(table, where, history=history)
+
+
+def _write_csv(table: Table, where: str, history: str, compression: bool) -> None:
+    frame, path = Frame.of(_with_history(table, history)), Path(where)
+    with whole(metadata_path(path)) as beside, whole(path) as temporary:
+        beside.write_bytes(csv_metadata(frame, path.name))
+        with temporary.open("wb") as file:
+            file.writelines(frame.csv())
+
+
+def _write_parquet(table: Table, where: str, history: str, compression: bool) -> None:
+    _write_pieces(Frame.of(_with_history(table, history)).parquet(), Path(where))
+
+
+def _write_xlsx(table: Table, where: str, history: str, compression: bool) -> None:
+    _write_pieces(workbook.xlsx(Frame.of(_with_history(table, history))), Path(where))
+
+
+def _write_pieces(pieces: Iterator[bytes], path: Path) -> None:
+    with whole(path) as temporary, temporary.open("wb") as file:
+        file.writelines(pieces)
+
+
+def _write_mat(table: Table, where: str, history: str, compression: bool) -> None:
+    matlab.write_mat(_with_history(table, history), Path(where), compression=compression)
+
+
+FORMATS: Final[Mapping[str, Format]] = {
+    NETCDF: Format("NetCDF", _write_netcdf),
+    ZARR: Format("Zarr", _write_zarr, needs=needed_for_zarr),
+    ".csv": Format("CSV", _write_csv, Frame.csv),
+    ".parquet": Format("Parquet", _write_parquet, Frame.parquet, pyarrow),
+    ".xlsx": Format(
+        "Excel", _write_xlsx, workbook.xlsx, workbook.openpyxl,
+        lambda rows, size: workbook.check_rows_of_sheet(rows),
+    ),
+    ".mat": Format("MATLAB", _write_mat, check=lambda rows, size: matlab.check_bytes(size)),
+}  # fmt: skip
+"""Every format, by the suffix of a file."""

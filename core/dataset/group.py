@@ -1,0 +1,119 @@
+"""A whole table as a Zarr group, and a group of ours read back as a table."""
+
+from __future__ import annotations
+
+import contextlib
+import shutil
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from core.dataset.files import partial
+from core.dataset.netcdf import tiles_of
+from core.dataset.read import check_size
+from core.dataset.shards import GrowingZarr, open_store, told_plainly
+from core.dataset.table import Table, Variable
+
+if TYPE_CHECKING:
+    import zarr
+
+# What follows from the names of dimensions, and is written anew.
+_LINKS = ("coordinates", "ancillary_variables")
+
+
+def write_zarr(table: Table, where: str, *, history: str | None = None) -> None:
+    """Write a table as a Zarr group, in a folder or at a URL; it opens only when it is whole.
+
+    Parameters
+    ----------
+    table : Table
+        What to write.
+    where : str
+        A path, or the URL of an object store.
+    history : str, optional
+        The CF history attribute; brings the table's price along.
+
+    Raises
+    ------
+    FileExistsError
+        If there is something already.
+    OSError
+        If it cannot be written.
+    """
+    identity = {"study": str(table.attributes.get("study_sha256", ""))}
+    growing = GrowingZarr(where, tiles_of(table), table, identity, history=history)
+    try:
+        for index in growing.missing:
+            tile = growing.tiles[index]
+            place = tuple(slice(*ends) for ends in tile.box)
+            arrays = {name: table.variables[name].values[place] for name in tile.field.names}
+            growing.write(index, arrays, 0.0)
+        growing.finish(table.price)
+    except BaseException:
+        if "://" not in where:  # nobody could go on with it
+            shutil.rmtree(partial(Path(where)), ignore_errors=True)
+        raise
+    finally:
+        growing.close()
+
+
+def read_zarr(where: str, *, most_bytes: int | None = None) -> Table:
+    """Return the table in a Zarr group that vibrafeed has written.
+
+    Parameters
+    ----------
+    where : str
+        A folder, or the URL of an object store.
+    most_bytes : int, optional
+        Largest size of all arrays; of a larger result none is read.
+
+    Raises
+    ------
+    LimitError
+        If they are larger.
+    OSError
+        If it cannot be read.
+    """
+    import zarr
+    from zarr.storage import ObjectStore
+
+    store = ObjectStore(open_store(where if "://" in where else Path(where)), read_only=True)
+    with told_plainly():
+        group = zarr.open_group(store, mode="r")
+        arrays = dict(group.arrays())
+        check_size(sum(array.nbytes for array in arrays.values()), most_bytes)
+        # In the order of the group's document, which is that of the table.
+        known = group.metadata.consolidated_metadata
+        listed = list(arrays if known is None else known.metadata)
+        dims = {name: _dims(array) for name, array in arrays.items()}
+        named = {
+            name
+            for array in arrays.values()
+            for name in str(array.attrs.get("coordinates", "")).split()
+        } | {dim for own in dims.values() for dim in own}
+        coordinates: dict[str, Variable] = {}
+        variables: dict[str, Variable] = {}
+        for name in listed:
+            one = Variable(dims[name], _values(arrays[name]), _attributes(arrays[name].attrs))
+            (coordinates if name in named else variables)[name] = one
+        return Table(coordinates, variables, dict(group.attrs))
+
+
+def _dims(array: zarr.Array[Any]) -> tuple[str, ...]:
+    names = getattr(array.metadata, "dimension_names", None) or ()
+    return tuple(str(name) for name in names)
+
+
+def _values(array: zarr.Array[Any]) -> np.ndarray[Any, Any]:
+    values = np.asarray(array[...])
+    if values.dtype.kind in "UT":
+        return values.astype(object)
+    return values.astype(values.dtype.newbyteorder("="))  # netCDF4 minds a stated order of bytes
+
+
+def _attributes(found: Any) -> dict[str, Any]:
+    attributes = {name: value for name, value in dict(found).items() if name not in _LINKS}
+    with contextlib.suppress(KeyError):
+        attributes["flag_values"] = np.array(attributes["flag_values"], dtype=np.int8)
+    return attributes

@@ -1,0 +1,130 @@
+"""A result as a MAT file, for MATLAB and GNU Octave: grids as arrays, with what they mean.
+
+The file holds one structure, `result`, whose fields are structures with a field for each variable.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.dataset.files import whole
+from core.dataset.table import Table, Variable
+from core.errors import LimitError
+
+MOST_BYTES: Final = 2**31 - 2**20  # of one variable of a file of MATLAB's version 5
+LONGEST: Final = 63  # characters of a name in MATLAB
+
+
+def check_bytes(size: int) -> None:
+    """Raise `LimitError` if no MAT file holds so many bytes of values."""
+    if size > MOST_BYTES:
+        raise LimitError("bytes in a MAT file", size, MOST_BYTES, "Write NetCDF: MATLAB reads it")
+
+
+def write_mat(table: Table, path: Path, *, compression: bool = True) -> None:
+    """Write a table as a MAT file, all of it or nothing.
+
+    Parameters
+    ----------
+    table : Table
+        What to write.
+    path : Path
+        The file; an existing one is replaced.
+    compression : bool
+        Deflate the arrays.
+
+    Raises
+    ------
+    LimitError
+        If the file cannot hold it.
+    OSError
+        If it cannot be written.
+    """
+    from scipy.io import savemat
+
+    variables = {**table.coordinates, **table.variables}
+    check_bytes(sum(one.values.nbytes for one in variables.values()))
+    named = names_in_matlab(variables)
+    result = {
+        "data": {named[n]: _array(v) for n, v in variables.items()},
+        "dimensions": {named[n]: _list(map(named.__getitem__, v.dims)) for n, v in
+                       variables.items()},
+        "units": _texts(variables, named, "units"),
+        "labels": _texts(variables, named, "long_name"),
+        "descriptions": _texts(variables, named, "comment"),
+        "flags": {named[n]: _flags(v) for n, v in variables.items()
+                  if "flag_values" in v.attributes},
+        "study": str(table.attributes.get("study", "")),
+        "about": _about(table),
+    }  # fmt: skip
+    with whole(path) as temporary, temporary.open("wb") as file:
+        savemat(
+            file,
+            {"result": {name: value for name, value in result.items() if value != {}}},
+            long_field_names=True,
+            do_compression=compression,
+            oned_as="column",
+        )
+
+
+def names_in_matlab(names: Iterable[str]) -> dict[str, str]:
+    """Return a name that MATLAB allows for each name, all different; most are as they were."""
+    found: dict[str, str] = {}
+    for name in names:
+        plain = re.sub(r"\W", "_", name, flags=re.ASCII)
+        plain = (plain if plain[:1].isalpha() else f"x{plain}")[:LONGEST]
+        number = 1
+        while (wanted := plain if number == 1 else f"{plain[: LONGEST - 4]}_{number}") in set(
+            found.values()
+        ):
+            number += 1
+        found[name] = wanted
+    return found
+
+
+def _array(variable: Variable) -> NDArray[Any]:
+    """Return values as MATLAB has them: numbers as double, texts as a cell array."""
+    values = variable.values
+    return values if values.dtype == object or values.dtype.kind == "f" else values.astype(float)
+
+
+def _list(texts: Iterable[str]) -> NDArray[Any]:
+    """Return a cell array of one row."""
+    known = list(texts)
+    found = np.empty((1, len(known)), dtype=object)
+    found[0, :] = known
+    return found
+
+
+def _texts(
+    variables: Mapping[str, Variable], named: Mapping[str, str], attribute: str
+) -> dict[str, str]:
+    return {
+        named[name]: str(one.attributes[attribute])
+        for name, one in variables.items()
+        if attribute in one.attributes
+    }
+
+
+def _flags(variable: Variable) -> dict[str, float]:
+    """Return the value that stands for each word of a flag."""
+    words = str(variable.attributes.get("flag_meanings", "")).split()
+    named = names_in_matlab(words)
+    values = np.asarray(variable.attributes["flag_values"]).tolist()
+    return {named[word]: float(value) for word, value in zip(words, values, strict=True)}
+
+
+def _about(table: Table) -> dict[str, Any]:
+    attributes = {**table.attributes, **table.price}
+    named = names_in_matlab(attributes)
+    return {
+        named[name]: float(value) if isinstance(value, int | float) else str(value)
+        for name, value in attributes.items()
+        if name != "study"
+    }

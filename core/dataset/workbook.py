@@ -1,0 +1,196 @@
+"""A result as a workbook of Excel: its rows, what its columns mean, and its study."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import re
+import shutil
+import tempfile
+from collections.abc import Iterator
+from datetime import datetime
+from pathlib import Path
+from typing import Any, Final
+from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
+
+from numpy.typing import NDArray
+
+from core.dataset.frame import EXTRA, Column, Frame, heading
+from core.errors import LimitError, MissingPackageError
+
+MOST_ROWS: Final = 2**20 - 1  # that a sheet of Excel has under its headings
+ROWS: Final = 1024  # between which the one who writes can be stopped
+PIECE: Final = 2**20  # bytes of a file at a time
+LONGEST: Final = 32_767  # characters of a cell of Excel
+# Equal results are equal files, so that what was fetched before need not be fetched again.
+NEVER: Final = datetime(1980, 1, 1)  # the first day that a ZIP file can name
+_CONTROL: Final = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f]")  # no XML holds them
+
+
+def openpyxl() -> Any:
+    """Return openpyxl; raise `MissingPackageError` if it is not installed."""
+    try:
+        import openpyxl
+    except ImportError:
+        raise MissingPackageError("XLSX", "openpyxl", EXTRA) from None
+    return openpyxl
+
+
+def check_rows_of_sheet(rows: int) -> None:
+    """Raise `LimitError` if no sheet of Excel has so many rows."""
+    if rows > MOST_ROWS:
+        fix = "Write CSV, Parquet or NetCDF, or fewer values on an axis"
+        raise LimitError("rows in a sheet of Excel", rows, MOST_ROWS, fix)
+
+
+def xlsx(frame: Frame) -> Iterator[bytes]:
+    """Yield the pieces of a workbook, of which those that come while rows are added are empty.
+
+    Its sheets are `values`, with headings as in CSV; `columns`, with units and descriptions; and
+    `study`, with the attributes of the whole. What has no value is an empty cell; an infinite
+    number is a text, since Excel has none.
+
+    Raises
+    ------
+    MissingPackageError
+        If openpyxl is not installed; before the first piece.
+    LimitError
+        If there are more rows than a sheet has; before the first piece.
+    """
+    library = openpyxl()
+    check_rows_of_sheet(frame.rows)
+    return _pieces(library, frame)
+
+
+def _pieces(library: Any, frame: Frame) -> Iterator[bytes]:
+    from openpyxl.writer.excel import ExcelWriter
+
+    book = library.Workbook(write_only=True)
+    book.properties.created = book.properties.modified = NEVER
+    try:
+        for _ in _add_values(book, frame):
+            yield b""
+        _add_columns(book, frame)
+        _add_study(book, frame)
+        with tempfile.TemporaryFile() as file:
+            ExcelWriter(book, _Archive(file, "w", ZIP_DEFLATED)).save()
+            file.seek(0)
+            while piece := file.read(PIECE):
+                yield piece
+    finally:
+        _remove_rests(book)
+
+
+def _add_values(book: Any, frame: Frame) -> Iterator[None]:
+    """Add the sheet of the rows, and yield now and then."""
+    headings = [heading(column) for column in frame.columns]
+    sheet = _sheet(book, "values", [max(10, len(text) + 2) for text in headings])
+    sheet.append(headings)
+    for start in range(0, frame.rows, ROWS):
+        columns = [_cells(sheet, frame.piece(one, start, ROWS)) for one in frame.columns]
+        for row in zip(*columns, strict=True):
+            sheet.append(row)
+        yield
+
+
+def _add_columns(book: Any, frame: Frame) -> None:
+    sheet = _sheet(book, "columns", [30, 12, 10, 40, 100, 30])
+    sheet.append(["name", "unit", "symbol", "label", "description", "depends on"])
+    for column in frame.columns:
+        told = column.variable.attributes
+        texts = [str(told.get(key, "")) for key in ("units", "symbol", "long_name", "comment")]
+        dims = _dims(column)
+        sheet.append([_text(sheet, text) for text in (column.name, *texts, dims)])
+
+
+def _dims(column: Column) -> str:
+    return ", ".join(column.variable.dims)
+
+
+def _add_study(book: Any, frame: Frame) -> None:
+    """Add the attributes; one that no cell holds goes on in the rows below."""
+    sheet = _sheet(book, "study", [24, 120])
+    sheet.append(["attribute", "value"])
+    for name, value in frame.about.items():
+        if isinstance(value, int | float):
+            sheet.append([name, value])
+            continue
+        text = str(value)
+        for start in range(0, max(1, len(text)), LONGEST):
+            sheet.append([name, _text(sheet, text[start : start + LONGEST])])
+
+
+def _sheet(book: Any, title: str, widths: list[int]) -> Any:
+    """Add a sheet whose headings stay in sight."""
+    from openpyxl.utils import get_column_letter
+
+    sheet = book.create_sheet(title)
+    sheet.freeze_panes = "A2"
+    for number, width in enumerate(widths, 1):
+        sheet.column_dimensions[get_column_letter(number)].width = width
+    return sheet
+
+
+def _cells(sheet: Any, values: NDArray[Any]) -> list[Any]:
+    if values.dtype == object:
+        return [_text(sheet, str(value)) for value in values.tolist()]
+    if values.dtype.kind == "f":
+        return [_number(sheet, value) for value in values.tolist()]
+    return values.tolist()
+
+
+def _number(sheet: Any, value: float) -> Any:
+    """Return the cell of a number with all its digits: openpyxl would write 16 of them."""
+    if not math.isfinite(value):
+        return None if math.isnan(value) else str(value)
+    if float(f"{value:.16g}") == value:
+        return value
+    return _cell(sheet, repr(value), "n")
+
+
+def _text(sheet: Any, text: str) -> Any:
+    """Return a cell that is a text whatever it begins with: never a formula."""
+    if not text:
+        return None
+    text = _CONTROL.sub("", text)
+    return _cell(sheet, text, "s") if text[:1] in ("=", "#") else text
+
+
+def _cell(sheet: Any, text: str, kind: str) -> Any:
+    from openpyxl.cell import WriteOnlyCell
+
+    cell = WriteOnlyCell(sheet, value=text)
+    cell.data_type = kind
+    return cell
+
+
+class _Archive(ZipFile):
+    """A ZIP file that does not tell when it was made."""
+
+    def writestr(self, name: Any, data: Any, *others: Any) -> None:
+        super().writestr(_dateless(name), data, *others)
+
+    def write(self, filename: Any, arcname: Any = None, *others: Any) -> None:
+        with (
+            Path(filename).open("rb") as source,
+            self.open(_dateless(str(arcname)), "w", force_zip64=True) as entry,
+        ):
+            shutil.copyfileobj(source, entry)
+
+
+def _dateless(name: str) -> ZipInfo:
+    info = ZipInfo(name, NEVER.timetuple()[:6])
+    info.compress_type = ZIP_DEFLATED
+    return info
+
+
+def _remove_rests(book: Any) -> None:
+    """Remove the temporary files of sheets; openpyxl does so only where a book was saved."""
+    for sheet in book.worksheets:
+        writer = sheet._writer
+        if writer is None:
+            continue
+        with contextlib.suppress(Exception):  # it was saved, or its rows were left half-way
+            sheet.close()
+        with contextlib.suppress(OSError, ValueError):
+            writer.cleanup()

@@ -1,0 +1,88 @@
+"""Results as GNU Octave, R and LibreOffice read them, where these are installed: same numbers."""
+
+from __future__ import annotations
+
+import csv
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from results import check_same, rows, table_of_motion, written
+
+SECONDS = 180
+
+
+@pytest.fixture(scope="module")
+def motion():
+    return table_of_motion()
+
+
+@pytest.fixture(scope="module")
+def places(motion, tmp_path_factory):
+    return written(motion, tmp_path_factory.mktemp("programs"))
+
+
+def said(*command: str) -> str:
+    """Run a program, which has to be installed; return what it prints."""
+    if shutil.which(command[0]) is None:
+        pytest.skip(f"{command[0]} is not installed")
+    done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def numbers(text: str) -> list[float]:
+    return [float(word) for word in text.split()]
+
+
+def test_octave_reads_mat(places, motion):
+    code = f"""
+        r = load('{places[".mat"]}').result;
+        printf('%.17g\\n', size(r.data.conveying_velocity), r.data.amplitude);
+        printf('%.17g\\n', permute(r.data.conveying_velocity, [2 1]));
+        printf('%d\\n', r.data.regime == r.flags.regime.hopping);
+        printf('%s\\n', r.units.conveying_velocity, r.dimensions.conveying_velocity{{:}}, r.study);
+    """
+    found = said("octave-cli", "--no-gui", "--norc", "--quiet", "--eval", code).splitlines()
+    speeds = motion.variables["conveying_velocity"].values
+    amplitudes = motion.coordinates["amplitude"].values
+    assert [float(word) for word in found[:22]] == [5, 3, *amplitudes, *speeds.ravel()]
+    assert sum(map(int, found[22:37])) == rows(motion)["regime"].count("hopping") > 0
+    assert found[37:40] == ["m s-1", "amplitude", "beta"]
+    assert found[40] == motion.attributes["study"]
+
+
+def test_r_reads_csv(places, motion):
+    code = f"""
+        d <- read.csv('{places[".csv"]}', check.names = FALSE)
+        cat(names(d), sep = '\\n')
+        cat('\\n', sprintf('%.17g', d[['conveying_velocity [m s-1]']]), '\\n')
+        cat(sprintf('%.17g', d[['amplitude [m]']]), '\\n')
+        cat(d$regime, '\\n')
+    """
+    *names, speeds, amplitudes, regimes = said("Rscript", "--vanilla", "-e", code).splitlines()
+    expected = rows(motion, with_units=True)
+    assert [name for name in names if name] == list(expected)
+    assert numbers(speeds) == expected["conveying_velocity [m s-1]"]
+    assert numbers(amplitudes) == expected["amplitude [m]"]
+    assert regimes.split() == expected["regime"]
+
+
+def test_libreoffice_reads_excel(places, motion, tmp_path: Path):
+    # 44: commas; 34: quotes; 76: UTF-8; the two words: texts unquoted, numbers with all digits.
+    form = "csv:Text - txt - csv (StarCalc):44,34,76,1,,0,false,false"
+    home = f"-env:UserInstallation=file://{tmp_path}/home"
+    said(
+        "soffice", home, "--headless", "--convert-to", form, "--outdir", str(tmp_path),
+        str(places[".xlsx"]),
+    )  # fmt: skip
+    with (tmp_path / "result.csv").open(newline="") as file:
+        heads, *cells = csv.reader(file)
+    expected = rows(motion, with_units=True)
+    found = {
+        head: list(column) if isinstance(expected[head][0], str) else [float(x) for x in column]
+        for head, column in zip(heads, zip(*cells, strict=True), strict=True)
+    }
+    check_same(found, expected)

@@ -1,0 +1,264 @@
+"""One result in every format, read back by others: the same numbers, units and study."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import replace
+
+import numpy as np
+import openpyxl
+import pandas
+import pyarrow.parquet
+import pytest
+import scipy.io
+import xarray
+
+from core.dataset import matlab, workbook
+from core.dataset.formats import FORMATS, read_result, suffix_of, write_result
+from core.dataset.frame import Frame
+from core.dataset.matlab import names_in_matlab
+from core.dataset.table import Table, Variable
+from core.errors import LimitError, MissingPackageError, VibrafeedError
+from results import check_same, rows, table_of_motion, written
+
+FLAGS = {"flag_values": np.array([1, 5], dtype=np.int8), "flag_meanings": "slide flight"}
+STUDY = '{"kind":"sweep"}'
+
+
+@pytest.fixture(scope="module")
+def motion() -> Table:
+    return table_of_motion()
+
+
+@pytest.fixture(scope="module")
+def places(motion, tmp_path_factory):
+    return written(motion, tmp_path_factory.mktemp("formats"))
+
+
+@pytest.fixture
+def awkward() -> Table:
+    """Return a table with everything that no ordinary result has."""
+    return Table(
+        {
+            "a": Variable(("a",), np.array([1.0, 0.1, 1e-300]), {"units": "Hz"}),
+            "b": Variable(("b",), np.array([1, 2]), {"long_name": "Second"}),
+            "c": Variable((), np.array(7.5), {"units": "1"}),
+        },
+        {
+            "turned": Variable(("b", "a"), np.arange(6.0).reshape(2, 3), {"units": "m"}),
+            "short": Variable(("b",), np.array([np.nan, -np.inf]), {"comment": "=1+1"}),
+            "count": Variable(("a",), np.array([2**40, 0, -1]), {}),
+            "told": Variable(("a",), np.array(['=x,"y"', "", "#z\x01"], dtype=object), {}),
+            "single": Variable(("a",), np.array([0.1, 1, 2], dtype=np.float32), {}),
+            "regime": Variable(("a",), np.array([1, 5, 9], dtype=np.int8), FLAGS),
+        },
+        {"title": "=T", "source": "vibrafeed 0", "study": STUDY, "study_sha256": "f" * 64},
+        {"elapsed_seconds": 0.5},
+    )
+
+
+def test_pandas_reads_csv(places, motion):
+    found = pandas.read_csv(places[".csv"])
+    check_same(found, rows(motion, with_units=True))
+
+
+def test_pandas_reads_parquet(places, motion):
+    check_same(pandas.read_parquet(places[".parquet"]), rows(motion))
+    about = pyarrow.parquet.read_schema(places[".parquet"])
+    assert about.field("amplitude").metadata[b"units"] == b"m"
+    assert about.metadata[b"history"] == b"2026-11-23 a test"
+    assert about.metadata[b"study"].decode() == motion.attributes["study"]
+
+
+def test_polars_reads_csv_parquet_and_excel(places, motion):
+    polars = pytest.importorskip("polars")
+    check_same(polars.read_csv(places[".csv"]).to_dict(), rows(motion, with_units=True))
+    check_same(polars.read_parquet(places[".parquet"]).to_dict(), rows(motion))
+
+
+def test_pandas_and_openpyxl_read_excel(places, motion):
+    found = pandas.read_excel(places[".xlsx"], sheet_name="values")
+    check_same(found.astype({"frequency [Hz]": float}), rows(motion, with_units=True))
+    book = openpyxl.load_workbook(places[".xlsx"])
+    assert book.sheetnames == ["values", "columns", "study"]
+    assert book["values"].freeze_panes == "A2"
+    columns = {row[0]: row[1:] for row in book["columns"].values}
+    assert columns["amplitude"][0] == "m"
+    assert columns["conveying_velocity"][4] == "amplitude, beta"
+    assert "stick_slip: " in columns["regime"][3]
+    about = dict(book["study"].values)
+    assert about["study"] == motion.attributes["study"]
+    assert hashlib.sha256(about["study"].encode()).hexdigest() == about["study_sha256"]
+
+
+def test_scipy_reads_mat(places, motion):
+    result = scipy.io.loadmat(places[".mat"], simplify_cells=True)["result"]
+    for name, one in {**motion.coordinates, **motion.variables}.items():
+        np.testing.assert_array_equal(result["data"][name], one.values)
+        assert np.atleast_1d(result["dimensions"][name]).tolist() == list(one.dims)
+    assert result["units"]["conveying_velocity"] == "m s-1"
+    assert result["labels"]["beta"] == "Drive elevation"
+    assert result["flags"]["regime"]["hopping"] in motion.variables["regime"].values
+    assert result["study"] == motion.attributes["study"]
+    assert result["about"]["history"] == "2026-11-23 a test"
+    assert isinstance(result["about"]["elapsed_seconds"], float)
+
+
+@pytest.mark.parametrize(("suffix", "engine"), [(".nc", "netcdf4"), (".zarr", "zarr")])
+def test_xarray_reads_netcdf_and_zarr(places, motion, suffix, engine):
+    with xarray.open_dataset(places[suffix], engine=engine) as found:
+        xarray.testing.assert_equal(found.load(), motion.to_xarray())
+        assert found.amplitude.units == "m"
+        assert found.attrs["history"] == "2026-11-23 a test"
+        assert found.amplitude.sel(amplitude=0.3e-3) == 0.3e-3
+
+
+def test_what_csv_cannot_hold_stands_beside_it(places, motion):
+    beside = places[".csv"].with_name("result.csv-metadata.json")
+    told = json.loads(beside.read_text())
+    assert told["@context"] == "http://www.w3.org/ns/csvw"
+    assert told["url"] == "result.csv"
+    columns = {one["name"]: one for one in told["tableSchema"]["columns"]}
+    heads = places[".csv"].read_text().splitlines()[0].split(",")
+    assert [one["titles"] for one in columns.values()] == heads
+    assert columns["beta"]["schema:unitText"] == "degree"
+    assert columns["beta"]["dc:description"] == "Elevation of the drive above the floor plane."
+    assert (columns["beta"]["datatype"], columns["regime"]["datatype"]) == ("number", "string")
+    (about,) = told["notes"]
+    assert about["study"] == json.loads(motion.attributes["study"])
+    assert about["study_sha256"] == motion.attributes["study_sha256"]
+
+
+@pytest.mark.parametrize("suffix", [".nc", ".zarr"])
+def test_a_result_comes_back_and_goes_out_again_as_it_was(places, motion, tmp_path, suffix):
+    back = read_result(str(places[suffix]))
+    assert list(back.coordinates) == list(motion.coordinates)
+    assert list(back.variables) == list(motion.variables)
+    xarray.testing.assert_identical(
+        back.to_xarray().drop_attrs(deep=False), motion.to_xarray().drop_attrs(deep=False)
+    )
+    for form in (".csv", ".mat", ".zarr", ".nc", ".xlsx", ".parquet"):
+        write_result(back, str(tmp_path / f"x{form}"), history="again")
+    assert (tmp_path / "x.csv").read_bytes() == places[".csv"].read_bytes()
+    with pytest.raises(LimitError, match="bytes of memory"):
+        read_result(str(places[suffix]), most_bytes=100)
+
+
+def test_what_is_awkward(awkward, tmp_path):
+    places = written(awkward, tmp_path)
+    book = openpyxl.load_workbook(places[".xlsx"])
+    heads, first, *_ = book["values"].values
+    row = dict(zip(heads, first, strict=True))
+    assert row == {
+        "a [Hz]": 1, "b": 1, "c": 7.5, "turned [m]": 0, "short": None, "count": 2**40,
+        "told": '=x,"y"', "single": float(np.float32(0.1)), "regime": "slide",
+    }  # fmt: skip
+    assert [cell.value for cell in book["values"]["E"]][1:3] == [None, "-inf"]
+    assert book["values"]["G2"].data_type == "s"  # no formula
+    assert book["values"]["G6"].value == "#z"
+    assert dict(book["study"].values)["title"] == "=T"
+    mat = scipy.io.loadmat(places[".mat"], simplify_cells=True)["result"]["data"]
+    assert np.array_equal(mat["short"], [np.nan, -np.inf], equal_nan=True)
+    assert mat["turned"].shape == (2, 3)
+    assert mat["count"].tolist() == [2**40, 0, -1]
+    assert [str(text) if len(text) else "" for text in mat["told"]] == ['=x,"y"', "", "#z\x01"]
+    for suffix in (".nc", ".zarr"):
+        back = read_result(str(places[suffix]))
+        for name, one in {**awkward.coordinates, **awkward.variables}.items():
+            found = {**back.coordinates, **back.variables}[name]
+            assert found.values.dtype.kind == one.values.dtype.kind
+            np.testing.assert_array_equal(found.values, one.values)
+    (about,) = json.loads((tmp_path / "result.csv-metadata.json").read_text())["notes"]
+    assert "1 of 3 cells" in about["note"]
+
+
+def test_equal_results_are_equal_workbooks(awkward):
+    one, other = (b"".join(workbook.xlsx(Frame.of(awkward))) for _ in range(2))
+    assert one == other
+
+
+def test_a_workbook_that_nobody_waits_for_leaves_nothing(awkward, tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    monkeypatch.setattr(workbook, "ROWS", 1)
+    pieces = workbook.xlsx(Frame.of(awkward))
+    assert next(pieces) == b""
+    assert list(tmp_path.iterdir())
+    pieces.close()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_long_study_goes_on_in_the_rows_below(awkward):
+    long = replace(awkward, attributes={**awkward.attributes, "study": "0123456789" * 7000})
+    content = b"".join(workbook.xlsx(Frame.of(long)))
+    with __import__("io").BytesIO(content) as file:
+        told = [value for name, value in openpyxl.load_workbook(file)["study"].values
+                if name == "study"]  # fmt: skip
+    assert "".join(told) == "0123456789" * 7000
+
+
+def test_what_a_format_cannot_hold(awkward, tmp_path, monkeypatch):
+    with pytest.raises(LimitError, match="rows in a sheet of Excel, the limit is 1,048,575"):
+        FORMATS[".xlsx"].check(2**20, 1)
+    with pytest.raises(LimitError, match="MATLAB reads it"):
+        FORMATS[".mat"].check(1, 2**31)
+    FORMATS[".csv"].check(10**12, 10**15)
+    monkeypatch.setattr(workbook, "MOST_ROWS", 5)
+    monkeypatch.setattr(matlab, "MOST_BYTES", 100)
+    for suffix in (".xlsx", ".mat"):
+        with pytest.raises(LimitError):
+            write_result(awkward, str(tmp_path / f"x{suffix}"), history="")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_a_place_that_cannot_be_written_has_nothing(suffix, awkward, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OSError):  # noqa: PT011 (each says it in its own words)
+        write_result(awkward, str(tmp_path / "file" / f"x{suffix}"), history="")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_group_is_not_replaced(awkward, places):
+    with pytest.raises(FileExistsError, match="is there already"):
+        write_result(awkward, str(places[".zarr"]), history="")
+
+
+@pytest.mark.parametrize(
+    ("suffix", "package"), [(".xlsx", "openpyxl"), (".parquet", "pyarrow"), (".zarr", "obstore")]
+)
+def test_what_is_not_installed_is_named(suffix, package, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, package, None)
+    monkeypatch.setattr("core.dataset.shards.find_spec", lambda name: None)
+    with pytest.raises(MissingPackageError, match="pip install 'vibrafeed"):
+        FORMATS[suffix].needs()
+
+
+def test_what_is_no_result_of_ours(tmp_path):
+    other = tmp_path / "other.nc"
+    xarray.Dataset({"x": ("y", [1.0])}).to_netcdf(other)
+    (tmp_path / "text.nc").write_text("x")
+    for place in (other, tmp_path / "text.nc", tmp_path):
+        with pytest.raises(VibrafeedError, match="it is no result of vibrafeed"):
+            read_result(str(place))
+    with pytest.raises(FileNotFoundError):
+        read_result(str(tmp_path / "absent.nc"))
+
+
+def test_names_that_matlab_allows():
+    long = "x" * 70
+    found = names_in_matlab(["beta", "2nd", "a-b", "a b", "_c", long, long + "y"])
+    assert found["beta"] == "beta"
+    assert (found["2nd"], found["a-b"], found["a b"], found["_c"]) == (
+        "x2nd", "a_b", "a_b_2", "x_c",
+    )  # fmt: skip
+    assert len(set(found.values())) == 7
+    assert max(map(len, found.values())) <= 63
+
+
+@pytest.mark.parametrize(
+    ("where", "suffix"),
+    [("x.CSV", ".csv"), ("s3://bucket/key", ".zarr"), ("a.b/x", ""), ("x.tar.gz", ".gz")],
+)
+def test_suffixes(where, suffix):
+    assert suffix_of(where) == suffix
