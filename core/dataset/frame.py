@@ -168,7 +168,8 @@ class Column:
             return self.texts
         if not self.words:
             return self.variable.values
-        return np.array([*self.words, ""], dtype=object)[self.codes]
+        # Of a flag without dimension an index would take a word out of its array.
+        return np.asarray(np.array([*self.words, ""], dtype=object)[self.codes], dtype=object)
 
     @cached_property
     def codes(self) -> NDArray[np.int8]:
@@ -176,7 +177,7 @@ class Column:
         known = np.asarray(self.variable.attributes["flag_values"])
         found = np.full(256, known.size, dtype=np.int8)
         found[known.astype(np.uint8)] = np.arange(known.size)
-        return found[self.variable.values.astype(np.uint8)]
+        return np.asarray(found[self.variable.values.astype(np.uint8)])
 
 
 def heading(column: Column) -> str:

@@ -1,4 +1,4 @@
-"""Slices and results as CSV and Parquet; what is compressed on its way."""
+"""Slices and results as CSV, Parquet and XLSX; what is compressed on its way."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ CUT = {
     "amplitude": "0.5 mm",
 }
 PARQUET = "application/vnd.apache.parquet"
+XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
 PLAIN = {"Accept-Encoding": "identity"}
 
 
@@ -75,11 +76,25 @@ class TestSlices:
         assert len(about[b"study_sha256"]) == 64
         assert set(found["regime"]) <= set(table.column("regime").unique().to_pylist())
 
+    def test_xlsx(self, client, address, expected):
+        reply = client.get(f"{address}/slice", params=CUT, headers={"Accept": XLSX})
+        assert reply.headers["content-type"] == XLSX
+        found = pandas.read_excel(io.BytesIO(reply.content), sheet_name="values")
+        for column in ("alpha [degree]", "frequency [Hz]", "transport_velocity [m s-1]"):
+            np.testing.assert_array_equal(found[column], expected[column.split()[0]])
+        about = pandas.read_excel(io.BytesIO(reply.content), sheet_name="study", index_col=0)
+        assert about.value["note"] == reply.headers["vibrafeed-note"]
+        by_name = client.get(f"{address}/slice", params={**CUT, "format": "xlsx"})
+        assert by_name.content == reply.content
+        known = {"Accept": XLSX, "If-None-Match": reply.headers["etag"]}
+        assert client.get(f"{address}/slice", params=CUT, headers=known).status_code == 304
+
     def test_a_client_that_takes_nothing_is_told_what_there_is(self, client, address):
         reply = client.get(f"{address}/slice", params=CUT, headers={"Accept": "image/png"})
         told = problem(reply, 406)["detail"]
         assert "text/csv" in told
         assert PARQUET in told
+        assert XLSX in told
 
     def test_without_pyarrow_there_is_csv(self, client, address, monkeypatch):
         monkeypatch.setattr("app.web.tables.find_spec", lambda name: None)
@@ -89,8 +104,10 @@ class TestSlices:
         assert reply.headers["content-type"].startswith("text/csv")
         reply = client.get(f"{address}/slice", params=CUT, headers={"Accept": PARQUET})
         assert "vibrafeed[tables]" in problem(reply, 406)["detail"]
-        reply = client.get(f"{address}/slice", params={**CUT, "format": "parquet"})
-        assert "vibrafeed[tables]" in problem(reply, 406)["detail"]
+        monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
+        for form in ("parquet", "xlsx"):
+            reply = client.get(f"{address}/slice", params={**CUT, "format": form})
+            assert "vibrafeed[tables]" in problem(reply, 406)["detail"]
 
     def test_head_computes_nothing(self, client, address, monkeypatch):
         etag = client.get(f"{address}/slice", params=CUT, headers=PLAIN).headers["etag"]
@@ -115,7 +132,9 @@ class TestSlices:
 def job(tmp_path_factory):
     """Return a client, and the address of a result of 1,540 cells."""
     folder = tmp_path_factory.mktemp("data")
-    app = create_app(Settings(data_directory=folder, workers=1, max_table_rows=2000))
+    app = create_app(
+        Settings(data_directory=folder, workers=1, max_table_rows=2000, max_sheet_rows=1600)
+    )
     with local_client(app) as client:
         ask = {"Prefer": "respond-async, wait=60"}
 
@@ -148,6 +167,10 @@ class TestResults:
         table = pyarrow.parquet.read_table(io.BytesIO(reply.content)).to_pandas()
         for name in ("frequency", "acceleration_x", "throw_number", "friction"):
             np.testing.assert_array_equal(table[name], expected[name])
+        reply = client.get(address, headers={"Accept": XLSX})
+        assert reply.headers["content-disposition"].endswith('.xlsx"')
+        table = pandas.read_excel(io.BytesIO(reply.content))
+        np.testing.assert_array_equal(table["acceleration_x [m s-2]"], expected["acceleration_x"])
         assert client.get(address).headers["content-type"] == "application/x-netcdf"
         told = client.get(address, headers={"Accept": "application/json"})
         assert told.json()["variables"]["throw_number"]["units"] == "1"
@@ -160,6 +183,10 @@ class TestResults:
         assert told["type"].endswith("limit")
         assert "3,080 rows, the limit is 2,000" in told["detail"]
         assert client.get(address).status_code == 200
+        address = post(with_axes(alpha=12))
+        told = problem(client.get(address, headers={"Accept": XLSX}), 422)
+        assert "1,848 rows, the limit is 1,600" in told["detail"]
+        assert client.get(address, headers={"Accept": "text/csv"}).status_code == 200
 
 
 class TestCompression:
@@ -186,7 +213,7 @@ class TestCompression:
         gladly = {"Accept-Encoding": "gzip"}
         for path in ("/zarr/transport_velocity/c/0/0/0/0", "/netcdf"):
             assert "content-encoding" not in client.get(address + path, headers=gladly).headers
-        for form in ("binary", "parquet"):
+        for form in ("binary", "parquet", "xlsx"):
             params = {**CUT, "format": form}
             reply = client.get(f"{address}/slice", params=params, headers=gladly)
             assert "content-encoding" not in reply.headers
