@@ -42,6 +42,14 @@ from vibrafeed._packages import ForeignPackageError, claim
 claim("core")
 
 import core  # noqa: E402 - found only now
+from vibrafeed._studies import (  # noqa: E402
+    drive_error,
+    open_lazily,
+    optimise,
+    simulate,
+    study,
+    sweep,
+)
 
 TYPE_CHECKING = False  # of the standard library's it is known to all, and would have to be loaded
 if TYPE_CHECKING:
@@ -57,7 +65,6 @@ if TYPE_CHECKING:
     from core.motion.rates import effective_distance, parts_per_minute, velocity_for
     from core.quantities import QUANTITIES, REGIMES
     from core.study import OptimiseStudy, SimulateStudy, Study, SweepStudy
-    from core.study.gather import Given
 
 __version__: str = core.__version__
 
@@ -131,172 +138,6 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     from core.kinds import load_study
 
     return load_study(path)
-
-
-def study(given: Given | None = None, /, **keywords: Any) -> Study:
-    """Return the study that a mapping or keywords describe; `kind` says which one it is.
-
-    Its values are right by themselves. Whether they make a whole is seen when it is carried out.
-
-    Parameters
-    ----------
-    given : mapping, study or path, optional
-        What the keywords are added to.
-    **keywords
-        Keys of the study and parameters.
-
-    Raises
-    ------
-    StudyError
-        With every problem.
-
-    Examples
-    --------
-    >>> drive = vibrafeed.study(
-    ...     kind="sweep", scene="rectangle-on-plane", outputs=["acceleration_x"],
-    ...     frequency=range(20, 121), amplitude="0.35 mm", beta=[15, 30], friction=0.3,
-    ... )
-    >>> dict(vibrafeed.sweep(drive, beta=20).sizes)
-    {'frequency': 101}
-    """
-    from core.kinds import study_of
-    from core.study.gather import gather
-
-    found = gather(given, keywords)
-    return study_of(found) if isinstance(found, dict) else found
-
-
-def sweep(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
-    """Return closed-form quantities of one scene over a grid of parameters.
-
-    They are a snapshot at the drive's peak, with the `regime` that says where they hold.
-
-    Parameters
-    ----------
-    study : Study, mapping or path, optional
-        The study; its `kind` is ``"sweep"``, and may be left out of a mapping.
-    **keywords
-        Keys and parameters that the study has too, or has instead.
-
-    Returns
-    -------
-    xarray.Dataset
-        The outputs, each with the axes that it depends on, units and equation numbers.
-
-    Raises
-    ------
-    StudyError
-        With every problem, also where it is a study of another kind.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> dataset = vibrafeed.sweep(
-    ...     scene="rectangle-on-plane", outputs=["acceleration_x"], frequency="50 Hz",
-    ...     amplitude="0.25 mm", beta=np.linspace(0, 40, 9), friction=0.5,
-    ... )
-    >>> dataset.acceleration_x.dims, dataset.acceleration_x.units
-    (('beta',), 'm s-2')
-    """
-    return _carry_out("sweep", study, keywords)
-
-
-def simulate(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
-    """Return the motion in time of one scene over a grid of parameters: mean velocities and more.
-
-    Parameters, errors and result are those of `sweep`, with ``"simulate"`` for the `kind`. Without
-    `outputs` it is the mean conveying velocity. `trajectory` gives the course of one point in time.
-
-    Examples
-    --------
-    >>> motion = vibrafeed.simulate(
-    ...     scene="rectangle-on-plane", frequency="50 Hz", amplitude=["0.25 mm", "0.4 mm"], beta=30,
-    ...     friction=0.5,
-    ... )
-    >>> motion.conveying_velocity.dims, motion.conveying_velocity.units
-    (('amplitude',), 'm s-1')
-    """
-    return _carry_out("simulate", study, keywords)
-
-
-def optimise(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
-    """Return the best values of some parameters, over a grid of the others.
-
-    Parameters, errors and result are those of `sweep`, with ``"optimise"`` for the `kind`. The
-    `criterion` says what is looked for, and `variables` what may be chosen between which bounds.
-
-    Examples
-    --------
-    >>> best = vibrafeed.optimise(
-    ...     scene="rectangle-on-plane", criterion={"kind": "maximise", "output": "acceleration_x"},
-    ...     variables={"beta": {"lower": 0, "upper": 60}}, frequency="50 Hz", amplitude="0.25 mm",
-    ...     friction=0.5,
-    ... )
-    >>> best.best_beta.units
-    'degree'
-    """
-    return _carry_out("optimise", study, keywords)
-
-
-def drive_error(
-    study: Given | None = None, /, *, draws: int = 200, seed: int = 0, **keywords: Any
-) -> DriveError:
-    """Return how far the errors of a measured drive move the conveying velocity of one part.
-
-    The part is followed under drives that the recording cannot tell from the fitted one. Errors of
-    friction and other parameters, of the model and of the sensor's scale are not among them.
-
-    Parameters
-    ----------
-    study : mapping or path, optional
-        A study to simulate, of one cell, whose `drive` names a recording.
-    draws : int
-        How many such drives.
-    seed : int
-        Of the random numbers; equal ones give equal results.
-    **keywords
-        Keys and parameters that the study has too, or has instead.
-
-    Returns
-    -------
-    DriveError
-        velocity, standard_deviation, lower and upper (of 95 %), draws, without [m s-1].
-
-    Raises
-    ------
-    StudyError
-        With every problem.
-
-    Examples
-    --------
-    >>> told = vibrafeed.drive_error("configs/measured-drive.toml", drive_factor=1, friction=0.3)
-    >>> told.lower < told.velocity < told.upper
-    True
-    """
-    import numpy as np
-
-    from core.kinds import study_and_fit
-    from core.motion.drive_error import drive_error
-    from core.study.gather import gather
-
-    found = gather(study, keywords, "simulate")
-    asked, fit = study_and_fit(found if isinstance(found, dict) else found.content())
-    return drive_error(asked, fit, draws, np.random.default_rng(seed))
-
-
-def open_lazily(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
-    """Return the dataset of a sweep of any size; what is read of it is computed when it is read.
-
-    Parameters and errors are those of `sweep`. It needs zarr: ``pip install 'vibrafeed[cluster]'``.
-
-    Raises
-    ------
-    VibrafeedError
-        If zarr is not installed.
-    """
-    from core.sweep.lazy import open_lazily
-
-    return open_lazily(_prepared("sweep", study, keywords))
 
 
 def plot(
@@ -391,18 +232,3 @@ def scenes(
     from core.catalogue import describe, describe_all
 
     return describe_all() if name is None else describe(name, variant, method=method)
-
-
-def _prepared(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> Any:
-    """Return a study of one kind, ready to be carried out."""
-    from core.kinds import prepare, prepare_content
-    from core.study.gather import gather
-
-    found = gather(given, keywords, kind)
-    return prepare_content(found, files=True) if isinstance(found, dict) else prepare(found)
-
-
-def _carry_out(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> xarray.Dataset:
-    from core.kinds import tabulate
-
-    return tabulate(_prepared(kind, given, keywords)).to_xarray()

@@ -1,0 +1,277 @@
+"""`python -m benchmarks.keywords` writes the keywords that editors and `help` show of studies.
+
+From quantities, scenes and the models of studies it writes `vibrafeed/_names.py`, and in
+`vibrafeed/_studies.py` the signatures and the sections "Parameters" of docstrings, in place.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import re
+import textwrap
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from core.catalogue import scene_parameters
+from core.motion.systems import SYSTEMS
+from core.quantities import QUANTITIES, Quantity
+from core.quantities.drive import DRIVE
+from core.scenes import SCENES, Scene
+from core.study.models import STUDIES
+
+PACKAGE = Path(__file__).parents[1] / "vibrafeed"
+NAMES, STUDIES_FILE = PACKAGE / "_names.py", PACKAGE / "_studies.py"
+LENGTH = 100
+
+KINDS = {
+    "study": tuple(STUDIES),
+    "sweep": ("sweep",),
+    "simulate": ("simulate",),
+    "optimise": ("optimise",),
+    "open_lazily": ("sweep",),
+    "drive_error": ("simulate",),
+}
+"""The kinds of study of each function."""
+REGISTRIES: dict[str, tuple[Mapping[str, Scene], ...]] = {
+    "sweep": (SCENES,),
+    "simulate": (SYSTEMS,),
+    "optimise": (SCENES, SYSTEMS),
+}
+"""The scenes of each kind."""
+TOLD = ("sweep", "simulate", "optimise")
+"""Functions whose docstrings tell of each keyword."""
+OWN = ("study", "given", "draws", "seed")
+"""Parameters of functions that are written by hand."""
+
+MAPPING = "Mapping[str, Any]"
+TYPES = {
+    "kind": 'Literal["sweep", "simulate", "optimise"]',
+    "scene": "{scenes}",
+    "outputs": "{outputs} | Sequence[{outputs}]",
+    "variant": 'Literal["thesis", "derived", "physical"] | str',
+    "method": "str",
+    "criterion": MAPPING,
+    "variables": "Mapping[str, Bounds]",
+    "constraints": "Sequence[Mapping[str, Any]]",
+    "uncertain": "Mapping[str, Bounds]",
+    "robust": 'Literal["worst", "mean"]',
+    "floor_contact": "bool",
+    "wall_contact": "bool",
+    "sensitivities": "bool",
+    "trajectory": "int | Sequence[float]",
+    "drive": MAPPING,
+    "tolerance": "float",
+    "most_periods": "int",
+    "steps_per_period": "int",
+    "slip_speed": "float",
+    "contact_stiffness": "float",
+    "precision": 'Literal["double", "single"]',
+    "reduce": MAPPING,
+    "verify": "int",
+    "units": "str | Sequence[str]",
+    "title": "str",
+    "notes": "str",
+    "parameters": "Mapping[str, Values]",
+}
+"""How the keys of studies are written in Python, in the order in which functions take them."""
+FIRST = ("kind", "scene", "outputs", "variant", "method", "criterion", "variables", "constraints")
+"""Keys that stand before the parameters."""
+
+
+def names_module() -> str:
+    """Return the source of the module with the names of scenes, outputs and numbered parameters."""
+    lines = [
+        '"""Names that editors offer and type checkers know; nothing loads them to run.',
+        "",
+        "Written by `python -m benchmarks.keywords` from scenes and quantities.",
+        '"""',
+        "",
+        "from __future__ import annotations",
+        "",
+        "from typing import Literal, TypeAlias, TypedDict",
+        "",
+        "from vibrafeed._values import Values",
+        "",
+    ]
+    for stem, registry in (("Swept", SCENES), ("Simulated", SYSTEMS)):
+        outputs = {name for s in registry.values() for v in s.variants for name in s.outputs(v)}
+        lines += _literal(f"{stem}Scene", registry)
+        lines += _literal(f"{stem}Output", (name for name in QUANTITIES if name in outputs))
+    lines += [
+        "Output: TypeAlias = SweptOutput | SimulatedOutput",
+        "",
+        "",
+        "class NoMore(TypedDict):",
+        '    """No further keywords."""',
+        "",
+        "",
+        "class DriveNumbers(TypedDict, total=False):",
+        '    """Drives that are no plain sine: harmonics or steps (docs/drives.md)."""',
+        "",
+    ]
+    for name in numbered():
+        lines += [f"    {name}: Values", *_wrapped(f'"""{meaning(name)}"""', 4)]
+    return "\n".join(lines) + "\n"
+
+
+def _literal(name: str, values: Iterable[str]) -> list[str]:
+    entries = [f'        "{value}",' for value in values]
+    return [f"{name}: TypeAlias = (", "    Literal[", *entries, "    ]", "    | str", ")"]
+
+
+def numbered() -> list[str]:
+    """Return the parameters of drives that are no plain sine, most of which have a number."""
+    return [name for name, quantity in DRIVE.items() if quantity.parameter]
+
+
+def parameters(kinds: Iterable[str]) -> list[str]:
+    """Return the other parameters that some scene takes in studies of these kinds."""
+    taken = {
+        name
+        for kind in kinds
+        for registry in REGISTRIES[kind]
+        for scene in registry.values()
+        for variant in scene.variants
+        for name in scene_parameters(scene, variant)
+    }
+    return [name for name in QUANTITIES if name in taken and name not in numbered()]
+
+
+def keys(kinds: Iterable[str]) -> dict[str, str]:
+    """Return the keys of studies of these kinds, and what they are in words.
+
+    Raises
+    ------
+    KeyError
+        If `TYPES` does not say how one is written.
+    """
+    fields = {name: field for kind in kinds for name, field in STUDIES[kind].model_fields.items()}
+    missing = fields.keys() - TYPES.keys()
+    if missing:
+        raise KeyError(f"TYPES of {Path(__file__).name} has no {', '.join(sorted(missing))}")
+    return {name: str(fields[name].description) for name in TYPES if name in fields}
+
+
+def annotations(function: str) -> dict[str, str]:
+    """Return the keywords of a function and how each is written, in order."""
+    kinds = KINDS[function]
+    own = keys(kinds)
+    if function != "study":
+        del own["kind"]  # the function says it
+    stem = {"sweep": "Swept", "simulate": "Simulated"}.get("".join(kinds), "")
+    words = {"scenes": f"{stem or 'Swept'}Scene", "outputs": f"{stem}Output"}
+    written = {name: TYPES[name].format(**words) for name in own}
+    first = {name: written.pop(name) for name in FIRST if name in written}
+    return first | dict.fromkeys(parameters(kinds), "Values") | written
+
+
+def meaning(name: str) -> str:
+    """Return what a parameter is, its unit, bounds and examples, in words."""
+    quantity = QUANTITIES[name]
+    unit = {"1": "", "degree": "In degrees"}.get(quantity.unit, f"In {quantity.unit}")
+    facts = [fact for fact in (unit, _bounds(quantity)) if fact]
+    examples = [f'"{one}"' if _has_unit(one) else one for one in quantity.examples]
+    if examples:
+        facts.append(f"for example {' or '.join(examples)}")
+    told = ", ".join(facts)
+    return f"{quantity.description} {told[:1].upper()}{told[1:]}." if told else quantity.description
+
+
+def _has_unit(example: str) -> bool:
+    return not example.replace(".", "").isdecimal()
+
+
+def _bounds(quantity: Quantity) -> str:
+    least, most = quantity.lower, quantity.upper
+    if math.isfinite(least) and math.isfinite(most):
+        return f"from {least:g} to {most:g}"
+    if math.isfinite(least):
+        return f"above {least:g}" if quantity.strict else f"{least:g} or more"
+    return f"at most {most:g}" if math.isfinite(most) else ""
+
+
+def section(function: str) -> list[str]:
+    """Return the entries of a docstring for the keywords of a function."""
+    words, lines = keys(KINDS[function]), []
+    for name, written in annotations(function).items():
+        lines.append(f"    {name} : {_in_words(written)}, optional")
+        lines += _wrapped(words[name] if name in words else meaning(name), 8)
+    if function != "sweep":
+        families: dict[str, list[str]] = {}
+        for name in numbered():
+            families.setdefault(re.sub(r"\d+$", "", name), []).append(name)
+        for family in families.values():
+            last = family[-1].rpartition("_")[2]
+            many = f"{family[0]} to _{last}" if len(family) > 1 else family[0]
+            lines += [f"    {many} : values, optional", *_wrapped(meaning(family[0]), 8)]
+    return lines
+
+
+def _in_words(written: str) -> str:
+    """Return a type as a docstring says it."""
+    for name, word in (
+        ("Mapping[str, Any]", "mapping"),
+        ("Mapping[str, Bounds]", "mapping of str to bounds"),
+        ("Mapping[str, Values]", "mapping of str to values"),
+        ("Values", "values"),
+    ):
+        written = written.replace(name, word)
+    if written.startswith("Literal"):
+        return written.removesuffix(" | str").removeprefix("Literal[").rstrip("]").join("{}")
+    written = re.sub(r"\w+(?:Scene|Output)|\bOutput", "str", written)
+    return re.sub(r"Sequence\[(.*)\]", r"sequence of \1", written).replace(" | ", " or ")
+
+
+def _wrapped(text: str, indent: int) -> list[str]:
+    margin = " " * indent
+    return textwrap.wrap(text, LENGTH, initial_indent=margin, subsequent_indent=margin)
+
+
+def rewritten(source: str) -> str:
+    """Return the source of the functions with the keywords of today."""
+    lines = source.splitlines()
+    functions = [node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)]
+    for node in reversed(functions):  # so that lines before stay where they are
+        if node.name not in KINDS:
+            continue
+        if node.name in TOLD:
+            begin, end = _entries(lines, node)
+            lines[begin:end] = section(node.name)
+        lines[node.lineno - 1 : node.body[0].lineno - 1] = _signature(node)
+    return "\n".join(lines) + "\n"
+
+
+def _entries(lines: list[str], node: ast.FunctionDef) -> tuple[int, int]:
+    """Return where the entries of the keywords stand in a docstring: behind those of its own."""
+    begin = lines.index("    Parameters", node.lineno) + 2
+    end = lines.index("", begin)
+    names = [k for k in range(begin, end) if re.match(r"    \S", lines[k])]
+    others = [k for k in names if lines[k].split()[0] not in OWN]
+    return (others or [end])[0], end
+
+
+def _signature(node: ast.FunctionDef) -> list[str]:
+    given, rest = node.args.posonlyargs, node.args.kwarg
+    assert rest is not None
+    own = [
+        f"    {ast.unparse(arg)} = {ast.unparse(value)},"
+        for arg, value in zip(node.args.kwonlyargs, node.args.kw_defaults, strict=True)
+        if arg.arg in OWN and value is not None
+    ]
+    return [
+        f"def {node.name}(",
+        *(f"    {arg.arg}: Given | None = None," for arg in given),
+        "    /,",
+        "    *,",
+        *own,
+        *(f"    {name}: {how} | None = None," for name, how in annotations(node.name).items()),
+        f"    **{ast.unparse(rest)},",
+        f") -> {ast.unparse(node.returns or ast.Constant(None))}:",
+    ]
+
+
+if __name__ == "__main__":
+    NAMES.write_text(names_module(), encoding="utf-8")
+    text = rewritten(STUDIES_FILE.read_text(encoding="utf-8"))
+    STUDIES_FILE.write_text(text, encoding="utf-8")

@@ -1,0 +1,584 @@
+"""Names that editors offer and type checkers know; nothing loads them to run.
+
+Written by `python -m benchmarks.keywords` from scenes and quantities.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias, TypedDict
+
+from vibrafeed._values import Values
+
+SweptScene: TypeAlias = (
+    Literal[
+        "rectangle-isolated",
+        "rectangle-on-plane",
+        "rectangle-on-track",
+        "rectangle-pair-impact",
+        "cylinder-isolated",
+        "cylinder-on-plane",
+        "cylinder-pair-impact",
+        "cylinder-rolling",
+    ]
+    | str
+)
+SweptOutput: TypeAlias = (
+    Literal[
+        "vibration_acceleration",
+        "drive_along",
+        "drive_across",
+        "drive_normal",
+        "gravity_along",
+        "gravity_across",
+        "gravity_normal",
+        "throw_number",
+        "normal_acceleration",
+        "floor_acceleration",
+        "centripetal_acceleration",
+        "in_plane_drive_x",
+        "in_plane_drive_y",
+        "in_plane_drive",
+        "sliding_fraction",
+        "roll_root",
+        "acceleration_x",
+        "acceleration_y",
+        "acceleration_z",
+        "rotated_acceleration_x",
+        "rotated_acceleration_y",
+        "angular_acceleration",
+        "starting_acceleration",
+        "transport_velocity",
+        "terminal_velocity",
+        "travel_time",
+        "mean_velocity",
+        "velocity_at_time",
+        "distance_at_time",
+        "stopping_distance",
+        "stopping_time",
+        "velocity_bound",
+        "suggested_distance",
+        "distance_bound",
+        "floor_force",
+        "wall_balance",
+        "wall_acceleration",
+        "wall_force",
+        "wall_force_rear",
+        "wall_force_front",
+        "chord_cosine",
+        "wall_speed",
+        "z_residual",
+        "pressure_offset_x",
+        "pressure_offset_y",
+        "regime",
+        "rolling_drive",
+        "axial_drive",
+        "axial_friction_acceleration",
+        "rolling_friction",
+        "axial_friction",
+        "spin_acceleration",
+        "yaw_acceleration",
+        "printed_yaw_rate",
+        "pressure_offset_axial",
+        "required_friction",
+        "cone_margin",
+        "floor_pitch",
+        "floor_axis_normal",
+        "floor_axis_rolling",
+        "floor_axis_axial",
+        "force_pitch",
+        "force_axis_normal",
+        "force_axis_rolling",
+        "force_axis_axial",
+        "corner_angle",
+        "diagonal_angle",
+        "half_diagonal",
+        "inertia_ratio",
+        "touching_height",
+        "pivot_velocity_along",
+        "pivot_velocity_upward",
+        "gap_normal",
+        "gap_tangential",
+        "gap_normal_rate",
+        "gap_tangential_rate",
+        "gap_normal_acceleration",
+        "gap_tangential_acceleration",
+        "free_normal_acceleration",
+        "free_tangential_acceleration",
+        "normal_response_right",
+        "normal_response_left",
+        "normal_response",
+        "holding_normal_acceleration",
+        "holding_tangential_acceleration",
+        "slip_direction",
+        "friction_force",
+        "acceleration_along",
+        "acceleration_upward",
+        "pitch_acceleration",
+        "inverse_limiting_friction",
+        "limiting_friction_right",
+        "limiting_friction_left",
+        "least_limiting_friction",
+        "least_limiting_pitch",
+        "impact_impulse_normal",
+        "impact_impulse_tangential",
+        "inertia_1",
+        "velocity_x_1_after",
+        "velocity_y_1_after",
+        "velocity_z_1_after",
+        "spin_x_1_after",
+        "spin_y_1_after",
+        "spin_z_1_after",
+        "spin_1_after",
+        "inertia_2",
+        "velocity_x_2_after",
+        "velocity_y_2_after",
+        "velocity_z_2_after",
+        "spin_x_2_after",
+        "spin_y_2_after",
+        "spin_z_2_after",
+        "spin_2_after",
+        "gap",
+        "face_body",
+        "contact_corner",
+        "contact_x",
+        "contact_y",
+        "normal_x",
+        "normal_y",
+        "contact_form",
+        "contact_z",
+        "normal_z",
+        "sliding_before",
+        "sliding_after",
+        "impulse_friction",
+        "impulse_x",
+        "impulse_y",
+        "impulse_z",
+        "momentum_residual_z",
+        "angular_momentum_residual_x",
+        "angular_momentum_residual_y",
+        "angular_momentum_residual_z",
+        "delassus_normal",
+        "delassus_coupling",
+        "delassus_tangential",
+        "approach_normal",
+        "approach_tangential",
+        "separation_normal",
+        "separation_tangential",
+        "impulse_normal",
+        "impulse_tangential",
+        "energy_before",
+        "energy_lost",
+        "momentum_residual_x",
+        "momentum_residual_y",
+        "angular_momentum_residual",
+    ]
+    | str
+)
+SimulatedScene: TypeAlias = (
+    Literal[
+        "rectangle-on-plane",
+        "cylinder-on-plane",
+        "rectangle-on-track",
+        "rectangle-isolated",
+        "cylinder-isolated",
+    ]
+    | str
+)
+SimulatedOutput: TypeAlias = (
+    Literal[
+        "vibration_acceleration",
+        "throw_number",
+        "regime",
+        "largest_acceleration_along",
+        "stroke_along",
+        "largest_jerk_along",
+        "largest_acceleration_across",
+        "stroke_across",
+        "largest_jerk_across",
+        "largest_acceleration_normal",
+        "stroke_normal",
+        "largest_jerk_normal",
+        "drive_number",
+        "drive_number_along",
+        "drive_number_across",
+        "drive_number_normal",
+        "gravity_number_along",
+        "gravity_number_across",
+        "gravity_number_normal",
+        "hold_down_number",
+        "load_number",
+        "curvature_number",
+        "acceleration_scale",
+        "velocity_scale",
+        "length_scale",
+        "conveying_velocity",
+        "conveying_velocity_spread",
+        "conveying_velocity_error",
+        "efficiency",
+        "fastest_velocity",
+        "share_of_fastest",
+        "stick_fraction",
+        "forward_fraction",
+        "backward_fraction",
+        "flight_fraction",
+        "impacts_per_period",
+        "period_multiple",
+        "landing_speed",
+        "hop_height",
+        "friction_power",
+        "impact_power",
+        "drive_power",
+        "friction_work",
+        "impact_work",
+        "drive_work",
+        "part_friction_power",
+        "part_impact_power",
+        "part_drive_power",
+        "motion_status",
+        "final_pitch",
+        "resting_side",
+        "settling_time",
+        "impact_count",
+        "largest_bounce",
+        "drift_velocity",
+        "specific_energy_lost",
+    ]
+    | str
+)
+Output: TypeAlias = SweptOutput | SimulatedOutput
+
+
+class NoMore(TypedDict):
+    """No further keywords."""
+
+
+class DriveNumbers(TypedDict, total=False):
+    """Drives that are no plain sine: harmonics or steps (docs/drives.md)."""
+
+    drive_factor: Values
+    """By how much every amplitude or acceleration of the drive is larger than given. 0 or more, for
+    example 1.2."""
+    amplitude_along_1: Values
+    """Amplitude of the track's motion along the track at the drive frequency, zero to peak. In m, 0
+    or more, for example "0.1 mm"."""
+    amplitude_along_2: Values
+    """Amplitude of the track's motion along the track at 2 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_along_3: Values
+    """Amplitude of the track's motion along the track at 3 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_along_4: Values
+    """Amplitude of the track's motion along the track at 4 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_along_5: Values
+    """Amplitude of the track's motion along the track at 5 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_along_6: Values
+    """Amplitude of the track's motion along the track at 6 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_along_7: Values
+    """Amplitude of the track's motion along the track at 7 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_along_8: Values
+    """Amplitude of the track's motion along the track at 8 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_along_9: Values
+    """Amplitude of the track's motion along the track at 9 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_along_10: Values
+    """Amplitude of the track's motion along the track at 10 times the drive frequency, zero to
+    peak. In m, 0 or more, for example "0.1 mm"."""
+    amplitude_across_1: Values
+    """Amplitude of the track's motion across the track at the drive frequency, zero to peak. In m,
+    0 or more, for example "0.1 mm"."""
+    amplitude_across_2: Values
+    """Amplitude of the track's motion across the track at 2 times the drive frequency, zero to
+    peak. In m, 0 or more, for example "0.1 mm"."""
+    amplitude_across_3: Values
+    """Amplitude of the track's motion across the track at 3 times the drive frequency, zero to
+    peak. In m, 0 or more, for example "0.1 mm"."""
+    amplitude_across_4: Values
+    """Amplitude of the track's motion across the track at 4 times the drive frequency, zero to
+    peak. In m, 0 or more, for example "0.1 mm"."""
+    amplitude_across_5: Values
+    """Amplitude of the track's motion across the track at 5 times the drive frequency, zero to
+    peak. In m, 0 or more, for example "0.1 mm"."""
+    amplitude_across_6: Values
+    """Amplitude of the track's motion across the track at 6 times the drive frequency, zero to
+    peak. In m, 0 or more, for example "0.1 mm"."""
+    amplitude_across_7: Values
+    """Amplitude of the track's motion across the track at 7 times the drive frequency, zero to
+    peak. In m, 0 or more, for example "0.1 mm"."""
+    amplitude_across_8: Values
+    """Amplitude of the track's motion across the track at 8 times the drive frequency, zero to
+    peak. In m, 0 or more, for example "0.1 mm"."""
+    amplitude_across_9: Values
+    """Amplitude of the track's motion across the track at 9 times the drive frequency, zero to
+    peak. In m, 0 or more, for example "0.1 mm"."""
+    amplitude_across_10: Values
+    """Amplitude of the track's motion across the track at 10 times the drive frequency, zero to
+    peak. In m, 0 or more, for example "0.1 mm"."""
+    amplitude_normal_1: Values
+    """Amplitude of the track's motion off the floor at the drive frequency, zero to peak. In m, 0
+    or more, for example "0.1 mm"."""
+    amplitude_normal_2: Values
+    """Amplitude of the track's motion off the floor at 2 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_normal_3: Values
+    """Amplitude of the track's motion off the floor at 3 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_normal_4: Values
+    """Amplitude of the track's motion off the floor at 4 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_normal_5: Values
+    """Amplitude of the track's motion off the floor at 5 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_normal_6: Values
+    """Amplitude of the track's motion off the floor at 6 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_normal_7: Values
+    """Amplitude of the track's motion off the floor at 7 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_normal_8: Values
+    """Amplitude of the track's motion off the floor at 8 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_normal_9: Values
+    """Amplitude of the track's motion off the floor at 9 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    amplitude_normal_10: Values
+    """Amplitude of the track's motion off the floor at 10 times the drive frequency, zero to peak.
+    In m, 0 or more, for example "0.1 mm"."""
+    phase_along_1: Values
+    """Lead of the track's motion along the track at the drive frequency: the displacement is A sin(
+    w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_along_2: Values
+    """Lead of the track's motion along the track at 2 times the drive frequency: the displacement
+    is A sin(2 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_along_3: Values
+    """Lead of the track's motion along the track at 3 times the drive frequency: the displacement
+    is A sin(3 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_along_4: Values
+    """Lead of the track's motion along the track at 4 times the drive frequency: the displacement
+    is A sin(4 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_along_5: Values
+    """Lead of the track's motion along the track at 5 times the drive frequency: the displacement
+    is A sin(5 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_along_6: Values
+    """Lead of the track's motion along the track at 6 times the drive frequency: the displacement
+    is A sin(6 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_along_7: Values
+    """Lead of the track's motion along the track at 7 times the drive frequency: the displacement
+    is A sin(7 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_along_8: Values
+    """Lead of the track's motion along the track at 8 times the drive frequency: the displacement
+    is A sin(8 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_along_9: Values
+    """Lead of the track's motion along the track at 9 times the drive frequency: the displacement
+    is A sin(9 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_along_10: Values
+    """Lead of the track's motion along the track at 10 times the drive frequency: the displacement
+    is A sin(10 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_across_1: Values
+    """Lead of the track's motion across the track at the drive frequency: the displacement is A
+    sin( w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_across_2: Values
+    """Lead of the track's motion across the track at 2 times the drive frequency: the displacement
+    is A sin(2 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_across_3: Values
+    """Lead of the track's motion across the track at 3 times the drive frequency: the displacement
+    is A sin(3 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_across_4: Values
+    """Lead of the track's motion across the track at 4 times the drive frequency: the displacement
+    is A sin(4 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_across_5: Values
+    """Lead of the track's motion across the track at 5 times the drive frequency: the displacement
+    is A sin(5 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_across_6: Values
+    """Lead of the track's motion across the track at 6 times the drive frequency: the displacement
+    is A sin(6 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_across_7: Values
+    """Lead of the track's motion across the track at 7 times the drive frequency: the displacement
+    is A sin(7 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_across_8: Values
+    """Lead of the track's motion across the track at 8 times the drive frequency: the displacement
+    is A sin(8 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_across_9: Values
+    """Lead of the track's motion across the track at 9 times the drive frequency: the displacement
+    is A sin(9 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_across_10: Values
+    """Lead of the track's motion across the track at 10 times the drive frequency: the displacement
+    is A sin(10 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_normal_1: Values
+    """Lead of the track's motion off the floor at the drive frequency: the displacement is A sin( w
+    t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_normal_2: Values
+    """Lead of the track's motion off the floor at 2 times the drive frequency: the displacement is
+    A sin(2 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_normal_3: Values
+    """Lead of the track's motion off the floor at 3 times the drive frequency: the displacement is
+    A sin(3 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_normal_4: Values
+    """Lead of the track's motion off the floor at 4 times the drive frequency: the displacement is
+    A sin(4 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_normal_5: Values
+    """Lead of the track's motion off the floor at 5 times the drive frequency: the displacement is
+    A sin(5 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_normal_6: Values
+    """Lead of the track's motion off the floor at 6 times the drive frequency: the displacement is
+    A sin(6 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_normal_7: Values
+    """Lead of the track's motion off the floor at 7 times the drive frequency: the displacement is
+    A sin(7 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_normal_8: Values
+    """Lead of the track's motion off the floor at 8 times the drive frequency: the displacement is
+    A sin(8 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_normal_9: Values
+    """Lead of the track's motion off the floor at 9 times the drive frequency: the displacement is
+    A sin(9 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    phase_normal_10: Values
+    """Lead of the track's motion off the floor at 10 times the drive frequency: the displacement is
+    A sin(10 w t + phi). In degrees, from -720 to 720, for example "90 deg"."""
+    acceleration_along_1: Values
+    """Acceleration of the track along the track during step 1 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_along_2: Values
+    """Acceleration of the track along the track during step 2 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_along_3: Values
+    """Acceleration of the track along the track during step 3 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_along_4: Values
+    """Acceleration of the track along the track during step 4 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_along_5: Values
+    """Acceleration of the track along the track during step 5 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_along_6: Values
+    """Acceleration of the track along the track during step 6 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_along_7: Values
+    """Acceleration of the track along the track during step 7 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_along_8: Values
+    """Acceleration of the track along the track during step 8 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_along_9: Values
+    """Acceleration of the track along the track during step 9 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_along_10: Values
+    """Acceleration of the track along the track during step 10 of a period. In m s-2, for example
+    "4 m/s^2"."""
+    acceleration_along_11: Values
+    """Acceleration of the track along the track during step 11 of a period. In m s-2, for example
+    "4 m/s^2"."""
+    acceleration_along_12: Values
+    """Acceleration of the track along the track during step 12 of a period. In m s-2, for example
+    "4 m/s^2"."""
+    acceleration_across_1: Values
+    """Acceleration of the track across the track during step 1 of a period. In m s-2, for example
+    "4 m/s^2"."""
+    acceleration_across_2: Values
+    """Acceleration of the track across the track during step 2 of a period. In m s-2, for example
+    "4 m/s^2"."""
+    acceleration_across_3: Values
+    """Acceleration of the track across the track during step 3 of a period. In m s-2, for example
+    "4 m/s^2"."""
+    acceleration_across_4: Values
+    """Acceleration of the track across the track during step 4 of a period. In m s-2, for example
+    "4 m/s^2"."""
+    acceleration_across_5: Values
+    """Acceleration of the track across the track during step 5 of a period. In m s-2, for example
+    "4 m/s^2"."""
+    acceleration_across_6: Values
+    """Acceleration of the track across the track during step 6 of a period. In m s-2, for example
+    "4 m/s^2"."""
+    acceleration_across_7: Values
+    """Acceleration of the track across the track during step 7 of a period. In m s-2, for example
+    "4 m/s^2"."""
+    acceleration_across_8: Values
+    """Acceleration of the track across the track during step 8 of a period. In m s-2, for example
+    "4 m/s^2"."""
+    acceleration_across_9: Values
+    """Acceleration of the track across the track during step 9 of a period. In m s-2, for example
+    "4 m/s^2"."""
+    acceleration_across_10: Values
+    """Acceleration of the track across the track during step 10 of a period. In m s-2, for example
+    "4 m/s^2"."""
+    acceleration_across_11: Values
+    """Acceleration of the track across the track during step 11 of a period. In m s-2, for example
+    "4 m/s^2"."""
+    acceleration_across_12: Values
+    """Acceleration of the track across the track during step 12 of a period. In m s-2, for example
+    "4 m/s^2"."""
+    acceleration_normal_1: Values
+    """Acceleration of the track off the floor during step 1 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_normal_2: Values
+    """Acceleration of the track off the floor during step 2 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_normal_3: Values
+    """Acceleration of the track off the floor during step 3 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_normal_4: Values
+    """Acceleration of the track off the floor during step 4 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_normal_5: Values
+    """Acceleration of the track off the floor during step 5 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_normal_6: Values
+    """Acceleration of the track off the floor during step 6 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_normal_7: Values
+    """Acceleration of the track off the floor during step 7 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_normal_8: Values
+    """Acceleration of the track off the floor during step 8 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_normal_9: Values
+    """Acceleration of the track off the floor during step 9 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_normal_10: Values
+    """Acceleration of the track off the floor during step 10 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_normal_11: Values
+    """Acceleration of the track off the floor during step 11 of a period. In m s-2, for example "4
+    m/s^2"."""
+    acceleration_normal_12: Values
+    """Acceleration of the track off the floor during step 12 of a period. In m s-2, for example "4
+    m/s^2"."""
+    duration_1: Values
+    """How long step 1 lasts; the durations of all steps share out the period. 0 or more, for
+    example 0.25."""
+    duration_2: Values
+    """How long step 2 lasts; the durations of all steps share out the period. 0 or more, for
+    example 0.25."""
+    duration_3: Values
+    """How long step 3 lasts; the durations of all steps share out the period. 0 or more, for
+    example 0.25."""
+    duration_4: Values
+    """How long step 4 lasts; the durations of all steps share out the period. 0 or more, for
+    example 0.25."""
+    duration_5: Values
+    """How long step 5 lasts; the durations of all steps share out the period. 0 or more, for
+    example 0.25."""
+    duration_6: Values
+    """How long step 6 lasts; the durations of all steps share out the period. 0 or more, for
+    example 0.25."""
+    duration_7: Values
+    """How long step 7 lasts; the durations of all steps share out the period. 0 or more, for
+    example 0.25."""
+    duration_8: Values
+    """How long step 8 lasts; the durations of all steps share out the period. 0 or more, for
+    example 0.25."""
+    duration_9: Values
+    """How long step 9 lasts; the durations of all steps share out the period. 0 or more, for
+    example 0.25."""
+    duration_10: Values
+    """How long step 10 lasts; the durations of all steps share out the period. 0 or more, for
+    example 0.25."""
+    duration_11: Values
+    """How long step 11 lasts; the durations of all steps share out the period. 0 or more, for
+    example 0.25."""
+    duration_12: Values
+    """How long step 12 lasts; the durations of all steps share out the period. 0 or more, for
+    example 0.25."""

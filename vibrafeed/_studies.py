@@ -1,0 +1,1305 @@
+"""Making a study, and carrying it out: what users call with keywords.
+
+The keywords of each function, and what its docstring says of them, are written from the quantities,
+the scenes and the models of studies by `python -m benchmarks.keywords`, in place: all else here is
+written by hand.
+"""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from typing import Any, Literal, Unpack
+
+    import xarray
+
+    from core.motion.drive_error import DriveError
+    from core.study import Study
+    from core.study.gather import Given
+    from vibrafeed._names import (
+        DriveNumbers,
+        NoMore,
+        Output,
+        SimulatedOutput,
+        SimulatedScene,
+        SweptOutput,
+        SweptScene,
+    )
+    from vibrafeed._values import Bounds, Values
+
+
+def study(
+    given: Given | None = None,
+    /,
+    *,
+    kind: Literal["sweep", "simulate", "optimise"] | None = None,
+    scene: SweptScene | None = None,
+    outputs: Output | Sequence[Output] | None = None,
+    variant: Literal["thesis", "derived", "physical"] | str | None = None,
+    method: str | None = None,
+    criterion: Mapping[str, Any] | None = None,
+    variables: Mapping[str, Bounds] | None = None,
+    constraints: Sequence[Mapping[str, Any]] | None = None,
+    frequency: Values | None = None,
+    amplitude: Values | None = None,
+    peak_to_peak: Values | None = None,
+    alpha: Values | None = None,
+    beta: Values | None = None,
+    gamma: Values | None = None,
+    delta: Values | None = None,
+    yaw: Values | None = None,
+    radius: Values | None = None,
+    gravity: Values | None = None,
+    friction: Values | None = None,
+    friction_static: Values | None = None,
+    friction_kinetic: Values | None = None,
+    wall_friction: Values | None = None,
+    width: Values | None = None,
+    height: Values | None = None,
+    length: Values | None = None,
+    diameter: Values | None = None,
+    mass: Values | None = None,
+    restitution: Values | None = None,
+    wall_restitution: Values | None = None,
+    speed: Values | None = None,
+    distance: Values | None = None,
+    time: Values | None = None,
+    axis_yaw: Values | None = None,
+    spin_rate: Values | None = None,
+    yaw_rate: Values | None = None,
+    drilling_moment: Values | None = None,
+    pitch: Values | None = None,
+    pitch_rate: Values | None = None,
+    centre_along: Values | None = None,
+    centre_height: Values | None = None,
+    velocity_along: Values | None = None,
+    velocity_upward: Values | None = None,
+    position_x_1: Values | None = None,
+    position_y_1: Values | None = None,
+    angle_1: Values | None = None,
+    velocity_x_1: Values | None = None,
+    velocity_y_1: Values | None = None,
+    spin_1: Values | None = None,
+    position_z_1: Values | None = None,
+    azimuth_1: Values | None = None,
+    elevation_1: Values | None = None,
+    velocity_z_1: Values | None = None,
+    spin_x_1: Values | None = None,
+    spin_y_1: Values | None = None,
+    spin_z_1: Values | None = None,
+    diameter_1: Values | None = None,
+    length_1: Values | None = None,
+    width_1: Values | None = None,
+    mass_1: Values | None = None,
+    position_x_2: Values | None = None,
+    position_y_2: Values | None = None,
+    angle_2: Values | None = None,
+    velocity_x_2: Values | None = None,
+    velocity_y_2: Values | None = None,
+    spin_2: Values | None = None,
+    position_z_2: Values | None = None,
+    azimuth_2: Values | None = None,
+    elevation_2: Values | None = None,
+    velocity_z_2: Values | None = None,
+    spin_x_2: Values | None = None,
+    spin_y_2: Values | None = None,
+    spin_z_2: Values | None = None,
+    diameter_2: Values | None = None,
+    length_2: Values | None = None,
+    width_2: Values | None = None,
+    mass_2: Values | None = None,
+    contact_tolerance: Values | None = None,
+    hold_down: Values | None = None,
+    duration: Values | None = None,
+    drop_height: Values | None = None,
+    uncertain: Mapping[str, Bounds] | None = None,
+    robust: Literal["worst", "mean"] | None = None,
+    floor_contact: bool | None = None,
+    wall_contact: bool | None = None,
+    sensitivities: bool | None = None,
+    trajectory: int | Sequence[float] | None = None,
+    drive: Mapping[str, Any] | None = None,
+    tolerance: float | None = None,
+    most_periods: int | None = None,
+    steps_per_period: int | None = None,
+    slip_speed: float | None = None,
+    contact_stiffness: float | None = None,
+    precision: Literal["double", "single"] | None = None,
+    reduce: Mapping[str, Any] | None = None,
+    verify: int | None = None,
+    units: str | Sequence[str] | None = None,
+    title: str | None = None,
+    notes: str | None = None,
+    parameters: Mapping[str, Values] | None = None,
+    **numbered: Unpack[DriveNumbers],
+) -> Study:
+    """Return the study that a mapping or keywords describe; `kind` says which one it is.
+
+    Its values are right by themselves. Whether they make a whole is seen when it is carried out.
+
+    Parameters
+    ----------
+    given : mapping, study or path, optional
+        What the keywords are added to.
+    **keywords
+        Keys of the study and parameters: those of `sweep`, `simulate` and `optimise`.
+
+    Raises
+    ------
+    StudyError
+        With every problem.
+
+    Examples
+    --------
+    >>> drive = vibrafeed.study(
+    ...     kind="sweep", scene="rectangle-on-plane", outputs=["acceleration_x"],
+    ...     frequency=range(20, 121), amplitude="0.35 mm", beta=[15, 30], friction=0.3,
+    ... )
+    >>> dict(vibrafeed.sweep(drive, beta=20).sizes)
+    {'frequency': 101}
+    """
+    first, keywords = _split(locals())
+    from core.kinds import study_of
+    from core.study.gather import gather
+
+    found = gather(first, keywords)
+    return study_of(found) if isinstance(found, dict) else found
+
+
+def sweep(
+    study: Given | None = None,
+    /,
+    *,
+    scene: SweptScene | None = None,
+    outputs: SweptOutput | Sequence[SweptOutput] | None = None,
+    variant: Literal["thesis", "derived", "physical"] | str | None = None,
+    frequency: Values | None = None,
+    amplitude: Values | None = None,
+    peak_to_peak: Values | None = None,
+    alpha: Values | None = None,
+    beta: Values | None = None,
+    gamma: Values | None = None,
+    delta: Values | None = None,
+    yaw: Values | None = None,
+    radius: Values | None = None,
+    gravity: Values | None = None,
+    friction: Values | None = None,
+    friction_static: Values | None = None,
+    friction_kinetic: Values | None = None,
+    width: Values | None = None,
+    height: Values | None = None,
+    length: Values | None = None,
+    diameter: Values | None = None,
+    mass: Values | None = None,
+    restitution: Values | None = None,
+    speed: Values | None = None,
+    distance: Values | None = None,
+    time: Values | None = None,
+    axis_yaw: Values | None = None,
+    spin_rate: Values | None = None,
+    yaw_rate: Values | None = None,
+    drilling_moment: Values | None = None,
+    pitch: Values | None = None,
+    pitch_rate: Values | None = None,
+    centre_along: Values | None = None,
+    centre_height: Values | None = None,
+    velocity_along: Values | None = None,
+    velocity_upward: Values | None = None,
+    position_x_1: Values | None = None,
+    position_y_1: Values | None = None,
+    angle_1: Values | None = None,
+    velocity_x_1: Values | None = None,
+    velocity_y_1: Values | None = None,
+    spin_1: Values | None = None,
+    position_z_1: Values | None = None,
+    azimuth_1: Values | None = None,
+    elevation_1: Values | None = None,
+    velocity_z_1: Values | None = None,
+    spin_x_1: Values | None = None,
+    spin_y_1: Values | None = None,
+    spin_z_1: Values | None = None,
+    diameter_1: Values | None = None,
+    length_1: Values | None = None,
+    width_1: Values | None = None,
+    mass_1: Values | None = None,
+    position_x_2: Values | None = None,
+    position_y_2: Values | None = None,
+    angle_2: Values | None = None,
+    velocity_x_2: Values | None = None,
+    velocity_y_2: Values | None = None,
+    spin_2: Values | None = None,
+    position_z_2: Values | None = None,
+    azimuth_2: Values | None = None,
+    elevation_2: Values | None = None,
+    velocity_z_2: Values | None = None,
+    spin_x_2: Values | None = None,
+    spin_y_2: Values | None = None,
+    spin_z_2: Values | None = None,
+    diameter_2: Values | None = None,
+    length_2: Values | None = None,
+    width_2: Values | None = None,
+    mass_2: Values | None = None,
+    contact_tolerance: Values | None = None,
+    precision: Literal["double", "single"] | None = None,
+    reduce: Mapping[str, Any] | None = None,
+    verify: int | None = None,
+    units: str | Sequence[str] | None = None,
+    title: str | None = None,
+    notes: str | None = None,
+    parameters: Mapping[str, Values] | None = None,
+    **others: Unpack[NoMore],
+) -> xarray.Dataset:
+    """Return closed-form quantities of one scene over a grid of parameters.
+
+    They are a snapshot at the drive's peak, with the `regime` that says where they hold.
+
+    *Values* are a number in the unit that is named, text with a unit such as ``"0.25 mm"``, or
+    several of either, which become an axis of the dataset: a list, a range, an array, or a mapping
+    such as ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``. ``None`` is a keyword left out.
+
+    Parameters
+    ----------
+    study : Study, mapping or path, optional
+        The study, which keywords add to; its `kind` is ``"sweep"``, and may be left out.
+    scene : str, optional
+        Name of a scene; `vibrafeed scenes` lists them.
+    outputs : str or sequence of str, optional
+        Names of the outputs.
+    variant : {"thesis", "derived", "physical"}, optional
+        thesis (as printed), derived (errors corrected) or physical; the scene's default where left
+        out.
+    frequency : values, optional
+        Drive frequency. In Hz, 0 or more, for example "50 Hz" or "3000 rpm" or "3000 vpm".
+    amplitude : values, optional
+        Drive amplitude, zero to peak, along the drive direction. In m, 0 or more, for example "0.5
+        mm".
+    peak_to_peak : values, optional
+        Twice the drive amplitude. In m, 0 or more, for example "1 mm".
+    alpha : values, optional
+        Azimuth of the drive in the floor plane, from the track (+x) towards +y. In degrees, from
+        -180 to 180, for example "15 deg".
+    beta : values, optional
+        Elevation of the drive above the floor plane. In degrees, from -180 to 180, for example "20
+        deg".
+    gamma : values, optional
+        Climb angle of the track; +x goes uphill. In degrees, from -90 to 90, for example "3 deg".
+    delta : values, optional
+        Lean of the track; the part leans on the wall. In degrees, from -90 to 90, for example "2
+        deg".
+    yaw : values, optional
+        Turn of the part's axes about the floor normal. In degrees, from -180 to 180, for example
+        "30 deg".
+    radius : values, optional
+        Radius of the bowl's track wall. In m, above 0, for example "0.3 m".
+    gravity : values, optional
+        Acceleration of gravity. In m s-2, above 0, for example "9.80665 m/s^2".
+    friction : values, optional
+        Coulomb friction coefficient, static and kinetic alike. 0 or more, for example 0.3.
+    friction_static : values, optional
+        Coulomb friction coefficient at rest. 0 or more, for example 0.3.
+    friction_kinetic : values, optional
+        Coulomb friction coefficient in sliding. 0 or more, for example 0.3.
+    width : values, optional
+        Width of the rectangular part, across. In m, above 0, for example "10 mm".
+    height : values, optional
+        Height of the rectangular part. In m, above 0, for example "1.5 mm".
+    length : values, optional
+        Length of the part, along the track. In m, above 0, for example "50 mm".
+    diameter : values, optional
+        Diameter of the cylindrical part. In m, above 0, for example "8 mm".
+    mass : values, optional
+        Mass of the part. In kg, above 0, for example "5 g".
+    restitution : values, optional
+        Coefficient of restitution: 0 for no rebound, 1 for full rebound. From 0 to 1, for example
+        0.5.
+    speed : values, optional
+        Speed of the part along the track at the start. In m s-1, 0 or more, for example "0.1 m/s".
+    distance : values, optional
+        Distance over which the drive is taken to act; the source gives no value for it. In m, 0 or
+        more, for example "0.2 mm".
+    time : values, optional
+        Time since the start, with the drive held at its peak. In s, 0 or more, for example "20 ms".
+    axis_yaw : values, optional
+        Turn of the rolling cylinder's axis in the floor plane as chapter 4 counts it: from +x
+        towards -y, clockwise seen from above. In degrees, from -180 to 180, for example "30 deg".
+    spin_rate : values, optional
+        Angular velocity of the rolling cylinder about its axis; positive rolls along +eta. In rad
+        s-1, for example "40 rad/s" or "400 rpm".
+    yaw_rate : values, optional
+        Rate of the cylinder's yaw, in the sense of axis_yaw. In rad s-1, for example "2 rad/s".
+    drilling_moment : values, optional
+        Moment of all floor friction about the vertical through the centre, in the sense of
+        axis_yaw. In N m, for example "0.1 mN m".
+    pitch : values, optional
+        Turn of the part in its plane of motion, clockwise: its right corner dips. In degrees, from
+        -180 to 180, for example "20 deg".
+    pitch_rate : values, optional
+        Rate of the pitch, clockwise. In rad s-1, for example "2 rad/s" or "-90 deg/s".
+    centre_along : values, optional
+        Place of the part's centre along the plane. In m, for example "12 mm".
+    centre_height : values, optional
+        Height of the part's centre above the plane. In m, for example "8 mm".
+    velocity_along : values, optional
+        Velocity of the part's centre along the plane, to the right. In m s-1, for example "0.1
+        m/s".
+    velocity_upward : values, optional
+        Velocity of the part's centre off the plane. In m s-1, for example "-0.1 m/s".
+    position_x_1 : values, optional
+        Centre of body 1, x. In m, for example "5 mm".
+    position_y_1 : values, optional
+        Centre of body 1, y. In m, for example "5 mm".
+    angle_1 : values, optional
+        Angle of the length of body 1, from +x towards +y. In degrees, for example "30 deg".
+    velocity_x_1 : values, optional
+        Velocity of body 1 before the impact, x. In m s-1, for example "0.2 m/s".
+    velocity_y_1 : values, optional
+        Velocity of body 1 before the impact, y. In m s-1, for example "0.2 m/s".
+    spin_1 : values, optional
+        Angular velocity of body 1 before the impact, from +x towards +y. In rad s-1, for example "3
+        rad/s".
+    position_z_1 : values, optional
+        Centre of body 1, z. In m, for example "5 mm".
+    azimuth_1 : values, optional
+        Angle of the axis of body 1 in the floor plane, from +x towards +y. In degrees, for example
+        "30 deg".
+    elevation_1 : values, optional
+        Angle of the axis of body 1 above the floor plane. In degrees, for example "10 deg".
+    velocity_z_1 : values, optional
+        Velocity of body 1 before the impact, z. In m s-1, for example "0.2 m/s".
+    spin_x_1 : values, optional
+        Angular velocity of body 1 before the impact, x. In rad s-1, for example "3 rad/s".
+    spin_y_1 : values, optional
+        Angular velocity of body 1 before the impact, y. In rad s-1, for example "3 rad/s".
+    spin_z_1 : values, optional
+        Angular velocity of body 1 before the impact, z. In rad s-1, for example "3 rad/s".
+    diameter_1 : values, optional
+        Diameter of body 1. In m, above 0, for example "8 mm".
+    length_1 : values, optional
+        Length of body 1. In m, above 0, for example "20 mm".
+    width_1 : values, optional
+        Width of body 1. In m, above 0, for example "10 mm".
+    mass_1 : values, optional
+        Mass of body 1. In kg, above 0, for example "5 g".
+    position_x_2 : values, optional
+        Centre of body 2, x. In m, for example "5 mm".
+    position_y_2 : values, optional
+        Centre of body 2, y. In m, for example "5 mm".
+    angle_2 : values, optional
+        Angle of the length of body 2, from +x towards +y. In degrees, for example "30 deg".
+    velocity_x_2 : values, optional
+        Velocity of body 2 before the impact, x. In m s-1, for example "0.2 m/s".
+    velocity_y_2 : values, optional
+        Velocity of body 2 before the impact, y. In m s-1, for example "0.2 m/s".
+    spin_2 : values, optional
+        Angular velocity of body 2 before the impact, from +x towards +y. In rad s-1, for example "3
+        rad/s".
+    position_z_2 : values, optional
+        Centre of body 2, z. In m, for example "5 mm".
+    azimuth_2 : values, optional
+        Angle of the axis of body 2 in the floor plane, from +x towards +y. In degrees, for example
+        "30 deg".
+    elevation_2 : values, optional
+        Angle of the axis of body 2 above the floor plane. In degrees, for example "10 deg".
+    velocity_z_2 : values, optional
+        Velocity of body 2 before the impact, z. In m s-1, for example "0.2 m/s".
+    spin_x_2 : values, optional
+        Angular velocity of body 2 before the impact, x. In rad s-1, for example "3 rad/s".
+    spin_y_2 : values, optional
+        Angular velocity of body 2 before the impact, y. In rad s-1, for example "3 rad/s".
+    spin_z_2 : values, optional
+        Angular velocity of body 2 before the impact, z. In rad s-1, for example "3 rad/s".
+    diameter_2 : values, optional
+        Diameter of body 2. In m, above 0, for example "8 mm".
+    length_2 : values, optional
+        Length of body 2. In m, above 0, for example "20 mm".
+    width_2 : values, optional
+        Width of body 2. In m, above 0, for example "10 mm".
+    mass_2 : values, optional
+        Mass of body 2. In kg, above 0, for example "5 g".
+    contact_tolerance : values, optional
+        Largest gap or overlap that counts as touching, as a share of the bodies' size, the sum of
+        their half diagonals. 1 lets the impact happen as the bodies are placed. 0 or more, for
+        example "1e-6".
+    precision : {"double", "single"}, optional
+        double (64-bit floats, the default) or single: values are computed in double and stored in
+        32 bits, half the bytes, each rounded once more by at most 6e-8 of itself.
+    reduce : mapping, optional
+        Answers over some axes in place of all cells: docs/reduce.md.
+    verify : int, optional
+        Evaluate so many random cells again, with 50 digits or by another method, and tell the worst
+        of them.
+    units : str or sequence of str, optional
+        Units that screens and pictures show: trade (the default), si, or units such as m/min, each
+        for its kind. Files hold SI.
+    title : str, optional
+        Title of the dataset.
+    notes : str, optional
+        Remarks that go into the dataset.
+    parameters : mapping of str to values, optional
+        Fixed or ranged parameters.
+
+    Returns
+    -------
+    xarray.Dataset
+        The outputs, each with the axes that it depends on, units and equation numbers.
+
+    Raises
+    ------
+    StudyError
+        With every problem, also where it is a study of another kind.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> dataset = vibrafeed.sweep(
+    ...     scene="rectangle-on-plane", outputs=["acceleration_x"], frequency="50 Hz",
+    ...     amplitude="0.25 mm", beta=np.linspace(0, 40, 9), friction=0.5,
+    ... )
+    >>> dataset.acceleration_x.dims, dataset.acceleration_x.units
+    (('beta',), 'm s-2')
+    """
+    return _carry_out("sweep", locals())
+
+
+def simulate(
+    study: Given | None = None,
+    /,
+    *,
+    scene: SimulatedScene | None = None,
+    outputs: SimulatedOutput | Sequence[SimulatedOutput] | None = None,
+    method: str | None = None,
+    frequency: Values | None = None,
+    amplitude: Values | None = None,
+    peak_to_peak: Values | None = None,
+    alpha: Values | None = None,
+    beta: Values | None = None,
+    gamma: Values | None = None,
+    delta: Values | None = None,
+    radius: Values | None = None,
+    gravity: Values | None = None,
+    friction: Values | None = None,
+    friction_static: Values | None = None,
+    friction_kinetic: Values | None = None,
+    wall_friction: Values | None = None,
+    height: Values | None = None,
+    length: Values | None = None,
+    diameter: Values | None = None,
+    mass: Values | None = None,
+    restitution: Values | None = None,
+    wall_restitution: Values | None = None,
+    pitch: Values | None = None,
+    pitch_rate: Values | None = None,
+    velocity_along: Values | None = None,
+    velocity_upward: Values | None = None,
+    hold_down: Values | None = None,
+    duration: Values | None = None,
+    drop_height: Values | None = None,
+    trajectory: int | Sequence[float] | None = None,
+    drive: Mapping[str, Any] | None = None,
+    tolerance: float | None = None,
+    most_periods: int | None = None,
+    steps_per_period: int | None = None,
+    slip_speed: float | None = None,
+    contact_stiffness: float | None = None,
+    verify: int | None = None,
+    units: str | Sequence[str] | None = None,
+    title: str | None = None,
+    notes: str | None = None,
+    parameters: Mapping[str, Values] | None = None,
+    **numbered: Unpack[DriveNumbers],
+) -> xarray.Dataset:
+    """Return the motion in time of one scene over a grid of parameters: mean velocities and more.
+
+    Without `outputs` it is the mean conveying velocity [m s-1]. `trajectory` gives the course of
+    one point in time.
+
+    *Values* are a number in the unit that is named, text with a unit such as ``"0.25 mm"``, or
+    several of either, which become an axis of the dataset: a list, a range, an array, or a mapping
+    such as ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``. ``None`` is a keyword left out.
+
+    Parameters
+    ----------
+    study : Study, mapping or path, optional
+        The study, which keywords add to; its `kind` is ``"simulate"``, and may be left out.
+    scene : str, optional
+        Name of a scene; `vibrafeed scenes` lists them.
+    outputs : str or sequence of str, optional
+        Names of the outputs.
+    method : str, optional
+        events (from event to event, exact), time-stepping, reference (of high order, slow) or
+        regularised (stiff, for comparison); where left out events on a plane with alpha = 0, else
+        time-stepping.
+    frequency : values, optional
+        Drive frequency. In Hz, 0 or more, for example "50 Hz" or "3000 rpm" or "3000 vpm".
+    amplitude : values, optional
+        Drive amplitude, zero to peak, along the drive direction. In m, 0 or more, for example "0.5
+        mm".
+    peak_to_peak : values, optional
+        Twice the drive amplitude. In m, 0 or more, for example "1 mm".
+    alpha : values, optional
+        Azimuth of the drive in the floor plane, from the track (+x) towards +y. In degrees, from
+        -180 to 180, for example "15 deg".
+    beta : values, optional
+        Elevation of the drive above the floor plane. In degrees, from -180 to 180, for example "20
+        deg".
+    gamma : values, optional
+        Climb angle of the track; +x goes uphill. In degrees, from -90 to 90, for example "3 deg".
+    delta : values, optional
+        Lean of the track; the part leans on the wall. In degrees, from -90 to 90, for example "2
+        deg".
+    radius : values, optional
+        Radius of the bowl's track wall. In m, above 0, for example "0.3 m".
+    gravity : values, optional
+        Acceleration of gravity. In m s-2, above 0, for example "9.80665 m/s^2".
+    friction : values, optional
+        Coulomb friction coefficient, static and kinetic alike. 0 or more, for example 0.3.
+    friction_static : values, optional
+        Coulomb friction coefficient at rest. 0 or more, for example 0.3.
+    friction_kinetic : values, optional
+        Coulomb friction coefficient in sliding. 0 or more, for example 0.3.
+    wall_friction : values, optional
+        Coulomb friction coefficient at the wall of the track; the floor's unless given. 0 or more,
+        for example 0.3.
+    height : values, optional
+        Height of the rectangular part. In m, above 0, for example "1.5 mm".
+    length : values, optional
+        Length of the part, along the track. In m, above 0, for example "50 mm".
+    diameter : values, optional
+        Diameter of the cylindrical part. In m, above 0, for example "8 mm".
+    mass : values, optional
+        Mass of the part. In kg, above 0, for example "5 g".
+    restitution : values, optional
+        Coefficient of restitution: 0 for no rebound, 1 for full rebound. From 0 to 1, for example
+        0.5.
+    wall_restitution : values, optional
+        Coefficient of restitution at the wall of the track; the floor's unless given. From 0 to 1,
+        for example 0.3.
+    pitch : values, optional
+        Turn of the part in its plane of motion, clockwise: its right corner dips. In degrees, from
+        -180 to 180, for example "20 deg".
+    pitch_rate : values, optional
+        Rate of the pitch, clockwise. In rad s-1, for example "2 rad/s" or "-90 deg/s".
+    velocity_along : values, optional
+        Velocity of the part's centre along the plane, to the right. In m s-1, for example "0.1
+        m/s".
+    velocity_upward : values, optional
+        Velocity of the part's centre off the plane. In m s-1, for example "-0.1 m/s".
+    hold_down : values, optional
+        Force per mass that presses the part onto the floor, of a magnet or a vacuum. In m s-2, 0 or
+        more, for example "20 m/s^2".
+    duration : values, optional
+        Time after which the run ends. In s, above 0, for example "2 s".
+    drop_height : values, optional
+        Height of the part's lowest corner above the plane at the start. In m, 0 or more, for
+        example "10 mm".
+    trajectory : int or sequence of float, optional
+        Also give the motion in time of the one point of the study: at so many equal steps of its
+        cycle, or at these times in seconds since the start of a period.
+    drive : mapping, optional
+        A measured drive: the recording of an accelerometer. Its harmonics are parameters, as far as
+        the study does not give them itself.
+    tolerance : float, optional
+        Largest error of a periodic state, as a share of the drive.
+    most_periods : int, optional
+        Most periods of the drive that one point is followed for.
+    steps_per_period : int, optional
+        Time steps in a period, of time-stepping; steps times periods are 25 million at most.
+    slip_speed : float, optional
+        Speed below which regularised friction gives way, in g/w.
+    contact_stiffness : float, optional
+        Stiffness of the regularised floor, over m w^2.
+    verify : int, optional
+        Evaluate so many random cells again, with 50 digits or by another method, and tell the worst
+        of them.
+    units : str or sequence of str, optional
+        Units that screens and pictures show: trade (the default), si, or units such as m/min, each
+        for its kind. Files hold SI.
+    title : str, optional
+        Title of the dataset.
+    notes : str, optional
+        Remarks that go into the dataset.
+    parameters : mapping of str to values, optional
+        Fixed or ranged parameters.
+    drive_factor : values, optional
+        By how much every amplitude or acceleration of the drive is larger than given. 0 or more,
+        for example 1.2.
+    amplitude_along_1 to _10 : values, optional
+        Amplitude of the track's motion along the track at the drive frequency, zero to peak. In m,
+        0 or more, for example "0.1 mm".
+    amplitude_across_1 to _10 : values, optional
+        Amplitude of the track's motion across the track at the drive frequency, zero to peak. In m,
+        0 or more, for example "0.1 mm".
+    amplitude_normal_1 to _10 : values, optional
+        Amplitude of the track's motion off the floor at the drive frequency, zero to peak. In m, 0
+        or more, for example "0.1 mm".
+    phase_along_1 to _10 : values, optional
+        Lead of the track's motion along the track at the drive frequency: the displacement is A
+        sin( w t + phi). In degrees, from -720 to 720, for example "90 deg".
+    phase_across_1 to _10 : values, optional
+        Lead of the track's motion across the track at the drive frequency: the displacement is A
+        sin( w t + phi). In degrees, from -720 to 720, for example "90 deg".
+    phase_normal_1 to _10 : values, optional
+        Lead of the track's motion off the floor at the drive frequency: the displacement is A sin(
+        w t + phi). In degrees, from -720 to 720, for example "90 deg".
+    acceleration_along_1 to _12 : values, optional
+        Acceleration of the track along the track during step 1 of a period. In m s-2, for example
+        "4 m/s^2".
+    acceleration_across_1 to _12 : values, optional
+        Acceleration of the track across the track during step 1 of a period. In m s-2, for example
+        "4 m/s^2".
+    acceleration_normal_1 to _12 : values, optional
+        Acceleration of the track off the floor during step 1 of a period. In m s-2, for example "4
+        m/s^2".
+    duration_1 to _12 : values, optional
+        How long step 1 lasts; the durations of all steps share out the period. 0 or more, for
+        example 0.25.
+
+    Returns
+    -------
+    xarray.Dataset
+        The outputs, each with the axes that it depends on, and units; `regime` says what the part
+        does, `motion_status` how the value was found.
+
+    Raises
+    ------
+    StudyError
+        With every problem, also where it is a study of another kind.
+
+    Examples
+    --------
+    >>> motion = vibrafeed.simulate(
+    ...     scene="rectangle-on-plane", frequency="50 Hz", amplitude=["0.25 mm", "0.4 mm"], beta=30,
+    ...     friction=0.5,
+    ... )
+    >>> motion.conveying_velocity.dims, motion.conveying_velocity.units
+    (('amplitude',), 'm s-1')
+    """
+    return _carry_out("simulate", locals())
+
+
+def optimise(
+    study: Given | None = None,
+    /,
+    *,
+    scene: SweptScene | None = None,
+    outputs: Output | Sequence[Output] | None = None,
+    variant: Literal["thesis", "derived", "physical"] | str | None = None,
+    method: str | None = None,
+    criterion: Mapping[str, Any] | None = None,
+    variables: Mapping[str, Bounds] | None = None,
+    constraints: Sequence[Mapping[str, Any]] | None = None,
+    frequency: Values | None = None,
+    amplitude: Values | None = None,
+    peak_to_peak: Values | None = None,
+    alpha: Values | None = None,
+    beta: Values | None = None,
+    gamma: Values | None = None,
+    delta: Values | None = None,
+    yaw: Values | None = None,
+    radius: Values | None = None,
+    gravity: Values | None = None,
+    friction: Values | None = None,
+    friction_static: Values | None = None,
+    friction_kinetic: Values | None = None,
+    wall_friction: Values | None = None,
+    width: Values | None = None,
+    height: Values | None = None,
+    length: Values | None = None,
+    diameter: Values | None = None,
+    mass: Values | None = None,
+    restitution: Values | None = None,
+    wall_restitution: Values | None = None,
+    speed: Values | None = None,
+    distance: Values | None = None,
+    time: Values | None = None,
+    axis_yaw: Values | None = None,
+    spin_rate: Values | None = None,
+    yaw_rate: Values | None = None,
+    drilling_moment: Values | None = None,
+    pitch: Values | None = None,
+    pitch_rate: Values | None = None,
+    centre_along: Values | None = None,
+    centre_height: Values | None = None,
+    velocity_along: Values | None = None,
+    velocity_upward: Values | None = None,
+    position_x_1: Values | None = None,
+    position_y_1: Values | None = None,
+    angle_1: Values | None = None,
+    velocity_x_1: Values | None = None,
+    velocity_y_1: Values | None = None,
+    spin_1: Values | None = None,
+    position_z_1: Values | None = None,
+    azimuth_1: Values | None = None,
+    elevation_1: Values | None = None,
+    velocity_z_1: Values | None = None,
+    spin_x_1: Values | None = None,
+    spin_y_1: Values | None = None,
+    spin_z_1: Values | None = None,
+    diameter_1: Values | None = None,
+    length_1: Values | None = None,
+    width_1: Values | None = None,
+    mass_1: Values | None = None,
+    position_x_2: Values | None = None,
+    position_y_2: Values | None = None,
+    angle_2: Values | None = None,
+    velocity_x_2: Values | None = None,
+    velocity_y_2: Values | None = None,
+    spin_2: Values | None = None,
+    position_z_2: Values | None = None,
+    azimuth_2: Values | None = None,
+    elevation_2: Values | None = None,
+    velocity_z_2: Values | None = None,
+    spin_x_2: Values | None = None,
+    spin_y_2: Values | None = None,
+    spin_z_2: Values | None = None,
+    diameter_2: Values | None = None,
+    length_2: Values | None = None,
+    width_2: Values | None = None,
+    mass_2: Values | None = None,
+    contact_tolerance: Values | None = None,
+    hold_down: Values | None = None,
+    duration: Values | None = None,
+    drop_height: Values | None = None,
+    uncertain: Mapping[str, Bounds] | None = None,
+    robust: Literal["worst", "mean"] | None = None,
+    floor_contact: bool | None = None,
+    wall_contact: bool | None = None,
+    sensitivities: bool | None = None,
+    drive: Mapping[str, Any] | None = None,
+    verify: int | None = None,
+    units: str | Sequence[str] | None = None,
+    title: str | None = None,
+    notes: str | None = None,
+    parameters: Mapping[str, Values] | None = None,
+    **numbered: Unpack[DriveNumbers],
+) -> xarray.Dataset:
+    """Return the best values of some parameters, over a grid of the others.
+
+    The `criterion` says what is looked for, and `variables` what may be chosen between which
+    bounds.
+
+    *Values* are a number in the unit that is named, text with a unit such as ``"0.25 mm"``, or
+    several of either, which become an axis of the dataset: a list, a range, an array, or a mapping
+    such as ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``. ``None`` is a keyword left out.
+
+    Parameters
+    ----------
+    study : Study, mapping or path, optional
+        The study, which keywords add to; its `kind` is ``"optimise"``, and may be left out.
+    scene : str, optional
+        Name of a scene; `vibrafeed scenes` lists them.
+    outputs : str or sequence of str, optional
+        Further outputs to tell at the optimum.
+    variant : {"thesis", "derived", "physical"}, optional
+        thesis (as printed), derived (errors corrected) or physical; the scene's default where left
+        out.
+    method : str, optional
+        The optimiser; where left out, the exact answer if there is one, else what was measured to
+        be best.
+    criterion : mapping, optional
+        What is looked for.
+    variables : mapping of str to bounds, optional
+        What may be chosen, between bounds; alpha and beta from 0 to 90 degrees where left out, as
+        far as they are not given and the outputs depend on them.
+    constraints : sequence of mapping, optional
+        Bounds that outputs have to keep.
+    frequency : values, optional
+        Drive frequency. In Hz, 0 or more, for example "50 Hz" or "3000 rpm" or "3000 vpm".
+    amplitude : values, optional
+        Drive amplitude, zero to peak, along the drive direction. In m, 0 or more, for example "0.5
+        mm".
+    peak_to_peak : values, optional
+        Twice the drive amplitude. In m, 0 or more, for example "1 mm".
+    alpha : values, optional
+        Azimuth of the drive in the floor plane, from the track (+x) towards +y. In degrees, from
+        -180 to 180, for example "15 deg".
+    beta : values, optional
+        Elevation of the drive above the floor plane. In degrees, from -180 to 180, for example "20
+        deg".
+    gamma : values, optional
+        Climb angle of the track; +x goes uphill. In degrees, from -90 to 90, for example "3 deg".
+    delta : values, optional
+        Lean of the track; the part leans on the wall. In degrees, from -90 to 90, for example "2
+        deg".
+    yaw : values, optional
+        Turn of the part's axes about the floor normal. In degrees, from -180 to 180, for example
+        "30 deg".
+    radius : values, optional
+        Radius of the bowl's track wall. In m, above 0, for example "0.3 m".
+    gravity : values, optional
+        Acceleration of gravity. In m s-2, above 0, for example "9.80665 m/s^2".
+    friction : values, optional
+        Coulomb friction coefficient, static and kinetic alike. 0 or more, for example 0.3.
+    friction_static : values, optional
+        Coulomb friction coefficient at rest. 0 or more, for example 0.3.
+    friction_kinetic : values, optional
+        Coulomb friction coefficient in sliding. 0 or more, for example 0.3.
+    wall_friction : values, optional
+        Coulomb friction coefficient at the wall of the track; the floor's unless given. 0 or more,
+        for example 0.3.
+    width : values, optional
+        Width of the rectangular part, across. In m, above 0, for example "10 mm".
+    height : values, optional
+        Height of the rectangular part. In m, above 0, for example "1.5 mm".
+    length : values, optional
+        Length of the part, along the track. In m, above 0, for example "50 mm".
+    diameter : values, optional
+        Diameter of the cylindrical part. In m, above 0, for example "8 mm".
+    mass : values, optional
+        Mass of the part. In kg, above 0, for example "5 g".
+    restitution : values, optional
+        Coefficient of restitution: 0 for no rebound, 1 for full rebound. From 0 to 1, for example
+        0.5.
+    wall_restitution : values, optional
+        Coefficient of restitution at the wall of the track; the floor's unless given. From 0 to 1,
+        for example 0.3.
+    speed : values, optional
+        Speed of the part along the track at the start. In m s-1, 0 or more, for example "0.1 m/s".
+    distance : values, optional
+        Distance over which the drive is taken to act; the source gives no value for it. In m, 0 or
+        more, for example "0.2 mm".
+    time : values, optional
+        Time since the start, with the drive held at its peak. In s, 0 or more, for example "20 ms".
+    axis_yaw : values, optional
+        Turn of the rolling cylinder's axis in the floor plane as chapter 4 counts it: from +x
+        towards -y, clockwise seen from above. In degrees, from -180 to 180, for example "30 deg".
+    spin_rate : values, optional
+        Angular velocity of the rolling cylinder about its axis; positive rolls along +eta. In rad
+        s-1, for example "40 rad/s" or "400 rpm".
+    yaw_rate : values, optional
+        Rate of the cylinder's yaw, in the sense of axis_yaw. In rad s-1, for example "2 rad/s".
+    drilling_moment : values, optional
+        Moment of all floor friction about the vertical through the centre, in the sense of
+        axis_yaw. In N m, for example "0.1 mN m".
+    pitch : values, optional
+        Turn of the part in its plane of motion, clockwise: its right corner dips. In degrees, from
+        -180 to 180, for example "20 deg".
+    pitch_rate : values, optional
+        Rate of the pitch, clockwise. In rad s-1, for example "2 rad/s" or "-90 deg/s".
+    centre_along : values, optional
+        Place of the part's centre along the plane. In m, for example "12 mm".
+    centre_height : values, optional
+        Height of the part's centre above the plane. In m, for example "8 mm".
+    velocity_along : values, optional
+        Velocity of the part's centre along the plane, to the right. In m s-1, for example "0.1
+        m/s".
+    velocity_upward : values, optional
+        Velocity of the part's centre off the plane. In m s-1, for example "-0.1 m/s".
+    position_x_1 : values, optional
+        Centre of body 1, x. In m, for example "5 mm".
+    position_y_1 : values, optional
+        Centre of body 1, y. In m, for example "5 mm".
+    angle_1 : values, optional
+        Angle of the length of body 1, from +x towards +y. In degrees, for example "30 deg".
+    velocity_x_1 : values, optional
+        Velocity of body 1 before the impact, x. In m s-1, for example "0.2 m/s".
+    velocity_y_1 : values, optional
+        Velocity of body 1 before the impact, y. In m s-1, for example "0.2 m/s".
+    spin_1 : values, optional
+        Angular velocity of body 1 before the impact, from +x towards +y. In rad s-1, for example "3
+        rad/s".
+    position_z_1 : values, optional
+        Centre of body 1, z. In m, for example "5 mm".
+    azimuth_1 : values, optional
+        Angle of the axis of body 1 in the floor plane, from +x towards +y. In degrees, for example
+        "30 deg".
+    elevation_1 : values, optional
+        Angle of the axis of body 1 above the floor plane. In degrees, for example "10 deg".
+    velocity_z_1 : values, optional
+        Velocity of body 1 before the impact, z. In m s-1, for example "0.2 m/s".
+    spin_x_1 : values, optional
+        Angular velocity of body 1 before the impact, x. In rad s-1, for example "3 rad/s".
+    spin_y_1 : values, optional
+        Angular velocity of body 1 before the impact, y. In rad s-1, for example "3 rad/s".
+    spin_z_1 : values, optional
+        Angular velocity of body 1 before the impact, z. In rad s-1, for example "3 rad/s".
+    diameter_1 : values, optional
+        Diameter of body 1. In m, above 0, for example "8 mm".
+    length_1 : values, optional
+        Length of body 1. In m, above 0, for example "20 mm".
+    width_1 : values, optional
+        Width of body 1. In m, above 0, for example "10 mm".
+    mass_1 : values, optional
+        Mass of body 1. In kg, above 0, for example "5 g".
+    position_x_2 : values, optional
+        Centre of body 2, x. In m, for example "5 mm".
+    position_y_2 : values, optional
+        Centre of body 2, y. In m, for example "5 mm".
+    angle_2 : values, optional
+        Angle of the length of body 2, from +x towards +y. In degrees, for example "30 deg".
+    velocity_x_2 : values, optional
+        Velocity of body 2 before the impact, x. In m s-1, for example "0.2 m/s".
+    velocity_y_2 : values, optional
+        Velocity of body 2 before the impact, y. In m s-1, for example "0.2 m/s".
+    spin_2 : values, optional
+        Angular velocity of body 2 before the impact, from +x towards +y. In rad s-1, for example "3
+        rad/s".
+    position_z_2 : values, optional
+        Centre of body 2, z. In m, for example "5 mm".
+    azimuth_2 : values, optional
+        Angle of the axis of body 2 in the floor plane, from +x towards +y. In degrees, for example
+        "30 deg".
+    elevation_2 : values, optional
+        Angle of the axis of body 2 above the floor plane. In degrees, for example "10 deg".
+    velocity_z_2 : values, optional
+        Velocity of body 2 before the impact, z. In m s-1, for example "0.2 m/s".
+    spin_x_2 : values, optional
+        Angular velocity of body 2 before the impact, x. In rad s-1, for example "3 rad/s".
+    spin_y_2 : values, optional
+        Angular velocity of body 2 before the impact, y. In rad s-1, for example "3 rad/s".
+    spin_z_2 : values, optional
+        Angular velocity of body 2 before the impact, z. In rad s-1, for example "3 rad/s".
+    diameter_2 : values, optional
+        Diameter of body 2. In m, above 0, for example "8 mm".
+    length_2 : values, optional
+        Length of body 2. In m, above 0, for example "20 mm".
+    width_2 : values, optional
+        Width of body 2. In m, above 0, for example "10 mm".
+    mass_2 : values, optional
+        Mass of body 2. In kg, above 0, for example "5 g".
+    contact_tolerance : values, optional
+        Largest gap or overlap that counts as touching, as a share of the bodies' size, the sum of
+        their half diagonals. 1 lets the impact happen as the bodies are placed. 0 or more, for
+        example "1e-6".
+    hold_down : values, optional
+        Force per mass that presses the part onto the floor, of a magnet or a vacuum. In m s-2, 0 or
+        more, for example "20 m/s^2".
+    duration : values, optional
+        Time after which the run ends. In s, above 0, for example "2 s".
+    drop_height : values, optional
+        Height of the part's lowest corner above the plane at the start. In m, 0 or more, for
+        example "10 mm".
+    uncertain : mapping of str to bounds, optional
+        One parameter that is known within an interval only, such as friction.
+    robust : {"worst", "mean"}, optional
+        What is looked for over that interval: the best worst case (where left out), or the best
+        mean.
+    floor_contact : bool, optional
+        Whether the part is to stay on the floor, where the scene has one.
+    wall_contact : bool, optional
+        Whether the part is to stay on the wall, where the scene has one.
+    sensitivities : bool, optional
+        Also give d ln(output)/d ln(parameter) at each optimum.
+    drive : mapping, optional
+        A measured drive: the recording of an accelerometer. Its harmonics are parameters, as far as
+        the study does not give them itself.
+    verify : int, optional
+        Evaluate so many random cells again, with 50 digits or by another method, and tell the worst
+        of them.
+    units : str or sequence of str, optional
+        Units that screens and pictures show: trade (the default), si, or units such as m/min, each
+        for its kind. Files hold SI.
+    title : str, optional
+        Title of the dataset.
+    notes : str, optional
+        Remarks that go into the dataset.
+    parameters : mapping of str to values, optional
+        Fixed or ranged parameters.
+    drive_factor : values, optional
+        By how much every amplitude or acceleration of the drive is larger than given. 0 or more,
+        for example 1.2.
+    amplitude_along_1 to _10 : values, optional
+        Amplitude of the track's motion along the track at the drive frequency, zero to peak. In m,
+        0 or more, for example "0.1 mm".
+    amplitude_across_1 to _10 : values, optional
+        Amplitude of the track's motion across the track at the drive frequency, zero to peak. In m,
+        0 or more, for example "0.1 mm".
+    amplitude_normal_1 to _10 : values, optional
+        Amplitude of the track's motion off the floor at the drive frequency, zero to peak. In m, 0
+        or more, for example "0.1 mm".
+    phase_along_1 to _10 : values, optional
+        Lead of the track's motion along the track at the drive frequency: the displacement is A
+        sin( w t + phi). In degrees, from -720 to 720, for example "90 deg".
+    phase_across_1 to _10 : values, optional
+        Lead of the track's motion across the track at the drive frequency: the displacement is A
+        sin( w t + phi). In degrees, from -720 to 720, for example "90 deg".
+    phase_normal_1 to _10 : values, optional
+        Lead of the track's motion off the floor at the drive frequency: the displacement is A sin(
+        w t + phi). In degrees, from -720 to 720, for example "90 deg".
+    acceleration_along_1 to _12 : values, optional
+        Acceleration of the track along the track during step 1 of a period. In m s-2, for example
+        "4 m/s^2".
+    acceleration_across_1 to _12 : values, optional
+        Acceleration of the track across the track during step 1 of a period. In m s-2, for example
+        "4 m/s^2".
+    acceleration_normal_1 to _12 : values, optional
+        Acceleration of the track off the floor during step 1 of a period. In m s-2, for example "4
+        m/s^2".
+    duration_1 to _12 : values, optional
+        How long step 1 lasts; the durations of all steps share out the period. 0 or more, for
+        example 0.25.
+
+    Returns
+    -------
+    xarray.Dataset
+        The best values, `best_beta` and so on, and the outputs there, over the axes; units, and
+        `optimum_status`, which says what sort of optimum it is.
+
+    Raises
+    ------
+    StudyError
+        With every problem, also where it is a study of another kind.
+
+    Examples
+    --------
+    >>> best = vibrafeed.optimise(
+    ...     scene="rectangle-on-plane", criterion={"kind": "maximise", "output": "acceleration_x"},
+    ...     variables={"beta": {"lower": 0, "upper": 60}}, frequency="50 Hz", amplitude="0.25 mm",
+    ...     friction=0.5,
+    ... )
+    >>> best.best_beta.units
+    'degree'
+    """
+    return _carry_out("optimise", locals())
+
+
+def open_lazily(
+    study: Given | None = None,
+    /,
+    *,
+    scene: SweptScene | None = None,
+    outputs: SweptOutput | Sequence[SweptOutput] | None = None,
+    variant: Literal["thesis", "derived", "physical"] | str | None = None,
+    frequency: Values | None = None,
+    amplitude: Values | None = None,
+    peak_to_peak: Values | None = None,
+    alpha: Values | None = None,
+    beta: Values | None = None,
+    gamma: Values | None = None,
+    delta: Values | None = None,
+    yaw: Values | None = None,
+    radius: Values | None = None,
+    gravity: Values | None = None,
+    friction: Values | None = None,
+    friction_static: Values | None = None,
+    friction_kinetic: Values | None = None,
+    width: Values | None = None,
+    height: Values | None = None,
+    length: Values | None = None,
+    diameter: Values | None = None,
+    mass: Values | None = None,
+    restitution: Values | None = None,
+    speed: Values | None = None,
+    distance: Values | None = None,
+    time: Values | None = None,
+    axis_yaw: Values | None = None,
+    spin_rate: Values | None = None,
+    yaw_rate: Values | None = None,
+    drilling_moment: Values | None = None,
+    pitch: Values | None = None,
+    pitch_rate: Values | None = None,
+    centre_along: Values | None = None,
+    centre_height: Values | None = None,
+    velocity_along: Values | None = None,
+    velocity_upward: Values | None = None,
+    position_x_1: Values | None = None,
+    position_y_1: Values | None = None,
+    angle_1: Values | None = None,
+    velocity_x_1: Values | None = None,
+    velocity_y_1: Values | None = None,
+    spin_1: Values | None = None,
+    position_z_1: Values | None = None,
+    azimuth_1: Values | None = None,
+    elevation_1: Values | None = None,
+    velocity_z_1: Values | None = None,
+    spin_x_1: Values | None = None,
+    spin_y_1: Values | None = None,
+    spin_z_1: Values | None = None,
+    diameter_1: Values | None = None,
+    length_1: Values | None = None,
+    width_1: Values | None = None,
+    mass_1: Values | None = None,
+    position_x_2: Values | None = None,
+    position_y_2: Values | None = None,
+    angle_2: Values | None = None,
+    velocity_x_2: Values | None = None,
+    velocity_y_2: Values | None = None,
+    spin_2: Values | None = None,
+    position_z_2: Values | None = None,
+    azimuth_2: Values | None = None,
+    elevation_2: Values | None = None,
+    velocity_z_2: Values | None = None,
+    spin_x_2: Values | None = None,
+    spin_y_2: Values | None = None,
+    spin_z_2: Values | None = None,
+    diameter_2: Values | None = None,
+    length_2: Values | None = None,
+    width_2: Values | None = None,
+    mass_2: Values | None = None,
+    contact_tolerance: Values | None = None,
+    precision: Literal["double", "single"] | None = None,
+    reduce: Mapping[str, Any] | None = None,
+    verify: int | None = None,
+    units: str | Sequence[str] | None = None,
+    title: str | None = None,
+    notes: str | None = None,
+    parameters: Mapping[str, Values] | None = None,
+    **others: Unpack[NoMore],
+) -> xarray.Dataset:
+    """Return the dataset of a sweep of any size; what is read of it is computed when it is read.
+
+    It needs zarr: ``pip install 'vibrafeed[cluster]'``.
+
+    Parameters
+    ----------
+    study : Study, mapping or path, optional
+        The study, which keywords add to.
+    **keywords
+        Keys of the study and parameters, as those of `sweep`.
+
+    Returns
+    -------
+    xarray.Dataset
+        What `sweep` returns, without a value yet.
+
+    Raises
+    ------
+    StudyError
+        With every problem.
+    VibrafeedError
+        If zarr is not installed.
+
+    Examples
+    --------
+    >>> lazy = vibrafeed.open_lazily(
+    ...     scene="rectangle-on-plane", outputs=["acceleration_x"], frequency="50 Hz",
+    ...     amplitude={"start": "0.1 mm", "stop": "1 mm", "num": 100_000},
+    ...     beta={"start": 0, "stop": 40, "num": 100_000}, friction=0.5,
+    ... )
+    >>> f"{lazy.acceleration_x.size:,}"
+    '10,000,000,000'
+    >>> lazy.acceleration_x[99_999, 0].values > lazy.acceleration_x[0, 0].values
+    np.True_
+    """
+    prepared = _prepared("sweep", locals())
+    from core.sweep.lazy import open_lazily
+
+    _import_accessor()
+    return open_lazily(prepared)
+
+
+def drive_error(
+    study: Given | None = None,
+    /,
+    *,
+    draws: int = 200,
+    seed: int = 0,
+    scene: SimulatedScene | None = None,
+    outputs: SimulatedOutput | Sequence[SimulatedOutput] | None = None,
+    method: str | None = None,
+    frequency: Values | None = None,
+    amplitude: Values | None = None,
+    peak_to_peak: Values | None = None,
+    alpha: Values | None = None,
+    beta: Values | None = None,
+    gamma: Values | None = None,
+    delta: Values | None = None,
+    radius: Values | None = None,
+    gravity: Values | None = None,
+    friction: Values | None = None,
+    friction_static: Values | None = None,
+    friction_kinetic: Values | None = None,
+    wall_friction: Values | None = None,
+    height: Values | None = None,
+    length: Values | None = None,
+    diameter: Values | None = None,
+    mass: Values | None = None,
+    restitution: Values | None = None,
+    wall_restitution: Values | None = None,
+    pitch: Values | None = None,
+    pitch_rate: Values | None = None,
+    velocity_along: Values | None = None,
+    velocity_upward: Values | None = None,
+    hold_down: Values | None = None,
+    duration: Values | None = None,
+    drop_height: Values | None = None,
+    trajectory: int | Sequence[float] | None = None,
+    drive: Mapping[str, Any] | None = None,
+    tolerance: float | None = None,
+    most_periods: int | None = None,
+    steps_per_period: int | None = None,
+    slip_speed: float | None = None,
+    contact_stiffness: float | None = None,
+    verify: int | None = None,
+    units: str | Sequence[str] | None = None,
+    title: str | None = None,
+    notes: str | None = None,
+    parameters: Mapping[str, Values] | None = None,
+    **numbered: Unpack[DriveNumbers],
+) -> DriveError:
+    """Return how far the errors of a measured drive move the conveying velocity of one part.
+
+    The part is followed under drives that the recording cannot tell from the fitted one. Errors of
+    friction and other parameters, of the model and of the sensor's scale are not among them.
+
+    Parameters
+    ----------
+    study : mapping or path, optional
+        A study to simulate, of one cell, whose `drive` names a recording.
+    draws : int
+        How many such drives.
+    seed : int
+        Of the random numbers; equal ones give equal results.
+    **keywords
+        Keys of the study and parameters, as those of `simulate`.
+
+    Returns
+    -------
+    DriveError
+        velocity, standard_deviation, lower and upper (of 95 %), draws, without [m s-1].
+
+    Raises
+    ------
+    StudyError
+        With every problem.
+
+    Examples
+    --------
+    >>> told = vibrafeed.drive_error("configs/measured-drive.toml", drive_factor=1, friction=0.3)
+    >>> told.lower < told.velocity < told.upper
+    True
+    """
+    given = {name: value for name, value in locals().items() if name not in ("draws", "seed")}
+    import numpy as np
+
+    from core.kinds import study_and_fit
+    from core.motion.drive_error import drive_error
+    from core.study.gather import gather
+
+    first, keywords = _split(given)
+    found = gather(first, keywords, "simulate")
+    asked, fit = study_and_fit(found if isinstance(found, dict) else found.content())
+    return drive_error(asked, fit, draws, np.random.default_rng(seed))
+
+
+def _split(given: Mapping[str, Any]) -> tuple[Given | None, dict[str, Any]]:
+    """Return the study that a function was given, and the keywords that say something."""
+    (_, first), *named = given.items()
+    keywords = {name: value for name, value in named if value is not None}
+    for name in ("others", "numbered"):
+        keywords |= keywords.pop(name, {})
+    return first, keywords
+
+
+def _prepared(kind: str, given: Mapping[str, Any]) -> Any:
+    """Return a study of one kind, ready to be carried out."""
+    from core.kinds import prepare, prepare_content
+    from core.study.gather import gather
+
+    first, keywords = _split(given)
+    found = gather(first, keywords, kind)
+    return prepare_content(found, files=True) if isinstance(found, dict) else prepare(found)
+
+
+def _carry_out(kind: str, given: Mapping[str, Any]) -> xarray.Dataset:
+    from core.kinds import tabulate
+
+    prepared = _prepared(kind, given)
+    _import_accessor()
+    return tabulate(prepared).to_xarray()
+
+
+def _import_accessor() -> None:
+    """Give datasets their `.vf`."""
+    from vibrafeed import accessor  # noqa: F401

@@ -1,0 +1,31 @@
+"""What a keyword of a study may hold, for editors and type checkers; nothing loads it to run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Labelled(Protocol):
+    """A labelled array: a column of pandas or polars, or a data array of xarray."""
+
+    def to_numpy(self) -> NDArray[Any]:
+        """Return its values."""
+        ...
+
+
+Number: TypeAlias = float | str | np.number[Any]
+"""A number in the unit of the quantity, or text with a unit, such as ``"0.25 mm"``."""
+
+Values: TypeAlias = Number | Sequence[Number] | NDArray[Any] | Labelled | Mapping[str, Number]
+"""One number; or several, which become an axis of the dataset.
+
+A mapping is a range: ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``, or with ``step`` in the
+place of ``num``.
+"""
+
+Bounds: TypeAlias = Mapping[str, Number]
+"""What may be chosen: ``{"lower": 0, "upper": "60 deg"}``."""
