@@ -10,12 +10,16 @@ True
 What there is:
 
 - `scenes` tells the systems, their parameters, outputs and equations;
-- `sweep`, `simulate` and `optimise` carry out a study and return an xarray dataset; `open_lazily`
-  opens a sweep of any size, and computes what is read of it;
+- `sweep`, `simulate` and `optimise` carry out a study and return an xarray dataset, which has an
+  accessor: `dataset.vf` (`vibrafeed.accessor`); `open_lazily` opens a sweep of any size, and
+  computes what is read of it;
 - `drive_error` tells how far the errors of a measured drive move a velocity;
 - `study` and `load_study` make a study without carrying it out; `plot` draws a dataset;
 - `QUANTITIES` and `REGIMES` describe every name and flag of a dataset;
 - `parts_per_minute`, `velocity_for` and `effective_distance` turn velocities into rates.
+
+>>> vibrafeed.QUANTITIES["conveying_velocity"].unit, vibrafeed.REGIMES["hopping"].value
+('m s-1', 28)
 
 A *study* is written in one of four ways, wherever one is asked for: as an object, as made by
 `study` or `load_study`; as the path of a TOML or JSON file; as a mapping that holds what such a
@@ -27,14 +31,37 @@ beside each other; the value of a parameter is
 - several of them, which become an axis of the dataset: a list, a tuple, a ``range``, an array of
   numpy, or a mapping such as ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``.
 
+``help(vibrafeed.simulate)`` lists all keywords of a simulation in words. A study is a `SweepStudy`,
+a `SimulateStudy` or an `OptimiseStudy`; a `Study` is any of the three.
+
+>>> type(motion.vf.study) is vibrafeed.SimulateStudy
+True
+>>> vibrafeed.Study == vibrafeed.SweepStudy | vibrafeed.SimulateStudy | vibrafeed.OptimiseStudy
+True
+
 What is wrong with a study is a `StudyError`, whose `problems` say where, what, and what would be
 right. It is a `VibrafeedError`, as are all errors that are raised on purpose.
 
+>>> try:
+...     vibrafeed.simulate(motion.vf.study, friction="much")
+... except vibrafeed.StudyError as error:
+...     problem = error.problems[0]
+>>> isinstance(problem, vibrafeed.Problem), problem.place
+(True, 'parameters.friction')
+>>> issubclass(vibrafeed.LimitError, vibrafeed.VibrafeedError)  # larger than a limit in force
+True
+>>> issubclass(vibrafeed.ForeignPackageError, ImportError)  # another package is called `core`
+True
+
 Importing this module loads no library; each function loads what it needs.
+
+>>> vibrafeed.__version__ == vibrafeed.core.__version__
+True
 """
 
 from __future__ import annotations
 
+import sys as _sys
 from importlib import import_module
 
 from vibrafeed._packages import ForeignPackageError, claim
@@ -187,6 +214,16 @@ def plot(
     ------
     VibrafeedError
         If the dataset does not hold what is asked for.
+
+    Examples
+    --------
+    >>> dataset = vibrafeed.sweep(
+    ...     scene="rectangle-on-plane", outputs=["acceleration_x"], frequency="50 Hz",
+    ...     amplitude="0.25 mm", beta=range(0, 41, 5), friction=[0.3, 0.5],
+    ... )
+    >>> figure = vibrafeed.plot(dataset, axes="beta", at={"friction": 0.5})
+    >>> figure.get_suptitle()
+    'Acceleration along the track'
     """
     from core.plots import draw
     from core.plots.fixed import read_fixed
@@ -232,3 +269,7 @@ def scenes(
     from core.catalogue import describe, describe_all
 
     return describe_all() if name is None else describe(name, variant, method=method)
+
+
+if "xarray" in _sys.modules:  # files that are read from now on have `.vf` too, at no cost
+    import vibrafeed.accessor  # noqa: F401

@@ -1259,6 +1259,8 @@ def drive_error(
     >>> told = vibrafeed.drive_error("configs/measured-drive.toml", drive_factor=1, friction=0.3)
     >>> told.lower < told.velocity < told.upper
     True
+    >>> isinstance(told, vibrafeed.DriveError)
+    True
     """
     given = {name: value for name, value in locals().items() if name not in ("draws", "seed")}
     import numpy as np
@@ -1276,10 +1278,10 @@ def drive_error(
 def _split(given: Mapping[str, Any]) -> tuple[Given | None, dict[str, Any]]:
     """Return the study that a function was given, and the keywords that say something."""
     (_, first), *named = given.items()
-    keywords = {name: value for name, value in named if value is not None}
+    keywords = dict(named)
     for name in ("others", "numbered"):
         keywords |= keywords.pop(name, {})
-    return first, keywords
+    return first, {name: value for name, value in keywords.items() if value is not None}
 
 
 def _prepared(kind: str, given: Mapping[str, Any]) -> Any:

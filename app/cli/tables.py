@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.cli.console import fail, new_grid, say, stdout
+from core.dataset.regimes import regime_shares
 from core.kinds import is_whole, not_verified, share_left_out
 from core.motion.feeding import travel_in_words
 from core.optimise import Optimisation
@@ -84,7 +85,7 @@ def show_table(
     }
     _show_ends(table, ends)
     if "regime" in table.variables:
-        _show_regimes(table, regime_shares(table))
+        _show_regimes(table, regime_shares(table.variables["regime"].values))
     if "message" in table.attributes:
         say(f"  {table.attributes['criterion']}, method {table.attributes['method']}")
         say(f"  {table.attributes['message']}")
@@ -119,7 +120,7 @@ def show_streamed(
     by_value = {entry.value: name for name, entry in REGIMES.items()}
     shares = {by_value[v]: n / counted for v, n in passed.regimes.items() if n}
     if not table.variables["regime"].dims:
-        shares = regime_shares(table)
+        shares = regime_shares(table.variables["regime"].values)
     if shares:
         _show_regimes(table, shares)
     _show_verified(table)
@@ -156,14 +157,6 @@ def _show_verified(table: Table) -> None:
             f"  Not verified: {beyond_error:,} of the cells verified are further off than what is "
             "known of their errors allows."
         )
-
-
-def regime_shares(table: Table) -> dict[str, float]:
-    """Return the share of cells in each regime that occurs."""
-    regime = table.variables["regime"].values
-    counts = np.bincount(regime.ravel(), minlength=len(REGIMES))
-    by_value = {entry.value: name for name, entry in REGIMES.items()}
-    return {by_value[v]: float(n) / regime.size for v, n in enumerate(counts) if n}
 
 
 def show_scenes(lines: list[dict[str, Any]]) -> None:

@@ -61,6 +61,18 @@ class Table:
         """Return the table with what it cost."""
         return replace(self, price=price)
 
+    @classmethod
+    def of_xarray(cls, dataset: xarray.Dataset) -> Table:
+        """Return the table that a dataset shows; arrays are shared, not copied."""
+
+        def plain(arrays: Mapping[Any, xarray.DataArray]) -> dict[str, Variable]:
+            return {
+                str(name): Variable(tuple(map(str, a.dims)), a.values, dict(a.attrs))
+                for name, a in arrays.items()
+            }
+
+        return cls(plain(dataset.coords), plain(dataset.data_vars), dict(dataset.attrs))
+
     def to_xarray(self) -> xarray.Dataset:
         """Return the table as an xarray dataset; arrays are shared, not copied."""
         import xarray  # heavy, and a file or a reply does not need it

@@ -17,12 +17,23 @@ def parts_per_minute(*, velocity: Array, length: Array, gap: Array | float = 0.0
         Mean conveying velocity [m s-1].
     length, gap : ndarray
         Length of a part along the track, and free length between two parts [m].
+
+    Examples
+    --------
+    >>> round(vibrafeed.parts_per_minute(velocity=0.03, length=0.012, gap=0.003), 9)
+    120.0
     """
     return 60.0 * velocity / (length + gap)
 
 
 def velocity_for(*, parts_per_minute: Array, length: Array, gap: Array | float = 0.0) -> Array:
-    """Return the mean velocity that a rate needs; inverse of `parts_per_minute` [m s-1]."""
+    """Return the mean velocity that a rate needs; inverse of `parts_per_minute` [m s-1].
+
+    Examples
+    --------
+    >>> round(vibrafeed.velocity_for(parts_per_minute=120, length=0.012, gap=0.003), 15)
+    0.03
+    """
     return parts_per_minute * (length + gap) / 60.0
 
 
@@ -33,6 +44,25 @@ def effective_distance(
 
     The speed may be simulated or measured. Infinite where (3.18) never reaches it: at or above the
     terminal velocity, where the part does not start, and for a speed the other way, below 0.
+
+    Parameters
+    ----------
+    velocity : ndarray
+        The speed [m s-1].
+    starting_acceleration : ndarray
+        Acceleration of the part from rest [m s-2].
+    friction_kinetic : ndarray
+        Coefficient of friction in sliding.
+    radius : ndarray
+        Radius of the bowl's wall [m].
+
+    Examples
+    --------
+    >>> distance = vibrafeed.effective_distance(
+    ...     velocity=0.03, starting_acceleration=4.0, friction_kinetic=0.3, radius=0.2
+    ... )
+    >>> round(1e6 * float(distance))
+    113
     """
     distance = distance_bound(
         starting_acceleration=starting_acceleration,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+import inspect
 import json
 import os
 import re
@@ -15,6 +16,7 @@ import pytest
 
 import core
 import vibrafeed
+import vibrafeed.accessor
 
 ROOT = Path(__file__).parents[2]
 POINT = {
@@ -33,12 +35,31 @@ def test_every_public_name_is_there():
         vibrafeed.swep  # noqa: B018 - the look-up is what is tried
 
 
+def examples() -> list[doctest.DocTest]:
+    """Return the examples in the docstrings of the package, of its names and of the accessor."""
+    objects = [vibrafeed, vibrafeed.accessor.Accessor, vibrafeed._studies]
+    objects += [getattr(vibrafeed, name) for name in vibrafeed.__all__]
+    finder = doctest.DocTestFinder(recurse=False)
+    return [
+        test
+        for one in objects
+        if inspect.ismodule(one) or inspect.isclass(one) or inspect.isfunction(one)
+        for test in finder.find(one, one.__name__, globs={"vibrafeed": vibrafeed})
+        if test.examples
+    ]
+
+
 @pytest.mark.slow  # where its kernels are not compiled yet
-def test_its_examples_do_what_they_say(monkeypatch):
+@pytest.mark.parametrize("example", examples(), ids=lambda example: example.name)
+def test_its_examples_do_what_they_say(example, monkeypatch):
     monkeypatch.chdir(ROOT)
-    done = doctest.testmod(vibrafeed, extraglobs={"vibrafeed": vibrafeed})
-    assert done.attempted > 10
-    assert not done.failed
+    assert not doctest.DocTestRunner().run(example).failed
+
+
+def test_every_public_name_stands_in_an_example_that_is_run():
+    told = " ".join(line.source for test in examples() for line in test.examples)
+    for name in vibrafeed.__all__:
+        assert re.search(rf"vibrafeed\.{name}\b", told), name
 
 
 @pytest.mark.slow

@@ -1,0 +1,27 @@
+"""A dataset in the units in which a person reads it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from core.study.shown import ShownUnits
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def in_shown_units(dataset: xarray.Dataset, units: ShownUnits) -> xarray.Dataset:
+    """Return a copy whose values and `units` are those that are shown; flags stay as they are."""
+    changed = {}
+    for name, array in dataset.variables.items():
+        if "units" not in array.attrs or array.dtype.kind not in "fiu":
+            continue
+        sizes = np.abs(np.asarray(array.values, dtype=np.float64))
+        shown = units.of(str(array.attrs["units"]), float(sizes[np.isfinite(sizes)].max(initial=0)))
+        values = array.values if shown.factor == 1 else array.values * shown.factor
+        changed[name] = (array.dims, values, {**array.attrs, "units": shown.unit})
+    coordinates = {name: value for name, value in changed.items() if name in dataset.coords}
+    others = {name: value for name, value in changed.items() if name not in dataset.coords}
+    return dataset.assign_coords(coordinates).assign(others)

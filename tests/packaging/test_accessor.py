@@ -1,0 +1,91 @@
+"""`dataset.vf`: what a dataset of vibrafeed can do besides."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib.figure
+import numpy as np
+import pytest
+import xarray
+
+import vibrafeed
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def motion() -> xarray.Dataset:
+    return vibrafeed.simulate(
+        scene="rectangle-on-plane", frequency="50 Hz", beta=30, friction=0.5,
+        amplitude=["0.01 mm", "0.1 mm", "0.2 mm", "0.4 mm"], units="m/min",
+    )  # fmt: skip
+
+
+def test_shares_of_regimes_are_those_of_the_cells(motion):
+    shares = motion.vf.regime_shares()
+    assert shares == {"stick": 0.25, "stick_slip": 0.25, "hopping": 0.5}
+    assert motion.isel(amplitude=0).vf.regime_shares() == {"stick": 1.0}
+
+
+def test_the_study_makes_the_dataset_again(motion):
+    study = motion.vf.study
+    assert isinstance(study, vibrafeed.SimulateStudy)
+    assert study.key() == motion.attrs["study_sha256"]
+    xarray.testing.assert_equal(vibrafeed.simulate(study), motion)
+
+
+def test_values_are_shown_in_the_units_that_were_asked_for(motion):
+    trade, own, si = motion.vf.shown("trade"), motion.vf.shown(), motion.vf.shown("si")
+    speed = motion.conveying_velocity.values
+    np.testing.assert_allclose(trade.conveying_velocity, 1000 * speed, rtol=1e-15)
+    np.testing.assert_allclose(own.conveying_velocity, 60 * speed, rtol=1e-15)
+    np.testing.assert_array_equal(si.conveying_velocity, speed)
+    units = [one.conveying_velocity.units for one in (trade, own, si)]
+    assert units == ["mm/s", "m/min", "m/s"]
+    assert trade.amplitude.values.tolist() == [0.01, 0.1, 0.2, 0.4]
+    assert (trade.amplitude.units, trade.beta.units, trade.friction.units) == ("mm", "°", "")
+    xarray.testing.assert_identical(trade.regime.variable, motion.regime.variable)
+    assert motion.conveying_velocity.units == "m s-1"  # itself it stays as it was
+    with pytest.raises(vibrafeed.StudyError, match="'kelvin' is not a unit of anything here"):
+        motion.vf.shown("kelvin")
+
+
+def test_it_is_drawn(motion):
+    figure = motion.vf.plot(axes="amplitude")
+    assert isinstance(figure, matplotlib.figure.Figure)
+    with pytest.raises(vibrafeed.VibrafeedError):
+        motion.vf.plot(variable="throw_number")
+
+
+def test_what_is_no_result_is_told_so():
+    other = xarray.Dataset({"a": 1})
+    for ask in (lambda: other.vf.study, other.vf.regime_shares):
+        with pytest.raises(vibrafeed.VibrafeedError, match="no result of vibrafeed"):
+            ask()
+
+
+def test_a_workbook_has_the_name_of_one(motion, tmp_path):
+    with pytest.raises(vibrafeed.VibrafeedError, match=r"does not end in \.xlsx"):
+        motion.vf.to_excel(tmp_path / "motion.xls")
+
+
+def test_it_is_there_with_the_dataset_and_for_files(motion, tmp_path):
+    """Nobody has to import it for a dataset; for a file one line does."""
+    motion.to_netcdf(tmp_path / "motion.nc")
+    returned = (
+        "import vibrafeed;"
+        "d = vibrafeed.sweep(scene='rectangle-on-plane', outputs='throw_number', frequency=50,"
+        " amplitude='0.1 mm', beta=30); print(d.vf.study.kind)"
+    )
+    # Where xarray is imported first, vibrafeed finds it; else: import vibrafeed.accessor.
+    read = "import xarray, vibrafeed; print(xarray.open_dataset('motion.nc').vf.study.kind)"
+    for code, expected in ((returned, "sweep"), (read, "simulate")):
+        done = subprocess.run(
+            [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True,
+            env={**os.environ, "PYTHONPATH": str(ROOT)}, check=False,
+        )  # fmt: skip
+        assert done.stdout.strip() == expected, done.stderr

@@ -1,0 +1,142 @@
+"""What datasets of vibrafeed can do besides: `dataset.vf`, an accessor of xarray.
+
+Every function that returns a dataset imports this module. Who only reads files with xarray imports
+it: ``import vibrafeed.accessor``.
+docs/decisions/2026-11-23-accessor-and-keywords.md says what else was tried.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import xarray
+
+if TYPE_CHECKING:
+    import os
+
+    from matplotlib.figure import Figure
+
+    from core.study import Study
+
+
+@xarray.register_dataset_accessor("vf")  # type: ignore[no-untyped-call]
+class Accessor:
+    """The accessor `vf` of a dataset that vibrafeed returned, or of a file that it wrote.
+
+    >>> motion = vibrafeed.simulate(
+    ...     scene="rectangle-on-plane", frequency="50 Hz", beta=30, friction=0.5,
+    ...     amplitude=["0.01 mm", "0.1 mm", "0.2 mm", "0.4 mm"],
+    ... )
+    >>> motion.vf.regime_shares()
+    {'stick': 0.25, 'stick_slip': 0.25, 'hopping': 0.5}
+    >>> motion.vf.shown("m/min").conveying_velocity.units
+    'm/min'
+    >>> motion.vf.study.scene
+    'rectangle-on-plane'
+    """
+
+    def __init__(self, dataset: xarray.Dataset) -> None:
+        self._dataset = dataset
+
+    @property
+    def study(self) -> Study:
+        """The study that the dataset answers, as `vibrafeed.study` would make it.
+
+        Raises
+        ------
+        VibrafeedError
+            If the dataset holds none: it is no result of vibrafeed.
+        """
+        from core.errors import VibrafeedError
+        from core.study import parse_json
+
+        if "study" not in self._dataset.attrs:
+            raise VibrafeedError("The dataset holds no study: it is no result of vibrafeed.")
+        return parse_json(str(self._dataset.attrs["study"]))
+
+    def plot(
+        self,
+        *,
+        variable: str | None = None,
+        axes: str | tuple[str, ...] | None = None,
+        at: Mapping[str, float | str] | None = None,
+        kind: str | None = None,
+    ) -> Figure:
+        """Return a picture of the dataset; parameters and errors are those of `vibrafeed.plot`."""
+        from vibrafeed import plot
+
+        return plot(self._dataset, variable=variable, axes=axes, at=at, kind=kind)
+
+    def regime_shares(self) -> dict[str, float]:
+        """Return the share of the cells in each regime that occurs, from 0 to 1.
+
+        Raises
+        ------
+        VibrafeedError
+            If the dataset has no regime.
+        """
+        from core.dataset.regimes import regime_shares
+        from core.errors import VibrafeedError
+
+        if "regime" not in self._dataset:
+            raise VibrafeedError("The dataset has no regime: it is no result of vibrafeed.")
+        return regime_shares(self._dataset["regime"].values)
+
+    def shown(self, *units: str) -> xarray.Dataset:
+        """Return the dataset in units that a person reads; names and flags stay as they are.
+
+        Parameters
+        ----------
+        *units : str
+            ``trade`` (mm, mm/s, degrees), ``si``, or units such as ``m/min``, each for its kind;
+            if left out, the `units` of the study, or those of the trade.
+
+        Returns
+        -------
+        xarray.Dataset
+            A copy; `units` of its variables say what they are in. It is for reading: plots and
+            studies take the dataset itself.
+
+        Raises
+        ------
+        StudyError
+            If one is no unit of anything here, or two are of one kind.
+        """
+        from core.dataset.shown import in_shown_units
+        from core.errors import Problem, StudyError
+        from core.study.shown import read_shown
+        from core.study.units import UnitError
+
+        wanted = units or ("study" in self._dataset.attrs and self.study.units) or ()
+        try:
+            return in_shown_units(self._dataset, read_shown(wanted))
+        except UnitError as error:
+            raise StudyError([Problem("units", error.message, error.fix)]) from None
+
+    def to_excel(self, path: str | os.PathLike[str]) -> None:
+        """Write an Excel workbook: one row a cell, units in the headings, the study beside.
+
+        It needs a package: ``pip install 'vibrafeed[tables]'``.
+
+        Parameters
+        ----------
+        path : str or path
+            The file, whose name ends in ``.xlsx``; what is there is replaced.
+
+        Raises
+        ------
+        VibrafeedError
+            If its name ends otherwise, or the package is not installed.
+        OSError
+            If it cannot be written.
+        """
+        from core.dataset.frame import write_frame
+        from core.dataset.table import Table
+        from core.errors import VibrafeedError
+
+        path = Path(path)
+        if path.suffix != ".xlsx":
+            raise VibrafeedError(f"{path} does not end in .xlsx, by which a workbook is known.")
+        write_frame(Table.of_xarray(self._dataset), path)
