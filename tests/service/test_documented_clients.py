@@ -62,6 +62,13 @@ print(json.dumps([reply.status_code, sorted(answer), job["type"]]))
     assert answered == ["dataset"] or "jobID" in answered
 
 
+def test_the_client_of_the_guide_for_python(server, folder):
+    (code,) = blocks("docs/python.md", "python", "## Results of the service")
+    code = code.replace("http://127.0.0.1:8000", server)
+    code += "print(result.vf.study.scene, result.sizes['beta'])"
+    assert run(code, folder) == "rectangle-on-plane 7\n"
+
+
 def test_the_curl_lines_of_the_page(curl, server, folder):
     (lines,) = (b for b in blocks("docs/api.md", "sh", "## Clients") if "curl" in b)
     posting, *others = lines.replace("http://127.0.0.1:8000", server).strip().splitlines()
