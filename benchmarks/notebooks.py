@@ -1,4 +1,4 @@
-"""`python -m benchmarks.notebooks` carries out the notebooks of docs/notebooks and stores what came.
+"""`python -m benchmarks.notebooks` carries out docs/notebooks/*.ipynb and stores what came of it.
 
 It needs no Jupyter: a cell is Python, and what its last line gives is shown. A notebook takes the
 picture of a figure, the table of pandas, and else the text.

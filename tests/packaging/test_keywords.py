@@ -57,7 +57,6 @@ def test_no_parameter_is_left_out():
 def test_a_key_without_a_type_is_told_by_name(monkeypatch):
     monkeypatch.delitem(keywords.TYPES, "verify")
     with pytest.raises(KeyError, match="verify"):
-        keywords.names_module()
         keywords.annotations("sweep")
 
 
