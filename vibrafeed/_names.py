@@ -234,7 +234,12 @@ SimulatedOutput: TypeAlias = (
         "part_friction_power",
         "part_impact_power",
         "part_drive_power",
+        "part_friction_work",
+        "part_impact_work",
+        "part_drive_work",
         "motion_status",
+        "feed_rate",
+        "direction",
         "final_pitch",
         "resting_side",
         "settling_time",
@@ -242,6 +247,7 @@ SimulatedOutput: TypeAlias = (
         "largest_bounce",
         "drift_velocity",
         "specific_energy_lost",
+        "part_energy_lost",
     ]
     | str
 )

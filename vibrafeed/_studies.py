@@ -111,6 +111,8 @@ def study(
     mass_2: Values | None = None,
     contact_tolerance: Values | None = None,
     hold_down: Values | None = None,
+    part_gap: Values | None = None,
+    occupancy: Values | None = None,
     duration: Values | None = None,
     drop_height: Values | None = None,
     uncertain: Mapping[str, Bounds] | None = None,
@@ -493,6 +495,8 @@ def simulate(
     velocity_along: Values | None = None,
     velocity_upward: Values | None = None,
     hold_down: Values | None = None,
+    part_gap: Values | None = None,
+    occupancy: Values | None = None,
     duration: Values | None = None,
     drop_height: Values | None = None,
     trajectory: int | Sequence[float] | None = None,
@@ -588,6 +592,11 @@ def simulate(
     hold_down : values, optional
         Force per mass that presses the part onto the floor, of a magnet or a vacuum. In m s-2, 0 or
         more, for example "20 m/s^2".
+    part_gap : values, optional
+        Free length between two parts on the track. In m, 0 or more, for example "5 mm".
+    occupancy : values, optional
+        Share of the track's length that parts cover, 1 where each touches the next; follows from
+        part_gap unless given. From 0 to 1, for example 0.6.
     duration : values, optional
         Time after which the run ends. In s, above 0, for example "2 s".
     drop_height : values, optional
@@ -759,6 +768,8 @@ def optimise(
     mass_2: Values | None = None,
     contact_tolerance: Values | None = None,
     hold_down: Values | None = None,
+    part_gap: Values | None = None,
+    occupancy: Values | None = None,
     duration: Values | None = None,
     drop_height: Values | None = None,
     uncertain: Mapping[str, Bounds] | None = None,
@@ -965,6 +976,11 @@ def optimise(
     hold_down : values, optional
         Force per mass that presses the part onto the floor, of a magnet or a vacuum. In m s-2, 0 or
         more, for example "20 m/s^2".
+    part_gap : values, optional
+        Free length between two parts on the track. In m, 0 or more, for example "5 mm".
+    occupancy : values, optional
+        Share of the track's length that parts cover, 1 where each touches the next; follows from
+        part_gap unless given. From 0 to 1, for example 0.6.
     duration : values, optional
         Time after which the run ends. In s, above 0, for example "2 s".
     drop_height : values, optional
@@ -1212,6 +1228,8 @@ def drive_error(
     velocity_along: Values | None = None,
     velocity_upward: Values | None = None,
     hold_down: Values | None = None,
+    part_gap: Values | None = None,
+    occupancy: Values | None = None,
     duration: Values | None = None,
     drop_height: Values | None = None,
     trajectory: int | Sequence[float] | None = None,

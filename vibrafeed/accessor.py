@@ -7,7 +7,7 @@ docs/decisions/2026-11-23-accessor-and-keywords.md says what else was tried.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -63,11 +63,19 @@ class Accessor:
         axes: str | tuple[str, ...] | None = None,
         at: Mapping[str, float | str] | None = None,
         kind: str | None = None,
+        title: str | None = None,
+        units: str | Sequence[str] | None = None,
+        nearest: bool = False,
+        dark: bool = False,
+        small: bool = False,
     ) -> Figure:
         """Return a picture of the dataset; parameters and errors are those of `vibrafeed.plot`."""
         from vibrafeed import plot
 
-        return plot(self._dataset, variable=variable, axes=axes, at=at, kind=kind)
+        return plot(
+            self._dataset, variable=variable, axes=axes, at=at, kind=kind, title=title,
+            units=units, nearest=nearest, dark=dark, small=small,
+        )  # fmt: skip
 
     def regime_shares(self) -> dict[str, float]:
         """Return the share of the cells in each regime that occurs, from 0 to 1.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import subprocess
 import sys
@@ -55,6 +56,8 @@ def test_values_are_shown_in_the_units_that_were_asked_for(motion):
 
 
 def test_it_is_drawn(motion):
+    takes = list(inspect.signature(vibrafeed.plot).parameters.values())[1:]
+    assert list(inspect.signature(motion.vf.plot).parameters.values()) == takes
     figure = motion.vf.plot(axes="amplitude")
     assert isinstance(figure, matplotlib.figure.Figure)
     with pytest.raises(vibrafeed.VibrafeedError):
