@@ -76,19 +76,40 @@ def test_a_workbook_has_the_name_of_one(motion, tmp_path):
         motion.vf.to_excel(tmp_path / "motion.xls")
 
 
-def test_it_is_there_with_the_dataset_and_for_files(motion, tmp_path):
-    """Nobody has to import it for a dataset; for a file one line does."""
+def run(code: str, folder: Path) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=False,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return done.stdout.strip()
+
+
+def test_it_comes_with_the_first_dataset(motion, tmp_path):
+    """Until then `import vibrafeed` loads no xarray; after that files have it, too."""
     motion.to_netcdf(tmp_path / "motion.nc")
-    returned = (
-        "import vibrafeed;"
-        "d = vibrafeed.sweep(scene='rectangle-on-plane', outputs='throw_number', frequency=50,"
-        " amplitude='0.1 mm', beta=30); print(d.vf.study.kind)"
-    )
-    # Where xarray is imported first, vibrafeed finds it; else: import vibrafeed.accessor.
-    read = "import xarray, vibrafeed; print(xarray.open_dataset('motion.nc').vf.study.kind)"
-    for code, expected in ((returned, "sweep"), (read, "simulate")):
-        done = subprocess.run(
-            [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True,
-            env={**os.environ, "PYTHONPATH": str(ROOT)}, check=False,
-        )  # fmt: skip
-        assert done.stdout.strip() == expected, done.stderr
+    code = """
+import sys, vibrafeed
+print("xarray" in sys.modules)
+first = vibrafeed.sweep(
+    scene="rectangle-on-plane", outputs="throw_number", frequency=50, amplitude="0.1 mm", beta=30
+)
+print(first.vf.study.kind)
+import xarray
+print(xarray.open_dataset("motion.nc").vf.study.kind)
+"""
+    assert run(code, tmp_path).split() == ["False", "sweep", "simulate"]
+
+
+def test_it_is_there_at_once_where_xarray_is(tmp_path):
+    code = """
+import sys, types
+seen = []
+xarray = types.ModuleType("xarray")  # a stand-in: the true one takes a second
+xarray.Dataset = object
+xarray.register_dataset_accessor = lambda name: seen.append(name) or (lambda accessor: accessor)
+sys.modules["xarray"] = xarray
+import vibrafeed
+print(seen)
+"""
+    assert run(code, tmp_path) == "['vf']"
