@@ -16,6 +16,7 @@ What there is:
 - `drive_error` tells how far the errors of a measured drive move a velocity;
 - `study` and `load_study` make a study without carrying it out; `plot` draws a dataset;
 - `QUANTITIES` and `REGIMES` describe every name and flag of a dataset;
+- `friction` gives published coefficients of friction and restitution, with their sources;
 - `parts_per_minute`, `velocity_for` and `effective_distance` turn velocities into rates.
 
 >>> vibrafeed.QUANTITIES["conveying_velocity"].unit, vibrafeed.REGIMES["hopping"].value
@@ -88,6 +89,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from core.errors import LimitError, Problem, StudyError, VibrafeedError
+    from core.materials import friction
     from core.motion.drive_error import DriveError
     from core.motion.rates import effective_distance, parts_per_minute, velocity_for
     from core.quantities import QUANTITIES, REGIMES
@@ -97,6 +99,7 @@ __version__: str = core.__version__
 
 _ELSEWHERE = {
     "core.errors": ("LimitError", "Problem", "StudyError", "VibrafeedError"),
+    "core.materials": ("friction",),
     "core.motion.drive_error": ("DriveError",),
     "core.motion.rates": ("effective_distance", "parts_per_minute", "velocity_for"),
     "core.quantities": ("QUANTITIES", "REGIMES"),
@@ -120,6 +123,7 @@ __all__ = [
     "__version__",
     "drive_error",
     "effective_distance",
+    "friction",
     "load_study",
     "open_lazily",
     "optimise",

@@ -7,7 +7,21 @@ from __future__ import annotations
 
 import typer
 
-from app.cli import drive, export, key, parts, plot, report, run, scenes, schema, scrub, serve, warm
+from app.cli import (
+    drive,
+    export,
+    friction,
+    key,
+    parts,
+    plot,
+    report,
+    run,
+    scenes,
+    schema,
+    scrub,
+    serve,
+    warm,
+)
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -17,6 +31,7 @@ app = typer.Typer(
 )
 for _command in (
     run.run, export.export, parts.join, plot.plot, drive.drive, report.report, scenes.scenes,
+    friction.friction,
     schema.schema, serve.serve, scrub.scrub, warm.warm,
 ):  # fmt: skip
     app.command()(_command)

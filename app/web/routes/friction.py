@@ -1,0 +1,73 @@
+"""Published coefficients of friction."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+from fastapi.responses import Response
+from pydantic import BaseModel
+
+from app.web.replies import json_reply
+from core.materials import friction
+
+router = APIRouter(tags=["scenes"])
+
+Range = tuple[float, float]
+
+
+class Pair(BaseModel):
+    """A pair of materials; `coefficient` where the source tells neither static nor kinetic."""
+
+    part: str
+    track: str
+    surface: str
+    note: str
+    static: Range | None
+    kinetic: Range | None
+    coefficient: Range | None
+    source: str
+
+
+class Rebound(BaseModel):
+    """How much of its speed a part keeps in an impact."""
+
+    part: str
+    track: str
+    note: str
+    restitution: Range
+    source: str
+
+
+class Source(BaseModel):
+    """Where values come from."""
+
+    title: str
+    by: str
+    address: str
+
+
+class FrictionTable(BaseModel):
+    """Published coefficients, and what to make of them."""
+
+    about: list[str]
+    surfaces: list[str]
+    restitution_notes: list[str]
+    pairs: list[Pair]
+    rebounds: list[Rebound]
+    sources: dict[str, Source]
+
+
+@router.get(
+    "/friction",
+    summary="Published coefficients of friction and restitution",
+    response_model=FrictionTable,
+)
+def list_friction(
+    words: Annotated[
+        str,
+        Query(max_length=100, description="Rows that hold each of these words; all if left out."),
+    ] = "",
+) -> Response:
+    """Return published coefficients, as ranges, each row with its source."""
+    return json_reply(friction(words))

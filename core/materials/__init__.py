@@ -1,0 +1,80 @@
+"""Coefficients of friction and of restitution, as published: a file of data, rows with sources."""
+
+from __future__ import annotations
+
+import functools
+import tomllib
+from collections.abc import Iterable, Mapping
+from importlib.resources import files
+from typing import Any, Final
+
+VALUES: Final = ("static", "kinetic", "coefficient", "restitution")
+"""Ranges that a row may have; `coefficient` where the source tells neither static nor kinetic."""
+
+WORDS: Final = ("part", "track", "surface", "note")
+"""What of a row is words."""
+
+
+def friction(words: str = "") -> dict[str, Any]:
+    """Return published coefficients of friction and of restitution, with what to make of them.
+
+    Parameters
+    ----------
+    words : str
+        Rows that hold each of these words, as in ``"steel abs"``; all rows if empty. Capitals make
+        no difference, and the beginning of a word is enough.
+
+    Returns
+    -------
+    dict
+        ``pairs``, each with part, track, surface, note, source, and the ranges static, kinetic or
+        coefficient, None where the source has none; ``rebounds``, the same with restitution;
+        ``about``, ``surfaces`` and ``restitution_notes``, lists of sentences; ``sources`` of the
+        rows, by name, with title, by and address.
+
+    Examples
+    --------
+    >>> (row,) = friction("abs steel")["pairs"]
+    >>> row["part"], row["track"], row["static"]
+    ('ABS', 'steel', [0.3, 0.3])
+    """
+    data = _data()
+    wanted = words.lower().split()
+    pairs = [_row(row, VALUES[:3]) for row in data["pairs"] if _holds(row, wanted)]
+    rebounds = [_row(row, VALUES[3:]) for row in data["rebounds"] if _holds(row, wanted)]
+    used = {row["source"] for row in (*pairs, *rebounds)}
+    return {
+        **{name: list(data[name]) for name in ("about", "surfaces", "restitution_notes")},
+        "pairs": pairs,
+        "rebounds": rebounds,
+        "sources": {name: dict(told) for name, told in data["sources"].items() if name in used},
+    }
+
+
+def shown(row: Mapping[str, Any], value: str) -> str:
+    """Return a range of a row as people write it: ``0.2``, ``0.1 to 0.3``, or nothing."""
+    found = row[value]
+    if found is None:
+        return ""
+    least, largest = (f"{number:g}" for number in found)
+    return least if least == largest else f"{least} to {largest}"
+
+
+def _row(row: Mapping[str, Any], values: Iterable[str]) -> dict[str, Any]:
+    """Return a row with everything that rows of its kind have."""
+    told = {name: row.get(name, "") for name in WORDS if name != "surface" or "surface" in row}
+    return {**told, **{name: row.get(name) for name in values}, "source": row["source"]}
+
+
+def _holds(row: Mapping[str, Any], wanted: Iterable[str]) -> bool:
+    """Return whether each of some words is the beginning of a word of the row."""
+    text = " ".join(row.get(name, "") for name in WORDS).lower()
+    for mark in "(),:":
+        text = text.replace(mark, " ")
+    present = text.split()
+    return all(any(word.startswith(one) for word in present) for one in wanted)
+
+
+@functools.cache
+def _data() -> Mapping[str, Any]:
+    return tomllib.loads((files(__name__) / "friction.toml").read_text(encoding="utf-8"))

@@ -1,0 +1,106 @@
+"""The table of coefficients: rows with sources, found by words, the same wherever it is shown."""
+
+from __future__ import annotations
+
+import doctest
+
+import pytest
+from fastapi.testclient import TestClient
+from typer.testing import CliRunner
+
+import core.materials
+import vibrafeed
+from app.cli import app
+from app.main import create_app
+from app.settings import Settings
+from benchmarks.friction_page import PAGE, page
+from core.materials import friction, shown
+
+ALL = friction()
+
+
+def rows():
+    return [*ALL["pairs"], *ALL["rebounds"]]
+
+
+def test_every_row_has_values_and_a_source() -> None:
+    for row in rows():
+        ranges = {name: row.get(name) for name in core.materials.VALUES if row.get(name)}
+        assert ranges, row
+        assert not ("coefficient" in ranges and len(ranges) > 1), row
+        for name, (least, largest) in ranges.items():
+            assert 0 < least <= largest, row
+            assert name != "restitution" or largest <= 1, row
+        assert row["part"], row
+        assert row["track"], row
+        assert ALL["sources"][row["source"]]["address"].startswith("http"), row
+    declared = core.materials._data()["sources"]
+    assert set(declared) == {row["source"] for row in rows()}  # none that nobody quotes
+
+
+def test_kinetic_above_static_is_told() -> None:
+    """A study takes no such pair; a row that a source gives so says what to do."""
+    for row in ALL["pairs"]:
+        if row["static"] and row["kinetic"] and row["kinetic"][0] > row["static"][1]:
+            assert "one value for both" in row["note"], row
+
+
+@pytest.mark.parametrize("pair", ["steel steel", "aluminium steel", "brass steel", "ptfe", "pom",
+                                  "nylon", "polyurethane", "rubber", "glass", "ceramic", "abs",
+                                  "pp", "lubricated steel", "coating"])  # fmt: skip
+def test_what_a_designer_looks_for_is_there(pair: str) -> None:
+    assert friction(pair)["pairs"]
+
+
+def test_rows_are_found_by_the_beginnings_of_their_words() -> None:
+    found = friction("TEFLON alu")
+    assert [row["part"] for row in found["pairs"]] == ["aluminium"]
+    assert set(found["sources"]) == {"surface"}
+    assert not friction("steel unobtainium")["pairs"]
+    assert all("steel" in f"{row['part']} {row['track']}" for row in friction("steel")["rebounds"])
+    assert found["about"] == ALL["about"]  # how far to trust them is told with any row
+
+
+def test_ranges_are_written_as_people_do() -> None:
+    assert shown({"static": [0.1, 0.3]}, "static") == "0.1 to 0.3"
+    assert shown({"static": [0.2, 0.2]}, "static") == "0.2"
+    assert shown({"static": None}, "static") == ""
+
+
+def test_who_asks_gets_a_table_of_their_own() -> None:
+    friction()["pairs"].clear()
+    friction()["sources"]["lust"]["title"] = ""
+    assert friction() == ALL
+
+
+def test_the_page_is_up_to_date() -> None:
+    assert PAGE.read_text(encoding="utf-8") == page()
+
+
+def test_the_command_line_prints_rows_with_their_sources() -> None:
+    result = CliRunner().invoke(app, ["friction", "abs", "steel"])
+    assert result.exit_code == 0, result.output
+    words = " ".join(result.output.split())
+    assert "ABS" in words
+    assert "0.35" in words
+    assert "Handbook of Surface Improvement and Modification" in words
+    assert "figures to start from" in words
+    assert "Lust" not in words
+    whole = CliRunner().invoke(app, ["friction"])
+    assert "Polyurethane linings grip" in " ".join(whole.output.split())
+    none = CliRunner().invoke(app, ["friction", "unobtainium"])
+    assert none.exit_code == 1
+    assert "No row holds all of: unobtainium." in none.output
+
+
+def test_the_service_sends_the_same(tmp_path) -> None:
+    client = TestClient(create_app(Settings(data_directory=tmp_path)), base_url="http://localhost")
+    assert client.get("/friction").json() == ALL
+    assert client.get("/friction", params={"words": "abs steel"}).json() == friction("abs steel")
+    assert vibrafeed.friction("abs steel") == friction("abs steel")
+
+
+def test_its_examples_do_what_they_say() -> None:
+    done = doctest.testmod(core.materials)
+    assert done.attempted
+    assert not done.failed
