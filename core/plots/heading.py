@@ -46,8 +46,8 @@ def finish(
     style.dress(figure)
     _add_legend(figure, entries, note, style)
     _add_name(figure, name, style)
-    # Where the axes begin is known only after a first layout, with a text of two lines.
-    top.set_title("\n" if source and facts else "", loc="left", fontsize=style.text(FACTS),
+    # Where the axes begin is known only after a layout, with a text of as many lines.
+    top.set_title("\n" if source and facts else " ", loc="left", fontsize=style.text(FACTS),
                   linespacing=1.4, color=style.quiet)  # fmt: skip
     figure.draw_without_rendering()
     start = top.get_window_extent().x0
@@ -58,7 +58,6 @@ def finish(
     lines = [_packed(figure, facts, room, size), _cut(figure, source, room, size)]
     title = top.set_title("\n".join(filter(None, lines)), loc="left", fontsize=size,
                           linespacing=1.4, color=style.quiet)  # fmt: skip
-    figure.draw_without_rendering()
     heading = figure._suptitle  # type: ignore[attr-defined]
     start = title.get_window_extent().x0 if title.get_text() else MARGIN * figure.bbox.width
     if start + heading.get_window_extent().width < (1 - MARGIN) * figure.bbox.width:
@@ -94,13 +93,13 @@ def _packed(figure: Figure, facts: Sequence[str], room: float, size: float) -> s
     return ""
 
 
-def _cut(figure: Figure, text: str, room: float, size: float) -> str:
+def _cut(figure: Figure, text: str, room: float, size: float, weight: str = "normal") -> str:
     """Return a text, without its last words where it is too wide."""
     parts = text.split(" ")
     for count in range(len(parts), 0, -1):
         shown = " ".join(parts[:count])
         shown = shown if count == len(parts) else shown.rstrip(" ,(") + " …"
-        if text_width(figure, shown, size) <= room:
+        if text_width(figure, shown, size, weight) <= room:
             return shown
     return ""
 
@@ -108,16 +107,15 @@ def _cut(figure: Figure, text: str, room: float, size: float) -> str:
 def _add_name(figure: Figure, name: str, style: Style) -> None:
     """Add the name of the picture, in two lines where one is too short."""
     size, room = style.text(NAME), (1 - 2 * MARGIN) * figure.bbox.width
-    lines = [""]
-    for word in name.split():
-        longer = f"{lines[-1]} {word}".strip()
-        if text_width(figure, longer, size, "bold") <= room or not lines[-1]:
-            lines[-1] = longer
-        else:
-            lines.append(word)
-    shown = lines[:2] if len(lines) <= 2 else [lines[0], lines[1] + " …"]
-    figure.suptitle("\n".join(shown), x=MARGIN, ha="left", fontsize=size, fontweight="bold",
-                    color=style.ink)  # fmt: skip
+    words, count = name.split(), 1
+    while (
+        count < len(words)
+        and text_width(figure, " ".join(words[: count + 1]), size, "bold") <= room
+    ):
+        count += 1
+    rest = _cut(figure, " ".join(words[count:]), room, size, "bold")
+    shown = "\n".join(filter(None, [" ".join(words[:count]), rest]))
+    figure.suptitle(shown, x=MARGIN, ha="left", fontsize=size, fontweight="bold", color=style.ink)
 
 
 def _add_legend(figure: Figure, entries: Sequence[Artist], note: str, style: Style) -> None:

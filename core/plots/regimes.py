@@ -70,7 +70,7 @@ LOOKS = {
 PLAIN = ("", "#8a8a8a", 1.8)
 
 # Fills of a map, chosen by measurement: the least distance (CAM02-UCS) of two that may stand side
-# by side is above 14 in every kind of colour vision, and black text is read on all of them. Regimes
+# by side is above 12 in every kind of colour vision, and black text is read on all of them. Regimes
 # that share one do not occur in one scene. Where values do not hold, a map is pale and hatched.
 FILLS = {
     "stick": "#9ccbff",
@@ -86,15 +86,15 @@ FILLS = {
     "separation": "#ffd98f",
     "hop_after_hop": "#c66a2c",
     "impact": "#c66a2c",
-    "period_doubled": "#f48fb0",
-    "stopped": "#f48fb0",
+    "period_doubled": "#ee7fa6",
+    "stopped": "#ee7fa6",
     "aperiodic": "#a05ce6",
     "rests": "#9ccbff",
     "tumbles": "#c66a2c",
-    "contact": "#f2f2f2",
-    "apart": "#c4c4c4",
+    "contact": "#ffffff",
+    "apart": "#d6d6d6",
     "not_assessed": "#dddddd",
-    "unbounded": "#c4c4c4",
+    "unbounded": "#d6d6d6",
 }
 ON_FILL = "#000000"  # what is written on a fill
 MOTION = ("stick_slip", "hopping", "hop_after_hop", "period_doubled", "aperiodic")

@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
@@ -17,7 +16,8 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 )
 from numpy.typing import NDArray
 
-from core.plots.parts import add_colour_bar, say_nothing_is_finite
+from core.plots.contour import draw_contour
+from core.plots.parts import add_colour_bar
 from core.plots.regimes import Look, luminance, swatch
 from core.plots.scale import Scale, scale_of
 from core.plots.selection import Selection, thin
@@ -38,23 +38,22 @@ def draw_surface(
     figure: Figure, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
     """Draw the surface; return the axes and the legend's entries."""
-    axes = figure.add_subplot(projection="3d")
     first, second = selection.axes
     rows, columns = thin(first.values.size, MOST_POINTS), thin(second.values.size, MOST_POINTS)
     part = np.ix_(rows, columns)
     x, y = np.meshgrid(first.values[rows], second.values[columns], indexing="ij")
     z, regimes = selection.values[part], selection.regimes[part]
     scale = scale_of(z, style)
+    if scale is None:
+        return draw_contour(figure, selection, looks, style)  # which says so
+    axes = figure.add_subplot(projection="3d")
     # Where several regimes hold, colours tell them apart: the height tells the value.
     by_regime = sum(look.valid for look in looks) > 1
-    if scale is None:
-        say_nothing_is_finite(axes, selection, style)
-    else:
-        points = np.stack([x, y, z], axis=-1)
-        _add_faces(axes, points, regimes, looks, scale, style, by_regime=by_regime)
-        _add_borders(axes, points, regimes, looks, scale, style)
-        axes.set_zlim(scale.levels[0], scale.levels[-1])
-    if scale is not None and not by_regime:
+    points = np.stack([x, y, z], axis=-1)
+    _add_faces(axes, points, regimes, looks, scale, by_regime=by_regime)
+    _add_borders(axes, points, regimes, looks, scale, style)
+    axes.set_zlim(scale.levels[0], scale.levels[-1])
+    if not by_regime:
         add_colour_bar(
             figure, axes, ScalarMappable(scale.norm, scale.colours), scale, selection, style,
             boundaries=np.linspace(scale.levels[0], scale.levels[-1], 257).tolist(),
@@ -71,12 +70,12 @@ def draw_surface(
         for spine in (axes.xaxis, axes.yaxis, axes.zaxis):
             spine.set_major_locator(MaxNLocator(4))
     axes.view_init(elev=ELEVATION, azim=_azimuth(z))
-    axes.set_box_aspect((4, 4, 2.8), zoom=1.05)
+    axes.set_box_aspect((4, 4, 2.8), zoom=0.95 if by_regime else 1.05)
     axes.computed_zorder = False
     entries = []
     for look in looks:
-        face = scale.typical(z[regimes == look.value]) if scale else to_rgb(style.ground)
-        entries.append(_entry(look, look.fill if by_regime else face))
+        face = look.fill if by_regime else scale.typical(z[regimes == look.value])
+        entries.append(_entry(look, face))
     return axes, entries
 
 
@@ -86,7 +85,6 @@ def _add_faces(
     regimes: NDArray[np.int64],
     looks: Sequence[Look],
     scale: Scale,
-    style: Style,
     *,
     by_regime: bool,
 ) -> None:

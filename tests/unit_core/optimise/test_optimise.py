@@ -250,29 +250,40 @@ def test_knees():
 def test_a_front_and_its_knee_are_drawn():
     parameters = {**DATA, "friction": [0.3, 0.5]}
     dataset = solved(parameters=parameters, criterion={"kind": "pareto", "points": 20})
-    (axes,) = draw_front(dataset).axes
+    figure = draw_front(dataset)
+    (axes,) = figure.axes
     curves = [line for line in axes.lines if len(line.get_xdata()) == 20]
     assert len(curves) == 2
     np.testing.assert_array_equal(curves[0].get_ydata(), dataset.acceleration_x[0])
-    names = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert names == ["friction = 0.3", "friction = 0.5", "knee"]
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert names[:2] == ["friction 0.3", "friction 0.5"]
+    assert names[2].startswith("knee")
 
 
 def test_a_landscape_shows_optimum_and_limits():
     dataset = solved(parameters={**DATA, "friction": [0.3, 0.5]})
-    axes = draw_landscape(dataset, {"friction": 0.5}).axes[0]
-    names = [text.get_text() for text in axes.get_legend().get_texts()]
-    assert names == ["edge of limit", "edge of floor contact", "optimum"]
+    figure = draw_landscape(dataset, {"friction": 0.5})
+    axes = figure.axes[0]
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert names == ["edge of limit", "edge of floor contact", "pale: excluded", "optimum"]
     (star,) = [line for line in axes.lines if line.get_marker() == "*"]
     assert star.get_xdata()[0] == dataset.best_beta.values[1]
     assert star.get_ydata()[0] == dataset.best_alpha.values[1]
 
 
+def test_a_landscape_of_one_variable_is_a_curve():
+    dataset = solved(parameters={**DATA, "alpha": 0, "friction": [0.2, 0.4, 0.6]})
+    figure = draw_landscape(dataset)
+    assert "friction\N{NO-BREAK SPACE}0.4" in figure.axes[0].get_title(loc="left")  # the middle
+    curve, star = figure.axes[0].lines
+    assert star.get_xdata()[0] == dataset.best_beta.values[1]
+    assert star.get_ydata()[0] == pytest.approx(dataset.acceleration_x.values[1], rel=1e-3)
+    assert len(curve.get_xdata()) == 721
+
+
 def test_what_cannot_be_drawn_is_refused():
     with pytest.raises(PlotError, match="no front"):
         draw_front(solved())
-    with pytest.raises(PlotError, match="1 variables"):
-        draw_landscape(solved(parameters={**DATA, "alpha": 0}))
     with pytest.raises(PlotError, match="not ranged"):
         draw_landscape(solved(), {"gamma": 1})
     with pytest.raises(PlotError, match="no optimisation"):

@@ -6,10 +6,12 @@ import itertools
 
 import numpy as np
 import pytest
+from colorspacious import cspace_convert
 from matplotlib.colors import to_rgb
 
 from core.motion.systems import SYSTEMS
-from core.plots.regimes import FILLS, LOOKS
+from core.plots.regimes import FILLS, LOOKS, ON_FILL
+from core.plots.style import Style
 from core.quantities import REGIMES
 from core.scenes import SCENES
 
@@ -38,43 +40,46 @@ def test_regimes_of_a_scene_look_different_on_a_map(scene, variant: str):
     assert len(set(hatches)) == len(hatches)
 
 
-# How a colour in linear RGB is seen: G. M. Machado, M. M. Oliveira, L. A. F. Fernandes, IEEE Trans.
-# Vis. Comput. Graph. 15 (2009) 1291, table 1, severity 1.
-SIGHT = {
-    "full": np.eye(3),
-    "without red": [
-        [0.152286, 1.052583, -0.204868],
-        [0.114503, 0.786281, 0.099216],
-        [-0.003882, -0.048116, 1.051998],
-    ],
-    "without green": [
-        [0.367322, 0.860646, -0.227968],
-        [0.280085, 0.672501, 0.047413],
-        [-0.011820, 0.042940, 0.968881],
-    ],
-    "without blue": [
-        [1.255528, -0.076749, -0.178779],
-        [-0.078411, 0.930809, 0.147602],
-        [0.004733, 0.691367, 0.303900],
-    ],
-}
-TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+def seen(colours: list[str], sight: str) -> np.ndarray:
+    """Return colours, seen without one of the three cones, in CAM02-UCS."""
+    rgb = np.array([to_rgb(colour) for colour in colours])
+    if sight != "full":
+        space = {"name": "sRGB1+CVD", "cvd_type": sight, "severity": 100}
+        rgb = np.clip(cspace_convert(rgb, space, "sRGB1"), 0, 1)
+    return cspace_convert(rgb, "sRGB1", "CAM02-UCS")
 
 
-def lab(colour: str, sight: object) -> np.ndarray:
-    """Return CIE L*a*b* of a colour as it is seen, white point D65."""
+def contrast(one: object, other: object) -> float:
+    """Return the contrast of two colours, 1 to 21, as WCAG 2.2 defines it."""
+    light, dark = sorted((luminance(one), luminance(other)), reverse=True)
+    return (light + 0.05) / (dark + 0.05)
+
+
+def luminance(colour: object) -> float:
     rgb = np.array(to_rgb(colour))
     linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-    seen = np.clip(np.asarray(sight) @ linear, 0, 1)
-    x, y, z = np.cbrt(np.maximum(TO_XYZ @ seen / TO_XYZ.sum(axis=1), 0.008856))
-    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+    return float(linear @ [0.2126, 0.7152, 0.0722])
 
 
-@pytest.mark.parametrize("sight", SIGHT)
-def test_fills_of_motion_are_told_apart_in_every_colour_vision(sight: str):
-    # A difference of 2.3 is just seen on neighbouring patches, 10 at a glance.
-    names = {condition.regime for condition in SYSTEMS["rectangle-on-plane"].conditions["events"]}
-    fills = [FILLS[name] for name in (*names, "slip") if name in FILLS]
-    assert len(fills) == 8
-    for one, other in itertools.combinations(fills, 2):
-        assert np.linalg.norm(lab(one, SIGHT[sight]) - lab(other, SIGHT[sight])) > 10
+@pytest.mark.parametrize("sight", ["full", "deuteranomaly", "protanomaly", "tritanomaly"])
+def test_fills_that_stand_side_by_side_are_told_apart_in_every_colour_vision(sight: str):
+    least = 99.0
+    for scene in (*SCENES.values(), *SYSTEMS.values()):
+        for conditions in scene.conditions.values():
+            names = {condition.regime for condition in conditions}
+            names |= {condition.otherwise for condition in conditions if condition.otherwise}
+            places = seen([FILLS[name] for name in sorted(names) if name in FILLS], sight)
+            pairs = itertools.combinations(places, 2)
+            least = min([least, *(float(np.linalg.norm(a - b)) for a, b in pairs)])
+    assert least > 12  # 1 is just noticed, beside each other
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_text_is_read_on_its_background(dark: bool):
+    style = Style(dark=dark)
+    for colour in (style.ink, style.quiet, style.accent):
+        assert contrast(colour, style.ground) > 4.5
+    for fill in FILLS.values():
+        assert contrast(ON_FILL, fill) > 4.5
+    for colour in (style.curve, style.other, *style.series, *style.series_over(7)):
+        assert contrast(colour, style.ground) > (1.9 if colour in style.series_over(7) else 3)

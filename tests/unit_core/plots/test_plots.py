@@ -79,6 +79,11 @@ def legend(figure: Figure) -> list[str]:
     return [text.get_text() for text in figure.legends[-1].get_texts()]
 
 
+def note(figure: Figure) -> str:
+    """Return what is said above the legend."""
+    return figure.legends[-1].get_title().get_text()
+
+
 def occurring(dataset: xarray.Dataset, **at: float) -> set[str]:
     values = np.unique(dataset["regime"].sel(at, method="nearest"))
     return {name for name, regime in REGIMES.items() if regime.value in values}
@@ -117,7 +122,8 @@ def test_legend_names_the_regimes_that_occur(
     single = draw(plane, axes=("beta",), at=fixed)
     assert named(single) == occurring(plane, **fixed) == {"slip", "flight"}
     lost = draw(track, axes=("amplitude", "alpha"), kind=kind)
-    assert "wall lost (closed forms invalid)" in legend(lost)
+    assert "wall lost" in legend(lost)
+    assert "the closed forms do not describe a part there" in note(lost)
     assert named(lost) == occurring(track) or kind == "line"
 
 
@@ -156,7 +162,7 @@ def test_axes_are_the_longest_in_the_order_of_the_dataset(plane: xarray.Dataset)
     axes = draw(plane).axes[0]
     assert axes.get_xlabel() == r"Drive azimuth $\alpha$ (°)"
     assert axes.get_ylabel() == r"Drive elevation $\beta$ (°)"
-    turned = draw(plane, axes=("beta", "frequency")).axes[0]
+    turned = draw(plane, axes=("beta", "frequency"), kind="contour").axes[0]
     assert turned.get_xlabel().startswith("Drive elevation")
     assert turned.get_ylabel() == "Frequency $f$ (Hz)"
 
@@ -176,7 +182,7 @@ def test_family_of_lines_has_at_most_seven_curves(plane: xarray.Dataset):
     ]
     assert [text.get_text() for text in regimes.get_texts()] == [
         "slip",
-        "flight (closed forms invalid)",
+        "flight",
     ]
 
 
@@ -225,7 +231,7 @@ def test_falling_and_logarithmic_axes():
         friction=[0.5, 0.3, 0.1],
         beta=20,
     )
-    axes = draw(dataset).axes[0]
+    axes = draw(dataset, kind="contour").axes[0]
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "linear")
     assert axes.get_ylim() == (0.1, 0.5)
     chosen = select(dataset, None, None, {}, None)

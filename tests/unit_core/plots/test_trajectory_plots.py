@@ -11,6 +11,7 @@ import xarray
 from core.plots import draw, draw_file
 from core.plots.trajectory import read_trajectory
 from core.quantities import REGIMES
+from core.study.shown import read_shown
 from pictures import legend, problem, subtitle
 
 FREQUENCY = 50.0
@@ -83,10 +84,10 @@ def test_trajectory_shows_the_part_over_the_track():
     )
     rate = 2 * np.pi * FREQUENCY
     # The derivative of the track's place, 0.3 mm sin(wt).
-    assert swing == pytest.approx(3e-4 * rate * np.cos(rate * dataset["cycle_time"].values))
-    assert velocity - swing == pytest.approx(dataset["relative_velocity_along"].values)
+    assert swing == pytest.approx(0.3 * rate * np.cos(rate * dataset["cycle_time"].values))
+    assert velocity - swing == pytest.approx(1000 * dataset["relative_velocity_along"].values)
     assert heights.get_ylabel() == "Height (mm)"
-    assert velocities.get_ylabel() == "Velocity along\nthe track (m/s)"
+    assert velocities.get_ylabel() == "Velocity along\nthe track (mm/s)"
     assert positions.get_ylabel() == "Position on\nthe track (mm)"
     assert positions.get_xlabel() == "Time since the start of the cycle (ms)"
     assert positions.get_xlim() == pytest.approx((0, 20))
@@ -95,7 +96,7 @@ def test_trajectory_shows_the_part_over_the_track():
 def test_trajectory_says_velocity_regime_and_modes():
     figure = draw(hop())
     assert figure.get_suptitle() == "Motion of the part on the moving track"
-    for text in ("mean velocity 0.0625 m/s", "regime hopping", "friction 0.3", "A hop"):
+    for text in ("mean velocity 62.5 mm/s", "regime hopping", "friction 0.3", "A hop"):
         assert text in subtitle(figure)
     assert "tolerance" not in subtitle(figure)
     assert legend(figure) == [
@@ -113,7 +114,7 @@ def test_trajectory_says_velocity_regime_and_modes():
 
 def test_velocity_of_the_track_needs_few_times():
     times = np.array([0.0, 0.001, 0.009])
-    shown = read_trajectory(hop(times), None, None, {})
+    shown = read_trajectory(hop(times), read_shown(["si"]))
     rate = 2 * np.pi * FREQUENCY
     assert shown.track_velocity == pytest.approx(3e-4 * rate * np.cos(rate * times))
 
@@ -132,7 +133,7 @@ def test_velocity_of_a_track_with_harmonics():
     times = np.array([0.0, 0.001, 0.009])
     given = {"amplitude_along_1": 3e-4, "phase_along_1": 0.0,
              "amplitude_along_2": 1e-4, "phase_along_2": 30.0}  # fmt: skip
-    shown = read_trajectory(driven(times, **given), None, None, {})
+    shown = read_trajectory(driven(times, **given), read_shown(["si"]))
     rate = 2 * np.pi * FREQUENCY
     second = 2e-4 * rate * np.cos(2 * rate * times + np.deg2rad(30))
     assert shown.track_velocity == pytest.approx(3e-4 * rate * np.cos(rate * times) + second)
@@ -141,7 +142,7 @@ def test_velocity_of_a_track_with_harmonics():
 
 def test_velocity_of_a_track_in_steps():
     given = {"acceleration_along_1": 4.0, "duration_1": 3.0, "duration_2": 1.0}
-    shown = read_trajectory(driven(np.array([0.0, 0.0075, 0.015]), **given), None, None, {})
+    shown = read_trajectory(driven(np.array([0.0, 0.0075, 0.015]), **given), read_shown(["si"]))
     assert shown.track_velocity == pytest.approx([-0.03, 0.0, 0.03], abs=1e-15)
 
 
