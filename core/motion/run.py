@@ -71,9 +71,9 @@ def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
     """Return what was computed of a simulation, labelled; `watch` may stop verifying it."""
     plan, arrays = prepared.plan, computed.arrays
     variables = outputs_of(prepared, arrays)
-    for name, flags in (("motion_status", MOTION_STATUSES), ("direction", DIRECTIONS)):
+    for name, states in (("motion_status", MOTION_STATUSES), ("direction", DIRECTIONS)):
         if name in variables:
-            told = flag_attributes(name, flags, tuple(flags))
+            told = flag_attributes(name, states, tuple(states))
             variables[name] = replace(variables[name], attributes=told)
     variables["regime"] = Variable(
         prepared.dims["regime"], arrays["regime"], regime_attributes(plan.regimes)

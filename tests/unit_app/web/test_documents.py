@@ -11,7 +11,7 @@ from app.settings import Settings
 from benchmarks.quantities_page import PAGE, page
 from core.kinds import prepare_content
 from core.motion import simulate
-from core.quantities import MOTION_STATUSES
+from core.quantities import DIRECTIONS, MOTION_STATUSES
 from core.study import parse_study
 
 ROOT = Path(__file__).parents[3]
@@ -40,12 +40,17 @@ def test_the_readme_shows_a_study_that_runs():
 
 
 def test_the_page_on_motion_shows_a_study_and_rates_that_run():
-    study, measured = blocks("docs/motion.md", "toml")
+    study, measured, fed = blocks("docs/motion.md", "toml")
     found = simulate(parse_study(tomllib.loads(study)))
     assert found.sizes == {"cycle_time": 401}
     driven = tomllib.loads(measured)
     driven["drive"]["file"] = str(ROOT / "examples" / driven["drive"]["file"])
     assert prepare_content(driven, files=True).cells == 21
+    rate = simulate(parse_study(tomllib.loads(fed)))
+    assert f"{float(rate.feed_rate):.2f} parts a minute, forwards" in " ".join(
+        (ROOT / "docs/motion.md").read_text().split()
+    )
+    assert int(rate.direction) == DIRECTIONS["forwards"].value
     namespace: dict[str, object] = {}
     exec(blocks("docs/motion.md", "python")[0], namespace)
     text = (ROOT / "docs/motion.md").read_text()
