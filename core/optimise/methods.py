@@ -63,36 +63,38 @@ METHODS: dict[str, Method] = {
         by_population, 1e-8, "differential evolution of all designs at once", at_once=True
     ),
     "search": Method(
-        scipy_methods.one_by_one(scipy_methods.search, 0.0),
+        scipy_methods.one_by_one(scipy_methods.search, 0.0, scipy_methods.search_budget),
         1e-6,
         "global search for outputs that jump",
     ),
     "grid": Method(by_grid, 1e-6, "a dense grid, then finer ones around its best", at_once=True),
     "differential_evolution": Method(
-        scipy_methods.one_by_one(scipy_methods.differential_evolution, 1e-9),
+        scipy_methods.one_by_one(scipy_methods.differential_evolution, 1e-9, lambda _: 6_000),
         1e-7,
         "scipy's differential evolution",
     ),
     "shgo": Method(
-        scipy_methods.one_by_one(scipy_methods.shgo, 1e-8),
+        scipy_methods.one_by_one(scipy_methods.shgo, 1e-8, lambda _: 5_000),
         1e-6,
         "scipy's simplicial homology search",
     ),
     "direct": Method(
-        scipy_methods.one_by_one(scipy_methods.direct, 1e-3), 1e-3, "scipy's dividing rectangles"
+        scipy_methods.one_by_one(scipy_methods.direct, 1e-3, lambda _: scipy_methods.MOST_DIRECT),
+        1e-3,
+        "scipy's dividing rectangles",
     ),
     "slsqp": Method(
-        scipy_methods.one_by_one(scipy_methods.slsqp, 1e-8),
+        scipy_methods.one_by_one(scipy_methods.slsqp, 1e-8, lambda _: 3_000),
         1e-7,
         "scipy's SLSQP from several starts",
     ),
     "trust-constr": Method(
-        scipy_methods.one_by_one(scipy_methods.trust_constr, 1e-6),
+        scipy_methods.one_by_one(scipy_methods.trust_constr, 1e-6, lambda _: 6_000),
         1e-6,
         "scipy's trust region from several starts",
     ),
     "minimize_scalar": Method(
-        scipy_methods.one_by_one(scipy_methods.minimize_scalar, 1e-8),
+        scipy_methods.one_by_one(scipy_methods.minimize_scalar, 1e-8, lambda _: 300),
         1e-6,
         "scipy's bounded search of one variable",
     ),

@@ -62,6 +62,7 @@ def _evolve(
     here, sizes = columns(design), columns(scales)
     unit, beyond, value = _first(problem, here, sizes, members)
     done = np.zeros(cells, dtype=np.bool_)
+    told = 0.0
     for generation in range(MOST_GENERATIONS):
         if watch.stopped():
             break
@@ -70,8 +71,13 @@ def _evolve(
         better = (b < beyond) | ((b == beyond) & (v >= value))
         unit = np.where(better, trial, unit)
         beyond, value = np.where(better, b, beyond), np.where(better, v, value)
-        narrow = (unit.max(axis=2) - unit.min(axis=2)).max(axis=0) < SMALL
+        widths = (unit.max(axis=2) - unit.min(axis=2)).max(axis=0)
+        narrow = widths < SMALL
         last = generation == MOST_GENERATIONS - 1
+        share = _share_done(widths, cells) if not last else 1.0
+        if share > told:
+            watch.advance((share - told) * cells / all_cells)
+            told = share
         ended = narrow | last
         if ended.any():
             cell = alive[ended]
@@ -81,7 +87,6 @@ def _evolve(
             ranks[:, cell] = beyond[ended][rows, top], value[ended][rows, top]
             used[cell] = 2 * SAMPLES + members * (generation + 1)
             done[cell] = True
-            watch.advance(float(cell.size / all_cells))
             stay = ~ended
             alive, unit = alive[stay], unit[:, stay]
             beyond, value = beyond[stay], value[stay]
@@ -94,6 +99,15 @@ def _evolve(
     x = problem.lower[:, None] + (problem.upper - problem.lower)[:, None] * best
     x = np.where(best == 1, problem.upper[:, None], x)
     return Found(np.where(status == STATUS["optimal"], x, np.nan), status, evaluations=used)
+
+
+def _share_done(widths: Array, cells: int) -> float:
+    """Return how far populations are, 0 to 1, by the orders of magnitude that they narrowed.
+
+    `widths` are those still alive, of so many `cells`; the others are done.
+    """
+    orders = np.log(np.clip(widths, SMALL, 1.0)) / np.log(SMALL)
+    return float(1 - (widths.size - orders.sum()) / cells)
 
 
 def _first(

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -26,6 +25,7 @@ One = Callable[[Single], tuple[Array, str]]
 STARTS = 8  # of the optimisers that follow slopes
 SAMPLES = 256  # of which the best are the starts
 DENSE = 129  # points of the search over one variable
+MOST_DIRECT = 20_000  # points of a design that dividing rectangles may take
 SEARCH_BUDGET = 12_000
 """Points of a design that the search for outputs that jump may take, of one or two variables."""
 
@@ -240,7 +240,7 @@ def direct(single: Single) -> tuple[Array, str]:
     answer = optimize.direct(
         lambda unit: float(single.penalised(unit)),
         [(0.0, 1.0)] * single.variables,
-        maxfun=20_000,
+        maxfun=MOST_DIRECT,
         maxiter=2000,
         locally_biased=True,
         vol_tol=1e-24,
@@ -267,8 +267,11 @@ def minimize_scalar(single: Single) -> tuple[Array, str]:
     return _best(single, ends, 1e-9), "the best of the grid's deepest dips"
 
 
-def one_by_one(one: One, tolerance: float) -> Solver:
-    """Return the solver that takes one design after the other."""
+def one_by_one(one: One, tolerance: float, about: Callable[[int], int]) -> Solver:
+    """Return the solver that takes one design after the other.
+
+    `about` tells of a number of variables how many evaluations a design takes, or nearly so.
+    """
 
     def solve(
         problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
@@ -278,12 +281,18 @@ def one_by_one(one: One, tolerance: float) -> Solver:
         status = np.full(cells, STATUS["not_computed"], dtype=np.int8)
         evaluations = np.zeros(cells, dtype=np.int64)
         says = ""
-        inner = replace(watch, progress=None)  # whole designs are the progress
+        points = about(len(problem.names))
         for cell in range(cells):
             if watch.stopped():
                 break
             here = slice(cell, cell + 1)
-            single = Single(problem, chosen_cells(design, here), chosen_cells(scales, here), inner)
+            single = Single(
+                problem,
+                chosen_cells(design, here),
+                chosen_cells(scales, here),
+                watch.part(1 / cells),
+                points,
+            )
             try:
                 unit, says = one(single)
             except StoppedError:
@@ -295,7 +304,7 @@ def one_by_one(one: One, tolerance: float) -> Solver:
             if status[cell] == STATUS["optimal"]:
                 x[:, cell] = single.place(unit)[:, 0]
             evaluations[cell] = single.evaluations
-            watch.advance(1 / cells)
+            single.end()
         return Found(x, status, evaluations=evaluations, says=says)
 
     return solve

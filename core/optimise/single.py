@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from core.watch import Watch
 
 STEP = 1e-6  # of a variable's range, for central differences: 1e-10 of the slope is left
 NO_VALUE = 1e6  # stands in for an output without a value where an optimiser needs a number
+MOST_TOLD = 0.98  # of a design while it is evaluated: how often is only about known
 PENALTY = 100.0  # of a violation, where an optimiser knows no constraints
 
 
@@ -20,6 +22,13 @@ class Single:
     """One design; points are shares of the bounds, outputs are over their scales.
 
     Points have the shape (variables,) or (variables, n).
+
+    Parameters
+    ----------
+    watch : Watch, optional
+        May stop it, and is told how far it is.
+    about : int
+        About how many evaluations the design takes.
     """
 
     def __init__(
@@ -28,13 +37,30 @@ class Single:
         design: Mapping[str, Array],
         scales: Mapping[str, Array],
         watch: Watch | None = None,
+        about: int = 1,
     ):
-        self.problem, self.watch = problem, watch
+        self.problem = problem
+        self.watch = watch and replace(watch, progress=None)  # evaluations are the progress
+        self._progress, self._about, self._told = watch or Watch(), about, 0.0
         self.design, self.scales = columns(design), columns(scales)
         self.size = float(problem.scale(scales)[0])
         self.evaluations = 0
         self._at: bytes | None = None
         self._rows = np.empty((0, 0))
+
+    def _count(self, points: int) -> None:
+        """Count evaluations, and tell those before them: they are done."""
+        self._tell(min(self.evaluations / self._about, MOST_TOLD))
+        self.evaluations += points
+
+    def end(self) -> None:
+        """Tell that the design is done."""
+        self._tell(1.0)
+
+    def _tell(self, share: float) -> None:
+        if share > self._told:
+            self._progress.advance(share - self._told)
+            self._told = share
 
     @property
     def variables(self) -> int:
@@ -54,7 +80,7 @@ class Single:
     def judged_and_doubt(self, unit: Array) -> tuple[Array, Array, Array]:
         """Return the same, and over the objective's scale how far chance may have moved it."""
         x = self.place(unit)
-        self.evaluations += x.shape[1]
+        self._count(x.shape[1])
         value, beyond, doubt = self.problem.judged_and_doubt(
             x[:, None, :], self.design, self.scales, self.watch
         )
@@ -84,7 +110,7 @@ class Single:
         if key == self._at:
             return self._rows
         x = self.place(unit)[:, None, :]
-        self.evaluations += x.shape[2]
+        self._count(x.shape[2])
         problem = self.problem
         known = problem.known(x, self.design, self.watch)
         shape = (1, x.shape[2])
