@@ -12,7 +12,7 @@ FIGURE := fig-5-1
 .PHONY: run test quick check serve clean
 
 run: $(RUNNING)
-	$(BIN)/vibrafeed run configs/figures/$(FIGURE).toml -o results/$(FIGURE).nc
+	$(BIN)/vibrafeed run configs/figures/$(FIGURE).toml -o results/$(FIGURE).nc --force
 	$(BIN)/vibrafeed plot results/$(FIGURE).nc -o results/$(FIGURE).png
 
 test: $(TESTING)

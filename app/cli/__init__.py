@@ -5,6 +5,8 @@ Every command imports what it needs when it runs: `vibrafeed scenes` loads no Ne
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import typer
 
 from app.cli import (
@@ -25,10 +27,33 @@ from app.cli import (
 
 app = typer.Typer(
     no_args_is_help=True,
-    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",  # folds paragraphs as wholes
     help="Sweeps, motion in time and best drives of parts on vibratory feeder tracks.",
 )
+
+
+def _tell_version(asked: bool) -> None:
+    if asked:
+        import core
+
+        typer.echo(f"vibrafeed {core.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _all_commands(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_tell_version, is_eager=True, help="Print the version and stop."
+        ),
+    ] = False,
+) -> None:
+    pass
+
+
 for _command in (
     run.run, export.export, parts.join, plot.plot, drive.drive, report.report, scenes.scenes,
     friction.friction,
@@ -40,4 +65,4 @@ app.add_typer(key.key, name="key")
 
 def main() -> None:
     """Run the command line."""
-    app()
+    app(prog_name="vibrafeed")

@@ -1,32 +1,87 @@
-"""The console: lines, empty tables, a progress bar."""
+"""The console: lines, tables, documents for programs, a progress bar."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import json
+import math
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 
+import typer
 from rich import box
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    DownloadColumn,
-    Progress,
-    ProgressColumn,
-    TextColumn,
-    TimeRemainingColumn,
-    TransferSpeedColumn,
-)
 from rich.table import Table as Grid
+from rich.text import Text
 
+from app.cli.layout import Rows, block_lines, least_widths, plain_lines
 from core.compiling import stopwatch
 
 stdout = Console(highlight=False)
 stderr = Console(stderr=True, highlight=False)
 
 
+@contextmanager
+def muted(asked: bool) -> Iterator[None]:
+    """Print no line, no table and no progress while the block runs, if that is asked for."""
+    before, stdout.quiet = stdout.quiet, asked
+    try:
+        yield
+    finally:
+        stdout.quiet = before
+
+
 def fail(message: str) -> None:
     """Print an error that is not about a study."""
     stderr.print(message, style="red", markup=False, soft_wrap=True)
+
+
+def say(text: str) -> None:
+    """Print a line as it is, however long."""
+    stdout.print(text, markup=False, soft_wrap=True)
+
+
+def document(content: object) -> None:
+    """Print one JSON document on the output, also where lines and tables are muted.
+
+    What is no number, such as NaN, is null.
+    """
+    typer.echo(json.dumps(_without_nan(content), indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def table(columns: Sequence[str], rows: Rows, *, right: Collection[str] = ()) -> None:
+    """Print a table of which no word is lost: folded on a terminal, plain where a program reads.
+
+    Parameters
+    ----------
+    columns : sequence of str
+        Headings.
+    rows : sequence of sequence of str
+        One cell a column.
+    right : collection of str
+        Headings of the columns that are set to the right.
+    """
+    if not stdout.is_terminal:
+        for line in plain_lines(columns, rows):
+            say(line)
+        return
+    grid = Grid(box=box.SIMPLE)
+    for column, width in zip(columns, least_widths(columns, rows), strict=True):
+        grid.add_column(
+            column,
+            overflow="fold",
+            min_width=width,
+            justify="right" if column in right else "left",
+        )
+    for row in rows:
+        grid.add_row(*map(Text, row))
+    boundless = stdout.options.update(max_width=10_000)
+    if stdout.measure(grid, options=boundless).minimum <= stdout.width:
+        stdout.print(grid)
+        return
+    say("")
+    for line in block_lines(columns, rows, stdout.width):
+        say(line)
+    say("")
 
 
 @contextmanager
@@ -35,6 +90,16 @@ def progress(label: str, size: int | None = None) -> Iterator[Callable[[float], 
 
     It takes the share of the work done since the last call. `size` are the bytes of the whole.
     """
+    from rich.progress import (
+        BarColumn,
+        DownloadColumn,
+        Progress,
+        ProgressColumn,
+        TextColumn,
+        TimeRemainingColumn,
+        TransferSpeedColumn,
+    )
+
     in_bytes: tuple[ProgressColumn, ...] = (DownloadColumn(), TransferSpeedColumn())
     bar = Progress(
         TextColumn("{task.description}", markup=False),
@@ -44,7 +109,7 @@ def progress(label: str, size: int | None = None) -> Iterator[Callable[[float], 
         TimeRemainingColumn(),
         console=stderr,
         transient=True,
-        disable=not stderr.is_terminal,
+        disable=stdout.quiet or not stderr.is_terminal,
     )
     with bar:
         task = bar.add_task(label, total=size or 1.0)
@@ -57,14 +122,11 @@ def progress(label: str, size: int | None = None) -> Iterator[Callable[[float], 
             yield lambda done: bar.advance(task, done * (size or 1.0))
 
 
-def new_grid(*columns: str) -> Grid:
-    """Return an empty table; names, in its first column, are never broken."""
-    grid = Grid(box=box.SIMPLE)
-    for number, column in enumerate(columns):
-        grid.add_column(column, no_wrap=number == 0, min_width=12 if number else None)
-    return grid
-
-
-def say(text: str) -> None:
-    """Print a line as it is, however long."""
-    stdout.print(text, markup=False, soft_wrap=True)
+def _without_nan(content: object) -> object:
+    if isinstance(content, float) and not math.isfinite(content):
+        return None
+    if isinstance(content, dict):
+        return {key: _without_nan(value) for key, value in content.items()}
+    if isinstance(content, list | tuple):
+        return [_without_nan(value) for value in content]
+    return content

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.studies import FAILED, refuse
+from app.cli.options import FAILED, Json, Units
+from app.cli.studies import refuse
 from core.errors import Problem, StudyError
 
 if TYPE_CHECKING:
@@ -56,6 +57,8 @@ def drive(
     toml: Annotated[
         bool, typer.Option("--toml", help="Print the parameters of a study, and nothing else.")
     ] = False,
+    units: Units = None,
+    as_json: Json = False,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="Write them to this TOML file.")
     ] = None,
@@ -65,8 +68,10 @@ def drive(
     Exit code 2 means that the recording or an option is wrong, 1 that a file could not be written.
     """
     from app.cli import console
+    from app.cli.units import units_asked
     from core.measured import Recording
 
+    shown = units_asked(units)
     asked = Recording(
         along=along,
         across=across,
@@ -81,23 +86,25 @@ def drive(
         harmonics=harmonics,
     )
     fit = _fitted(recording, asked, plot)
-    from app.cli.drives import show_fit, toml_of
+    from app.cli.drives import document_of, show_fit, toml_of
 
     lines = toml_of(fit, recording)
     if toml:
         typer.echo(lines)
+    elif as_json:
+        console.document(document_of(fit, recording))
     else:
-        show_fit(fit, recording)
+        show_fit(fit, recording, shown)
     try:
         if output is not None:
             output.write_text(lines + "\n", encoding="utf-8")
-            typer.echo(f"wrote {output}", err=toml)
+            typer.echo(f"wrote {output}", err=toml or as_json)
         if plot is not None:
             from core.plots.files import save
             from core.plots.measured import draw_fit
 
             save(draw_fit(fit), plot)
-            typer.echo(f"wrote {plot}", err=toml)
+            typer.echo(f"wrote {plot}", err=toml or as_json)
     except OSError as error:
         console.fail(f"{error.filename or recording}: {error.strerror or error}.")
         raise typer.Exit(FAILED) from None

@@ -4,32 +4,62 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import core
-from app.cli.console import new_grid, say, stdout
+from app.cli.console import say, table
 from core.measured import Fit
+from core.study.shown import ShownUnits
 
 MICRO = 1e6
 PERCENT = 100.0
 PLUS_MINUS = "\N{PLUS-MINUS SIGN}"
 
 
-def show_fit(fit: Fit, recording: Path) -> None:
+def show_fit(fit: Fit, recording: Path, units: ShownUnits) -> None:
     """Print what a recording tells of its drive."""
     say(f"{recording}: {fit.samples:,} samples, {fit.periods:.1f} periods")
     for name, text in facts(fit):
         say(f"  {name}: {text}")
-    grid = new_grid("axis", "order", "amplitude (µm)", PLUS_MINUS, "phase (degree)", PLUS_MINUS)
-    for column in grid.columns[1:]:
-        column.justify, column.min_width = "right", None
-    for row, axis in enumerate(fit.axes):
-        for place, order in enumerate(fit.orders):
-            grid.add_row(axis, str(order), *_cells(fit, row, place))
-    stdout.print(grid)
+    length = units.of("m", float(np.nanmax(np.abs(fit.amplitudes))))
+    angle = units.of("degree", 0.0)
+    rows = [
+        (axis, str(order), *_cells(fit, row, place, length.factor, angle.factor))
+        for row, axis in enumerate(fit.axes)
+        for place, order in enumerate(fit.orders)
+    ]
+    measured = f"amplitude ({length.unit})", PLUS_MINUS, f"phase ({angle.unit})", PLUS_MINUS
+    table(("axis", "order", *measured), rows, right=("order", *measured))
     if not fit.told.all():
         say("  -: not told from zero, and no parameter of a study")
+
+
+def document_of(fit: Fit, recording: Path) -> dict[str, Any]:
+    """Return what a recording tells of its drive, as a document; metres, degrees and hertz."""
+    harmonics = [
+        {
+            "axis": axis,
+            "order": int(order),
+            "told": bool(fit.told[row, place]),
+            "amplitude": float(fit.amplitudes[row, place]),
+            "amplitude_error": float(fit.amplitude_errors[row, place]),
+            "phase": float(np.degrees(fit.phases[row, place])),
+            "phase_error": float(np.degrees(fit.phase_errors[row, place])),
+        }
+        for row, axis in enumerate(fit.axes)
+        for place, order in enumerate(fit.orders)
+    ]
+    return {
+        "recording": str(recording),
+        "samples": int(fit.samples),
+        "periods": float(fit.periods),
+        "frequency": float(fit.frequency),
+        "frequency_error": float(fit.frequency_error),
+        "in_words": dict(facts(fit)),
+        "harmonics": harmonics,
+    }
 
 
 def facts(fit: Fit) -> Iterator[tuple[str, str]]:
@@ -70,14 +100,19 @@ def _line(name: str, value: str, error: str) -> str:
     return f'{name} = "{value}"' + (f"  # +- {error}" if error else "  # exact")
 
 
-def _cells(fit: Fit, row: int, place: int) -> tuple[str, str, str, str]:
-    """Return amplitude and phase with their errors; dashes where they are not told."""
+def _cells(
+    fit: Fit, row: int, place: int, length: float = MICRO, angle: float = 1.0
+) -> tuple[str, str, str, str]:
+    """Return amplitude and phase with their errors; dashes where they are not told.
+
+    `length` and `angle` are what metres and degrees are multiplied by.
+    """
     if not fit.told[row, place]:
         return "-", "", "-", ""
     one = row, place
-    amplitude = _rounded(MICRO * fit.amplitudes[one], MICRO * fit.amplitude_errors[one])
-    phase = _rounded(np.degrees(fit.phases[one]), np.degrees(fit.phase_errors[one]))
-    return *amplitude, *phase
+    amplitude = _rounded(length * fit.amplitudes[one], length * fit.amplitude_errors[one])
+    phase, away = angle * np.degrees(fit.phases[one]), angle * np.degrees(fit.phase_errors[one])
+    return *amplitude, *_rounded(phase, away)
 
 
 def _rounded(value: float, error: float) -> tuple[str, str]:

@@ -10,7 +10,8 @@ from typing import Annotated
 
 import typer
 
-from app.cli.studies import FAILED, WRONG_INPUT, refuse
+from app.cli.options import FAILED, WRONG_INPUT
+from app.cli.studies import refuse
 from app.cli.targets import check_suffix, make_folder_of, write_or_exit
 from core.errors import LimitError, Problem, VibrafeedError
 

@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.studies import WRONG_INPUT, refuse
+from app.cli.options import WRONG_INPUT, Json
+from app.cli.studies import refuse
 
 if TYPE_CHECKING:
     from app.jobs.database import Database
 
 key = typer.Typer(no_args_is_help=True, help="Keys for the HTTP interface.")
 
+LIMITS = ("requests", "jobs", "cells", "bytes")
 Name = Annotated[str, typer.Argument(help="Letters, digits, '.', '_' and '-', 40 at most.")]
 
 
@@ -72,24 +74,32 @@ def _whole(figure: float | None) -> int | None:
 
 
 @key.command("list")
-def list_keys() -> None:
+def list_keys(as_json: Json = False) -> None:
     """List the keys, those too that are over."""
     import time
 
+    from app.cli import console
     from app.jobs.keys import Keys
 
     with _database() as database:
         keys = Keys(database).all()
     now = time.time()
-    row = "{:<24}{:<8}{:<12}{:>10}{:>8}{:>16}{:>18}  {}"
-    heads = ("name", "role", "made", "requests", "jobs", "cells", "bytes", "until")
-    typer.echo(row.format(*heads))
+    if as_json:
+        names = ("name", "role", "created", "ends", "withdrawn", *LIMITS)
+        told = [
+            {**{name: getattr(one, name) for name in names}, "stands": one.stands(now)}
+            for one in keys
+        ]
+        console.document(told)
+        return
+    rows = []
     for one in keys:
-        limits = [_limit(n) for n in (one.requests, one.jobs, one.cells, one.bytes)]
         until = "withdrawn " + _day(one.withdrawn) if one.withdrawn else _day(one.ends)
         if not one.withdrawn and not one.stands(now):
             until = f"over since {until}"
-        typer.echo(row.format(one.name, one.role, _day(one.created), *limits, until).rstrip())
+        limits = [_limit(getattr(one, name)) for name in LIMITS]
+        rows.append((one.name, one.role, _day(one.created), *limits, until))
+    console.table(("name", "role", "made", *LIMITS, "until"), rows, right=LIMITS)
 
 
 @key.command()

@@ -13,7 +13,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from app.cli import console
-from app.cli.studies import FAILED, interruption, prepare_all, refuse
+from app.cli.existing import refuse_others
+from app.cli.options import FAILED
+from app.cli.studies import interruption, prepare_all, refuse
 from core.errors import Problem, StoppedError, VibrafeedError
 
 if TYPE_CHECKING:
@@ -98,6 +100,9 @@ def join(
     parts: Annotated[
         int | None, typer.Option(min=1, help="Number of parts; told from what is there.")
     ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace a file with the result of another study.")
+    ] = False,
 ) -> None:
     """Join the parts that `vibrafeed run --part` has computed, and give the result its name.
 
@@ -105,6 +110,7 @@ def join(
     is told as a queue takes it: compute these again, and join again.
     """
     studies = prepare_all([file])
+    refuse_others(studies, {file: output}, force=force)
     counts = {parts} if parts is not None else _counts(output)
     if len(counts) != 1:
         told = f"there are parts of {', '.join(map(str, sorted(counts)))}" if counts else "no part"

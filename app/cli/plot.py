@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from app.cli.studies import FAILED, refuse
+from app.cli.options import FAILED
+from app.cli.studies import refuse
 from core.errors import Problem
 
 

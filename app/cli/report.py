@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from app.cli.studies import FAILED, interruption, prepare_all, refuse, refuse_clashes
+from app.cli.options import FAILED
+from app.cli.studies import interruption, prepare_all, refuse, refuse_clashes
 from core.errors import Problem, StudyError
 
 

@@ -3,46 +3,66 @@
 from __future__ import annotations
 
 import time
-from datetime import UTC, datetime
+from collections.abc import Mapping
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli.studies import (
-    FAILED,
-    interruption,
-    prepare_all,
-    refuse_beyond_memory,
-)
-from app.cli.targets import targets_of, write_or_exit
-from core.compiling import stopwatch
-from core.errors import StoppedError
+import core
+from app.cli.existing import complete_already, refuse_others
+from app.cli.options import FAILED, Json, Units
+from app.cli.studies import prepare_all, refuse
+from app.cli.targets import targets_of
+from core.errors import Problem
 
 if TYPE_CHECKING:
-    from core.sweep import Sweep
+    from core.plan.prepared import Prepared
 
 
 def run(
-    files: Annotated[list[Path], typer.Argument(help="Studies, TOML or JSON.", show_default=False)],
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            help="Studies, TOML or JSON; - reads one from standard input.", show_default=False
+        ),
+    ],
     output: Annotated[
         str | None,
         typer.Option(
             "-o",
             "--output",
             help="Of one study a file .nc, .csv, .xlsx, .parquet or .mat, or a group .zarr or "
-            "s3://bucket/key; or a folder. Beside the study if left out.",
+            "s3://bucket/key; or a folder. Beside the study if left out. - writes CSV to standard "
+            "output, -.nc NetCDF.",
         ),
     ] = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Say what would run, and how large it is.")
+    ] = False,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace results that are there already.")
     ] = False,
     plain: Annotated[
         bool,
         typer.Option("--plain", help="Do not compress NetCDF and MAT files: faster, and larger."),
     ] = False,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with large sweeps that were stopped or killed.")
+        bool,
+        typer.Option(
+            "--resume",
+            help="Go on with what was stopped or killed: large sweeps where they were, other "
+            "studies from their beginning. Whole results stay.",
+        ),
+    ] = False,
+    units: Units = None,
+    as_json: Json = False,
+    quiet: Annotated[
+        bool, typer.Option("-q", "--quiet", help="Print nothing but what went wrong.")
+    ] = False,
+    verbose: Annotated[
+        bool, typer.Option("-v", "--verbose", help="Also print timings, equations and kernels.")
     ] = False,
     max_cells: Annotated[
         int | None, typer.Option(help="Largest number of cells of one study.")
@@ -75,90 +95,78 @@ def run(
 ) -> None:
     """Carry out studies and write one file each: NetCDF, or what the suffix of the output names.
 
-    All files are checked before the first is run. Exit code 2 means that a file is wrong, 1 that
-    a result could not be written, that a verification failed, or that a study was stopped, by
-    Ctrl-C or the time limit, while it was computed or verified: what was finished is written, of a
-    large sweep where --resume finds it.
+    All files are checked before the first is run. Exit code 2 means that a file is wrong, or that
+    a result is there already, 1 that a result could not be written, that a verification failed,
+    or that a study was stopped, by Ctrl-C or the time limit, while it was computed or verified:
+    what was finished is written, of a large sweep where --resume finds it.
     """
-    from app.cli import console, tables
+    from app.cli import console
+    from app.cli.pipes import is_standard, standard_output
+    from app.cli.running import Running, history_of
+    from app.cli.units import units_asked
 
-    studies = prepare_all(files, cells=max_cells, bytes_=max_bytes)
-    if dry_run:
-        for path, prepared in studies.items():
-            tables.show_plan(path, prepared)
-        return
-    targets = targets_of(studies, output)
-    if part is not None or scheduler is not None:
-        from app.cli.parts import run_on_scheduler, run_part
+    in_parts = part is not None or scheduler is not None
+    to_standard = is_standard(output) and not dry_run
+    _refuse_together(as_json=as_json, to_standard=to_standard, in_parts=in_parts)
+    began = time.perf_counter()
+    units_asked(units)
+    with console.muted(quiet or as_json or to_standard):
+        studies = prepare_all(files, cells=max_cells, bytes_=max_bytes)
+        if dry_run:
+            _show_plans(studies, units, as_json)
+            return
+        if in_parts:
+            from app.cli.parts import run_on_scheduler, run_part
 
-        if part is not None:
-            run_part(studies, targets, part)
-        elif scheduler is not None:
-            run_on_scheduler(studies, targets, scheduler, parts, _history(files[0]))
-        return
-    from core.kinds import is_whole, not_verified, tabulate
-    from core.sweep import Sweep
-    from core.watch import Watch
-
-    deadline = None if time_limit is None else time.monotonic() + time_limit
-    sound, left, compiled = True, list(studies), stopwatch.spent
-    for path, prepared in studies.items():
-        history = _history(path)
-        target = targets[path]
-        if isinstance(prepared, Sweep) and _is_streamed(prepared, target):
-            from app.cli.streamed import run_streamed
-
-            left.remove(path)
-            whole, is_sound = run_streamed(
-                path,
-                prepared,
-                target,
-                compression=not plain,
-                resume=resume,
-                history=history,
-                deadline=deadline,
-            )
-            sound &= is_sound
-            if not whole:
-                break
-            continue
-        refuse_beyond_memory(path, prepared)
+            targets = targets_of(studies, output)
+            if part is not None:
+                run_part(studies, targets, part)
+            elif scheduler is not None:
+                refuse_others(studies, targets, force=force)
+                run_on_scheduler(studies, targets, scheduler, parts, history_of(files[0]))
+            return
+        running = Running(
+            plain=plain,
+            resume=resume,
+            units=units,
+            checked=time.perf_counter() - began if verbose else None,
+            deadline=None if time_limit is None else time.monotonic() + time_limit,
+        )
         with (
-            console.progress(path.name) as advance,
-            interruption(gently=not isinstance(prepared, Sweep)) as interrupted,
+            standard_output(output, len(studies))
+            if to_standard and output
+            else nullcontext(output) as place
         ):
+            targets = targets_of(studies, place)
+            complete = complete_already(studies, targets, resume=resume, force=force)
             try:
-                table = tabulate(prepared, Watch(advance, interrupted, deadline))
-            except StoppedError as stopped:
-                console.fail(f"{path}: {stopped}; nothing is written.")
-                break
-        evaluated = time.perf_counter()
-        write_or_exit(path, table, target, history, compression=not plain)
-        written = time.perf_counter()
-        seconds = float(table.price["elapsed_seconds"])
-        tables.show_table(path, target, table, prepared.cells, seconds, written - evaluated)
-        if stopwatch.spent > compiled:
-            console.say(f"  compiled in {stopwatch.spent - compiled:.1f} s: once, it is kept")
-            compiled = stopwatch.spent
-        sound &= is_whole(table) and not not_verified(table)
-        left.remove(path)
-        if interrupted():
-            break
-    if left:
-        console.fail(f"It was stopped: not carried out are {', '.join(map(str, left))}.")
-    if left or not sound:
+                sound = running.carry_out(studies, targets, complete)
+            finally:
+                if as_json:
+                    console.document({"vibrafeed": core.__version__, "results": running.facts})
+    if not sound:
         raise typer.Exit(FAILED)
 
 
-def _is_streamed(sweep: Sweep, target: str) -> bool:
-    """Return whether a sweep is written tile by tile, in place of being held in memory."""
-    from core.dataset.formats import NETCDF, ZARR, suffix_of
-    from core.dataset.netcdf import is_large
-    from core.plan.tiles import Tiled
+def _show_plans(studies: Mapping[Path, Prepared], units: str | None, as_json: bool) -> None:
+    from app.cli import console, plans
 
-    suffix = suffix_of(target)
-    return suffix == ZARR or (suffix == NETCDF and is_large(Tiled(sweep).tiles))
+    if as_json:
+        told = [plans.plan_facts(path, prepared) for path, prepared in studies.items()]
+        console.document({"vibrafeed": core.__version__, "plans": told})
+        return
+    for path, prepared in studies.items():
+        plans.show_plan(path, prepared, units)
 
 
-def _history(path: Path) -> str:
-    return f"{datetime.now(UTC).isoformat(timespec='seconds')} vibrafeed run {path.name}"
+def _refuse_together(*, as_json: bool, to_standard: bool, in_parts: bool) -> None:
+    """Exit if options are given that do not go together."""
+    problem = None
+    if to_standard and as_json:
+        message = "the document and the result would both go to standard output"
+        problem = Problem("--json", message, "Leave --json out, or write -o result.csv")
+    elif in_parts and (as_json or to_standard):
+        option = "--json" if as_json else "--output"
+        problem = Problem(option, "it is not for parts of a sweep", "Leave it out")
+    if problem is not None:
+        refuse({Path("options"): [problem]})

@@ -7,25 +7,42 @@ from typing import Annotated
 
 import typer
 
+from app.cli.options import Json, Units
 from app.cli.studies import refuse
 from core.errors import StudyError
 
 
+def _names(begun: str) -> list[str]:
+    """Return the scenes that a shell may complete what is begun to."""
+    from core.scenes import SCENES
+
+    return [name for name in SCENES if name.startswith(begun)]
+
+
 def scenes(
-    name: Annotated[str | None, typer.Argument(help="A scene; all if left out.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(help="A scene; all if left out.", autocompletion=_names)
+    ] = None,
     variant: Annotated[str | None, typer.Option(help="A variant; the default if left out.")] = None,
     method: Annotated[
         str | None, typer.Option(help="Describe the motion in time by this method instead.")
     ] = None,
+    units: Units = None,
+    as_json: Json = False,
 ) -> None:
     """Print the catalogue: scenes, parameters, outputs, units, equations, validity."""
-    from app.cli import tables
+    from app.cli import catalogue, console
+    from app.cli.units import units_asked
     from core.catalogue import describe, describe_all
 
+    shown = units_asked(units)
     try:
-        if name is None:
-            tables.show_scenes(describe_all())
-        else:
-            tables.show_scene(describe(name, variant, method=method))
+        found = describe_all() if name is None else describe(name, variant, method=method)
     except StudyError as error:
         refuse({Path("scenes"): error.problems})
+    if as_json:
+        console.document(found)
+    elif isinstance(found, list):
+        catalogue.show_scenes(found)
+    else:
+        catalogue.show_scene(found, shown)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from app.cli import console
+from app.cli.options import FAILED, WRONG_INPUT, Json
 from app.cli.serve import settings_in_force
-from app.cli.studies import FAILED, WRONG_INPUT, interruption
+from app.cli.studies import interruption
 
 SHOWN = 12  # letters of an identifier, as in the names of downloads
+COLUMNS = ("study", "state", "files")
 MOST_FILES = 3  # that are named of one study
 
 
@@ -24,12 +27,13 @@ def scrub(
         bool,
         typer.Option("--repair", help="Take what is broken away: it is computed again if asked."),
     ] = False,
+    as_json: Json = False,
 ) -> None:
     """Compare every result of a service with its digests; exit with 1 if one is broken.
 
     The service may run meanwhile.
     """
-    from app.jobs.scrub import BROKEN, ORPHANED, WHOLE
+    from app.jobs.scrub import BROKEN, ORPHANED
     from app.jobs.scrub import scrub as found_in
     from app.jobs.store import Store
 
@@ -38,7 +42,7 @@ def scrub(
     if not directory.is_dir():
         console.fail(f"There is no folder {directory}.")
         raise typer.Exit(WRONG_INPUT)
-    grid = console.new_grid("study", "state", "files")
+    rows: list[tuple[str, str, str]] = []
     counts: dict[str, int] = {}
     read = 0
     with interruption() as interrupted:
@@ -48,13 +52,34 @@ def scrub(
             if found.state in (BROKEN, ORPHANED):
                 more = len(found.files) - MOST_FILES
                 named = ", ".join(found.files[:MOST_FILES]) + (f" and {more:,} more" * (more > 0))
-                grid.add_row(found.name[:SHOWN], found.state, named)
+                rows.append((found.name[:SHOWN], found.state, named))
             if found.state == BROKEN and repair:
                 store.take_away(found.name, store.folder(found.name) / found.files[0])
         if interrupted():
             console.fail("It was stopped; the rest is not looked at.")
-    if grid.row_count:
-        console.stdout.print(grid)
+    if as_json:
+        wrong = [dict(zip(COLUMNS, row, strict=True)) for row in rows]
+        told_of = {"directory": str(directory), "studies": counts, "bytes": read, "wrong": wrong}
+        console.document(told_of)
+    else:
+        _tell(directory, rows, counts, read, repair=repair)
+    if counts.get(BROKEN) or interrupted():
+        raise typer.Exit(FAILED)
+
+
+def _tell(
+    directory: Path,
+    rows: list[tuple[str, str, str]],
+    counts: Mapping[str, int],
+    read: int,
+    *,
+    repair: bool,
+) -> None:
+    """Print what was found."""
+    from app.jobs.scrub import BROKEN, WHOLE
+
+    if rows:
+        console.table(COLUMNS, rows)
     told = ", ".join(f"{count:,} {state}" for state, count in sorted(counts.items()))
     console.say(f"{directory}: {told or f'0 {WHOLE}'}; {read:,} bytes read")
     if counts.get(BROKEN):
@@ -62,5 +87,3 @@ def scrub(
             console.say("What was broken is taken away: it is computed again when it is asked for.")
         else:
             console.say("To have what is broken computed again: vibrafeed scrub --repair")
-    if counts.get(BROKEN) or interrupted():
-        raise typer.Exit(FAILED)

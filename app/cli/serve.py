@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from app.cli.studies import WRONG_INPUT, refuse
+from app.cli.options import WRONG_INPUT
+from app.cli.studies import refuse
 from core.errors import Problem
 
 if TYPE_CHECKING:

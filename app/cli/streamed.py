@@ -5,11 +5,14 @@ from __future__ import annotations
 import shutil
 import time
 from pathlib import Path
+from typing import Any
 
 import typer
 
-from app.cli import console, tables
-from app.cli.studies import FAILED, interruption, refuse
+from app.cli import console
+from app.cli.options import FAILED
+from app.cli.results import show_result, streamed_facts
+from app.cli.studies import interruption, refuse
 from core.dataset.files import partial
 from core.errors import Problem, VibrafeedError
 from core.kinds import is_whole, not_verified
@@ -31,14 +34,16 @@ def run_streamed(
     resume: bool,
     history: str,
     deadline: float | None,
-) -> tuple[bool, bool]:
-    """Compute a sweep into a file or store, tile by tile; return whether it is whole, and sound.
+    units: str | None,
+) -> tuple[bool, bool, dict[str, Any] | None]:
+    """Compute a sweep into a file or store, tile by tile.
 
-    If it is stopped, what is done is kept, and the user is told how to go on.
+    If it is stopped, what is done is kept, and the user is told how to go on. Returns whether it is
+    whole, whether it is sound, and what came out.
     """
     if resume and is_complete(target, sweep):
         console.say(f"{path}: {target} is complete already")
-        return True, True
+        return True, True, None
     size = _make_sure_of_room(path, sweep, target, compression=compression, resume=resume)
     started = time.perf_counter()
     with interruption() as interrupted:
@@ -46,7 +51,7 @@ def run_streamed(
             table = outline(sweep, Watch(advance, interrupted, deadline))
         if not is_whole(table):
             console.fail(f"{path}: it was stopped while cells were verified; nothing is written.")
-            return False, False
+            return False, False, None
         try:
             growing = open_target(
                 target, sweep, table, compression=compression, resume=resume, history=history
@@ -75,14 +80,24 @@ def run_streamed(
         finally:
             growing.close()
     if not whole:
-        console.fail(f"{path}: it was stopped; {growing.done:,} of {len(tiles):,} tiles are done.")
+        share = growing.done / len(tiles)
+        console.fail(
+            f"{path}: it was stopped; {growing.done:,} of {len(tiles):,} tiles are done, about "
+            f"{round(sweep.cells * share):,} of {sweep.cells:,} cells."
+        )
         _say_how_to_go_on(target)
-        return False, False
+        return False, False, None
     seconds = time.perf_counter() - started
     share = passed.cells / tiles.cells
+    facts = streamed_facts(path, target, table, sweep.cells, passed)
+    facts |= {"share_of_this_run": share, "seconds": {"computing_and_writing": seconds}}
+    console.say(f"{path} -> {target}")
+    if share < 1:
+        console.say(f"  of the {share:.1%} that this run has computed:")
+    show_result(facts, table, units)
     told = f"{sweep.cells:,} cells in {len(tiles):,} tiles, {size / 1e9:.3g} GB: {seconds:.3f} s"
-    tables.show_streamed(path, target, table, passed, share, told)
-    return True, not not_verified(table)
+    console.say(f"  {told}")
+    return True, not not_verified(table), facts
 
 
 def _make_sure_of_room(

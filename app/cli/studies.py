@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, NoReturn
 
 import typer
 
+from app.cli.options import WRONG_INPUT
 from core.errors import LimitError, Problem, StudyError
 
 if TYPE_CHECKING:
     from core.plan.prepared import Prepared
 
-WRONG_INPUT = 2
-FAILED = 1
+STANDARD = Path("-")
+"""Standard input where a study is read, standard output where a result is written."""
 
 
 def prepare_all(
@@ -26,13 +27,12 @@ def prepare_all(
 ) -> dict[Path, Prepared]:
     """Return the study of each file, or report every error of every file and exit."""
     from core.kinds import prepare_content
-    from core.study.load import read_content
 
     prepared: dict[Path, Prepared] = {}
     wrong: dict[Path, Sequence[Problem]] = {}
     for path in files:
         try:
-            prepared[path] = prepare_content(read_content(path), files=True)
+            prepared[path] = prepare_content(_content(path), files=True)
             prepared[path].check_limits(cells=cells, bytes_=bytes_)
         except StudyError as error:
             wrong[path] = error.problems
@@ -43,11 +43,31 @@ def prepare_all(
     return prepared
 
 
+def stem_of(path: Path) -> str:
+    """Return what a result is called after its study."""
+    return "study" if path == STANDARD else path.stem
+
+
+def _content(path: Path) -> object:
+    """Return what stands in a file, or what standard input holds: TOML, or a JSON object."""
+    from core.study.load import read_content, read_json, read_toml
+
+    if path != STANDARD:
+        return read_content(path)
+    try:
+        text = typer.get_binary_stream("stdin").read().decode("utf-8-sig")
+    except UnicodeDecodeError:
+        problem = Problem("file", "it is not UTF-8 text", "Send it as UTF-8")
+        raise StudyError([problem]) from None
+    return read_json(text) if text.lstrip().startswith("{") else read_toml(text)
+
+
 def refuse(wrong: Mapping[Path, Sequence[Problem]]) -> NoReturn:
     """Print every problem of every file on the error stream, and exit with code 2."""
     for path, problems in wrong.items():
         count = len(problems)
-        typer.echo(f"{path}: {count} problem{'s' if count > 1 else ''}", err=True)
+        name = "standard input" if path == STANDARD else path
+        typer.echo(f"{name}: {count} problem{'s' if count > 1 else ''}", err=True)
         for problem in problems:
             typer.echo(f"  {problem}", err=True)
     raise typer.Exit(WRONG_INPUT)

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from app.cli.studies import FAILED, refuse, refuse_clashes
+from app.cli.options import FAILED
+from app.cli.studies import refuse, refuse_clashes, stem_of
 from core.errors import LimitError, MissingPackageError, Problem, nearest
 
 if TYPE_CHECKING:
@@ -25,7 +26,9 @@ def targets_of(studies: Mapping[Path, Prepared], output: str | None) -> dict[Pat
     if output is not None and output.rstrip("/").lower().endswith(".zarr"):
         output = output.rstrip("/")
     if output is None or _is_folder(output):
-        targets = {file: str(Path(output or file.parent) / f"{file.stem}.nc") for file in studies}
+        targets = {
+            file: str(Path(output or file.parent) / f"{stem_of(file)}.nc") for file in studies
+        }
     else:
         check_suffix(output)
         if len(studies) > 1:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from app.cli.studies import FAILED
+from app.cli.options import FAILED, Json
 
 
 def warm(
@@ -18,6 +18,7 @@ def warm(
     check: Annotated[
         bool, typer.Option("--check", help="Only say whether all is compiled: exit code 1 if not.")
     ] = False,
+    as_json: Json = False,
 ) -> None:
     """Compile what follows motion in time, once for this processor; some minutes.
 
@@ -29,10 +30,14 @@ def warm(
     from core.warm import warm as compile_all
 
     if check:
-        if not is_warm():
+        warm_already = is_warm()
+        if as_json:
+            console.document({"compiled": warm_already})
+        elif warm_already:
+            console.say("All is compiled for this processor.")
+        if not warm_already:
             console.fail("Not all is compiled for this processor. Run `vibrafeed warm`.")
             raise typer.Exit(FAILED)
-        console.say("All is compiled for this processor.")
         return
     started = time.perf_counter()
     place = compile_all(processes)
@@ -42,4 +47,8 @@ def warm(
             "Set NUMBA_CACHE_DIR to one that can."
         )
         raise typer.Exit(FAILED)
-    console.say(f"All is compiled, and kept in {place}: {time.perf_counter() - started:.1f} s.")
+    seconds = time.perf_counter() - started
+    if as_json:
+        console.document({"compiled": True, "folder": str(place), "seconds": seconds})
+        return
+    console.say(f"All is compiled, and kept in {place}: {seconds:.1f} s.")

@@ -1,8 +1,8 @@
-"""How often each regime occurs."""
+"""How often each regime occurs, and how such a share is written: for the console and pictures."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +10,33 @@ from numpy.typing import NDArray
 from core.quantities import REGIMES
 
 
-def regime_shares(regime: NDArray[Any]) -> dict[str, float]:
-    """Return the share of cells in each regime that occurs, from 0 to 1, by the order of flags."""
-    counts = np.bincount(np.ravel(regime), minlength=len(REGIMES))
-    names = {flag.value: name for name, flag in REGIMES.items()}
-    return {names[value]: float(n) / np.size(regime) for value, n in enumerate(counts) if n}
+def regime_shares(regimes: NDArray[np.integer]) -> dict[str, float]:
+    """Return the share of the cells in each regime that occurs, ascending by its value.
+
+    Every cell counts as one, wherever it lies on its axes: a share depends neither on how they
+    are spaced nor on how they are drawn.
+
+    Parameters
+    ----------
+    regimes : ndarray of int
+        Values of a variable `regime`, any shape.
+    """
+    numbers, counts = np.unique(regimes, return_counts=True)
+    return shares_of(dict(zip(numbers.tolist(), counts.tolist(), strict=True)))
+
+
+def shares_of(counts: Mapping[int, int]) -> dict[str, float]:
+    """Return the same of counts of cells by the value of their regime."""
+    whole = sum(counts.values())
+    return {
+        name: counts[regime.value] / whole
+        for name, regime in sorted(REGIMES.items(), key=lambda entry: entry[1].value)
+        if counts.get(regime.value)
+    }
+
+
+def percent(share: float) -> str:
+    """Return a share in per cent, small ones with a digit more."""
+    if share < 0.0005:
+        return "< 0.1\N{NO-BREAK SPACE}%"
+    return f"{100 * share:.{1 if share < 0.0995 else 0}f}\N{NO-BREAK SPACE}%"

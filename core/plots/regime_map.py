@@ -12,11 +12,12 @@ from matplotlib.colors import ListedColormap, to_rgb
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from core.dataset.regimes import percent, regime_shares
 from core.plots.islands import without_specks
 from core.plots.names import add_names
 from core.plots.parts import cell_edges, set_log
 from core.plots.regimes import HATCH_WIDTH, Look, swatch
-from core.plots.selection import Axis, Selection, thin
+from core.plots.selection import Selection, thin
 from core.plots.style import Style
 
 MOST_POINTS = 500  # of an axis; a cell is then two points of the picture wide
@@ -26,7 +27,7 @@ BORDER = "#1a1a1a"  # on fills, which are light in every style
 def draw_map(
     figure: Figure, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
-    """Draw the map; return the axes and the legend's entries, each with its share of the area."""
+    """Draw the map; return the axes and the legend's entries, each with its share of the cells."""
     axes = figure.add_subplot()
     across, up = selection.axes
     columns, rows = thin(across.values.size, MOST_POINTS), thin(up.values.size, MOST_POINTS)
@@ -44,8 +45,8 @@ def draw_map(
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     axes.set_xlabel(across.label)
     axes.set_ylabel(up.label)
-    shares = _shares(across, up, x, y, regimes, looks)
-    return axes, [_entry(look, share) for look, share in zip(looks, shares, strict=True)]
+    shares = regime_shares(selection.regimes)
+    return axes, [_entry(look, shares.get(look.name, 0.0)) for look in looks]
 
 
 def _fill(
@@ -96,31 +97,8 @@ def _as_corners(
     return corners, inside.repeat(2, axis=0).repeat(2, axis=1).astype(float)
 
 
-def _shares(
-    across: Axis,
-    up: Axis,
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    regimes: NDArray[np.int64],
-    looks: Sequence[Look],
-) -> list[float]:
-    """Return the share of the picture's area that each regime fills."""
-    widths = np.diff(np.log(x) if across.is_log else x)
-    heights = np.diff(np.log(y) if up.is_log else y)
-    area = np.outer(heights, widths)
-    area /= area.sum()
-    return [float(area[regimes == look.value].sum()) for look in looks]
-
-
 def _entry(look: Look, share: float) -> Artist:
     ink = to_rgb(BORDER) if look.valid else look.hatch_ink
     entry = swatch(look, look.fill, ink, hatched=not look.valid)
     entry.set_label(f"{look.label}, {percent(share)}")
     return entry
-
-
-def percent(share: float) -> str:
-    """Return a share in per cent, small ones with a digit more."""
-    if share < 0.0005:
-        return "< 0.1\N{NO-BREAK SPACE}%"
-    return f"{100 * share:.{1 if share < 0.0995 else 0}f}\N{NO-BREAK SPACE}%"

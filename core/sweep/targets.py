@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 
 import core
@@ -11,6 +12,7 @@ from core.dataset.netcdf import define
 from core.dataset.read import attributes_of_file
 from core.dataset.shards import GrowingZarr, attributes_at
 from core.dataset.table import Table
+from core.plan.prepared import Prepared
 from core.plan.tiles import Tiled
 from core.sweep.prepare import Sweep
 from core.sweep.stream import identity
@@ -21,15 +23,19 @@ def is_zarr(where: str) -> bool:
     return "://" in where or where.lower().endswith(".zarr")
 
 
-def is_complete(where: str, sweep: Sweep) -> bool:
-    """Return whether the whole result of a sweep stands under this name already."""
+def attributes_there(where: str) -> Mapping[str, object]:
+    """Return the global attributes of the result under a name; none if there is no result."""
     if is_zarr(where):
-        attributes = attributes_at(where)
-    else:
-        attributes = attributes_of_file(Path(where)) if Path(where).exists() else {}
+        return attributes_at(where)
+    return attributes_of_file(Path(where)) if Path(where).exists() else {}
+
+
+def is_complete(where: str, prepared: Prepared) -> bool:
+    """Return whether the result of a study stands there already; one of a sweep is whole then."""
+    attributes = attributes_there(where)
     made = str(attributes.get("source")).partition(",")[0]
     return (
-        attributes.get("study_sha256") == sweep.study.key()
+        attributes.get("study_sha256") == prepared.study.key()
         and made == f"vibrafeed {core.__version__}"
     )
 

@@ -311,7 +311,8 @@ def test_a_dry_run_of_a_simulation_loads_no_compiler(motion):
 def test_a_simulation_out_of_time_is_written_and_said(motion):
     result = run("run", motion, "--time-limit", "0")
     assert result.exit_code == 1
-    assert "100.0% of the cells are not computed" in result.output
+    assert "0 of 4 cells are computed." in result.output
+    assert "the other 4 are not computed, and marked so" in result.output
     assert motion.with_suffix(".nc").exists()
 
 
@@ -375,7 +376,7 @@ def test_pictures_of_motion(motion, tmp_path):
         assert (result.exit_code == 0) == (kind == "line"), result.output
     motion.write_text(MOTION.replace("{ start = \"0.1 mm\", stop = \"0.4 mm\", num = 4 }", "3e-4")
                       .replace("[parameters]", "trajectory = 200\n[parameters]"))  # fmt: skip
-    assert run("run", motion).exit_code == 0
+    assert run("run", motion, "--force").exit_code == 0
     result = run("plot", motion.with_suffix(".nc"), "-o", tmp_path / "course.png")
     assert result.exit_code == 0, result.output
     assert (tmp_path / "course.png").stat().st_size > 20_000

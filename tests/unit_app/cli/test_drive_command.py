@@ -27,7 +27,7 @@ def test_the_table_tells_numbers_and_errors():
     for words in (
         "5,000 samples, 50.1 periods", "frequency: 50 Hz, as given", "% slow",
         "left over: along 2.5 %, across 2.5 %, normal 2.6 % of the drive", "climbs by 3.38 degrees",
-        "200.072", "-74.70", "not told from zero",
+        "0.200072", "amplitude (mm)", "phase (°)", "-74.70", "not told from zero",
     ):  # fmt: skip
         assert words in result.output
 

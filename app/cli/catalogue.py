@@ -1,0 +1,74 @@
+"""What the command line tells of scenes: parameters, outputs, regimes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from app.cli.console import say, table
+from app.cli.units import DEFAULT_DIGITS, number
+from core.study.shown import ShownUnits
+
+SCENES = ("scene", "variants", "methods in time", "title")
+PARAMETERS = ("parameter", "symbol", "unit", "bounds", "default", "meaning")
+OUTPUTS = ("output", "symbol", "unit", "source", "needs", "equation")
+REGIMES = ("regime", "value", "meaning")
+
+
+def show_scenes(lines: Sequence[Mapping[str, Any]]) -> None:
+    """Print one line for each scene."""
+    rows = []
+    for line in lines:
+        names = (f"{v}*" if v == line["default_variant"] else v for v in line["variants"])
+        rows.append((line["name"], ", ".join(names), ", ".join(line["methods"]), line["title"]))
+    table(SCENES, rows)
+    say("  * default; `vibrafeed scenes NAME` tells more, with --method about its motion in time")
+
+
+def show_scene(scene: Mapping[str, Any], units: ShownUnits) -> None:
+    """Print everything about one scene."""
+    say(f"{scene['name']}: {scene['title']} (source: {scene['source']})")
+    if "method" in scene:
+        say(f"motion in time, method {scene['method']} of {', '.join(scene['methods'])}")
+    else:
+        say(f"variant {scene['variant']} of {', '.join(scene['variants'])}")
+    say(scene["validity"])
+    table(PARAMETERS, [_parameter(one, units) for one in scene["parameters"]])
+    say(
+        '  In a study, write numbers with their unit, as in "0.5 mm". A number alone is in m, '
+        "m/s, s, kg, N and so on, an angle in degrees."
+    )
+    for drive in scene.get("other_drives", ()):
+        first = [name for name in drive["parameters"] if name.endswith(("_1", "factor"))]
+        say(f"  or a drive of {drive['kind']}: {', '.join(first)} and so on (docs/drives.md)")
+    rows = [
+        (
+            one["name"],
+            one["symbol"],
+            units.of(one["unit"], 0.0).unit,
+            one["source"],
+            ", ".join(one["parameters"]),
+            one["equation"],
+        )
+        for one in scene["outputs"]
+    ]
+    table(OUTPUTS, rows)
+    regimes = [(one["name"], str(one["value"]), one["description"]) for one in scene["regimes"]]
+    table(REGIMES, regimes)
+
+
+def _parameter(one: Mapping[str, Any], units: ShownUnits) -> tuple[str, ...]:
+    """Return the row of a parameter; its numbers are in the unit of the row."""
+    shown = units.of(one["unit"], 0.0)
+    default = ""
+    if one["default"] is not None:
+        default = number(shown.factor * one["default"], DEFAULT_DIGITS)
+    bounds = []
+    if one["lower"] is not None:
+        sign = ">" if one["lower_excluded"] else ">="
+        bounds.append(f"{sign} {number(shown.factor * one['lower'])}")
+    if one["upper"] is not None:
+        bounds.append(f"<= {number(shown.factor * one['upper'])}")
+    return (
+        one["name"], one["symbol"], shown.unit, " ".join(bounds), default, one["description"],
+    )  # fmt: skip

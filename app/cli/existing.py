@@ -1,0 +1,72 @@
+"""Results that are there already: not replaced unasked, and not computed again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.cli.studies import refuse
+from core.errors import Problem
+
+if TYPE_CHECKING:
+    from core.plan.prepared import Prepared
+
+REPLACE = "Add --force to replace it, or give another name with -o"
+REMOVE = "Remove it, or give another name"
+
+
+def complete_already(
+    studies: Mapping[Path, Prepared], targets: Mapping[Path, str], *, resume: bool, force: bool
+) -> list[Path]:
+    """Return the studies whose whole result is there and is to stay; exit if another one is there.
+
+    Parameters
+    ----------
+    resume : bool
+        Leave whole results of these very studies alone, and replace those that were stopped.
+    force : bool
+        Replace files, whatever they are. A Zarr group is a folder, and never removed.
+    """
+    from core.sweep.targets import is_complete, is_zarr
+
+    wrong: dict[Path, Sequence[Problem]] = {}
+    complete = []
+    for path, target in targets.items():
+        if "://" in target or not Path(target).exists():
+            continue  # an object store is looked at when it is opened
+        if resume and is_complete(target, studies[path]):
+            if _is_whole(studies[path], target):
+                complete.append(path)
+            continue
+        if not force or is_zarr(target):
+            fix = REMOVE if is_zarr(target) else REPLACE
+            wrong[path] = [Problem("output", f"{target} is there already", fix)]
+    if wrong:
+        refuse(wrong)
+    return complete
+
+
+def refuse_others(
+    studies: Mapping[Path, Prepared], targets: Mapping[Path, str], *, force: bool
+) -> None:
+    """Exit if parts would be joined to a file where the result of another study stands.
+
+    The shards of a Zarr group are looked at one by one where they are computed.
+    """
+    from core.sweep.targets import is_zarr
+
+    files = {path: target for path, target in targets.items() if not is_zarr(target)}
+    complete_already(studies, files, resume=True, force=force)
+
+
+def _is_whole(prepared: Prepared, target: str) -> bool:
+    """Return whether no stop left a cell of a result of this study uncomputed or unverified."""
+    from core.dataset.formats import read_result
+    from core.kinds import is_whole
+    from core.plan.sample import LEFT_OUT
+    from core.sweep.targets import attributes_there
+
+    if prepared.study.kind == "sweep":  # which may be large, and is written when it is computed
+        return LEFT_OUT not in attributes_there(target)
+    return is_whole(read_result(target))

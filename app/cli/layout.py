@@ -1,0 +1,71 @@
+"""Tables as lines: plain where something reads them, in blocks where a terminal is narrow."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Sequence
+
+GAP = "  "
+INDENT = 4
+LONG = 24
+"""Letters of a column from which on it may be folded, and stands below in a block."""
+
+Rows = Sequence[Sequence[str]]
+
+
+def plain_lines(columns: Sequence[str], rows: Rows) -> Iterator[str]:
+    """Yield one line a row, columns at least two spaces apart, and ``-`` for an empty cell."""
+    told = [[*columns], *([cell or "-" for cell in row] for row in rows)]
+    widths = [max(map(len, column)) for column in zip(*told, strict=True)]
+    for row in told:
+        yield _aligned(row, widths)
+
+
+def least_widths(columns: Sequence[str], rows: Rows) -> list[int]:
+    """Return the least width of each column in which it is pleasant to read and no word breaks."""
+    found = []
+    for heading, *cells in zip(columns, *rows, strict=True):
+        longest = max(len(word) for cell in (heading, *cells) for word in cell.split() or [""])
+        natural = max(map(len, (heading, *cells)))
+        found.append(max(longest, min(natural, LONG)))
+    return found
+
+
+def block_lines(columns: Sequence[str], rows: Rows, width: int) -> Iterator[str]:
+    """Yield each row as a block: short columns in a line, the others as sentences below it."""
+    natural = [max(map(len, column)) for column in zip(columns, *rows, strict=True)]
+    first = [0]
+    used = len(GAP) + natural[0]
+    for place, wide in enumerate(natural[1:], 1):
+        if wide <= LONG and used + len(GAP) + wide <= width:
+            first.append(place)
+            used += len(GAP) + wide
+    widths = [natural[place] for place in first]
+    below = [place for place in range(len(columns)) if place not in first]
+    yield GAP + _aligned([columns[place] for place in first], widths)
+    if len(below) == 1:
+        yield " " * INDENT + columns[below[0]]
+    for row in rows:
+        yield from _folded(GAP + _aligned([row[place] for place in first], widths), width)
+        for place in below:
+            name = f"{columns[place]}: " if len(below) > 1 else ""
+            if row[place]:
+                yield from _folded(f"{' ' * INDENT}{name}{row[place]}", width)
+
+
+def _aligned(cells: Sequence[str], widths: Sequence[int]) -> str:
+    pairs = zip(cells, widths, strict=True)
+    return GAP.join(cell.ljust(width) for cell, width in pairs).rstrip()
+
+
+def _folded(line: str, width: int) -> list[str]:
+    """Return a line that is too long as several, broken between words."""
+    if len(line) <= width:
+        return [line]
+    return textwrap.wrap(
+        line.strip(),
+        width,
+        initial_indent=" " * (len(line) - len(line.lstrip())),
+        subsequent_indent=" " * INDENT,
+        break_on_hyphens=False,
+    )

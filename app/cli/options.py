@@ -1,0 +1,21 @@
+"""Options that several commands have, and exit codes; imports nothing that takes long."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+WRONG_INPUT = 2
+FAILED = 1
+
+Json = Annotated[
+    bool, typer.Option("--json", help="Print one JSON document, in the units of files.")
+]
+Units = Annotated[
+    str | None,
+    typer.Option(
+        help="Units of the values shown: trade (mm, mm/s, g: the default), si, or such as "
+        "'m/min, mm'. Files and --json keep their own.",
+    ),
+]

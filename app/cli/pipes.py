@@ -1,0 +1,51 @@
+"""Studies from standard input, and results to standard output."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import typer
+
+from app.cli.studies import refuse
+from core.errors import Problem
+
+FORM = ".csv"
+"""What goes to standard output unless another suffix is named, as in ``-.nc``."""
+
+
+def is_standard(output: str | None) -> bool:
+    """Return whether an output is standard output: ``-``, or ``-`` and a suffix."""
+    return output is not None and (output == "-" or output.startswith("-."))
+
+
+@contextmanager
+def standard_output(output: str, studies: int) -> Iterator[str]:
+    """Yield the name of a file whose content goes to standard output when the block ends.
+
+    Exits if what is asked for cannot go there.
+    """
+    suffix = output[1:] or FORM
+    problem = None
+    if studies > 1:
+        problem = Problem("output", "standard output takes one study", "Give a folder")
+    elif suffix == ".zarr":
+        fix = "Give a name that ends in .zarr, or write -o - for CSV"
+        problem = Problem("output", "a Zarr group is no single file", fix)
+    elif suffix != FORM and sys.stdout.isatty():
+        fix = f"Write -o - for CSV, or send it on: -o {output} > result{suffix}"
+        problem = Problem("output", f"a terminal cannot show {suffix}", fix)
+    if problem is not None:
+        refuse({Path("--output"): [problem]})
+    with tempfile.TemporaryDirectory(prefix="vibrafeed-") as folder:
+        place = Path(folder) / f"result{suffix}"
+        try:
+            yield str(place)
+        finally:
+            if place.exists():
+                with place.open("rb") as file:
+                    shutil.copyfileobj(file, typer.get_binary_stream("stdout"))

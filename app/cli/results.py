@@ -1,0 +1,175 @@
+"""What came out of a study: for a person, and as a document for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from app.cli.console import fail, say, table
+from app.cli.units import DIGITS, ends, units_asked
+from core.dataset.regimes import percent, regime_shares, shares_of
+from core.kinds import is_whole, not_verified, share_left_out
+from core.motion.feeding import travel_in_words
+from core.quantities import REGIMES
+
+if TYPE_CHECKING:
+    from core.dataset import Table
+    from core.dataset.table import Variable
+    from core.study.shown import ShownUnits
+    from core.sweep.stream import Passed
+
+Ends = tuple[float, float] | None
+
+
+def facts_of(path: Path, target: str, result: Table, cells: int) -> dict[str, Any]:
+    """Return what came out of a study, as a document; values in the units of files."""
+    found = {name: _finite_ends(one) for name, one in _outputs(result).items()}
+    shares = {}
+    if "regime" in result.variables:
+        shares = regime_shares(result.variables["regime"].values)
+    return _facts(path, target, result, cells, found, shares)
+
+
+def streamed_facts(
+    path: Path, target: str, result: Table, cells: int, passed: Passed
+) -> dict[str, Any]:
+    """Return the same of a sweep that was computed tile by tile, of which `passed` is known."""
+    found: dict[str, Ends] = {**passed.ends}
+    found |= {name: _finite_ends(one) for name, one in _outputs(result).items() if not one.dims}
+    regime = result.variables["regime"]
+    shares = shares_of(passed.regimes) if regime.dims else regime_shares(regime.values)
+    return _facts(path, target, result, cells, found, shares)
+
+
+def show_result(facts: Mapping[str, Any], result: Table, asked: str | None) -> None:
+    """Print a short table of a result: values or ranges, regimes, what was verified."""
+    units = units_asked(asked, str(result.attributes.get("shown_units", "")))
+    _show_outputs(facts["outputs"], units)
+    say(f"  Values have {DIGITS} digits, or as many as tell them apart; the file has all.")
+    _show_regimes(facts["regimes"], facts["cells"], "variant" in result.attributes)
+    if "message" in facts:
+        say(f"  {facts['criterion']}, method {facts['method']}")
+        say(f"  {facts['message']}")
+    if backwards := travel_in_words(result):
+        say(f"  {backwards}")
+    _show_verified(result)
+    left = facts["cells"] - facts["cells_computed"]
+    if left:
+        fail(
+            f"  It was stopped: {facts['cells_computed']:,} of {facts['cells']:,} cells are "
+            f"computed. In {facts['result']} the other {left:,} are not computed, and marked so."
+        )
+        if facts["result"].endswith(".nc"):
+            how = "--resume computes this study again from its beginning, and keeps whole results."
+        else:
+            how = "--force computes the whole study again."
+        fail(f"  The same command with {how}")
+    elif not facts["whole"]:
+        fail("  It was stopped: all cells are computed, and not all verified that should be.")
+
+
+def _outputs(result: Table) -> dict[str, Variable]:
+    """Return the variables of a result that are numbers, not flags."""
+    return {n: v for n, v in result.variables.items() if "flag_values" not in v.attributes}
+
+
+def _facts(
+    path: Path,
+    target: str,
+    result: Table,
+    cells: int,
+    found: Mapping[str, Ends],
+    shares: Mapping[str, float],
+) -> dict[str, Any]:
+    left = round(cells * share_left_out(result))
+    facts: dict[str, Any] = {
+        "study": str(path),
+        "result": target,
+        "scene": result.attributes["scene"],
+        "cells": cells,
+        "cells_computed": cells - left,
+        "whole": is_whole(result),
+        "outputs": {},
+        "regimes": shares,
+    }
+    for name, one in _outputs(result).items():
+        least, largest = found.get(name) or (None, None)
+        values = {"value": least} if one.values.size == 1 else {"least": least, "largest": largest}
+        about = {"unit": str(one.attributes["units"]), "dimensions": [*one.dims]}
+        facts["outputs"][name] = {**about, **values}
+    for name in ("criterion", "method", "message"):
+        if name in result.attributes:
+            facts[name] = result.attributes[name]
+    if "verified_worst" in result.attributes:
+        facts["verified"] = {
+            "cells": int(result.attributes["verified_cells"]),
+            "against": str(result.attributes["verified_against"]),
+            "worst": str(result.attributes["verified_worst"]),
+            "not_verified": not_verified(result),
+        }
+    return facts
+
+
+def _show_outputs(outputs: Mapping[str, Mapping[str, Any]], units: ShownUnits) -> None:
+    """Print one value each if there is one design, else ranges."""
+    if all("value" in one for one in outputs.values()):
+        rows = []
+        for name, one in outputs.items():
+            unit, value, _ = ends(one["unit"], one["value"], one["value"], units)
+            rows.append((name, value, unit))
+        table(("output", "value", "unit"), rows)
+        return
+    ranges = []
+    for name, one in outputs.items():
+        pair = (one["value"],) * 2 if "value" in one else (one["least"], one["largest"])
+        unit, least, largest = ends(one["unit"], *pair, units)
+        ranges.append((name, least, largest, unit, ", ".join(one["dimensions"]) or "none"))
+    table(("output", "least", "largest", "unit", "dimensions"), ranges)
+
+
+def _show_regimes(shares: Mapping[str, float], cells: int, closed_forms: bool) -> None:
+    if not shares:
+        return
+    if cells == 1:
+        say(f"  regime: {', '.join(shares)}")
+    else:
+        say("  regimes: " + ", ".join(f"{name} {_percent(one)}" for name, one in shares.items()))
+    beyond = sum(share for name, share in shares.items() if not REGIMES[name].valid)
+    which = "This design has" if cells == 1 else f"{_percent(beyond)} of the cells have"
+    if beyond and not closed_forms:
+        say(f"  {which} no mean velocity.")
+    elif beyond:
+        which = "This design lies" if cells == 1 else f"{_percent(beyond)} of the cells lie"
+        say(f"  {which} where the closed forms do not describe a real part.")
+
+
+def _percent(share: float) -> str:
+    return percent(share).replace("\N{NO-BREAK SPACE}", " ")
+
+
+def _show_verified(result: Table) -> None:
+    if "verified_worst" in result.attributes:
+        against, count = (result.attributes[f"verified_{name}"] for name in ("against", "cells"))
+        worst = "worst: " if count else ""
+        worst += str(result.attributes["verified_worst"])
+        say(f"  {count:,} cells verified by {against}; {worst}")
+    if beyond_error := not_verified(result):
+        fail(
+            f"  Not verified: {beyond_error:,} of the cells verified are further off than what is "
+            "known of their errors allows."
+        )
+
+
+def _finite_ends(variable: Variable) -> Ends:
+    """Return the least and the largest finite value."""
+    values = variable.values
+    least, largest = values.min(), values.max()
+    if not (np.isfinite(least) and np.isfinite(largest)):
+        finite = values[np.isfinite(values)]
+        if not finite.size:
+            return None
+        least, largest = finite.min(), finite.max()
+    return float(least), float(largest)

@@ -1,0 +1,162 @@
+"""Studies carried out one after the other: progress, Ctrl-C, results written and shown."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.cli import console
+from app.cli.studies import interruption, refuse_beyond_memory
+from app.cli.targets import write_or_exit
+from core.compiling import stopwatch
+from core.errors import StoppedError
+
+if TYPE_CHECKING:
+    from core.plan.prepared import Prepared
+    from core.sweep import Sweep
+
+
+@dataclass
+class Running:
+    """Studies that are carried out one after the other.
+
+    Attributes
+    ----------
+    plain, resume : bool
+        As for `run`.
+    units : str or None
+        Units of the values shown.
+    checked : float or None
+        Seconds that checking took, if it is to be told with whatever else is.
+    deadline : float or None
+        As for a `Watch`.
+    facts : list of dict
+        What came out so far, as documents.
+    """
+
+    plain: bool
+    resume: bool
+    units: str | None
+    checked: float | None
+    deadline: float | None
+    facts: list[dict[str, Any]] = field(default_factory=list)
+
+    def carry_out(
+        self,
+        studies: Mapping[Path, Prepared],
+        targets: Mapping[Path, str],
+        complete: Collection[Path],
+    ) -> bool:
+        """Write the result of every study; return whether all are whole and verified."""
+        from core.sweep import Sweep
+
+        sound, left = True, list(studies)
+        for path, prepared in studies.items():
+            target = targets[path]
+            if path in complete:
+                console.say(f"{path}: {target} is complete already")
+                self.facts.append({"study": str(path), "result": target, "complete_before": True})
+                left.remove(path)
+                continue
+            if isinstance(prepared, Sweep) and _is_streamed(prepared, target):
+                from app.cli.streamed import run_streamed
+
+                left.remove(path)
+                whole, is_sound, facts = run_streamed(
+                    path,
+                    prepared,
+                    target,
+                    compression=not self.plain,
+                    resume=self.resume,
+                    history=history_of(path),
+                    deadline=self.deadline,
+                    units=self.units,
+                )
+                if facts:
+                    self.facts.append(facts)
+                    self._say_more(prepared)
+                sound &= is_sound
+                if not whole:
+                    break
+                continue
+            computed = self._carry_out_one(path, prepared, target)
+            if computed is None:
+                break
+            is_sound, interrupted = computed
+            sound &= is_sound
+            left.remove(path)
+            if interrupted:
+                break
+        if left:
+            console.fail(f"It was stopped: not carried out are {', '.join(map(str, left))}.")
+        return sound and not left
+
+    def _carry_out_one(
+        self, path: Path, prepared: Prepared, target: str
+    ) -> tuple[bool, bool] | None:
+        """Write one result; return whether it is sound, and whether Ctrl-C came; None without."""
+        from app.cli.results import facts_of, show_result
+        from core.kinds import is_whole, not_verified, tabulate
+        from core.sweep import Sweep
+        from core.watch import Watch
+
+        refuse_beyond_memory(path, prepared)
+        compiled = stopwatch.spent
+        with (
+            console.progress(path.name) as advance,
+            interruption(gently=not isinstance(prepared, Sweep)) as interrupted,
+        ):
+            try:
+                table = tabulate(prepared, Watch(advance, interrupted, self.deadline))
+            except StoppedError as stopped:
+                console.fail(f"{path}: {stopped}; nothing is written.")
+                return None
+        evaluated = time.perf_counter()
+        write_or_exit(path, table, target, history_of(path), compression=not self.plain)
+        seconds = {
+            "computing": float(table.price["elapsed_seconds"]),
+            "compiling": stopwatch.spent - compiled,
+            "writing": time.perf_counter() - evaluated,
+        }
+        facts = facts_of(path, target, table, prepared.cells) | {"seconds": seconds}
+        self.facts.append(facts)
+        console.say(f"{path} -> {target}")
+        show_result(facts, table, self.units)
+        done, cells = facts["cells_computed"], facts["cells"]
+        of = f"{done:,} of {cells:,}" if done < cells else f"{cells:,}"
+        noun = "cell" if cells == 1 else "cells"
+        console.say(
+            f"  {of} {noun} evaluated in {seconds['computing']:.3f} s, "
+            f"written in {seconds['writing']:.3f} s"
+        )
+        if seconds["compiling"]:
+            console.say(f"  compiled in {seconds['compiling']:.1f} s: once, it is kept")
+        self._say_more(prepared)
+        return is_whole(table) and not not_verified(table), interrupted()
+
+    def _say_more(self, prepared: Prepared) -> None:
+        """Print what a user of --verbose reads besides."""
+        if self.checked is not None:
+            from app.cli.plans import more
+
+            for line in more(prepared, self.checked):
+                console.say(line)
+
+
+def _is_streamed(sweep: Sweep, target: str) -> bool:
+    """Return whether a sweep is written tile by tile, in place of being held in memory."""
+    from core.dataset.formats import NETCDF, ZARR, suffix_of
+    from core.dataset.netcdf import is_large
+    from core.plan.tiles import Tiled
+
+    suffix = suffix_of(target)
+    return suffix == ZARR or (suffix == NETCDF and is_large(Tiled(sweep).tiles))
+
+
+def history_of(path: Path) -> str:
+    """Return the line of CF history that a result begins with."""
+    return f"{datetime.now(UTC).isoformat(timespec='seconds')} vibrafeed run {path.name}"

@@ -1,0 +1,61 @@
+"""Values as a person reads them: in units of the trade, with few digits."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from app.cli.studies import refuse
+from core.errors import Problem
+from core.study.shown import ShownUnits, read_shown
+from core.study.units import UnitError
+
+DIGITS = 4
+"""Digits of a value; more where the least and the largest would look alike."""
+
+DEFAULT_DIGITS = 6
+"""Digits of a default: those of standard gravity."""
+
+SPAN_DIGITS = 2
+MOST_DIGITS = 15
+WHOLE = 1e7  # below it a whole number is shown in full
+PLAIN = (1e-4, 1e7)  # sizes that are written without an exponent
+
+
+def units_asked(text: str | None, otherwise: str = "") -> ShownUnits:
+    """Return the units that `--units` names, or those of a study; exit if there is no such unit."""
+    words = [word for word in (otherwise if text is None else text).split(",") if word.strip()]
+    try:
+        return read_shown(words)
+    except UnitError as error:
+        return refuse({Path("--units"): [Problem("units", error.message, error.fix)]})
+
+
+def number(value: float | None, digits: int = DIGITS) -> str:
+    """Return a number with some digits, a whole one with all; ``-`` if there is none."""
+    if value is None or not math.isfinite(value):
+        return "-"
+    if value == round(value) and abs(value) < WHOLE:
+        return str(int(value))
+    if PLAIN[0] <= abs(value) < PLAIN[1]:
+        return np.format_float_positional(
+            value, precision=digits, unique=False, fractional=False, trim="-"
+        )
+    return f"{value:.{digits}g}"
+
+
+def ends(
+    unit: str, least: float | None, largest: float | None, units: ShownUnits
+) -> tuple[str, str, str]:
+    """Return the unit in which values of an output are read, the least and the largest value."""
+    if least is None or largest is None:
+        return units.of(unit, 0.0).unit, "-", "-"
+    size = max(abs(least), abs(largest))
+    shown = units.of(unit, size)
+    digits, span = DIGITS, largest - least
+    if 0 < span < size:
+        digits = SPAN_DIGITS + math.floor(math.log10(size)) - math.floor(math.log10(span))
+        digits = min(max(DIGITS, digits), MOST_DIGITS)
+    return shown.unit, number(shown.factor * least, digits), number(shown.factor * largest, digits)
