@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from app.cli.console import say, table
+from app.cli.console import say, table, tell
 from app.cli.units import DEFAULT_DIGITS, number
 from core.study.shown import ShownUnits
 
@@ -32,9 +32,9 @@ def show_scene(scene: Mapping[str, Any], units: ShownUnits) -> None:
         say(f"motion in time, method {scene['method']} of {', '.join(scene['methods'])}")
     else:
         say(f"variant {scene['variant']} of {', '.join(scene['variants'])}")
-    say(scene["validity"])
+    tell(scene["validity"])
     table(PARAMETERS, [_parameter(one, units) for one in scene["parameters"]])
-    say(
+    tell(
         '  In a study, write numbers with their unit, as in "0.5 mm". A number alone is in m, '
         "m/s, s, kg, N and so on, an angle in degrees."
     )

@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.table import Table as Grid
 from rich.text import Text
 
-from app.cli.layout import Rows, block_lines, least_widths, plain_lines
+from app.cli.layout import Rows, block_lines, folded, least_widths, plain_lines
 from core.compiling import stopwatch
 
 stdout = Console(highlight=False)
@@ -38,6 +38,12 @@ def fail(message: str) -> None:
 def say(text: str) -> None:
     """Print a line as it is, however long."""
     stdout.print(text, markup=False, soft_wrap=True)
+
+
+def tell(text: str) -> None:
+    """Print a long line, folded between words on a terminal, as it is where a program reads."""
+    for line in folded(text, stdout.width) if stdout.is_terminal else [text]:
+        say(line)
 
 
 def document(content: object) -> None:

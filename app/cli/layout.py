@@ -46,11 +46,11 @@ def block_lines(columns: Sequence[str], rows: Rows, width: int) -> Iterator[str]
     if len(below) == 1:
         yield " " * INDENT + columns[below[0]]
     for row in rows:
-        yield from _folded(GAP + _aligned([row[place] for place in first], widths), width)
+        yield from folded(GAP + _aligned([row[place] for place in first], widths), width)
         for place in below:
             name = f"{columns[place]}: " if len(below) > 1 else ""
             if row[place]:
-                yield from _folded(f"{' ' * INDENT}{name}{row[place]}", width)
+                yield from folded(f"{' ' * INDENT}{name}{row[place]}", width)
 
 
 def _aligned(cells: Sequence[str], widths: Sequence[int]) -> str:
@@ -58,8 +58,8 @@ def _aligned(cells: Sequence[str], widths: Sequence[int]) -> str:
     return GAP.join(cell.ljust(width) for cell, width in pairs).rstrip()
 
 
-def _folded(line: str, width: int) -> list[str]:
-    """Return a line that is too long as several, broken between words."""
+def folded(line: str, width: int) -> list[str]:
+    """Return a line that is too long as several, broken between words and further indented."""
     if len(line) <= width:
         return [line]
     return textwrap.wrap(
@@ -67,5 +67,6 @@ def _folded(line: str, width: int) -> list[str]:
         width,
         initial_indent=" " * (len(line) - len(line.lstrip())),
         subsequent_indent=" " * INDENT,
+        break_long_words=False,  # an address is copied as one
         break_on_hyphens=False,
     )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from app.cli.console import say, table
+from app.cli.console import say, table, tell
 from app.cli.units import DEFAULT_DIGITS, number, units_asked
 from core.optimise import Optimisation
 from core.optimise.run import criterion_in_words
@@ -89,15 +89,15 @@ def show_plan(path: Path, prepared: Prepared, asked: str | None) -> None:
         free = ", ".join(facts["variables"])
         say(f"  {facts['criterion']}, by the choice of {free}; method {facts['method']}")
         say(f"  kept: {', '.join(facts['kept']) or 'nothing'}")
-    say(f"  equations: {', '.join(facts['equations'])}")
-    say(f"  regimes: {', '.join(facts['regimes'])}")
+    tell(f"  equations: {', '.join(facts['equations'])}")
+    tell(f"  regimes: {', '.join(facts['regimes'])}")
     if facts["defaults"]:
         given = []
         for name, one in facts["defaults"].items():
             shown = units.of(one["unit"], abs(one["value"]))
             value = number(shown.factor * one["value"], DEFAULT_DIGITS)
             given.append(f"{name} = {value} {shown.unit}".rstrip())
-        say(f"  by default: {', '.join(given)}")
+        tell(f"  by default: {', '.join(given)}")
 
 
 def more(prepared: Prepared, checked: float) -> Iterator[str]:

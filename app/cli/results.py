@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from app.cli.console import fail, say, table
+from app.cli.console import fail, say, table, tell
 from app.cli.units import DIGITS, ends, units_asked
 from core.dataset.regimes import percent, regime_shares, shares_of
 from core.kinds import is_whole, not_verified, share_left_out
@@ -136,7 +136,7 @@ def _show_regimes(shares: Mapping[str, float], cells: int, closed_forms: bool) -
     if cells == 1:
         say(f"  regime: {', '.join(shares)}")
     else:
-        say("  regimes: " + ", ".join(f"{name} {_percent(one)}" for name, one in shares.items()))
+        tell("  regimes: " + ", ".join(f"{name} {_percent(one)}" for name, one in shares.items()))
     beyond = sum(share for name, share in shares.items() if not REGIMES[name].valid)
     which = "This design has" if cells == 1 else f"{_percent(beyond)} of the cells have"
     if beyond and not closed_forms:

@@ -144,7 +144,7 @@ class Running:
             from app.cli.plans import more
 
             for line in more(prepared, self.checked):
-                console.say(line)
+                console.tell(line)
 
 
 def _is_streamed(sweep: Sweep, target: str) -> bool:
