@@ -47,6 +47,13 @@ def complete_already(
     return complete
 
 
+def refuse_existing(source: str, target: str, *, force: bool) -> None:
+    """Exit if what is made of `source` would replace something; a Zarr group never is."""
+    if not force and "://" not in target and Path(target).is_file():
+        problem = Problem("output", f"{target} is there already", REPLACE)
+        refuse({Path(source): [problem]})
+
+
 def refuse_others(
     studies: Mapping[Path, Prepared], targets: Mapping[Path, str], *, force: bool
 ) -> None:

@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from app.cli.existing import refuse_existing
 from app.cli.options import FAILED, WRONG_INPUT
 from app.cli.studies import refuse
 from app.cli.targets import check_suffix, make_folder_of, write_or_exit
@@ -26,6 +27,9 @@ def export(
             "-o", "--output", help="File .csv, .xlsx, .parquet, .mat or .nc, or group .zarr."
         ),
     ],
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace a file that is there already.")
+    ] = False,
 ) -> None:
     """Write a result in another format, which the suffix of the output names.
 
@@ -36,6 +40,7 @@ def export(
     from core.dataset.formats import read_result
 
     check_suffix(output)
+    refuse_existing(file, output, force=force)
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     try:
         table = read_result(file, most_bytes=memory)

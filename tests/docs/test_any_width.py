@@ -16,7 +16,7 @@ from app.cli import app, console
 
 ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r"^```(\w*)[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
-TABLES = ("scenes", "run", "drive")
+TABLES = ("scenes", "run", "drive", "friction")
 """The commands that print tables."""
 
 
@@ -70,7 +70,7 @@ def printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, 
 
 
 def test_no_word_is_lost_at_60_80_and_200_columns(printed, monkeypatch):
-    assert len({command for command, *_ in printed}) >= 3
+    assert len({command for command, *_ in printed}) >= 3, "the README has other commands"
     for command, arguments, options, piped in printed:
         assert not set(piped) & set("─│━┃╭"), command
         words = set(piped.split()) - {"-"}
