@@ -27,12 +27,15 @@ from core.quantities import QUANTITIES
 from core.study.shown import ShownUnits
 
 TIME = "cycle_time"
+WALL = "distance_from_wall"
 NEEDED = (
     "position_along", "height_above_floor", "relative_velocity_along", "track_along",
     "track_normal", "motion_mode",
 )  # fmt: skip
 MILLI = 1000.0
 PANELS = (3.0, 2.4, 1.8)  # heights
+WALL_PANEL = 1.6
+WALL_HEIGHT = 0.8  # inches that it adds to a picture
 PALE = 0.55
 AT_REST = 1e-9  # of the heights: a position below is rounding
 MOST_PERIODS = 12  # that are told apart by lines
@@ -77,6 +80,8 @@ class Trajectory(NamedTuple):
         Mean velocity, regime, and every parameter, in words.
     orbit : ndarray, shape (2, k), or None
         How the track moves along and normal over a period, where that is no line.
+    wall : ndarray, shape (n,), or None
+        Distance of the part from the wall, in `wall_unit`; None where the track has no wall.
     """
 
     time: NDArray[np.float64]
@@ -92,6 +97,8 @@ class Trajectory(NamedTuple):
     modes: list[str]
     facts: list[str]
     orbit: NDArray[np.float64] | None = None
+    wall: NDArray[np.float64] | None = None
+    wall_unit: str = ""
 
 
 def check_trajectory(
@@ -152,6 +159,10 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
     moved = swing + _values(dataset["relative_velocity_along"])
     fastest = xarray.DataArray([swing, moved], attrs={"units": "m s-1"})
     speed_shown = shown_in(fastest, units)
+    wall, wall_unit = None, ""
+    if WALL in dataset:
+        gap = shown_in(dataset[WALL], units)
+        wall, wall_unit = gap.factor * _values(dataset[WALL]), gap.unit
     return Trajectory(
         time=MILLI * seconds,
         period=MILLI * period,
@@ -166,13 +177,19 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
         modes=_modes(dataset["motion_mode"]),
         facts=_facts(dataset, units),
         orbit=orbit,
+        wall=wall,
+        wall_unit=wall_unit,
     )
 
 
 def draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[Axes, list[Artist]]:
     """Draw the motion; return the upper axes and the legend's entries."""
-    panels = figure.subplots(3, 1, sharex=True, height_ratios=PANELS)
-    heights, velocities, positions = panels
+    walled = shown.wall is not None
+    ratios = (*PANELS, WALL_PANEL) if walled else PANELS
+    if walled:
+        figure.set_figheight(figure.get_figheight() + style.text(WALL_HEIGHT))
+    panels = figure.subplots(len(ratios), 1, sharex=True, height_ratios=ratios)
+    heights, velocities, positions = panels[:3]
     for axes in panels:
         _shade_modes(axes, shown, style)
         _mark_periods(axes, shown, style)
@@ -203,10 +220,26 @@ def draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[Ax
     positions.set_ylim(*(_limits(shown.position) if shown.position.any() else ends))
     on = "" if style.small else " on\nthe track"
     positions.set_ylabel(f"Position{on}{_under(style)}({shown.position_unit})")
-    positions.set_xlabel("Time since the start of the cycle (ms)")
+    if shown.wall is not None:
+        _draw_wall(panels[3], shown, shown.wall, style)
+    panels[-1].set_xlabel("Time since the start of the cycle (ms)")
     positions.set_xlim(shown.time[0], shown.time[-1])
     figure.align_ylabels(panels)
     return heights, [*_lines(style), *_mode_entries(shown.modes, style)]
+
+
+def _draw_wall(
+    axes: Axes, shown: Trajectory, distance: NDArray[np.float64], style: Style
+) -> None:
+    """Draw how far the part is from the wall, which lies below the line at 0."""
+    low, high = _limits(np.append(distance, 0.0))
+    body = mix(style.other, style.ground, 0.5)
+    axes.axhspan(low, 0.0, facecolor=body, linewidth=0, zorder=2)
+    axes.axhline(0.0, color=style.other, linewidth=style.width(1.0), zorder=3)
+    axes.plot(shown.time, distance, color=style.curve, linewidth=style.width(2.0), zorder=4)
+    axes.set_ylim(low, high)
+    to = "to wall" if style.small else "to\nthe wall"
+    axes.set_ylabel(f"Gap {to}{_under(style)}({shown.wall_unit})")
 
 
 def _under(style: Style) -> str:

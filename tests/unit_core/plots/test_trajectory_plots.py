@@ -230,3 +230,17 @@ def test_what_is_no_trajectory_is_said(
     found = problem(dataset, **asked)
     assert found.place == place
     assert words in str(found)
+
+
+def test_a_track_with_a_wall_shows_the_gap_to_it():
+    course = hop()
+    plane = draw(course)
+    course["distance_from_wall"] = 0.1 * course["height_above_floor"]
+    figure = draw(course)
+    assert len(figure.axes) == len(plane.axes) + 1
+    gap = figure.axes[-1]
+    assert gap.get_ylabel() == "Gap to\nthe wall (mm)"
+    drawn = gap.lines[-1].get_ydata()
+    np.testing.assert_allclose(drawn, 1000 * course["distance_from_wall"])
+    assert gap.get_ylim()[0] < 0  # where the wall is seen
+    assert gap.get_xlabel() and not figure.axes[-2].get_xlabel()
