@@ -1,0 +1,278 @@
+"""What an animation shows: where track and part are in each frame, in the units of the picture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from core.plots.problem import PlotError
+from core.plots.selection import held_fixed
+from core.plots.text import number, read_unit, with_unit, words
+from core.plots.trajectory import LEGEND, MODES, TIME, read_trajectory
+from core.quantities import QUANTITIES
+
+FRAMES_PER_SECOND = 25
+MOST_FRAMES = 1000
+TURN = 2 * np.pi
+NICE = (1.0, 2.0, 5.0)
+
+PERIOD_SHOWN = 1.0  # seconds that a period of the drive takes, about
+FALL_SHOWN = 6.0  # and that all of a fall takes
+AFTER_REST = 1.15  # of the time until a tumbling part rests
+
+PART_LENGTH = 1.3  # of what the track covers: the model of motion knows no length
+PART_SHAPE = 0.45  # height over length
+TRAVEL = 3.0  # lengths of the part that it should travel
+MOST_CYCLES = 6
+CLOSED = 1e-3  # of what the track covers: a course that ends no further from its start repeats
+GAP_SEEN = 0.2  # of the part's height: a largest gap that is less is drawn larger
+
+FLIGHT = "flight"
+CORNERS = ("flight", "corner", "side")
+CORNER_WORDS = {"flight": "in flight", "corner": "on a corner", "side": "on a side"}
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Film:
+    """The frames of an animation; lengths in `unit`.
+
+    Attributes
+    ----------
+    times : ndarray, shape (n,)
+        Times [s].
+    track : ndarray, shape (2, n)
+        Displacement of the track, along and upward.
+    part : ndarray, shape (2, n)
+        Middle of the part in the fixed frame.
+    pitch : ndarray, shape (n,)
+        How far the part has turned, clockwise [rad].
+    outline : ndarray, shape (2, k)
+        The part's outline about its middle, at pitch 0.
+    modes : list of str, length n
+        What the part does, keys of `says`.
+    says : mapping of str to str
+        What it does, in words.
+    unit : str
+        Unit of lengths.
+    slow : float
+        How many times slower it is shown.
+    facts, notes : tuple of str
+        What is held fixed; how the picture differs from the truth.
+    """
+
+    times: Array
+    track: Array
+    part: Array
+    pitch: Array
+    outline: Array
+    modes: list[str]
+    says: Mapping[str, str]
+    unit: str
+    slow: float
+    facts: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def read_film(
+    dataset: xarray.Dataset, at: Mapping[str, float] | None = None, slow: float | None = None
+) -> Film:
+    """Return the frames of the course that a dataset holds.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A simulation of one part with `trajectory`.
+    at : mapping of str to float, optional
+        Nothing but parameters of that part can be named.
+    slow : float, optional
+        How many times slower it is shown. Left out, a period takes about a second, a fall six.
+
+    Raises
+    ------
+    PlotError
+        If the dataset holds no course, or the animation would be too long.
+    """
+    if slow is not None and not (np.isfinite(slow) and slow > 0):
+        raise PlotError("slow", f"'{slow:g}' is not above 0", "Write, say, --slow 50")
+    if "path_height" in dataset:
+        return _tumbling(dataset, slow)
+    return _on_track(dataset, at or {}, slow)
+
+
+def _on_track(dataset: xarray.Dataset, at: Mapping[str, float], slow: float | None) -> Film:
+    """Return the film of a part on a track, over as many cycles as let it travel."""
+    known = read_trajectory(dataset, None, None, at)
+    if "track_along" not in dataset:
+        fix = "Draw a file that `vibrafeed run` wrote"
+        raise PlotError("dataset", "its motion has no track_along", fix)
+    dataset = dataset.sortby(TIME)
+    time = _values(dataset[TIME])
+    position, height, along, normal = (
+        _values(dataset[name])
+        for name in ("position_along", "height_above_floor", "track_along", "track_normal")
+    )
+    if not np.isfinite([position, height, along, normal]).all():
+        raise PlotError("dataset", "no cycle was found: its motion has no values", "Draw another")
+    span = max(float(np.hypot(np.ptp(along), np.ptp(normal))), float(height.max()))
+    if span == 0:
+        raise PlotError("dataset", "neither the track nor the part moves", "Draw another")
+    factor, unit = read_unit(xarray.DataArray([span], attrs={"units": "m"}))
+    length = PART_LENGTH * span
+    cycles = _cycles(dataset, time, span, length)
+    frequency = float(dataset["frequency"])
+    slow = slow or _nice(PERIOD_SHOWN * frequency)
+    whole = time[-1] - time[0]
+    frames = _frames(cycles * whole * slow)
+    moments = np.arange(frames) * (cycles * whole / frames)
+    turns, within = np.divmod(moments, whole)
+    within += time[0]
+
+    def shown(values: Array) -> Array:
+        return factor * np.interp(within, time, values)
+
+    gap, notes = shown(height), [f"size of the part not to scale, {_stands_for(dataset)}"]
+    exaggeration = _exaggeration(float(height.max()), PART_SHAPE * length)
+    if exaggeration > 1:
+        notes.append(f"gap drawn {number(exaggeration)} times as large")
+    if cycles > 1:
+        notes.append(f"one cycle, shown {cycles} times")
+    track = np.stack([shown(along), shown(normal)])
+    ride = shown(position) + factor * turns * (position[-1] - position[0])
+    half = factor * np.array([length, PART_SHAPE * length]) / 2
+    part = track + np.stack([ride, half[1] + exaggeration * gap])
+    nearest = np.clip(np.searchsorted(time, within, side="right") - 1, 0, time.size - 1)
+    return Film(
+        times=moments + time[0],
+        track=track,
+        part=part,
+        pitch=np.zeros(frames),
+        outline=_box(*half),
+        modes=[known.modes[i] if known.modes[i] in MODES else "unknown" for i in nearest],
+        says={**LEGEND, "unknown": "unknown"},
+        unit=unit,
+        slow=slow,
+        facts=tuple(known.facts),
+        notes=tuple(notes),
+    )
+
+
+def _tumbling(dataset: xarray.Dataset, slow: float | None) -> Film:
+    """Return the film of a part that tumbles, until shortly after it rests."""
+    if TIME not in dataset.dims or dataset.sizes[TIME] < 2:
+        raise PlotError("dataset", "it shows one time only", "Ask for two times or more")
+    dataset = dataset.sortby(TIME)
+    time = _values(dataset[TIME])
+    along, upward, pitch = (
+        _values(dataset[f"path_{name}"]) for name in ("along", "height", "pitch")
+    )
+    followed = np.isfinite(along) & np.isfinite(upward) & np.isfinite(pitch)
+    if followed.sum() < 2:
+        raise PlotError("dataset", "its motion has no values", "Draw another")
+    end = time[followed][-1]
+    settled = float(dataset["settling_time"]) if "settling_time" in dataset else np.nan
+    if np.isfinite(settled):
+        end = min(end, time[0] + AFTER_REST * settled)
+    slow = slow or _nice(FALL_SHOWN / (end - time[0]))
+    frames = _frames((end - time[0]) * slow)
+    moments = np.linspace(time[0], end, frames)
+    factor, unit = read_unit(xarray.DataArray([upward[followed].max()], attrs={"units": "m"}))
+    amplitude, frequency, beta = (
+        float(dataset[name]) if name in dataset.coords else 0.0
+        for name in ("amplitude", "frequency", "beta")
+    )
+    swing = factor * amplitude * np.sin(TURN * frequency * moments)
+    track = np.stack([swing * np.cos(np.deg2rad(beta)), swing * np.sin(np.deg2rad(beta))])
+
+    def shown(values: Array) -> Array:
+        return np.asarray(np.interp(moments, time[followed], values[followed]))
+
+    corners = _values(dataset["path_corners"])
+    nearest = np.clip(np.searchsorted(time, moments, side="right") - 1, 0, time.size - 1)
+    return Film(
+        times=moments,
+        track=track,
+        part=track + factor * np.stack([shown(along), shown(upward)]),
+        pitch=np.deg2rad(shown(pitch)),
+        outline=factor * _outline(dataset),
+        modes=[CORNERS[int(min(count, 2))] for count in np.nan_to_num(corners)[nearest]],
+        says=CORNER_WORDS,
+        unit=unit,
+        slow=slow,
+        facts=tuple(held_fixed(dataset)),
+        notes=(),
+    )
+
+
+def _outline(dataset: xarray.Dataset) -> Array:
+    """Return the outline of a tumbling part, seen from the side [m]."""
+    size = {
+        name: float(dataset[name]) for name in ("length", "height", "diameter") if name in dataset
+    }
+    if "length" in size and len(size) > 1:
+        across = size.get("height", size.get("diameter", 0.0))
+        return _box(size["length"] / 2, across / 2)
+    if "diameter" not in size:
+        fix = "Draw a file that `vibrafeed run` wrote"
+        raise PlotError("dataset", "it does not say how large the part is", fix)
+    around = np.linspace(0.0, TURN, 73)
+    circle = np.stack([np.cos(around), np.sin(around)]) * size["diameter"] / 2
+    return np.concatenate([np.zeros((2, 1)), circle], axis=1)  # a radius shows how it turns
+
+
+def _box(half_length: float, half_height: float) -> Array:
+    corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
+    return corners.T * np.array([[half_length], [half_height]])
+
+
+def _cycles(dataset: xarray.Dataset, time: Array, span: float, length: float) -> int:
+    """Return how often a course is shown, one after the other; once if it does not repeat."""
+    periods = (time[-1] - time[0]) * float(dataset["frequency"])
+    closes = [("height_above_floor", span), ("track_along", span), ("track_normal", span)]
+    closed = all(
+        abs(float(dataset[name][-1] - dataset[name][0])) <= CLOSED * size for name, size in closes
+    )
+    if not closed or round(periods) < 1 or abs(periods - round(periods)) > CLOSED:
+        return 1
+    travel = abs(float(dataset["position_along"][-1] - dataset["position_along"][0]))
+    wanted = TRAVEL * length / travel if travel > 0 else 2.0
+    return int(np.clip(round(min(wanted, MOST_CYCLES)), 1, max(1, MOST_CYCLES // round(periods))))
+
+
+def _frames(seconds: float) -> int:
+    """Return how many frames are shown in a time."""
+    frames = max(2, round(seconds * FRAMES_PER_SECOND))
+    if frames > MOST_FRAMES:
+        message = f"the animation would have {frames:,} frames, at most {MOST_FRAMES:,} are drawn"
+        raise PlotError("slow", message, "Ask for a smaller --slow, or for a shorter course")
+    return frames
+
+
+def _exaggeration(gap: float, height: float) -> float:
+    """Return by how much a gap is drawn larger so that it is seen beside the part's height."""
+    return _nice(GAP_SEEN * height / gap) if 0 < gap < GAP_SEEN * height else 1.0
+
+
+def _nice(value: float) -> float:
+    """Return 1, 2 or 5 times a power of ten, next to a value by its ratio."""
+    power = 10.0 ** np.floor(np.log10(value))
+    choices = [step * power for step in (*NICE, 10.0)]
+    return float(min(choices, key=lambda choice: abs(np.log(choice / value))))
+
+
+def _stands_for(dataset: xarray.Dataset) -> str:
+    """Return what the drawn part stands for."""
+    if "length" not in dataset:
+        return "the model knows none"
+    factor, unit = read_unit(dataset["length"])
+    label = words(QUANTITIES["length"].label).lower()
+    return f"{label} {with_unit(number(factor * float(dataset['length'])), unit)}"
+
+
+def _values(array: xarray.DataArray) -> Array:
+    return np.asarray(array.values, dtype=np.float64)

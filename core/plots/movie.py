@@ -1,0 +1,105 @@
+"""Animations as files: GIF by pillow, MP4 by the ffmpeg of imageio-ffmpeg."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+import xarray
+from PIL import Image
+
+from core.dataset.files import whole
+from core.plots.animation import Frame, draw_frames
+from core.plots.film import FRAMES_PER_SECOND, read_film
+from core.plots.problem import PlotError
+
+SUFFIXES = (".gif", ".mp4")
+DOTS = {".gif": 100, ".mp4": 150}  # an inch
+COLOURS = 32  # of a GIF; text stays smooth
+SAMPLED = 8  # frames from which they are taken
+QUALITY = 7.0
+
+
+def animate(
+    dataset: xarray.Dataset,
+    target: Path,
+    *,
+    at: Mapping[str, float] | None = None,
+    slow: float | None = None,
+) -> None:
+    """Write the course of one part as an animation, GIF or MP4 by the suffix of the name.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A simulation of one part with `trajectory`, of a drive or of a fall.
+    target : Path
+        The file; an existing one is replaced.
+    at : mapping of str to float, optional
+        As for `draw`.
+    slow : float, optional
+        How many times slower it is shown. Left out, a period takes about a second, a fall six.
+
+    Raises
+    ------
+    PlotError
+        If the dataset holds no course, or the file cannot be made.
+    OSError
+        If the file cannot be written; no part of it is left behind.
+    """
+    suffix = target.suffix.lower()
+    if suffix not in SUFFIXES:
+        message = f"'{target.suffix}' is no format for animations"
+        raise PlotError("output", message, "End the name in .gif or .mp4")
+    film = read_film(dataset, at, slow)
+    write = _write_gif if suffix == ".gif" else _write_mp4
+    if suffix == ".mp4":
+        _ffmpeg()  # before anything is drawn
+    with whole(target) as temporary:
+        write(draw_frames(film, DOTS[suffix]), temporary)
+
+
+def _write_gif(frames: Iterable[Frame], target: Path) -> None:
+    """Write a GIF that runs for ever; all frames share their colours, so that nothing flickers."""
+    pictures = [Image.fromarray(frame) for frame in frames]
+    some = pictures[:: max(1, len(pictures) // SAMPLED)]
+    sheet = Image.fromarray(np.concatenate([np.asarray(picture) for picture in some]))
+    palette = sheet.quantize(COLOURS, dither=Image.Dither.NONE)
+    first, *others = (
+        picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures
+    )
+    first.save(
+        target, format="GIF", save_all=True, append_images=others, loop=0, optimize=False,
+        duration=1000 // FRAMES_PER_SECOND,
+    )  # fmt: skip
+
+
+def _write_mp4(frames: Iterable[Frame], target: Path) -> None:
+    """Write an MP4 that every browser plays."""
+    imageio_ffmpeg = _ffmpeg()
+    shown = iter(frames)
+    first = next(shown)
+    rows, columns, _ = first.shape
+    writer = imageio_ffmpeg.write_frames(
+        str(target), (columns, rows), fps=FRAMES_PER_SECOND, codec="libx264",
+        pix_fmt_out="yuv420p", quality=QUALITY, macro_block_size=2,
+        output_params=["-f", "mp4", "-movflags", "+faststart"],
+    )  # fmt: skip
+    writer.send(None)
+    try:
+        for frame in chain([first], shown):
+            writer.send(np.ascontiguousarray(frame))
+    finally:
+        writer.close()
+
+
+def _ffmpeg():  # type: ignore[no-untyped-def]
+    """Return what writes MP4."""
+    try:
+        import imageio_ffmpeg
+    except ModuleNotFoundError:
+        fix = "Install it: pip install 'vibrafeed[video]'. Or end the name in .gif"
+        raise PlotError("output", "MP4 needs imageio-ffmpeg, which is missing", fix) from None
+    return imageio_ffmpeg
