@@ -1,0 +1,154 @@
+"""Lines of equal value, with their numbers, over the pale areas of the regimes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from core.plots.names import add_names, gives_way
+from core.plots.parts import cell_edges, set_log
+from core.plots.regime_map import MOST_POINTS, add_borders, fill_cells, share_entries
+from core.plots.regimes import HATCH_WIDTH, Look
+from core.plots.scale import value_range
+from core.plots.selection import Selection, thin
+from core.plots.style import Style, mix
+from core.plots.text import number, with_unit
+
+LINES = 10
+PALE = 0.5  # how much of the ground is in the colour of a regime
+SPEED = "m s-1"
+NOTHING = 1e-6  # of the largest value: what is less has no sign
+HATCH = "\\\\"
+FORWARD, ZERO, BACKWARD = 1.3, 2.2, 1.5  # points
+
+
+def draw_levels(
+    figure: Figure, selection: Selection, looks: Sequence[Look], style: Style
+) -> tuple[Axes, list[Artist]]:
+    """Draw the lines; return the axes and the legend's entries.
+
+    Values above zero have solid lines, those below dashed ones in another colour: a part that
+    travels backwards is told from one that travels forwards without colours too.
+    """
+    axes = figure.add_subplot()
+    across, up = selection.axes
+    columns, rows = thin(across.values.size, MOST_POINTS), thin(up.values.size, MOST_POINTS)
+    across = replace(across, values=across.values[columns])
+    up = replace(up, values=up.values[rows])
+    part = np.ix_(columns, rows)
+    values, regimes = selection.values[part].T, selection.regimes[part].T
+    for axis, spine in ((across, axes.xaxis), (up, axes.yaxis)):
+        if axis.is_log:
+            set_log(spine, axis.values)
+    faces = [mix(look.fill, style.ground, PALE) for look in looks]
+    fill_cells(axes, across, up, regimes, looks, faces)
+    plain = add_borders(axes, across, up, regimes, looks, colour=mix(style.ground, style.ink, 0.45))
+    signs = _add_lines(axes, across.values, up.values, values, style)
+    below = _hatch_below(axes, across.values, up.values, values, style)
+    add_names(axes, across, up, plain, looks, style)
+    x, y = cell_edges(across), cell_edges(up)
+    axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
+    axes.set_xlabel(across.label)
+    axes.set_ylabel(up.label)
+    entries = share_entries(across, up, regimes, looks, faces)
+    backward = str(selection.variable.attrs.get("units")) == SPEED
+    signed = _line_entries(signs, selection.unit, style)
+    if below:
+        signed.append(_below_entry("backward" if backward else "below zero", style))
+    return axes, [*signed, *entries]
+
+
+def _hatch_below(
+    axes: Axes,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    values: NDArray[np.float64],
+    style: Style,
+) -> bool:
+    """Hatch what lies below zero; return whether something does."""
+    negative = np.nan_to_num(values) < -NOTHING * np.nanmax(np.abs(values), initial=0.0)
+    if not negative.any():
+        return False
+    if negative.all():
+        shown = np.ones_like(values)
+    else:
+        shown = np.ma.masked_invalid(-values)
+    area = axes.contourf(
+        x, y, shown, levels=[0.0, np.inf], colors=["none"], hatches=[HATCH], zorder=3
+    )
+    area.set_edgecolor(style.accent)
+    area.set_linewidth(0.0)
+    area.set_hatch_linewidth(HATCH_WIDTH)
+    return True
+
+
+def _below_entry(label: str, style: Style) -> Artist:
+    entry = Patch(facecolor="none", edgecolor=style.accent, hatch=HATCH, label=label)
+    entry.set_hatch_linewidth(HATCH_WIDTH)
+    return entry
+
+
+def _add_lines(
+    axes: Axes,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    values: NDArray[np.float64],
+    style: Style,
+) -> set[int]:
+    """Add the lines with their numbers; return the signs that occur."""
+    ends = value_range(values)
+    if ends is None:
+        return set()
+    locator = MaxNLocator(LINES, steps=[1, 2, 2.5, 5, 10])
+    levels = np.asarray(locator.tick_values(*ends))
+    levels = levels[(levels > ends[0]) & (levels < ends[1])]
+    masked = np.ma.masked_invalid(values)
+    looks = {
+        1: (style.ink, FORWARD, "solid"),
+        0: (style.ink, ZERO, "solid"),
+        -1: (style.accent, BACKWARD, "dashed"),
+    }
+    drawn = set()
+    for sign, (colour, width, dashes) in looks.items():
+        own = levels[np.sign(levels) == sign]
+        if not own.size:
+            continue
+        drawn.add(sign)
+        lines = axes.contour(
+            x, y, masked, levels=own, colors=[colour], linewidths=[style.width(width)],
+            linestyles=[dashes], zorder=4,
+        )  # fmt: skip
+        for label in axes.clabel(
+            lines, fontsize=style.text(8.5), fmt=number, inline=False, zorder=6
+        ):
+            gives_way(label)
+            label.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])
+    return drawn
+
+
+def _line_entries(signs: set[int], unit: str, style: Style) -> list[Artist]:
+    """Return what the lines say, in the legend."""
+    said = {
+        1: ("above zero", style.ink, FORWARD, "solid"),
+        0: ("zero", style.ink, ZERO, "solid"),
+        -1: ("below zero", style.accent, BACKWARD, "dashed"),
+    }
+    entries: list[Artist] = []
+    for sign in (1, 0, -1):
+        if sign in signs:
+            text, colour, width, dashes = said[sign]
+            label = with_unit(text, f"({unit})" if unit and sign else "")
+            entries.append(
+                Line2D([], [], color=colour, linewidth=width, linestyle=dashes, label=label)
+            )
+    return entries

@@ -1,0 +1,289 @@
+"""Parallel coordinates: a line a design through all its parameters, coloured by an output."""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from core.errors import suggestion
+from core.plots.heading import finish, source_of
+from core.plots.parts import add_room
+from core.plots.problem import PlotError
+from core.plots.selection import held_fixed
+from core.plots.style import Style, mix
+from core.plots.text import in_brackets, long_name, number, scaled, shown_in
+from core.quantities import REGIMES
+from core.study.shown import ShownUnits
+
+MOST_DESIGNS = 1000
+MOST_COLUMNS = 10
+SPREAD = 0.3  # of the distance of two values of an axis, either way
+FEW = 40  # values of an axis, about which lines are spread
+TICKS = 5
+FRONT = "front"
+LETTERS = 78  # of the names above all columns, side by side
+OPACITY = {100: 0.9, 300: 0.6, 1000: 0.4}
+"""Of a line, where there are no more lines than that."""
+WEAK = 0.35
+"""Of that, for the smallest output: large ones are to be seen."""
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Column:
+    """One axis of the picture: its name, and the value of each design."""
+
+    name: str
+    unit: str
+    values: Array
+    low: float
+    high: float
+    spread: float = 0.0
+
+    def shares(self, values: Array) -> Array:
+        """Return how high values lie, 0 to 1."""
+        return (values - self.low) / (self.high - self.low)
+
+
+@dataclass(frozen=True)
+class Designs:
+    """What is drawn of a dataset: columns, the output last, and the place of the best design."""
+
+    columns: tuple[Column, ...]
+    best: int
+    best_is: str
+    total: int
+
+
+def draw_parallel(
+    dataset: xarray.Dataset,
+    style: Style,
+    units: ShownUnits,
+    *,
+    variable: str | None = None,
+    title: str | None = None,
+) -> Figure:
+    """Return the picture of all designs of a dataset.
+
+    Columns are the axes of the dataset, what was optimised, further outputs that the study asks
+    for, and last the output by which lines are coloured. Of more than 1,000 designs as many are
+    drawn by chance, with the best one.
+
+    Raises
+    ------
+    PlotError
+        If there is no such output, or there are not two designs with a value.
+    """
+    designs = read_designs(dataset, units, variable)
+    figure = style.sheet()
+    axes = figure.add_subplot()
+    _draw_lines(axes, designs, style)
+    _draw_columns(axes, designs, style)
+    shown = designs.columns[0].values.size
+    note = f"{shown:,} of {designs.total:,} designs, by chance, and the best one."
+    if shown == designs.total:
+        note = f"All {shown:,} designs."
+    if any(column.spread for column in designs.columns):
+        note += " Lines are spread about the values of the axes."
+    last = designs.columns[-1]
+    entries = [
+        Line2D([], [], color=style.accent, linewidth=3.0, label=designs.best_is),
+        Line2D([], [], color=style.one_sign(0.95), linewidth=2.0, label=f"large {last.name}"),
+        Line2D([], [], color=style.one_sign(0.35), linewidth=2.0, label=f"small {last.name}"),
+    ]
+    axes.set(xlim=(-0.35, len(designs.columns) - 0.65), ylim=(-0.06, 1.06), xticks=[], yticks=[])
+    finish(
+        figure, axes, style, name=title or f"Designs by {last.name}",
+        facts=held_fixed(dataset, units), source=source_of(dataset), entries=entries, note=note,
+    )  # fmt: skip
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+    return figure
+
+
+def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | None) -> Designs:
+    """Return the designs of a dataset, and which one is best."""
+    study = _study(dataset)
+    criterion = study.get("criterion") or {}
+    outputs = [str(name) for name in dataset.data_vars if name != "regime"]
+    if variable is not None and variable not in outputs:
+        raise PlotError("variable", f"'{variable[:40]}' is unknown", suggestion(variable, outputs))
+    asked = [name for name in study.get("outputs") or () if name in outputs]
+    output = variable or str(criterion.get("output") or (asked or outputs)[0])
+    if output not in outputs:
+        output = "objective"
+    dims = [str(d) for d in dataset.dims if dataset.sizes[d] > 1 and d in dataset.coords]
+    chosen = [name for name in outputs if name.startswith("best_")]
+    against = [name for name in (criterion.get("against"),) if name in outputs]
+    axes = [name for name in dims if name != FRONT]
+    names = list(dict.fromkeys([*axes, *chosen, *against, *asked]))
+    names = [name for name in names if name != output and dataset[name].size > 1]
+    names = names[: MOST_COLUMNS - 1]
+    if not names:
+        message = f"{output} has one value, there is one design only"
+        raise PlotError("dataset", message, "Draw a dataset with ranges")
+    shape = tuple(dataset.sizes[name] for name in dims)
+    total = int(np.prod(shape))
+
+    def at_all(name: str) -> NDArray[Any]:
+        array = dataset[name]
+        for extra in array.dims:
+            if extra not in dims:
+                array = array.isel({extra: array.sizes[extra] // 2})
+        wide = [shape[dims.index(d)] if d in array.dims else 1 for d in dims]
+        ordered = array.transpose(*(d for d in dims if d in array.dims)).values.reshape(wide)
+        return np.broadcast_to(ordered, shape).reshape(-1)
+
+    values = np.asarray(at_all(output), dtype=float)
+    good = np.isfinite(values) & _valid(dataset, at_all)
+    places = np.flatnonzero(good)
+    if places.size < 2:
+        message = f"{output} holds in {places.size} designs, lines need two"
+        raise PlotError("dataset", message, "Draw another output")
+    least = criterion.get("kind") == "minimise" and output == criterion.get("output")
+    knees = places[at_all("knee")[places] == 1] if "knee" in dataset else places[:0]
+    choice = knees if knees.size else places
+    best = int(choice[(np.argmin if least else np.argmax)(values[choice])])
+    best_is = f"{'least' if least else 'largest'} {_name(dataset[output])}"
+    if knees.size:
+        best_is = "knee of the front" if knees.size == 1 else f"of the knees: {best_is}"
+    if places.size > MOST_DESIGNS:
+        places = np.random.default_rng(0).choice(places, MOST_DESIGNS, replace=False)
+        places[0] = best if best not in places else places[0]
+    places = places[np.argsort(values[places], kind="stable")]
+    if least:
+        places = places[::-1]  # the best ones lie above
+    columns = [
+        _column(dataset[name], np.asarray(at_all(name), dtype=float)[places], units, name in axes)
+        for name in [*names, output]
+    ]
+    return Designs(
+        columns=tuple(columns),
+        best=int(np.flatnonzero(places == best)[0]),
+        best_is=best_is,
+        total=int(good.sum()),
+    )
+
+
+def _column(array: xarray.DataArray, values: Array, units: ShownUnits, gridded: bool) -> Column:
+    shown = shown_in(array, units)
+    values = scaled(xarray.DataArray(values), shown.factor)
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    spread = 0.0
+    steps = np.unique(values)
+    if gridded and 1 < steps.size <= FEW:
+        spread = SPREAD * float(np.diff(steps).min())
+    if high - low <= 1e-9 * max(abs(low), abs(high)):
+        low, high = add_room(low, high)
+    return Column(_name(array), shown.unit, values, low - spread, high + spread, spread)
+
+
+def _draw_lines(axes: Axes, designs: Designs, style: Style) -> None:
+    """Draw a line each, the better ones above, and the best one above all."""
+    random = np.random.default_rng(1)
+    heights = []
+    for column in designs.columns:
+        values = column.values
+        if column.spread:
+            values = values + column.spread * random.uniform(-1.0, 1.0, values.size)
+            values[designs.best] = column.values[designs.best]
+        heights.append(column.shares(values))
+    points = np.stack(heights, axis=1)
+    count = points.shape[0]
+    x = np.arange(points.shape[1], dtype=float)
+    opacity = next((share for most, share in OPACITY.items() if count <= most), 0.4)
+    lines = LineCollection(
+        [np.column_stack([x, row]) for row in points],
+        colors=[
+            (*style.one_sign(0.2 + 0.8 * height)[:3], opacity * (WEAK + (1 - WEAK) * height**2))
+            for height in points[:, -1]
+        ],
+        linewidths=style.width(0.9),
+        rasterized=True,
+        zorder=2,
+    )
+    axes.add_collection(lines)
+    axes.plot(
+        x, points[designs.best], color=style.accent, linewidth=style.width(3.0), marker="o",
+        markersize=style.width(5), zorder=5,
+        path_effects=[withStroke(linewidth=style.width(5.0), foreground=style.ground)],
+    )  # fmt: skip
+
+
+def _draw_columns(axes: Axes, designs: Designs, style: Style) -> None:
+    """Draw the axes with their numbers and names, and the numbers of the best design."""
+    width = max(11, LETTERS // len(designs.columns))
+    halo = [withStroke(linewidth=2.5, foreground=style.ground)]
+    size = style.text(8.0)
+    for place, column in enumerate(designs.columns):
+        axes.axvline(place, 0.06 / 1.12, 1.06 / 1.12, color=style.ink, linewidth=1.0, zorder=4)
+        best = float(column.values[designs.best])
+        best_height = float(column.shares(np.array(best)))
+        for value in _ticks(column):
+            height = float(column.shares(np.array(value)))
+            axes.plot([place - 0.02, place], [height] * 2, color=style.ink, lw=0.8, zorder=4)
+            if abs(height - best_height) > 0.035:
+                axes.text(
+                    place - 0.03, height, number(value), ha="right", va="center", fontsize=size,
+                    color=style.ink, path_effects=halo, zorder=6,
+                )  # fmt: skip
+        axes.text(
+            place + 0.04, best_height, number(best, 3), ha="left", va="center", fontsize=size,
+            color=style.accent, fontweight="bold", path_effects=halo, zorder=7,
+        )  # fmt: skip
+        label = textwrap.wrap(column.name, width, break_long_words=False)
+        name = "\n".join([*label, in_brackets(column.unit)] if column.unit else label)
+        axes.text(
+            place, -0.075, name, ha="center", va="top", fontsize=style.text(8.5),
+            color=mix(style.ground, style.ink, 0.95), linespacing=1.2, zorder=6,
+        )  # fmt: skip
+
+
+def _ticks(column: Column) -> Sequence[float]:
+    values = np.unique(column.values)
+    if column.spread and values.size <= TICKS:
+        return [float(value) for value in values]
+    whole = bool((values == np.round(values)).all())
+    locator = MaxNLocator(TICKS, steps=[1, 2, 2.5, 5, 10], integer=whole)
+    steps = locator.tick_values(column.low, column.high)
+    return [float(value) for value in steps if column.low <= value <= column.high]
+
+
+def _name(array: xarray.DataArray) -> str:
+    """Return the name of a quantity as it stands within a sentence."""
+    name = long_name(array)
+    return name[:1].lower() + name[1:]
+
+
+def _valid(dataset: xarray.Dataset, at_all: Any) -> NDArray[np.bool_]:
+    """Return which designs describe a real part, by their regime."""
+    meanings = str(dataset["regime"].attrs.get("flag_meanings", "")).split()
+    numbers = np.atleast_1d(dataset["regime"].attrs.get("flag_values", [])).tolist()
+    bad = [
+        n for n, name in zip(numbers, meanings, strict=False)
+        if name in REGIMES and not REGIMES[name].valid
+    ]  # fmt: skip
+    return ~np.isin(at_all("regime"), bad)
+
+
+def _study(dataset: xarray.Dataset) -> dict[str, Any]:
+    """Return the study that a dataset carries; empty without one."""
+    try:
+        study = json.loads(str(dataset.attrs.get("study", "{}")))
+    except ValueError:
+        return {}
+    return study if isinstance(study, dict) else {}

@@ -1,0 +1,297 @@
+"""An output over one parameter, with the values marked at which the motion becomes another one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from core.plots.heading import finish, source_of, text_width
+from core.plots.line import draw_line
+from core.plots.problem import PlotError
+from core.plots.regimes import looks_of
+from core.plots.selection import Selection, select
+from core.plots.style import Style
+from core.plots.text import long_name, number, with_unit, words
+from core.study.shown import ShownUnits
+
+SPEED = "conveying_velocity"
+MULTIPLE = "period_multiple"
+TOUCHING = ("stick", "slip", "stick_slip", "no_motion", "sliding", "roll")
+REPEATING = ("hopping", "hop_after_hop")
+STILL = 0.01  # of the largest speed: what is slower has no direction
+TEXT = 8.5  # points
+ROW = 1.7  # lines of text that a row of labels takes
+GAP = 5.0  # dots between a line and its label
+
+INTO = {
+    "period_doubled": "period doubles",
+    "aperiodic": "stops repeating",
+    "runaway": "runs away",
+    "flight": "lifts off",
+}
+BETWEEN = {
+    ("slip", "stick_slip"): "sticks in between",
+    ("stick_slip", "slip"): "slides all the time",
+    ("hopping", "hop_after_hop"): "hops without a rest",
+    ("hop_after_hop", "hopping"): "rests between hops",
+}
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """A value of the axis, what happens there, and whether it is the best one."""
+
+    place: float
+    says: str
+    best: bool = False
+
+
+def draw_thresholds(
+    dataset: xarray.Dataset,
+    style: Style,
+    units: ShownUnits,
+    *,
+    variable: str | None = None,
+    axes: tuple[str, ...] | None = None,
+    at: Mapping[str, float] | None = None,
+    nearest: bool = False,
+    title: str | None = None,
+) -> Figure:
+    """Return the picture of an output over one parameter with its thresholds.
+
+    Each kind of threshold is marked where it comes first; the best value is that of the largest
+    size, forward or backward.
+
+    Raises
+    ------
+    PlotError
+        If the dataset does not hold what is asked for.
+    """
+    if axes is not None and len(axes) != 1:
+        raise PlotError("axes", "thresholds are marked along one axis", "Write, say, amplitude")
+    variable = variable or (SPEED if SPEED in dataset.data_vars else None)
+    selection = select(dataset, variable, axes, at or {}, "line", units, nearest=nearest)
+    looks = looks_of(dataset["regime"], selection.regimes, style, exact=selection.exact)
+    figure = style.sheet()
+    top, entries = draw_line(figure, selection, looks, style)
+    names = {look.value: look.name for look in looks}
+    states = [names[value] for value in selection.regimes.tolist()]
+    valid = np.array([look.valid for look in looks])[
+        np.searchsorted([look.value for look in looks], selection.regimes)
+    ]
+    multiples = None
+    if MULTIPLE in dataset and selection.axes[0].name in dataset[MULTIPLE].dims:
+        chosen = (selection.axes[0].name,)
+        multiples = select(dataset, MULTIPLE, chosen, at or {}, "line", units, nearest=nearest)
+    found, left = find_thresholds(
+        selection.axes[0].values,
+        np.where(valid, selection.values, np.nan),
+        states,
+        None if multiples is None else multiples.values,
+        selection.unit,
+    )
+    _mark(figure, top, found, selection, style)
+    note = f"Thresholds are known to half a step of {_step(selection)}."
+    if left:
+        note += f" {left} later changes of these kinds are not marked."
+    return finish(
+        figure, top, style, name=title or f"{long_name(selection.variable)} and its thresholds",
+        facts=selection.fixed, source=source_of(dataset), entries=entries, note=note,
+    )  # fmt: skip
+
+
+def find_thresholds(
+    axis: NDArray[np.float64],
+    values: NDArray[np.float64],
+    states: Sequence[str],
+    multiples: NDArray[np.float64] | None,
+    unit: str,
+) -> tuple[list[Threshold], int]:
+    """Return what happens along an axis, each kind where it comes first, and how many are left out.
+
+    Parameters
+    ----------
+    axis, values : ndarray, shape (n,)
+        Values of the parameter, ascending, and of the output; NaN where it does not hold.
+    states : sequence of str, length n
+        Names of the regimes.
+    multiples : ndarray, shape (n,), or None
+        Periods after which the motion repeats; 0 where it does not.
+    unit : str
+        Unit of the output.
+    """
+    found: list[Threshold] = []
+    changes = 0
+    between = (axis[:-1] + axis[1:]) / 2
+    limit = STILL * np.nanmax(np.abs(values)) if np.isfinite(values).any() else np.nan
+    for i, place in enumerate(between):
+        says = []
+        if states[i] != states[i + 1]:
+            says.append(_change(states[i], states[i + 1]))
+        elif multiples is not None and _multiple(multiples[i]) != _multiple(multiples[i + 1]):
+            says.append(_repeats(_multiple(multiples[i + 1])))
+        changes += len(says)
+        known = {threshold.says for threshold in found}
+        found += [Threshold(float(place), text) for text in says if text not in known]
+    left = changes - len(found)
+    turns = _turn(axis, values, limit)
+    found += [] if turns is None else [turns]
+    if np.isfinite(limit) and limit > 0:
+        best = int(np.nanargmax(np.abs(values)))
+        text = f"best, {with_unit(number(float(values[best]), 3), unit)}"
+        found.append(Threshold(float(axis[best]), text, best=True))
+    return sorted(found, key=lambda threshold: threshold.place), left
+
+
+def _change(before: str, after: str) -> str:
+    """Return what happens where one regime follows another."""
+    if before in ("stick", "no_motion"):
+        return "starts to move"
+    if after in ("stick", "no_motion"):
+        return "sticks"
+    if (before, after) in BETWEEN:
+        return BETWEEN[before, after]
+    if before in TOUCHING and after not in TOUCHING:
+        return "lifts off"
+    if after in REPEATING and before not in TOUCHING:
+        return "one period again"
+    if after in TOUCHING and before not in TOUCHING:
+        return "stays on the track"
+    return INTO.get(after, words(after))
+
+
+def _multiple(value: float) -> int:
+    return int(value) if np.isfinite(value) else 0
+
+
+def _repeats(multiple: int) -> str:
+    return f"repeats after {multiple} periods" if multiple else "stops repeating"
+
+
+def _turn(
+    axis: NDArray[np.float64], values: NDArray[np.float64], limit: float
+) -> Threshold | None:
+    """Return where parts first travel the other way."""
+    moving = np.flatnonzero(np.abs(np.nan_to_num(values)) > limit)
+    for before, after in zip(moving[:-1], moving[1:], strict=True):
+        if values[before] * values[after] < 0:
+            share = values[before] / (values[before] - values[after])
+            place = float(axis[before] + share * (axis[after] - axis[before]))
+            return Threshold(place, "turns backward" if values[after] < 0 else "turns forward")
+    return None
+
+
+def _mark(
+    figure: Figure,
+    axes: Axes,
+    found: Sequence[Threshold],
+    selection: Selection,
+    style: Style,
+) -> None:
+    """Draw a line at each threshold, up to its label in rows above the curve."""
+    size = style.text(TEXT)
+    low, high = axes.get_ylim()
+    figure.draw_without_rendering()
+    frame = axes.get_window_extent()
+    line = size * figure.dpi / 72 * ROW
+    rows = _rows(
+        [
+            _Label(
+                threshold,
+                text := _label(threshold, selection),
+                float(axes.transData.transform((threshold.place, low))[0]),
+                text_width(figure, text, size, "bold" if threshold.best else "normal") + 2 * GAP,
+            )
+            for threshold in found
+        ],
+        float(frame.x0),
+        float(frame.x1),
+    )
+    count = 1 + max((row for _, row, _ in rows), default=-1)
+    share = min(0.6, (count + 0.6) * line / frame.height)
+    top = low + (high - low) / (1 - share)
+    axes.set_ylim(low, top)
+    height = (top - low) * line / frame.height
+    for (threshold, text, _, _), row, leftward in rows:
+        colour = style.accent if threshold.best else style.ink
+        level = high + (row + 0.55) * height
+        axes.vlines(
+            threshold.place, low, level, color=colour, linewidth=style.width(1.1),
+            linestyle="solid" if threshold.best else (0, (4, 2)), zorder=4,
+        )  # fmt: skip
+        axes.annotate(
+            text, (threshold.place, level), (-GAP if leftward else GAP, 0),
+            textcoords="offset pixels", ha="right" if leftward else "left", va="center",
+            fontsize=size, color=colour, fontweight="bold" if threshold.best else "normal",
+            zorder=7,
+        )  # fmt: skip
+        if threshold.best:
+            value = selection.values[np.abs(selection.axes[0].values - threshold.place).argmin()]
+            axes.plot(
+                [threshold.place], [value], "*", color=colour, markersize=style.width(12),
+                markeredgecolor=style.ground, zorder=8,
+            )  # fmt: skip
+
+
+class _Label(NamedTuple):
+    """A threshold, what is written at its line, where that line is and how wide the text [dots]."""
+
+    threshold: Threshold
+    text: str
+    x: float
+    width: float
+
+
+def _rows(labels: Sequence[_Label], left: float, right: float) -> list[tuple[_Label, int, bool]]:
+    """Return for each label, places ascending, its row, and whether it is left of its line.
+
+    No line runs through a label: of those to the right of their lines the ones further to the left
+    lie higher, of those to the left, which find no room to the right, the ones further to the
+    right.
+    """
+    limit, leftward = right, []
+    for label in reversed(labels):
+        turned = label.x + label.width > limit and label.x - label.width > left
+        leftward.append(turned)
+        limit = min(limit, label.x) if turned else limit
+    sides = leftward[::-1]
+    first = [i for i in reversed(range(len(labels))) if not sides[i]]
+    rows: dict[int, int] = {}
+    for i in [*first, *(i for i in range(len(labels)) if sides[i])]:
+        mine = _span(labels[i], sides[i])
+        met = [
+            rows[j]
+            for j in rows
+            if (other := _span(labels[j], sides[j]))[0] < mine[1] and mine[0] < other[1]
+        ]
+        rows[i] = max(met, default=-1) + 1
+    return [(labels[i], rows[i], sides[i]) for i in range(len(labels))]
+
+
+def _span(label: _Label, leftward: bool) -> tuple[float, float]:
+    return (label.x - label.width, label.x) if leftward else (label.x, label.x + label.width)
+
+
+def _label(threshold: Threshold, selection: Selection) -> str:
+    axis = selection.axes[0]
+    step = float(np.diff(axis.values).max())
+    digits = 3
+    if threshold.place:
+        digits = max(2, int(np.ceil(np.log10(abs(threshold.place) / step) + 1)))
+    value = with_unit(number(threshold.place, min(digits, 6)), axis.unit)
+    if not threshold.best:
+        return f"{threshold.says} {value}"
+    ends = axis.values[[0, -1]]
+    return f"{threshold.says} at {value}" + (", an end" if threshold.place in ends else "")
+
+
+def _step(selection: Selection) -> str:
+    axis = selection.axes[0]
+    return with_unit(number(float(np.diff(axis.values).max()), 2), axis.unit)

@@ -1,0 +1,213 @@
+"""Several datasets in one picture: the same output over the same axis, a line each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from core.plots.heading import finish
+from core.plots.parts import add_room, set_log
+from core.plots.problem import PlotError
+from core.plots.regimes import looks_of
+from core.plots.scale import value_range
+from core.plots.selection import Selection, select
+from core.plots.style import Style
+from core.plots.text import long_name, short_label
+from core.study.shown import ShownUnits
+
+MOST = 7
+DASHES = (
+    "solid", (0, (6, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)), (0, (10, 3)),
+    (0, (3, 1, 1, 1, 1, 1)), (0, (1, 3)),
+)  # fmt: skip
+ORIGIN = ("scene", "variant", "method")
+BEYOND = "Pale: there the values do not describe a real part"
+
+
+def draw_together(
+    datasets: Sequence[xarray.Dataset],
+    style: Style,
+    units: ShownUnits,
+    *,
+    variable: str | None = None,
+    axes: tuple[str, ...] | None = None,
+    at: Mapping[str, float] | None = None,
+    nearest: bool = False,
+    title: str | None = None,
+) -> Figure:
+    """Return the picture of one output of several datasets over one axis.
+
+    Each line is named by the parameters in which its dataset differs from the others, or by its
+    file.
+
+    Raises
+    ------
+    PlotError
+        If they share no output or no axis, or there are too many.
+    """
+    if len(datasets) > MOST:
+        message = f"{len(datasets)} datasets are too many for one picture, {MOST} are drawn"
+        raise PlotError("dataset", message, "Leave some out")
+    for dataset in datasets:
+        if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
+            fix = "Draw files that `vibrafeed run` wrote"
+            raise PlotError("dataset", f"{_name(dataset)} is no result of vibrafeed", fix)
+    output = _output(datasets, variable)
+    axis = _axis(datasets, output, axes)
+    held = _held(datasets, at or {}, axis)
+    selections = [
+        select(dataset, output, (axis,), kept, "line", units, nearest=nearest)
+        for dataset, kept in zip(datasets, held, strict=True)
+    ]
+    if len({selection.unit for selection in selections}) > 1:
+        largest = max(float(np.nanmax(np.abs(s.variable))) for s in selections)
+        raw = str(selections[0].variable.attrs.get("units", "1"))
+        units = ShownUnits(units.system, {**units.wanted, raw: units.of(raw, largest)})
+        selections = [
+            select(dataset, output, (axis,), kept, "line", units, nearest=nearest)
+            for dataset, kept in zip(datasets, held, strict=True)
+        ]
+    labels, common = _labels(datasets, selections, units)
+    figure = style.sheet()
+    sheet = figure.add_subplot()
+    beyond = _add_lines(sheet, datasets, selections, labels, style)
+    first = selections[0]
+    ends = value_range(np.concatenate([selection.values for selection in selections]))
+    if ends is not None:
+        sheet.set_ylim(*add_room(*ends))
+        if ends[0] < 0 < ends[1]:
+            sheet.axhline(0.0, color=style.ink, linewidth=0.7, zorder=1)
+    places = np.concatenate([selection.axes[0].values for selection in selections])
+    sheet.set_xlim(places.min(), places.max())
+    if all(selection.axes[0].is_log for selection in selections):
+        set_log(sheet.xaxis, first.axes[0].values)
+    sheet.set_xlabel(first.axes[0].label)
+    sheet.set_ylabel(short_label(first.variable, first.unit))
+    style.add_grid(sheet)
+    entries = [
+        Line2D([], [], color=colour, linestyle=dashes, linewidth=2.0, label=label)
+        for colour, dashes, label in zip(style.series, DASHES, labels, strict=False)
+    ]
+    return finish(
+        figure, sheet, style, name=title or long_name(first.variable), facts=common,
+        source=_source(datasets), entries=entries, note=BEYOND if beyond else "",
+    )  # fmt: skip
+
+
+def _add_lines(sheet, datasets, selections, labels, style):  # type: ignore[no-untyped-def]
+    """Draw a line each, pale where its values do not hold; return whether some do not."""
+    beyond = False
+    rows = zip(datasets, selections, labels, style.series, DASHES, strict=False)
+    for dataset, selection, _label, colour, dashes in rows:
+        looks = looks_of(dataset["regime"], selection.regimes, style, exact=selection.exact)
+        valid = np.isin(selection.regimes, [look.value for look in looks if look.valid])
+        x, values = selection.axes[0].values, selection.values
+        if not valid.all():
+            beyond = True
+            sheet.plot(x, values, color=colour, linestyle=dashes, linewidth=1.6, alpha=0.35)
+        sheet.plot(
+            x, np.where(valid, values, np.nan), color=colour, linestyle=dashes,
+            linewidth=style.width(2.0), marker="o" if x.size < 3 else "", zorder=3,
+        )  # fmt: skip
+    return beyond
+
+
+def _output(datasets: Sequence[xarray.Dataset], asked: str | None) -> str:
+    """Return the output that all datasets have."""
+    if asked is not None:
+        for dataset in datasets:
+            if asked not in dataset.data_vars:
+                message = f"{_name(dataset)} has no '{asked[:40]}'"
+                raise PlotError("variable", message, "They share " + _listed(_shared(datasets)))
+        return asked
+    shared = _shared(datasets)
+    if not shared:
+        told = "; ".join(f"{_name(d)} has {_listed(_outputs(d))}" for d in datasets)
+        raise PlotError("variable", f"the files share no output: {told}", "Draw each by itself")
+    return shared[0]
+
+
+def _axis(datasets: Sequence[xarray.Dataset], output: str, asked: tuple[str, ...] | None) -> str:
+    """Return the axis that the output has in all datasets."""
+    if asked is not None and len(asked) != 1:
+        raise PlotError("axes", "several files are drawn over one axis", "Write, say, amplitude")
+    ranged = [
+        [str(dim) for dim in d[output].dims if d.sizes[dim] > 1 and dim in d.coords]
+        for d in datasets
+    ]
+    shared = [name for name in ranged[0] if all(name in other for other in ranged)]
+    if asked is not None and asked[0] not in shared:
+        message = f"{output} is not ranged over '{asked[0][:40]}' in all files"
+        raise PlotError("axes", message, "They share " + _listed(shared))
+    if not shared:
+        told = "; ".join(
+            f"{_name(d)} has {_listed(names)}" for d, names in zip(datasets, ranged, strict=True)
+        )
+        message = f"{output} has no axis in common: {told}"
+        raise PlotError("axes", message, "Draw each by itself")
+    return asked[0] if asked else max(shared, key=lambda name: datasets[0].sizes[name])
+
+
+def _held(
+    datasets: Sequence[xarray.Dataset], at: Mapping[str, float], axis: str
+) -> list[dict[str, float]]:
+    """Return for each dataset the values that are asked for and that it has as an axis."""
+    known = {str(name) for dataset in datasets for name in dataset.dims}
+    unknown = {name for name in at if name not in known or name == axis}
+    return [
+        {name: value for name, value in at.items() if name in dataset.dims or name in unknown}
+        for dataset in datasets
+    ]
+
+
+def _labels(
+    datasets: Sequence[xarray.Dataset], selections: Sequence[Selection], units: ShownUnits
+) -> tuple[list[str], list[str]]:
+    """Return what tells each dataset from the others, and what they have in common."""
+    facts = [list(dict.fromkeys(selection.fixed)) for selection in selections]
+    common = [fact for fact in facts[0] if all(fact in other for other in facts)]
+    told = [[fact for fact in own if fact not in common] for own in facts]
+    for key in ORIGIN:
+        values = [str(dataset.attrs.get(key, "")) for dataset in datasets]
+        if len(set(values)) > 1:
+            told = [[value, *own] if value else own for value, own in zip(values, told, strict=True)]
+    labels = [", ".join(own) for own in told]
+    if len(set(labels)) < len(labels) or not all(labels):
+        names = [_name(dataset) for dataset in datasets]
+        labels = [": ".join(filter(None, pair)) for pair in zip(names, labels, strict=True)]
+    if len(set(labels)) < len(labels):
+        labels = [f"{label} ({i})" for i, label in enumerate(labels, 1)]
+    return labels, common
+
+
+def _source(datasets: Sequence[xarray.Dataset]) -> str:
+    titles = dict.fromkeys(str(dataset.attrs.get("title", "")) for dataset in datasets)
+    return "; ".join(title for title in titles if title)
+
+
+def _name(dataset: xarray.Dataset) -> str:
+    """Return the name of the file that a dataset was read from, else its title."""
+    source = dataset.encoding.get("source")
+    return Path(source).name if source else str(dataset.attrs.get("title", "dataset"))
+
+
+def _outputs(dataset: xarray.Dataset) -> list[str]:
+    return [str(name) for name in dataset.data_vars if name != "regime"]
+
+
+def _shared(datasets: Sequence[xarray.Dataset]) -> list[str]:
+    """Return the outputs that all datasets have and that are ranged in all of them."""
+    return [
+        name
+        for name in _outputs(datasets[0])
+        if all(name in d.data_vars and d[name].size > 1 for d in datasets)
+    ]
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names) if names else "nothing"
