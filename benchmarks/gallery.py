@@ -1,4 +1,4 @@
-"""`python -m benchmarks.gallery` makes docs/gallery and docs/gallery.md from studies of configs/gallery.
+"""`python -m benchmarks.gallery` makes docs/gallery.md and its pictures from configs/gallery.
 
 Each picture is made by the two commands that stand beside it on the page.
 """
@@ -172,7 +172,9 @@ def page() -> str:
 
 
 def _vibrafeed(folder: Path, command: str) -> None:
-    subprocess.run([sys.executable, "-m", "vibrafeed", *shlex.split(command)], cwd=folder, check=True)
+    subprocess.run(
+        [sys.executable, "-m", "vibrafeed", *shlex.split(command)], cwd=folder, check=True
+    )
 
 
 def main() -> None:

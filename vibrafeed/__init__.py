@@ -14,7 +14,8 @@ What there is:
   accessor: `dataset.vf` (`vibrafeed.accessor`); `open_lazily` opens a sweep of any size, and
   computes what is read of it;
 - `drive_error` tells how far the errors of a measured drive move a velocity;
-- `study` and `load_study` make a study without carrying it out; `plot` draws a dataset;
+- `study` and `load_study` make a study without carrying it out; `plot` draws a dataset, and
+  `animate` the motion of a part;
 - `QUANTITIES` and `REGIMES` describe every name and flag of a dataset;
 - `friction` gives published coefficients of friction and restitution, with their sources;
 - `parts_per_minute`, `velocity_for` and `effective_distance` turn velocities into rates.
@@ -121,6 +122,7 @@ __all__ = [
     "SweepStudy",
     "VibrafeedError",
     "__version__",
+    "animate",
     "drive_error",
     "effective_distance",
     "friction",
@@ -172,7 +174,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
 
 
 def plot(
-    dataset: xarray.Dataset,
+    dataset: xarray.Dataset | Sequence[xarray.Dataset],
     *,
     variable: str | None = None,
     axes: str | tuple[str, ...] | None = None,
@@ -191,8 +193,9 @@ def plot(
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        What `sweep`, `simulate` or `optimise` returned, or a file that `vibrafeed run` wrote.
+    dataset : xarray.Dataset, or a list of them
+        What `sweep`, `simulate` or `optimise` returned, or a file that `vibrafeed run` wrote. Of
+        several, the same output is drawn over the same axis.
     variable : str, optional
         The output; the first if left out.
     axes : str or tuple of str, optional
@@ -201,7 +204,8 @@ def plot(
         Values of other dimensions, numbers in the unit of the dataset or text with a unit; the
         middle one if left out.
     kind : str, optional
-        contour, surface, line, map, trajectory, front or landscape; what fits if left out.
+        contour, surface, line, map, levels, thresholds, parallel, trajectory, front or landscape;
+        what fits if left out.
     title : str, optional
         The name of the picture; that of what it shows if left out.
     units : str or sequence of str, optional
@@ -237,6 +241,48 @@ def plot(
         dataset, variable=variable, axes=dims, at=read_fixed(at or {}), kind=kind, title=title,
         units=units, nearest=nearest, dark=dark, small=small,
     )  # fmt: skip
+
+
+def animate(
+    dataset: xarray.Dataset,
+    file: str | os.PathLike[str],
+    *,
+    slow: float | None = None,
+    title: str | None = None,
+    units: str | Sequence[str] | None = None,
+    dark: bool = False,
+    small: bool = False,
+) -> None:
+    """Write the motion of one part as an animation, GIF or MP4 by the suffix of the file.
+
+    It needs matplotlib, and imageio-ffmpeg for MP4: ``pip install 'vibrafeed[video]'``.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A simulation of one part with `trajectory`.
+    file : path
+        The file; an existing one is replaced.
+    slow : float, optional
+        How many times slower it is shown. Left out, a period takes about a second, a fall six.
+    title, units, dark, small
+        As for `plot`.
+
+    Raises
+    ------
+    VibrafeedError
+        If the dataset holds no course, or the file cannot be made.
+
+    Examples
+    --------
+    >>> motion = vibrafeed.simulate("configs/trajectory.toml")  # doctest: +SKIP
+    >>> vibrafeed.animate(motion, "part.gif", slow=50)  # doctest: +SKIP
+    """
+    from pathlib import Path
+
+    from core.plots.movie import animate
+
+    animate(dataset, Path(file), slow=slow, title=title, units=units, dark=dark, small=small)
 
 
 def scenes(

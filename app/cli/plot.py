@@ -13,11 +13,16 @@ from core.errors import Problem
 
 
 def plot(
-    file: Annotated[Path, typer.Argument(help="A NetCDF file that `run` wrote.")],
+    files: Annotated[
+        list[Path],
+        typer.Argument(help="A NetCDF file that `run` wrote; several share one picture."),
+    ],
     output: Annotated[
         Path | None,
         typer.Option(
-            "-o", "--output", help="PNG, SVG or PDF; the first two beside the file if left out."
+            "-o",
+            "--output",
+            help="PNG, SVG or PDF; GIF or MP4 for an animation; beside the file if left out.",
         ),
     ] = None,
     variable: Annotated[
@@ -37,8 +42,15 @@ def plot(
     kind: Annotated[
         str | None,
         typer.Option(
-            "--kind", "-k", help="contour, surface, line, map, trajectory, front or landscape."
+            "--kind",
+            "-k",
+            help="contour, surface, line, map, levels, thresholds, parallel, trajectory, "
+            "animation, front or landscape.",
         ),
+    ] = None,
+    slow: Annotated[
+        float | None,
+        typer.Option("--slow", help="How many times slower an animation is.", show_default=False),
     ] = None,
     title: Annotated[
         str | None, typer.Option("--title", help="The name of the picture.", show_default=False)
@@ -57,7 +69,7 @@ def plot(
         bool, typer.Option("--small", help="For a column of a document, 11 cm wide.")
     ] = False,
 ) -> None:
-    """Draw an output with its regimes, a map of the regimes, or the course of one part."""
+    """Draw an output with its regimes, a map of the regimes, or the motion of one part."""
     from app.cli import console
 
     try:
@@ -65,15 +77,18 @@ def plot(
     except ModuleNotFoundError as error:
         console.fail(f"{error.name} is missing. Install it: pip install 'vibrafeed[plot]'.")
         raise typer.Exit(FAILED) from None
-    targets = [output] if output else [file.with_suffix(".png"), file.with_suffix(".svg")]
+    file = files[0]
+    endings = (".gif",) if kind == "animation" else (".png", ".svg")
+    targets = [output] if output else [file.with_suffix(ending) for ending in endings]
     try:
         draw_file(
-            file,
+            files,
             targets,
             variable=variable,
             axes=tuple(part.strip() for part in axes.split(",")) if axes else None,
             at=dict(_fixed(text) for text in at or ()),
             kind=kind,
+            slow=slow,
             title=title,
             units=units,
             nearest=nearest,

@@ -2,33 +2,29 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterator
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from core.plots.film import Film
-from core.plots.regimes import FILLS, VEIL, mix
+from core.plots.heading import finish
+from core.plots.regimes import FILLS
+from core.plots.style import RGB, Style, mix
 from core.plots.text import number, with_unit
-from core.plots.trajectory import PART, TRACK
 
 SIZE = (6.4, 4.0)  # inches
-INK, QUIET = "#16181c", "#4a4d55"
-GROUND = mix(TRACK, VEIL, 0.5)
 MARGIN = 0.06  # of the view's width, left and right
 DEPTH = 0.18  # of its height: how far the track is seen below its lowest place
 SEEN = 0.74  # of its height, that all motion takes at most
 MARKS = 12  # on the width of the view, or a few more
-FACTS_LENGTH = 104
-MOST_FACTS = 3  # lines
+PALE = 0.25
 DOT = " \N{MIDDLE DOT} "
 NICE = (1.0, 2.0, 5.0)
 
@@ -36,17 +32,16 @@ COLOURS = {
     "stick": FILLS["stick"],
     "forward": FILLS["slip"],
     "backward": FILLS["hop_after_hop"],
-    "flight": "#ffffff",
     "corner": FILLS["hop_after_hop"],
     "side": FILLS["stick"],
     "unknown": "#dddddd",
 }
-"""What the part does. In flight it is white, and words say it beside the colour."""
+"""What the part does. In flight it has the colour of the ground; words say it too."""
 
 Frame = NDArray[np.uint8]
 
 
-def draw_frames(film: Film, dots: int) -> Iterator[Frame]:
+def draw_frames(film: Film, style: Style, dots: int, title: str | None = None) -> Iterator[Frame]:
     """Draw one frame after the other.
 
     Parameters
@@ -55,26 +50,35 @@ def draw_frames(film: Film, dots: int) -> Iterator[Frame]:
         What to show.
     dots : int
         Points of the picture an inch.
+    title : str, optional
+        Its name; one that says how slow it is if left out.
 
     Yields
     ------
     ndarray of uint8, shape (rows, columns, 3)
         Red, green and blue.
     """
-    figure = Figure(figsize=SIZE, dpi=dots, layout="constrained", facecolor=VEIL)
-    canvas = FigureCanvasAgg(figure)
+    figure = style.sheet(*SIZE)
+    figure.set_dpi(dots)
     view, strip = figure.subplots(2, 1, height_ratios=(1.0, 0.07))
-    _head(figure, film)
-    left, right, bottom = _frame_view(view, film)
-    clock = _add_strip(strip, film)
-    moving = _Moving(view, film, left, right, bottom)
-    mode = strip.text(
-        0.0, 1.35, "", transform=strip.transAxes, fontsize=9, color=INK, animated=True
-    )
-    figure.draw_without_rendering()
+    view.set(xticks=[], yticks=[])
+    clock = _add_strip(strip, film, style)
+    slower = f", {number(film.slow)} times slower" if film.slow != 1 else ""
+    notes = DOT.join(film.notes)
+    finish(
+        figure, view, style, name=title or f"Motion of the part{slower}", facts=film.facts,
+        source=notes[:1].upper() + notes[1:],
+    )  # fmt: skip
     figure.set_layout_engine("none")
+    left, right, bottom = _frame_view(view, film, style)
+    moving = _Moving(view, film, style, left, right, bottom)
+    mode = strip.text(
+        0.0, 1.35, "", transform=strip.transAxes, fontsize=style.text(9), color=style.ink,
+        animated=True,
+    )  # fmt: skip
+    canvas: Any = figure.canvas
     canvas.draw()
-    empty = canvas.copy_from_bbox(figure.bbox)  # type: ignore[attr-defined]
+    empty = canvas.copy_from_bbox(figure.bbox)
     for i, time in enumerate(film.times):
         canvas.restore_region(empty)
         moving.put(i)
@@ -84,14 +88,17 @@ def draw_frames(film: Film, dots: int) -> Iterator[Frame]:
         for axes, artists in ((view, moving.artists), (strip, (clock, mode))):
             for artist in artists:
                 axes.draw_artist(artist)
-        yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
+        frame = np.asarray(canvas.buffer_rgba())[..., :3]
+        yield frame[: frame.shape[0] // 2 * 2, : frame.shape[1] // 2 * 2].copy()  # even, for MP4
 
 
 class _Moving:
     """What moves: the track with its marks, the part, and the way that its middle has come."""
 
-    def __init__(self, axes: Axes, film: Film, left: float, right: float, bottom: float):
-        self._film = film
+    def __init__(
+        self, axes: Axes, film: Film, style: Style, left: float, right: float, bottom: float
+    ):
+        self._film, self._style = film, style
         spacing = _nice_below((right - left) / MARKS)
         reach = float(np.abs(film.track[0]).max()) + spacing
         self._marks = np.arange(
@@ -100,10 +107,12 @@ class _Moving:
         self._marks *= spacing
         self._mark_length = 0.018 * (right - left)
         self._ends, self._bottom = (left - reach, right + reach), bottom
-        self._ground = Polygon(np.zeros((4, 2)), facecolor=GROUND, edgecolor=TRACK, linewidth=1.4)
-        self._ticks = Line2D([], [], color=TRACK, linewidth=1.0)
-        self._way = Line2D([], [], color=PART, linewidth=1.0, alpha=0.55)
-        self._part = Polygon(np.zeros((4, 2)), edgecolor=PART, linewidth=1.8, joinstyle="round")
+        self._ground = Polygon(np.zeros((4, 2)), linewidth=1.4)
+        self._ground.set(facecolor=mix(style.other, style.ground, 0.5), edgecolor=style.other)
+        self._ticks = Line2D([], [], color=style.other, linewidth=1.0)
+        self._way = Line2D([], [], color=style.curve, linewidth=1.0, alpha=0.55)
+        self._part = Polygon(np.zeros((4, 2)), linewidth=1.8, joinstyle="round")
+        self._part.set_edgecolor(style.curve)
         self.artists: tuple[Artist, ...] = (self._ground, self._ticks, self._way, self._part)
         for artist in self.artists:
             artist.set_animated(True)
@@ -122,10 +131,10 @@ class _Moving:
         self._ticks.set_data(x, y)
         self._way.set_data(film.part[0, : i + 1], film.part[1, : i + 1])
         self._part.set_xy(_turned(film.outline, film.pitch[i]).T + film.part[:, i])
-        self._part.set_facecolor(COLOURS[film.modes[i]])
+        self._part.set_facecolor(_colour(film.modes[i], self._style))
 
 
-def _frame_view(axes: Axes, film: Film) -> tuple[float, float, float]:
+def _frame_view(axes: Axes, film: Film, style: Style) -> tuple[float, float, float]:
     """Set the limits of the view, to scale, and add a bar of a length; return sides and bottom."""
     if film.pitch.any():
         reach = above = float(np.hypot(*film.outline).max())
@@ -136,10 +145,8 @@ def _frame_view(axes: Axes, film: Film) -> tuple[float, float, float]:
         [film.track[1].min(), film.part[1].max() + above],
     ]
     (left, right), (bottom, top) = np.array(ends)
-    axes.set(xticks=[], yticks=[])
     for spine in axes.spines.values():
         spine.set_visible(False)
-    axes.get_figure().draw_without_rendering()  # type: ignore[union-attr]
     box = axes.get_window_extent()
     scale = max((right - left) / (1 - 2 * MARGIN) / box.width, (top - bottom) / SEEN / box.height)
     middle, width, height = (left + right) / 2, scale * box.width, scale * box.height
@@ -149,41 +156,31 @@ def _frame_view(axes: Axes, film: Film) -> tuple[float, float, float]:
     axes.set(xlim=(left, right), ylim=(bottom, top))
     bar = _nice_below(width / 6)
     x, y = right - 0.03 * width - bar, top - 0.06 * height
-    axes.plot([x, x + bar], [y, y], color=INK, linewidth=2.0, solid_capstyle="butt")
+    axes.plot([x, x + bar], [y, y], color=style.ink, linewidth=2.0, solid_capstyle="butt")
     axes.annotate(
         with_unit(number(bar), film.unit), (x + bar / 2, y), (0, -3), ha="center", va="top",
-        textcoords="offset points", fontsize=8, color=INK,
+        textcoords="offset points", fontsize=style.text(8), color=style.ink,
     )  # fmt: skip
     return left, right, bottom
 
 
-def _add_strip(axes: Axes, film: Film) -> Line2D:
+def _add_strip(axes: Axes, film: Film, style: Style) -> Line2D:
     """Show what the part does when; return the line of the present time."""
     edges = 1000 * np.append(film.times, 2 * film.times[-1] - film.times[-2])
     start = 0
     for mode, run in groupby(film.modes):
         stop = start + len(list(run))
-        axes.axvspan(edges[start], edges[stop], facecolor=COLOURS[mode], linewidth=0)
+        axes.axvspan(edges[start], edges[stop], facecolor=_colour(mode, style), linewidth=0)
         start = stop
     axes.set(xlim=(edges[0], edges[-1]), yticks=[])
-    axes.tick_params(labelsize=8)
-    axes.set_xlabel("Time (ms)", fontsize=8)
-    axes.set_title(" ", fontsize=10)  # room for what is written in each frame
-    (clock,) = axes.plot([edges[0]] * 2, [0, 1], color=INK, linewidth=2.0, animated=True)
+    axes.set_xlabel("Time (ms)")
+    axes.set_title(" ", fontsize=style.text(10))  # room for what is written in each frame
+    (clock,) = axes.plot([edges[0]] * 2, [0, 1], color=style.ink, linewidth=2.0, animated=True)
     return clock
 
 
-def _head(figure: Figure, film: Film) -> None:
-    slower = "Motion of the part"
-    if film.slow != 1:
-        slower += f", {number(film.slow)} times slower"
-    lines = [line.strip(DOT) for line in textwrap.wrap(DOT.join(film.facts), FACTS_LENGTH)]
-    if len(lines) > MOST_FACTS:
-        lines = [*lines[: MOST_FACTS - 1], lines[MOST_FACTS - 1] + " ..."]
-    figure.suptitle(slower, x=0.012, ha="left", fontsize=11, fontweight="bold", color=INK)
-    notes = DOT.join(film.notes)
-    text = "\n".join([*lines, *([notes[0].upper() + notes[1:]] if notes else [])])
-    figure.axes[0].set_title(text, loc="left", fontsize=7, color=QUIET, linespacing=1.35)
+def _colour(mode: str, style: Style) -> RGB | str:
+    return mix(COLOURS[mode], style.ground, PALE) if mode in COLOURS else style.ground
 
 
 def _turned(outline: NDArray[np.float64], pitch: float) -> NDArray[np.float64]:

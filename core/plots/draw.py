@@ -12,7 +12,9 @@ from matplotlib.figure import Figure
 from core.plots.categories import looks_of_categories
 from core.plots.contour import draw_contour
 from core.plots.heading import finish, source_of
+from core.plots.levels import draw_levels
 from core.plots.line import draw_line
+from core.plots.parallel import draw_parallel
 from core.plots.problem import PlotError
 from core.plots.regime_map import draw_map
 from core.plots.regimes import Look, looks_of
@@ -20,6 +22,8 @@ from core.plots.selection import Selection, select
 from core.plots.style import Style
 from core.plots.surface import draw_surface
 from core.plots.text import long_name, units_of
+from core.plots.thresholds import draw_thresholds
+from core.plots.together import draw_together
 from core.plots.trajectory import TIME, check_trajectory, draw_trajectory, read_trajectory
 from core.plots.tumbling import draw_tumbling, read_tumbling
 
@@ -30,7 +34,13 @@ PAINTERS: dict[str, Painter] = {
     "surface": draw_surface,
     "line": draw_line,
     "map": draw_map,
+    "levels": draw_levels,
 }
+WHOLE: dict[str, Callable[..., Figure]] = {
+    "thresholds": draw_thresholds,
+    "parallel": draw_parallel,
+}
+"""Kinds that choose for themselves what they show."""
 BEYOND = {
     "contour": "Pale and hatched",
     "surface": "Grey",
@@ -44,7 +54,7 @@ MOTIONS = {
 
 
 def draw(
-    dataset: xarray.Dataset,
+    dataset: xarray.Dataset | Sequence[xarray.Dataset],
     *,
     variable: str | None = None,
     axes: tuple[str, ...] | None = None,
@@ -60,9 +70,9 @@ def draw(
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    dataset : xarray.Dataset, or a sequence of them
         A sweep or simulation, as `core.sweep.sweep` or `core.motion.simulate` returns it or as its
-        file is read.
+        file is read. Of several, up to seven, the same output is drawn over the same axis.
     variable : str, optional
         The output; the first if left out.
     axes : tuple of str, optional
@@ -70,7 +80,8 @@ def draw(
     at : mapping of str to float, optional
         Values of other dimensions, in the unit of the dataset; the middle one if left out.
     kind : str, optional
-        contour, surface, line, map, trajectory, front or landscape. If left out: contour over two
+        contour, surface, line, map, levels, thresholds, parallel, trajectory, front or landscape.
+        If left out: contour over two
         axes, line over one, trajectory where the dataset holds a motion over a cycle. A line with
         two axes is a family of curves, at most seven, and what is drawn where an axis has no more
         values than that. A map shows the regimes, or an output whose numbers stand for words.
@@ -105,7 +116,22 @@ def draw(
     >>> dataset = sweep(load_study(Path("configs/figures/fig-5-1.toml")))
     >>> figure = draw(dataset, axes=("beta", "alpha"), kind="surface")
     """
+    datasets = [dataset] if isinstance(dataset, xarray.Dataset) else list(dataset)
+    if not datasets:
+        raise PlotError("dataset", "there is none", "Give one or more")
+    dataset = datasets[0]
     style, shown = Style(dark=dark, small=small), units_of(dataset, units)
+    if len(datasets) > 1:
+        if kind not in (None, "line"):
+            fix = "Leave the kind out, or draw each by itself"
+            raise PlotError("kind", "several datasets are drawn as lines", fix)
+        return draw_together(
+            datasets, style, shown, variable=variable, axes=axes, at=at, nearest=nearest,
+            title=title,
+        )  # fmt: skip
+    if kind == "animation":
+        fix = "Call vibrafeed.animate, or end the name in .gif or .mp4"
+        raise PlotError("kind", "an animation is a file, not a figure", fix)
     if kind in ("front", "landscape") or (kind is None and not axes and "knee" in dataset):
         from core.plots.front import draw_front  # loads the optimiser
         from core.plots.landscape import draw_landscape
@@ -116,6 +142,10 @@ def draw(
     if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
         fix = "Draw a file that `vibrafeed run` wrote"
         raise PlotError("dataset", "it is no result of vibrafeed: no regime or no scene", fix)
+    if kind in WHOLE:
+        return WHOLE[kind](
+            dataset, style, shown, variable=variable, axes=axes, at=at, nearest=nearest, title=title
+        )
     figure = style.sheet()
     if kind == "trajectory" or (
         (kind, variable, axes) == (None, None, None) and TIME in dataset.dims

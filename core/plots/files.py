@@ -17,6 +17,7 @@ from core.plots.problem import PlotError
 
 DPI = 150
 FORMATS = {".png": "png", ".svg": "svg", ".pdf": "pdf"}
+MOVING = (".gif", ".mp4")
 METADATA = {
     "png": {"Software": "vibrafeed"},
     "svg": {"Creator": "vibrafeed", "Date": None},
@@ -25,27 +26,31 @@ METADATA = {
 
 
 def draw_file(
-    file: Path,
+    file: Path | Sequence[Path],
     targets: Sequence[Path],
     *,
     variable: str | None = None,
     axes: tuple[str, ...] | None = None,
     at: Mapping[str, str] | None = None,
     kind: str | None = None,
+    slow: float | None = None,
     **look: Any,
 ) -> None:
-    """Draw a NetCDF file that `vibrafeed run` wrote; see `draw`.
+    """Draw a NetCDF file that `vibrafeed run` wrote, or several in one picture; see `draw`.
 
     Parameters
     ----------
-    file : Path
+    file : Path, or a sequence of them
         The NetCDF file.
     targets : sequence of Path
-        The pictures, PNG, SVG or PDF by their suffix; existing ones are replaced.
+        The pictures, PNG, SVG or PDF by their suffix, GIF or MP4 of an animation; existing ones
+        are replaced.
     variable, axes, kind
         As for `draw`.
     at : mapping of str to str, optional
         Values of other dimensions as a user writes them, in the unit of the file.
+    slow : float, optional
+        How many times slower an animation is.
     **look
         title, units, nearest, dark and small, as for `draw`.
 
@@ -56,12 +61,46 @@ def draw_file(
     OSError
         If the file cannot be read or a picture cannot be written; no part of one is left behind.
     """
+    files = [file] if isinstance(file, Path) else list(file)
+    moving = kind == "animation" or any(target.suffix.lower() in MOVING for target in targets)
+    if moving:
+        _animate_file(files, targets, (variable, axes, at), kind, slow, look)
+        return
+    if slow is not None:
+        raise PlotError("slow", "only an animation is slowed", "End the name in .gif or .mp4")
     for target in targets:
         check_format(target)
     held = read_fixed(at or {})
-    figure = draw(_read(file), variable=variable, axes=axes, at=held, kind=kind, **look)
+    figure = draw(
+        [_read(each) for each in files], variable=variable, axes=axes, at=held, kind=kind, **look
+    )
     for target in targets:
         save(figure, target)
+
+
+def _animate_file(
+    files: Sequence[Path],
+    targets: Sequence[Path],
+    chosen: Sequence[object],
+    kind: str | None,
+    slow: float | None,
+    look: Mapping[str, Any],
+) -> None:
+    """Write the animation of a file's course."""
+    from core.plots.movie import animate
+
+    if len(files) > 1:
+        raise PlotError("dataset", "an animation shows one file", "Give one")
+    if kind not in (None, "animation", "trajectory"):
+        fix = "End the name in .png, .svg or .pdf, or leave the kind out"
+        raise PlotError("kind", f"a {kind} does not move", fix)
+    if any(chosen):
+        fix = "Leave variable, axes and --at out"
+        raise PlotError("kind", "an animation shows all of the one course that a file has", fix)
+    look = {name: value for name, value in look.items() if name != "nearest"}
+    dataset = _read(files[0])
+    for target in targets:
+        animate(dataset, target, slow=slow, **look)
 
 
 def check_format(target: Path) -> None:

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from core.plots.problem import PlotError
 from core.plots.selection import held_fixed
-from core.plots.text import number, read_unit, with_unit, words
-from core.plots.trajectory import LEGEND, MODES, TIME, read_trajectory
-from core.quantities import QUANTITIES
+from core.plots.text import number, shown_in, with_unit
+from core.plots.trajectory import LEGEND, TIME, check_trajectory, read_trajectory
+from core.study.shown import Shown, ShownUnits
 
 FRAMES_PER_SECOND = 25
 MOST_FRAMES = 1000
@@ -79,17 +79,15 @@ class Film:
     notes: tuple[str, ...]
 
 
-def read_film(
-    dataset: xarray.Dataset, at: Mapping[str, float] | None = None, slow: float | None = None
-) -> Film:
+def read_film(dataset: xarray.Dataset, units: ShownUnits, slow: float | None = None) -> Film:
     """Return the frames of the course that a dataset holds.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         A simulation of one part with `trajectory`.
-    at : mapping of str to float, optional
-        Nothing but parameters of that part can be named.
+    units : ShownUnits
+        Units in which values are read.
     slow : float, optional
         How many times slower it is shown. Left out, a period takes about a second, a fall six.
 
@@ -99,18 +97,16 @@ def read_film(
         If the dataset holds no course, or the animation would be too long.
     """
     if slow is not None and not (np.isfinite(slow) and slow > 0):
-        raise PlotError("slow", f"'{slow:g}' is not above 0", "Write, say, --slow 50")
+        raise PlotError("slow", f"'{slow:g}' is not above 0", "Give a number such as 50")
+    check_trajectory(dataset, None, None, {})
     if "path_height" in dataset:
-        return _tumbling(dataset, slow)
-    return _on_track(dataset, at or {}, slow)
+        return _tumbling(dataset, units, slow)
+    return _on_track(dataset, units, slow)
 
 
-def _on_track(dataset: xarray.Dataset, at: Mapping[str, float], slow: float | None) -> Film:
+def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
     """Return the film of a part on a track, over as many cycles as let it travel."""
-    known = read_trajectory(dataset, None, None, at)
-    if "track_along" not in dataset:
-        fix = "Draw a file that `vibrafeed run` wrote"
-        raise PlotError("dataset", "its motion has no track_along", fix)
+    known = read_trajectory(dataset, units)
     dataset = dataset.sortby(TIME)
     time = _values(dataset[TIME])
     position, height, along, normal = (
@@ -122,7 +118,7 @@ def _on_track(dataset: xarray.Dataset, at: Mapping[str, float], slow: float | No
     span = max(float(np.hypot(np.ptp(along), np.ptp(normal))), float(height.max()))
     if span == 0:
         raise PlotError("dataset", "neither the track nor the part moves", "Draw another")
-    factor, unit = read_unit(xarray.DataArray([span], attrs={"units": "m"}))
+    shown = units.of("m", span)
     length = PART_LENGTH * span
     cycles = _cycles(dataset, time, span, length)
     frequency = float(dataset["frequency"])
@@ -133,18 +129,18 @@ def _on_track(dataset: xarray.Dataset, at: Mapping[str, float], slow: float | No
     turns, within = np.divmod(moments, whole)
     within += time[0]
 
-    def shown(values: Array) -> Array:
-        return factor * np.interp(within, time, values)
+    def then(values: Array) -> Array:
+        return shown.factor * np.interp(within, time, values)
 
-    gap, notes = shown(height), [f"size of the part not to scale, {_stands_for(dataset)}"]
+    gap, notes = then(height), [f"part not to scale ({_stands_for(dataset, units)})"]
     exaggeration = _exaggeration(float(height.max()), PART_SHAPE * length)
     if exaggeration > 1:
-        notes.append(f"gap drawn {number(exaggeration)} times as large")
+        notes.append(f"gap {number(exaggeration)} times as large")
     if cycles > 1:
-        notes.append(f"one cycle, shown {cycles} times")
-    track = np.stack([shown(along), shown(normal)])
-    ride = shown(position) + factor * turns * (position[-1] - position[0])
-    half = factor * np.array([length, PART_SHAPE * length]) / 2
+        notes.append(f"cycle shown {cycles} times")
+    track = np.stack([then(along), then(normal)])
+    ride = then(position) + shown.factor * turns * (position[-1] - position[0])
+    half = shown.factor * np.array([length, PART_SHAPE * length]) / 2
     part = track + np.stack([ride, half[1] + exaggeration * gap])
     nearest = np.clip(np.searchsorted(time, within, side="right") - 1, 0, time.size - 1)
     return Film(
@@ -153,19 +149,17 @@ def _on_track(dataset: xarray.Dataset, at: Mapping[str, float], slow: float | No
         part=part,
         pitch=np.zeros(frames),
         outline=_box(*half),
-        modes=[known.modes[i] if known.modes[i] in MODES else "unknown" for i in nearest],
+        modes=[known.modes[i] if known.modes[i] in LEGEND else "unknown" for i in nearest],
         says={**LEGEND, "unknown": "unknown"},
-        unit=unit,
+        unit=shown.unit,
         slow=slow,
         facts=tuple(known.facts),
         notes=tuple(notes),
     )
 
 
-def _tumbling(dataset: xarray.Dataset, slow: float | None) -> Film:
+def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
     """Return the film of a part that tumbles, until shortly after it rests."""
-    if TIME not in dataset.dims or dataset.sizes[TIME] < 2:
-        raise PlotError("dataset", "it shows one time only", "Ask for two times or more")
     dataset = dataset.sortby(TIME)
     time = _values(dataset[TIME])
     along, upward, pitch = (
@@ -181,15 +175,15 @@ def _tumbling(dataset: xarray.Dataset, slow: float | None) -> Film:
     slow = slow or _nice(FALL_SHOWN / (end - time[0]))
     frames = _frames((end - time[0]) * slow)
     moments = np.linspace(time[0], end, frames)
-    factor, unit = read_unit(xarray.DataArray([upward[followed].max()], attrs={"units": "m"}))
+    shown = units.of("m", float(upward[followed].max()))
     amplitude, frequency, beta = (
         float(dataset[name]) if name in dataset.coords else 0.0
         for name in ("amplitude", "frequency", "beta")
     )
-    swing = factor * amplitude * np.sin(TURN * frequency * moments)
+    swing = shown.factor * amplitude * np.sin(TURN * frequency * moments)
     track = np.stack([swing * np.cos(np.deg2rad(beta)), swing * np.sin(np.deg2rad(beta))])
 
-    def shown(values: Array) -> Array:
+    def then(values: Array) -> Array:
         return np.asarray(np.interp(moments, time[followed], values[followed]))
 
     corners = _values(dataset["path_corners"])
@@ -197,14 +191,14 @@ def _tumbling(dataset: xarray.Dataset, slow: float | None) -> Film:
     return Film(
         times=moments,
         track=track,
-        part=track + factor * np.stack([shown(along), shown(upward)]),
-        pitch=np.deg2rad(shown(pitch)),
-        outline=factor * _outline(dataset),
+        part=track + shown.factor * np.stack([then(along), then(upward)]),
+        pitch=np.deg2rad(then(pitch)),
+        outline=shown.factor * _outline(dataset),
         modes=[CORNERS[int(min(count, 2))] for count in np.nan_to_num(corners)[nearest]],
         says=CORNER_WORDS,
-        unit=unit,
+        unit=shown.unit,
         slow=slow,
-        facts=tuple(held_fixed(dataset)),
+        facts=tuple(held_fixed(dataset, units)),
         notes=(),
     )
 
@@ -265,13 +259,13 @@ def _nice(value: float) -> float:
     return float(min(choices, key=lambda choice: abs(np.log(choice / value))))
 
 
-def _stands_for(dataset: xarray.Dataset) -> str:
+def _stands_for(dataset: xarray.Dataset, units: ShownUnits) -> str:
     """Return what the drawn part stands for."""
-    if "length" not in dataset:
-        return "the model knows none"
-    factor, unit = read_unit(dataset["length"])
-    label = words(QUANTITIES["length"].label).lower()
-    return f"{label} {with_unit(number(factor * float(dataset['length'])), unit)}"
+    if "length" not in dataset or dataset["length"].ndim:
+        return "no size in the model"
+    shown: Shown = shown_in(dataset["length"], units)
+    length = with_unit(number(shown.factor * float(dataset["length"])), shown.unit)
+    return f"{length} long"
 
 
 def _values(array: xarray.DataArray) -> Array:

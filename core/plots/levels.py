@@ -60,7 +60,7 @@ def draw_levels(
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     axes.set_xlabel(across.label)
     axes.set_ylabel(up.label)
-    entries = share_entries(across, up, regimes, looks, faces)
+    entries = share_entries(selection.regimes, looks, faces)
     backward = str(selection.variable.attrs.get("units")) == SPEED
     signed = _line_entries(signs, selection.unit, style)
     if below:
@@ -79,10 +79,7 @@ def _hatch_below(
     negative = np.nan_to_num(values) < -NOTHING * np.nanmax(np.abs(values), initial=0.0)
     if not negative.any():
         return False
-    if negative.all():
-        shown = np.ones_like(values)
-    else:
-        shown = np.ma.masked_invalid(-values)
+    shown = np.ones_like(values) if negative.all() else np.ma.masked_invalid(-values)
     area = axes.contourf(
         x, y, shown, levels=[0.0, np.inf], colors=["none"], hatches=[HATCH], zorder=3
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Sequence
 from itertools import chain
 from pathlib import Path
 
@@ -12,10 +12,12 @@ from PIL import Image
 
 from core.dataset.files import whole
 from core.plots.animation import Frame, draw_frames
+from core.plots.files import MOVING
 from core.plots.film import FRAMES_PER_SECOND, read_film
 from core.plots.problem import PlotError
+from core.plots.style import Style
+from core.plots.text import units_of
 
-SUFFIXES = (".gif", ".mp4")
 DOTS = {".gif": 100, ".mp4": 150}  # an inch
 COLOURS = 32  # of a GIF; text stays smooth
 SAMPLED = 8  # frames from which they are taken
@@ -26,8 +28,11 @@ def animate(
     dataset: xarray.Dataset,
     target: Path,
     *,
-    at: Mapping[str, float] | None = None,
     slow: float | None = None,
+    title: str | None = None,
+    units: Sequence[str] | str | None = None,
+    dark: bool = False,
+    small: bool = False,
 ) -> None:
     """Write the course of one part as an animation, GIF or MP4 by the suffix of the name.
 
@@ -37,10 +42,10 @@ def animate(
         A simulation of one part with `trajectory`, of a drive or of a fall.
     target : Path
         The file; an existing one is replaced.
-    at : mapping of str to float, optional
-        As for `draw`.
     slow : float, optional
         How many times slower it is shown. Left out, a period takes about a second, a fall six.
+    title, units, dark, small
+        As for `draw`.
 
     Raises
     ------
@@ -50,15 +55,15 @@ def animate(
         If the file cannot be written; no part of it is left behind.
     """
     suffix = target.suffix.lower()
-    if suffix not in SUFFIXES:
+    if suffix not in MOVING:
         message = f"'{target.suffix}' is no format for animations"
         raise PlotError("output", message, "End the name in .gif or .mp4")
-    film = read_film(dataset, at, slow)
+    style, film = Style(dark=dark, small=small), read_film(dataset, units_of(dataset, units), slow)
     write = _write_gif if suffix == ".gif" else _write_mp4
     if suffix == ".mp4":
         _ffmpeg()  # before anything is drawn
     with whole(target) as temporary:
-        write(draw_frames(film, DOTS[suffix]), temporary)
+        write(draw_frames(film, style, DOTS[suffix], title), temporary)
 
 
 def _write_gif(frames: Iterable[Frame], target: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +19,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from core.errors import suggestion
+from core.plots.fixed import fixed_positions
 from core.plots.heading import finish, source_of
 from core.plots.parts import add_room
 from core.plots.problem import PlotError
@@ -75,6 +76,9 @@ def draw_parallel(
     units: ShownUnits,
     *,
     variable: str | None = None,
+    axes: tuple[str, ...] | None = None,
+    at: Mapping[str, float] | None = None,
+    nearest: bool = False,
     title: str | None = None,
 ) -> Figure:
     """Return the picture of all designs of a dataset.
@@ -88,11 +92,19 @@ def draw_parallel(
     PlotError
         If there is no such output, or there are not two designs with a value.
     """
+    if axes is not None:
+        raise PlotError("axes", "parallel coordinates show all axes", "Leave them out, or hold "
+                        "one by --at")  # fmt: skip
+    held = at or {}
+    places = fixed_positions(
+        dataset, held, [n for n in held if n in dataset.dims], (), nearest=nearest
+    )
+    dataset = dataset.isel(places)
     designs = read_designs(dataset, units, variable)
     figure = style.sheet()
-    axes = figure.add_subplot()
-    _draw_lines(axes, designs, style)
-    _draw_columns(axes, designs, style)
+    sheet = figure.add_subplot()
+    _draw_lines(sheet, designs, style)
+    _draw_columns(sheet, designs, style)
     shown = designs.columns[0].values.size
     note = f"{shown:,} of {designs.total:,} designs, by chance, and the best one."
     if shown == designs.total:
@@ -105,12 +117,12 @@ def draw_parallel(
         Line2D([], [], color=style.one_sign(0.95), linewidth=2.0, label=f"large {last.name}"),
         Line2D([], [], color=style.one_sign(0.35), linewidth=2.0, label=f"small {last.name}"),
     ]
-    axes.set(xlim=(-0.35, len(designs.columns) - 0.65), ylim=(-0.06, 1.06), xticks=[], yticks=[])
+    sheet.set(xlim=(-0.35, len(designs.columns) - 0.65), ylim=(-0.06, 1.06), xticks=[], yticks=[])
     finish(
-        figure, axes, style, name=title or f"Designs by {last.name}",
+        figure, sheet, style, name=title or f"Designs by {last.name}",
         facts=held_fixed(dataset, units), source=source_of(dataset), entries=entries, note=note,
     )  # fmt: skip
-    for spine in axes.spines.values():
+    for spine in sheet.spines.values():
         spine.set_visible(False)
     return figure
 
@@ -137,7 +149,6 @@ def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | Non
         message = f"{output} has one value, there is one design only"
         raise PlotError("dataset", message, "Draw a dataset with ranges")
     shape = tuple(dataset.sizes[name] for name in dims)
-    total = int(np.prod(shape))
 
     def at_all(name: str) -> NDArray[Any]:
         array = dataset[name]

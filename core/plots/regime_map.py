@@ -17,8 +17,8 @@ from core.plots.islands import without_specks
 from core.plots.names import add_names
 from core.plots.parts import cell_edges, set_log
 from core.plots.regimes import HATCH_WIDTH, Look, swatch
-from core.plots.selection import Selection, thin
-from core.plots.style import Style
+from core.plots.selection import Axis, Selection, thin
+from core.plots.style import RGB, Style
 
 MOST_POINTS = 500  # of an axis; a cell is then two points of the picture wide
 BORDER = "#1a1a1a"  # on fills, which are light in every style
@@ -37,28 +37,28 @@ def draw_map(
     for axis, spine in ((across, axes.xaxis), (up, axes.yaxis)):
         if axis.is_log:
             set_log(spine, axis.values)
-    x, y = cell_edges(across), cell_edges(up)
-    _fill(axes, x, y, regimes, looks)
-    plain = without_specks(regimes)
-    _add_borders(axes, x, y, plain, looks)
+    fill_cells(axes, across, up, regimes, looks, [look.fill for look in looks])
+    plain = add_borders(axes, across, up, regimes, looks)
     add_names(axes, across, up, plain, looks, style, on_fill=True)
+    x, y = cell_edges(across), cell_edges(up)
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     axes.set_xlabel(across.label)
     axes.set_ylabel(up.label)
-    shares = regime_shares(selection.regimes)
-    return axes, [_entry(look, shares.get(look.name, 0.0)) for look in looks]
+    return axes, share_entries(selection.regimes, looks, [look.fill for look in looks])
 
 
-def _fill(
+def fill_cells(
     axes: Axes,
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
+    across: Axis,
+    up: Axis,
     regimes: NDArray[np.int64],
     looks: Sequence[Look],
+    fills: Sequence[RGB],
 ) -> None:
-    """Fill every cell, and hatch what is not valid."""
+    """Fill every cell with the colour of its regime, and hatch what is not valid."""
+    x, y = cell_edges(across), cell_edges(up)
     values = [look.value for look in looks]  # ascending
-    colours = ListedColormap([look.fill for look in looks])
+    colours = ListedColormap(list(fills))
     axes.pcolormesh(
         x, y, np.searchsorted(values, regimes), cmap=colours, vmin=-0.5, vmax=len(looks) - 0.5,
         rasterized=True, zorder=1,
@@ -74,19 +74,23 @@ def _fill(
             area.set_hatch_linewidth(HATCH_WIDTH)
 
 
-def _add_borders(
+def add_borders(
     axes: Axes,
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
+    across: Axis,
+    up: Axis,
     regimes: NDArray[np.int64],
     looks: Sequence[Look],
-) -> None:
-    """Draw a line between cells of different regimes."""
+    colour: str | RGB = BORDER,
+) -> NDArray[np.int64]:
+    """Draw a line between cells of different regimes; return them without specks."""
+    x, y = cell_edges(across), cell_edges(up)
+    plain = without_specks(regimes)
     for look in looks:
-        inside = regimes == look.value
+        inside = plain == look.value
         if inside.min() < inside.max():
             corners, cells = _as_corners(x, y, inside)
-            axes.contour(*corners, cells, levels=[0.5], colors=[BORDER], linewidths=[0.8], zorder=3)
+            axes.contour(*corners, cells, levels=[0.5], colors=[colour], linewidths=[0.8], zorder=3)
+    return plain
 
 
 def _as_corners(
@@ -97,8 +101,19 @@ def _as_corners(
     return corners, inside.repeat(2, axis=0).repeat(2, axis=1).astype(float)
 
 
-def _entry(look: Look, share: float) -> Artist:
+def share_entries(
+    regimes: NDArray[np.int64], looks: Sequence[Look], fills: Sequence[RGB]
+) -> list[Artist]:
+    """Return the legend's entries, each with the share of the cells that have its regime."""
+    shares = regime_shares(regimes)
+    return [
+        _entry(look, fill, shares.get(look.name, 0.0))
+        for look, fill in zip(looks, fills, strict=True)
+    ]
+
+
+def _entry(look: Look, fill: RGB, share: float) -> Artist:
     ink = to_rgb(BORDER) if look.valid else look.hatch_ink
-    entry = swatch(look, look.fill, ink, hatched=not look.valid)
+    entry = swatch(look, fill, ink, hatched=not look.valid)
     entry.set_label(f"{look.label}, {percent(share)}")
     return entry

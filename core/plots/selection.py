@@ -19,7 +19,10 @@ from core.plots.text import axis_label, name_in_words, number, scaled, shown_in,
 from core.quantities import QUANTITIES
 from core.study.shown import ShownUnits
 
-KINDS = ("contour", "surface", "line", "map", "trajectory")
+KINDS = (
+    "contour", "surface", "line", "map", "levels", "thresholds", "parallel", "trajectory",
+    "animation", "front", "landscape",
+)  # fmt: skip
 LOG_TOLERANCE = 1e-6
 FEW = 7  # values of an axis between which nothing is drawn: curves, not contours
 
@@ -108,7 +111,7 @@ def select(
         whole = named if categories_of(named) else whole  # no part else, but a slip is one
     names = _axes(whole, axes, 1 if kind == "line" else 2)
     categories = None if whole.name == "regime" else categories_of(whole)
-    if categories and kind in ("contour", "surface"):
+    if categories and kind in ("contour", "surface", "levels"):
         message = f"{whole.name} has names, not heights"
         raise PlotError("kind", message, "Leave the kind out, or ask for map")
     if kind is None:

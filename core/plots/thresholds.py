@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from core.plots.heading import finish, source_of, text_width
@@ -175,12 +177,10 @@ def _repeats(multiple: int) -> str:
     return f"repeats after {multiple} periods" if multiple else "stops repeating"
 
 
-def _turn(
-    axis: NDArray[np.float64], values: NDArray[np.float64], limit: float
-) -> Threshold | None:
+def _turn(axis: NDArray[np.float64], values: NDArray[np.float64], limit: float) -> Threshold | None:
     """Return where parts first travel the other way."""
     moving = np.flatnonzero(np.abs(np.nan_to_num(values)) > limit)
-    for before, after in zip(moving[:-1], moving[1:], strict=True):
+    for before, after in pairwise(moving):
         if values[before] * values[after] < 0:
             share = values[before] / (values[before] - values[after])
             place = float(axis[before] + share * (axis[after] - axis[before]))
@@ -230,7 +230,7 @@ def _mark(
             text, (threshold.place, level), (-GAP if leftward else GAP, 0),
             textcoords="offset pixels", ha="right" if leftward else "left", va="center",
             fontsize=size, color=colour, fontweight="bold" if threshold.best else "normal",
-            zorder=7,
+            zorder=7, path_effects=[withStroke(linewidth=2.5, foreground=style.ground)],
         )  # fmt: skip
         if threshold.best:
             value = selection.values[np.abs(selection.axes[0].values - threshold.place).argmin()]

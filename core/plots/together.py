@@ -175,7 +175,9 @@ def _labels(
     for key in ORIGIN:
         values = [str(dataset.attrs.get(key, "")) for dataset in datasets]
         if len(set(values)) > 1:
-            told = [[value, *own] if value else own for value, own in zip(values, told, strict=True)]
+            told = [
+                [value, *own] if value else own for value, own in zip(values, told, strict=True)
+            ]
     labels = [", ".join(own) for own in told]
     if len(set(labels)) < len(labels) or not all(labels):
         names = [_name(dataset) for dataset in datasets]

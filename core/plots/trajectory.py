@@ -228,9 +228,7 @@ def draw_trajectory(figure: Figure, shown: Trajectory, style: Style) -> tuple[Ax
     return heights, [*_lines(style), *_mode_entries(shown.modes, style)]
 
 
-def _draw_wall(
-    axes: Axes, shown: Trajectory, distance: NDArray[np.float64], style: Style
-) -> None:
+def _draw_wall(axes: Axes, shown: Trajectory, distance: NDArray[np.float64], style: Style) -> None:
     """Draw how far the part is from the wall, which lies below the line at 0."""
     low, high = _limits(np.append(distance, 0.0))
     body = mix(style.other, style.ground, 0.5)

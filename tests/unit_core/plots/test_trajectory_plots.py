@@ -243,4 +243,5 @@ def test_a_track_with_a_wall_shows_the_gap_to_it():
     drawn = gap.lines[-1].get_ydata()
     np.testing.assert_allclose(drawn, 1000 * course["distance_from_wall"])
     assert gap.get_ylim()[0] < 0  # where the wall is seen
-    assert gap.get_xlabel() and not figure.axes[-2].get_xlabel()
+    assert gap.get_xlabel()
+    assert not figure.axes[-2].get_xlabel()
