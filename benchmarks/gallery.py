@@ -5,22 +5,24 @@ Each picture is made by the two commands that stand beside it on the page.
 
 from __future__ import annotations
 
+import contextlib
 import shlex
 import shutil
-import subprocess
-import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
 from PIL import Image
 
+from app.cli import app
+
 ROOT = Path(__file__).parents[1]
 STUDIES = ROOT / "configs" / "gallery"
 PICTURES = ROOT / "docs" / "gallery"
 PAGE = ROOT / "docs" / "gallery.md"
-COLOURS = 160  # of a PNG: flat colours need few, and the file is a third as large
-WIDTH = 1000  # dots
+WIDTHS = (1000, 800, 640)  # dots
+COLOURS = (160, 64, 32)  # of a PNG: flat colours need few, and the file is a third as large
+LARGEST = 150_000  # bytes of a PNG
 
 
 @dataclass(frozen=True)
@@ -144,9 +146,13 @@ def shrink(source: Path, target: Path) -> None:
         shutil.copyfile(source, target)
         return
     with Image.open(source) as picture:
-        height = round(picture.height * WIDTH / picture.width)
-        small = picture.convert("RGB").resize((WIDTH, height), Image.Resampling.LANCZOS)
-        small.quantize(COLOURS, dither=Image.Dither.NONE).save(target, optimize=True)
+        for width in WIDTHS:
+            height = round(picture.height * width / picture.width)
+            small = picture.convert("RGB").resize((width, height), Image.Resampling.LANCZOS)
+            for colours in COLOURS:
+                small.quantize(colours, dither=Image.Dither.NONE).save(target, optimize=True)
+                if target.stat().st_size < LARGEST:
+                    return
 
 
 def page() -> str:
@@ -172,9 +178,9 @@ def page() -> str:
 
 
 def _vibrafeed(folder: Path, command: str) -> None:
-    subprocess.run(
-        [sys.executable, "-m", "vibrafeed", *shlex.split(command)], cwd=folder, check=True
-    )
+    """Carry out a command in a folder; in this process, that the libraries are loaded once."""
+    with contextlib.chdir(folder):
+        app(shlex.split(command), standalone_mode=False)
 
 
 def main() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -166,16 +165,13 @@ def _frame_view(axes: Axes, film: Film, style: Style) -> tuple[float, float, flo
 
 def _add_strip(axes: Axes, film: Film, style: Style) -> Line2D:
     """Show what the part does when; return the line of the present time."""
-    edges = 1000 * np.append(film.times, 2 * film.times[-1] - film.times[-2])
-    start = 0
-    for mode, run in groupby(film.modes):
-        stop = start + len(list(run))
-        axes.axvspan(edges[start], edges[stop], facecolor=_colour(mode, style), linewidth=0)
-        start = stop
-    axes.set(xlim=(edges[0], edges[-1]), yticks=[])
+    for mode, start, stop in film.spells:
+        axes.axvspan(1000 * start, 1000 * stop, facecolor=_colour(mode, style), linewidth=0)
+    first, last = 1000 * film.spells[0][1], 1000 * film.spells[-1][2]
+    axes.set(xlim=(first, last), yticks=[])
     axes.set_xlabel("Time (ms)")
     axes.set_title(" ", fontsize=style.text(10))  # room for what is written in each frame
-    (clock,) = axes.plot([edges[0]] * 2, [0, 1], color=style.ink, linewidth=2.0, animated=True)
+    (clock,) = axes.plot([first] * 2, [0, 1], color=style.ink, linewidth=2.0, animated=True)
     return clock
 
 

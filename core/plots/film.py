@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import xarray
@@ -58,6 +59,8 @@ class Film:
         What the part does, keys of `says`.
     says : mapping of str to str
         What it does, in words.
+    spells : tuple of (str, float, float)
+        What it does from when to when [s]; spells may be shorter than a frame.
     unit : str
         Unit of lengths.
     slow : float
@@ -73,6 +76,7 @@ class Film:
     outline: Array
     modes: list[str]
     says: Mapping[str, str]
+    spells: tuple[tuple[str, float, float], ...]
     unit: str
     slow: float
     facts: tuple[str, ...]
@@ -143,14 +147,20 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     half = shown.factor * np.array([length, PART_SHAPE * length]) / 2
     part = track + np.stack([ride, half[1] + exaggeration * gap])
     nearest = np.clip(np.searchsorted(time, within, side="right") - 1, 0, time.size - 1)
+    modes = [mode if mode in LEGEND else "unknown" for mode in known.modes]
     return Film(
         times=moments + time[0],
         track=track,
         part=part,
         pitch=np.zeros(frames),
         outline=_box(*half),
-        modes=[known.modes[i] if known.modes[i] in LEGEND else "unknown" for i in nearest],
+        modes=[modes[i] for i in nearest],
         says={**LEGEND, "unknown": "unknown"},
+        spells=tuple(
+            (mode, start + k * whole, stop + k * whole)
+            for k in range(cycles)
+            for mode, start, stop in _spells(modes, time)
+        ),
         unit=shown.unit,
         slow=slow,
         facts=tuple(known.facts),
@@ -186,7 +196,8 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     def then(values: Array) -> Array:
         return np.asarray(np.interp(moments, time[followed], values[followed]))
 
-    corners = _values(dataset["path_corners"])
+    corners = np.nan_to_num(_values(dataset["path_corners"]))
+    modes = [CORNERS[int(min(count, 2))] for count in corners]
     nearest = np.clip(np.searchsorted(time, moments, side="right") - 1, 0, time.size - 1)
     return Film(
         times=moments,
@@ -194,13 +205,25 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
         part=track + shown.factor * np.stack([then(along), then(upward)]),
         pitch=np.deg2rad(then(pitch)),
         outline=shown.factor * _outline(dataset),
-        modes=[CORNERS[int(min(count, 2))] for count in np.nan_to_num(corners)[nearest]],
+        modes=[modes[i] for i in nearest],
         says=CORNER_WORDS,
+        spells=tuple(
+            (mode, start, min(stop, end))
+            for mode, start, stop in _spells(modes, time)
+            if start < end
+        ),
         unit=shown.unit,
         slow=slow,
         facts=tuple(held_fixed(dataset, units)),
         notes=(),
     )
+
+
+def _spells(modes: Sequence[str], time: Array) -> list[tuple[str, float, float]]:
+    """Return each run of equal modes with its times; borders lie halfway between two times."""
+    edges = np.concatenate([time[:1], (time[:-1] + time[1:]) / 2, time[-1:]])
+    starts = [0, *(i for i in range(1, len(modes)) if modes[i] != modes[i - 1]), len(modes)]
+    return [(modes[i], float(edges[i]), float(edges[j])) for i, j in pairwise(starts)]
 
 
 def _outline(dataset: xarray.Dataset) -> Array:

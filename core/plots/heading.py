@@ -50,9 +50,9 @@ def finish(
     top.set_title("\n" if source and facts else " ", loc="left", fontsize=style.text(FACTS),
                   linespacing=1.4, color=style.quiet)  # fmt: skip
     figure.draw_without_rendering()
-    start = top.get_window_extent().x0
+    start, end = top.get_window_extent().intervalx
     beside = [legend.get_window_extent() for legend in figure.legends]
-    ends = [box.x0 - MARGIN * figure.bbox.width for box in beside if box.x0 > start]
+    ends = [box.x0 - MARGIN * figure.bbox.width for box in beside if box.x0 > end]
     room = min([(1 - MARGIN) * figure.bbox.width, *ends]) - start
     size = style.text(FACTS)
     lines = [_packed(figure, facts, room, size), _cut(figure, source, room, size)]

@@ -24,7 +24,7 @@ from core.plots.heading import finish, source_of
 from core.plots.parts import add_room
 from core.plots.problem import PlotError
 from core.plots.selection import held_fixed
-from core.plots.style import Style, mix
+from core.plots.style import Style
 from core.plots.text import in_brackets, long_name, number, scaled, shown_in
 from core.quantities import REGIMES
 from core.study.shown import ShownUnits
@@ -35,7 +35,7 @@ SPREAD = 0.3  # of the distance of two values of an axis, either way
 FEW = 40  # values of an axis, about which lines are spread
 TICKS = 5
 FRONT = "front"
-LETTERS = 78  # of the names above all columns, side by side
+LETTERS = 72  # of the names above all columns, side by side
 OPACITY = {100: 0.9, 300: 0.6, 1000: 0.4}
 """Of a line, where there are no more lines than that."""
 WEAK = 0.35
@@ -93,8 +93,8 @@ def draw_parallel(
         If there is no such output, or there are not two designs with a value.
     """
     if axes is not None:
-        raise PlotError("axes", "parallel coordinates show all axes", "Leave them out, or hold "
-                        "one by --at")  # fmt: skip
+        fix = "Leave them out, or hold one by --at"
+        raise PlotError("axes", "parallel coordinates show all axes", fix)
     held = at or {}
     places = fixed_positions(
         dataset, held, [n for n in held if n in dataset.dims], (), nearest=nearest
@@ -117,7 +117,6 @@ def draw_parallel(
         Line2D([], [], color=style.one_sign(0.95), linewidth=2.0, label=f"large {last.name}"),
         Line2D([], [], color=style.one_sign(0.35), linewidth=2.0, label=f"small {last.name}"),
     ]
-    sheet.set(xlim=(-0.35, len(designs.columns) - 0.65), ylim=(-0.06, 1.06), xticks=[], yticks=[])
     finish(
         figure, sheet, style, name=title or f"Designs by {last.name}",
         facts=held_fixed(dataset, units), source=source_of(dataset), entries=entries, note=note,
@@ -237,7 +236,7 @@ def _draw_lines(axes: Axes, designs: Designs, style: Style) -> None:
 
 def _draw_columns(axes: Axes, designs: Designs, style: Style) -> None:
     """Draw the axes with their numbers and names, and the numbers of the best design."""
-    width = max(11, LETTERS // len(designs.columns))
+    width = max(9, LETTERS // len(designs.columns))
     halo = [withStroke(linewidth=2.5, foreground=style.ground)]
     size = style.text(8.0)
     for place, column in enumerate(designs.columns):
@@ -256,12 +255,17 @@ def _draw_columns(axes: Axes, designs: Designs, style: Style) -> None:
             place + 0.04, best_height, number(best, 3), ha="left", va="center", fontsize=size,
             color=style.accent, fontweight="bold", path_effects=halo, zorder=7,
         )  # fmt: skip
-        label = textwrap.wrap(column.name, width, break_long_words=False)
-        name = "\n".join([*label, in_brackets(column.unit)] if column.unit else label)
-        axes.text(
-            place, -0.075, name, ha="center", va="top", fontsize=style.text(8.5),
-            color=mix(style.ground, style.ink, 0.95), linespacing=1.2, zorder=6,
-        )  # fmt: skip
+    names = [
+        "\n".join(filter(None, [*_wrapped(column.name, width), in_brackets(column.unit)]))
+        for column in designs.columns
+    ]
+    axes.set_xticks(range(len(names)), names)
+    axes.tick_params(axis="x", length=0)
+    axes.set(xlim=(-0.35, len(names) - 0.65), ylim=(-0.06, 1.06), yticks=[])
+
+
+def _wrapped(name: str, width: int) -> list[str]:
+    return textwrap.wrap(name, width, break_long_words=False)
 
 
 def _ticks(column: Column) -> Sequence[float]:
