@@ -14,6 +14,8 @@ import difflib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 
+from core.other_names import meant
+
 
 @dataclass(frozen=True)
 class Problem:
@@ -97,8 +99,11 @@ LONGEST = 60  # letters of a name that are looked at; no name of ours has more
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that a mistyped or shortened one stands for; None if none is near."""
+    """Return the known name that another, mistyped or shortened one stands for; None if none is."""
     choice, name = sorted(known), name[:LONGEST]
+    said = meant(name, choice)
+    if said is not None:
+        return said
     longer = [known for known in choice if len(name) >= MEANT and known.startswith(name)]
     near = longer or difflib.get_close_matches(name, choice, n=1, cutoff=0.6)
     return near[0] if near else None
@@ -109,11 +114,16 @@ MOST_PROBLEMS = 100  # that are told one by one
 SEARCHED = 8  # names of one request that are worth a search for what was meant
 
 
-def suggestion(name: str, known: Iterable[str]) -> str:
-    """Return ``Did you mean ...?`` for the nearest known name, or the whole choice."""
+def suggestion(name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
+    """Return ``Did you mean ...?`` for the nearest known name, or the whole choice.
+
+    `listed` are those of the known names that are the choice, if not all of them.
+    """
     choice = sorted(known)
-    meant = nearest(name, choice)
-    return f"Did you mean '{meant}'?" if meant else "Known: " + ", ".join(_in_families(choice))
+    near = nearest(name, choice)
+    if near:
+        return f"Did you mean '{near}'?"
+    return "Known: " + ", ".join(_in_families(choice if listed is None else sorted(listed)))
 
 
 class Suggestions:
@@ -122,9 +132,9 @@ class Suggestions:
     def __init__(self) -> None:
         self.left = SEARCHED
 
-    def __call__(self, name: str, known: Iterable[str]) -> str:
+    def __call__(self, name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
         """Return what `suggestion` does, or a plain word once that has been asked often enough."""
-        return self.within(lambda: suggestion(name, known))
+        return self.within(lambda: suggestion(name, known, listed))
 
     def within(self, search: Callable[[], str]) -> str:
         """Return what a search gives, as above."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
@@ -13,13 +13,16 @@ import numpy as np
 from core import motion, optimise, sweep
 from core.dataset.table import Table
 from core.errors import Problem, StudyError
+from core.motion.systems import SYSTEMS
 from core.plan.pieces import Computed, carry_out
+from core.plan.plan import scene_parameters
 from core.plan.prepared import Prepared
 from core.plan.sample import FAILED, LEFT_OUT
 from core.quantities import MOTION_STATUSES, OPTIMUM_STATUSES
+from core.scenes import SCENES, Scene
 from core.study.drive import names_recording
 from core.study.load import parse_study, read_content
-from core.study.models import SimulateStudy, Study
+from core.study.models import PARAMETERS, SimulateStudy, Study
 from core.watch import Watch
 
 if TYPE_CHECKING:
@@ -58,6 +61,13 @@ KINDS: dict[str, Kind] = {
 }
 """Every kind of study, by the value of its key `kind`."""
 
+
+PLACES: Mapping[str, tuple[Mapping[str, Scene], ...]] = {
+    "sweep": (SCENES,),
+    "simulate": (SYSTEMS,),
+    "optimise": (SCENES, SYSTEMS),
+}
+"""Where the scenes of each kind of study are found."""
 
 STATUSES = {
     "motion_status": MOTION_STATUSES["not_computed"].value,
@@ -109,7 +119,7 @@ def study_and_fit(content: object) -> tuple[SimulateStudy, Fit]:
 def _parsed(content: object, problems: list[Problem]) -> Study:
     """Return the study of some content; raise if there is a problem in it, or another one."""
     try:
-        study = parse_study(content)
+        study = parse_study(content, lambda: _parameters_of(content))
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
     if problems:
@@ -165,7 +175,7 @@ def prepare_content(content: object, only: str | None = None, *, files: bool = F
     content, unsound, _ = _fitted(content, files=files)
     problems += unsound
     try:
-        study = parse_study(content)
+        study = parse_study(content, lambda: _parameters_of(content))
     except StudyError as error:
         # Without the numbers of the drive a plan would miss what is not missing.
         if kind is not None and isinstance(content, Mapping) and not unsound:
@@ -177,6 +187,19 @@ def prepare_content(content: object, only: str | None = None, *, files: bool = F
     if only is not None and isinstance(prepared, sweep.ReducedSweep):
         raise StudyError([sweep.no_cells("Leave it out, or POST to /processes/sweep/execution")])
     return prepared
+
+
+def _parameters_of(content: object) -> Collection[str]:
+    """Return the parameters of the scene that a study names, or all that there are."""
+    content = content if isinstance(content, Mapping) else {}
+    found: set[str] = set()
+    for scenes in PLACES.get(str(content.get("kind"))[:60], ()):
+        scene = scenes.get(str(content.get("scene"))[:100])
+        if scene is not None:
+            named = str(content.get(scene.choice))[:100]
+            chosen = named if named in scene.variants else scene.default_variant
+            found |= {*scene_parameters(scene, chosen)}
+    return found or PARAMETERS
 
 
 def prepare(study: Study) -> Prepared:

@@ -25,21 +25,31 @@ STANDARD = Path("-")
 def prepare_all(
     files: Sequence[Path], *, cells: int | None = None, bytes_: int | None = None
 ) -> dict[Path, Prepared]:
-    """Return the study of each file, or report every error of every file and exit."""
+    """Return the study of each file, or report every error of every file and exit.
+
+    What is allowed and hardly meant is asked about on the error stream.
+    """
     from core.kinds import prepare_content
+    from core.study.unusual import questions
 
     prepared: dict[Path, Prepared] = {}
     wrong: dict[Path, Sequence[Problem]] = {}
+    asked: dict[Path, list[str]] = {}
     for path in files:
         try:
-            prepared[path] = prepare_content(_content(path), files=True)
+            content = _content(path)
+            prepared[path] = prepare_content(content, files=True)
             prepared[path].check_limits(cells=cells, bytes_=bytes_)
+            asked[path] = questions(content)
         except StudyError as error:
             wrong[path] = error.problems
         except LimitError as error:
             wrong[path] = [Problem("parameters", error.message, error.fix)]
     if wrong:
         refuse(wrong)
+    for path, lines in asked.items():
+        for line in lines:
+            typer.echo(f"{path}: {line}", err=True)
     return prepared
 
 

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from core.errors import Problem, StudyError, Suggestions, suggestion
+from core.other_names import meant
 from core.quantities import QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE
+from core.quantities.motion import RESULTS
 from core.scenes import ALIASES, SCENES, Condition, Equation, Scene
 from core.scenes.graph import behind
 
@@ -230,12 +232,34 @@ def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions)
             f"Set {scene.choice} to {' or '.join(others)}",
             about=name,
         )
+    elsewhere = _of_another_kind(scene, variant, name)
+    if elsewhere is not None:
+        return elsewhere
     return Problem(
         "outputs",
         f"{scene.name} has no output '{name[:60]}'",
         suggest(name, scene.outputs(variant)),
         about=name,
     )
+
+
+def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
+    """Return what to tell of an output that a study of another kind gives, if it is one."""
+    closed = SCENES.get(scene.name)
+    if scene.choice == "method" and closed is not None:
+        here, there, kind = "simulation", "sweep", "sweep"
+        gives = name in closed.outputs(closed.default_variant)
+    else:
+        here, there, kind = "sweep", "simulation", "simulate"
+        gives = name in RESULTS
+    if not gives:
+        return None
+    other = meant(name, scene.outputs(variant))
+    message = f"a {there} gives {name}"
+    if other is None:
+        return Problem("outputs", f"{message}, a {here} does not", f'Set kind = "{kind}"', name)
+    message += f"; a {here} gives {other}"
+    return Problem("outputs", message, f'Ask for {other}, or set kind = "{kind}"', name)
 
 
 def _doubled_friction(given: Collection[str]) -> list[Problem]:

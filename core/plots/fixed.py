@@ -68,7 +68,7 @@ def _position(coordinate: xarray.DataArray, value: float, *, nearest: bool) -> i
     if nearest and np.isfinite(value):
         return int(np.abs(values - value).argmin())
     try:
-        return position_on_axis(str(coordinate.name), values, value)
+        return position_on_axis(str(coordinate.name), values, value, "trade")
     except UnitError as error:
         raise PlotError(_place(coordinate.name), error.message, error.fix) from None
 

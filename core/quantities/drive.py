@@ -21,7 +21,7 @@ def _amplitude(axis: str, order: int) -> Quantity:
     return Quantity(
         "m", f"A{_LETTERS[axis]}{order}", f"Amplitude {axis}, order {order}",
         f"Amplitude of the track's motion {WHERE[axis]} at {_times(order)}, zero to peak.", 0.0,
-        parameter=True, examples=("0.1 mm",),
+        parameter=True, examples=("0.1 mm",), usual=(1e-9, 0.025),
     )  # fmt: skip
 
 

@@ -31,6 +31,8 @@ class Quantity:
     bundle : bool
         True for several arrays that one equation hands on together, such as both components of an
         impulse; equations read them, files do not hold them.
+    usual : tuple of float, optional
+        Least and largest size of values that feeders have, in `unit`; others are asked about.
     """
 
     unit: str
@@ -43,6 +45,7 @@ class Quantity:
     parameter: bool = False
     examples: tuple[str, ...] = ()
     bundle: bool = False
+    usual: tuple[float, float] | None = None
 
     @property
     def is_angle(self) -> bool:
@@ -53,20 +56,31 @@ class Quantity:
 def length(symbol: str, label: str, description: str, example: str) -> Quantity:
     """Return a length that a study may give, above 0."""
     return Quantity(
-        "m", symbol, label, description, 0.0, strict=True, parameter=True, examples=(example,)
-    )
+        "m", symbol, label, description, 0.0, strict=True, parameter=True, examples=(example,),
+        usual=(1e-5, 5.0),
+    )  # fmt: skip
 
 
-def angle(symbol: str, label: str, description: str, limit: float, example: str) -> Quantity:
+def angle(
+    symbol: str,
+    label: str,
+    description: str,
+    limit: float,
+    example: str,
+    usual: tuple[float, float] | None = None,
+) -> Quantity:
     """Return an angle that a study may give, up to a limit on both sides."""
     return Quantity(
-        "degree", symbol, label, description, -limit, limit, parameter=True, examples=(example,)
-    )
+        "degree", symbol, label, description, -limit, limit, parameter=True, examples=(example,),
+        usual=usual,
+    )  # fmt: skip
 
 
 def friction(symbol: str, label: str, description: str) -> Quantity:
     """Return a coefficient of friction that a study may give."""
-    return Quantity("1", symbol, label, description, 0.0, parameter=True, examples=("0.3",))
+    return Quantity(
+        "1", symbol, label, description, 0.0, parameter=True, examples=("0.3",), usual=(0.01, 2.0)
+    )
 
 
 def acceleration(symbol: str, label: str, description: str) -> Quantity:

@@ -16,29 +16,33 @@ TRACK: dict[str, Quantity] = {
     # --- parameters: the drive
     "frequency": Quantity(
         "Hz", "f", "Frequency", "Drive frequency.", 0.0, parameter=True,
-        examples=("50 Hz", "3000 rpm", "3000 vpm"),
+        examples=("50 Hz", "3000 rpm", "3000 vpm"), usual=(1.0, 1000.0),
     ),
     "amplitude": Quantity(
         "m", "A0", "Amplitude", "Drive amplitude, zero to peak, along the drive direction.", 0.0,
-        parameter=True, examples=("0.5 mm",),
+        parameter=True, examples=("0.5 mm",), usual=(1e-7, 0.025),
     ),
     "peak_to_peak": Quantity(
         "m", "2 A0", "Peak-to-peak stroke", "Twice the drive amplitude.", 0.0, parameter=True,
-        examples=("1 mm",),
+        examples=("1 mm",), usual=(2e-7, 0.05),
     ),
     "alpha": angle(
         "alpha", "Drive azimuth",
         "Azimuth of the drive in the floor plane, from the track (+x) towards +y.", 180.0, "15 deg",
+        (1.0, 180.0),
     ),
     "beta": angle(
-        "beta", "Drive elevation", "Elevation of the drive above the floor plane.", 180.0, "20 deg"
+        "beta", "Drive elevation", "Elevation of the drive above the floor plane.", 180.0, "20 deg",
+        (1.0, 180.0),
     ),
     # --- parameters: the track
     "gamma": angle(
-        "gamma", "Climb angle", "Climb angle of the track; +x goes uphill.", 90.0, "3 deg"
+        "gamma", "Climb angle", "Climb angle of the track; +x goes uphill.", 90.0, "3 deg",
+        (0.2, 90.0),
     ),
     "delta": angle(
-        "delta", "Lean angle", "Lean of the track; the part leans on the wall.", 90.0, "2 deg"
+        "delta", "Lean angle", "Lean of the track; the part leans on the wall.", 90.0, "2 deg",
+        (0.2, 90.0),
     ),
     "yaw": angle(
         "theta", "Yaw of the axes", "Turn of the part's axes about the floor normal.", 180.0,
@@ -47,7 +51,7 @@ TRACK: dict[str, Quantity] = {
     "radius": length("R", "Bowl radius", "Radius of the bowl's track wall.", "0.3 m"),
     "gravity": Quantity(
         "m s-2", "g", "Gravity", "Acceleration of gravity.", 0.0, strict=True, parameter=True,
-        examples=("9.80665 m/s^2",),
+        examples=("9.80665 m/s^2",), usual=(1.0, 30.0),
     ),
     # --- parameters: the contact
     "friction": friction(
@@ -70,7 +74,7 @@ TRACK: dict[str, Quantity] = {
     "diameter": length("d", "Part diameter", "Diameter of the cylindrical part.", "8 mm"),
     "mass": Quantity(
         "kg", "m", "Part mass", "Mass of the part.", 0.0, strict=True, parameter=True,
-        examples=("5 g",),
+        examples=("5 g",), usual=(1e-9, 10.0),
     ),
     "restitution": Quantity(
         "1", "eps", "Restitution",
@@ -85,7 +89,7 @@ TRACK: dict[str, Quantity] = {
     # --- parameters: the motion
     "speed": Quantity(
         "m s-1", "v0", "Speed", "Speed of the part along the track at the start.", 0.0,
-        parameter=True, examples=("0.1 m/s",),
+        parameter=True, examples=("0.1 m/s",), usual=(1e-6, 10.0),
     ),
     "distance": Quantity(
         "m", "x", "Effective distance",

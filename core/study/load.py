@@ -7,7 +7,7 @@ import os
 import re
 import sys
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -25,7 +25,13 @@ DEEPEST = 32  # levels; a study has 5, an execute request around it 2
 # What no study comes near: who sends more is refused before it is looked at closely.
 MOST_KEYS = 1_000  # of one object of JSON
 ONE = "Send one JSON object, a study"
+SYNTAX = "Fix the syntax there"
+NO_STUDIES = {
+    ".nc": ("it is a result, not a study", "Draw it with `vibrafeed plot`, or name its study"),
+    ".csv": ("it is a table, not a study", "Name a TOML or JSON study"),
+}  # what other files are, and what to do instead of running them
 MOST_BRACKETS = 10_000  # of the objects and lists of one text
+OUTSIDE = 5  # misplaced parameters that are named
 LARGEST = sys.float_info.max
 _HALVES = re.compile("[\ud800-\udfff]")
 
@@ -46,17 +52,37 @@ def read_content(path: Path) -> object:
 
     The file of a recording is named beside that of the study.
     """
+    suffix = path.suffix.lower()
+    if suffix in NO_STUDIES:
+        _fail("file", *NO_STUDIES[suffix])
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin it with a mark
     except UnicodeDecodeError as error:
         _fail("file", "it is not UTF-8 text", "Save it as UTF-8", error)
     except OSError as error:
         _fail("file", f"it cannot be read: {error.strerror}", "Name a TOML or JSON study", error)
-    content = read_json(text) if path.suffix.lower() == ".json" else read_toml(text)
+    content = _read_text(text, ".json" if suffix == ".json" else ".toml", path.stem)
     drive = content.get("drive") if isinstance(content, dict) else None
     if isinstance(drive, dict) and isinstance(drive.get("file"), str):
         drive["file"] = str(path.parent / drive["file"])
     return content
+
+
+def _read_text(text: str, suffix: str, stem: str) -> object:
+    """Return what stands in the text of a file; tell TOML and JSON apart if its name is wrong."""
+    try:
+        return _READERS[suffix](text)
+    except StudyError as error:
+        (other,) = {*_READERS} - {suffix}
+        try:
+            _READERS[other](text)
+        except StudyError:
+            (problem,) = error.problems
+            if problem.place == "body":  # the word of requests
+                raise StudyError([Problem("file", problem.message, SYNTAX)]) from None
+            raise
+        form = other.removeprefix(".").upper()
+        _fail("file", f"this is {form}, and its name ends in {suffix}", f"Name it {stem}{other}")
 
 
 def read_toml(text: str) -> object:
@@ -64,7 +90,7 @@ def read_toml(text: str) -> object:
     try:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        _fail("file", f"it is not TOML: {error}", "Fix the syntax there", error)
+        _fail("file", f"it is not TOML: {error}", SYNTAX, error)
 
 
 def read_json(text: str | bytes) -> object:
@@ -85,6 +111,9 @@ def read_json(text: str | bytes) -> object:
     return content
 
 
+_READERS: dict[str, Callable[[str], object]] = {".json": read_json, ".toml": read_toml}
+
+
 def parse_toml(text: str) -> Study:
     """Return the study in a TOML text; raise `StudyError` with every problem of it."""
     return parse_study(read_toml(text))
@@ -95,8 +124,13 @@ def parse_json(text: str | bytes) -> Study:
     return parse_study(read_json(text))
 
 
-def parse_study(content: object) -> Study:
-    """Return the study that a mapping describes; raise `StudyError` with every problem of it."""
+def parse_study(
+    content: object, parameters: Callable[[], Collection[str]] = lambda: PARAMETERS
+) -> Study:
+    """Return the study that a mapping describes; raise `StudyError` with every problem of it.
+
+    `parameters` returns those to choose from, which messages list: all, or those of its scene.
+    """
     if not isinstance(content, Mapping):
         _fail("study", "it is not an object", "Write keys and values: kind, scene, outputs, ...")
     kind = content.get("kind")
@@ -110,11 +144,11 @@ def parse_study(content: object) -> Study:
         # The rest is checked all the same, as the kind that has most of its keys.
         keys = {name: set(STUDIES[name].model_fields) & set(content) for name in STUDIES}
         likely = max(STUDIES, key=lambda name: len(keys[name]))
-        raise StudyError([problem, *_problems_of({**content, "kind": likely})])
+        raise StudyError([problem, *_problems_of({**content, "kind": likely}, parameters())])
     try:
         return STUDIES[kind].model_validate(content)
     except ValidationError as error:
-        raise StudyError(_problems(kind, error)) from None
+        raise StudyError(_problems(kind, error, parameters())) from None
 
 
 def parse_recorded(drive: Mapping[str, Any]) -> RecordedDrive:
@@ -122,32 +156,49 @@ def parse_recorded(drive: Mapping[str, Any]) -> RecordedDrive:
     try:
         return RecordedDrive.model_validate(drive)
     except ValidationError as error:
-        raise StudyError(_problems("drive", error, "drive")) from None
+        raise StudyError(_problems("drive", error, PARAMETERS, "drive")) from None
 
 
-def _problems_of(content: dict[str, Any]) -> Iterable[Problem]:
+def _problems_of(content: dict[str, Any], parameters: Collection[str]) -> Iterable[Problem]:
     try:
         STUDIES[content["kind"]].model_validate(content)
     except ValidationError as error:
-        return _problems(content["kind"], error)
+        return _problems(content["kind"], error, parameters)
     return ()
 
 
-def _problems(kind: str, error: ValidationError, *place: str) -> list[Problem]:
+def _problems(
+    kind: str, error: ValidationError, parameters: Collection[str], *place: str
+) -> list[Problem]:
     """Return what pydantic found, in our words; `place` is where what it looked at stands."""
     found = error.errors(include_url=False, include_input=False)
+    outside = [] if place else [str(one["loc"][0]) for one in found if _is_outside(one)]
     suggest = Suggestions()
     problems = []
+    if outside:
+        told = ", ".join(outside[:OUTSIDE]) + (", ..." if len(outside) > OUTSIDE else "")
+        message = f"{told} {'stands' if len(outside) == 1 else 'stand'} outside of them"
+        fix = "Write them within: in TOML, below the line [parameters]"
+        problems.append(Problem("parameters", message, fix))
+        found = [one for one in found if not _is_outside(one) and one["loc"] != ("parameters",)]
     for one in found[:MOST_PROBLEMS]:
         one["loc"] = (*place, *one["loc"])
-        problems.append(_problem(kind, one, suggest))
+        problems.append(_problem(kind, one, parameters, suggest))
     if len(found) > MOST_PROBLEMS:
         more = f"{len(found) - MOST_PROBLEMS:,} further problems are not listed"
         problems.append(Problem("study", more, "Fix these first"))
     return problems
 
 
-def _problem(kind: str, error: ErrorDetails, suggest: Suggestions) -> Problem:
+def _is_outside(error: ErrorDetails) -> bool:
+    """Return whether a parameter stands among the keys of a study."""
+    path = error["loc"]
+    return error["type"] == "extra_forbidden" and len(path) == 1 and path[0] in PARAMETERS
+
+
+def _problem(
+    kind: str, error: ErrorDetails, parameters: Collection[str], suggest: Suggestions
+) -> Problem:
     """Return one error of pydantic in our words."""
     path = list(error["loc"])
     if len(path) > 1 and path[0] == "criterion" and path[1] in CRITERIA:
@@ -165,7 +216,11 @@ def _problem(kind: str, error: ErrorDetails, suggest: Suggestions) -> Problem:
     if error["type"] == "extra_forbidden":
         within = path[0] if len(path) > 1 else ""
         if within in ("parameters", "variables"):
-            return Problem(place, f"'{name}' is not a parameter", suggest(name, PARAMETERS))
+            if name in STUDIES[kind].model_fields:
+                message = f"'{name}' is a key of the study, and stands among the {within}"
+                return Problem(place, message, f"Move it above the line [{within}]")
+            fix = suggest(name, PARAMETERS, parameters)
+            return Problem(place, f"'{name}' is not a parameter", fix)
         if within == "drive":
             fix = suggest(name, RecordedDrive.model_fields)
             return Problem(place, f"'{name}' is not a key of the drive", fix)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from core.errors import suggestion
 from core.quantities import QUANTITIES, Quantity
+from core.study.shown import Shown, ShownUnits
 from core.study.spacing import as_typed, evenly, geometrically
 from core.study.units import UnitError, read_number, read_numbers
 
@@ -145,11 +146,13 @@ def read_values(name: str, raw: object) -> Values:
     return Fixed(read_number(name, quantity, raw))
 
 
-def position_on_axis(name: str, values: NDArray[np.float64], wanted: float) -> int:
+def position_on_axis(
+    name: str, values: NDArray[np.float64], wanted: float, system: str = "si"
+) -> int:
     """Return the position of a value on an axis.
 
     Texts such as 33.33333333 name a value: it may be missed by 1e-9 of the value or of the gap to
-    its neighbour.
+    its neighbour. `system` says in which units of `core.study.shown` the error speaks.
 
     Raises
     ------
@@ -167,9 +170,13 @@ def position_on_axis(name: str, values: NDArray[np.float64], wanted: float) -> i
         return nearest
     near = sorted(values[np.argsort(away, kind="stable")[:2]])
     unit = QUANTITIES[name].unit
-    shown = " and ".join(f"{value:.10g}" for value in near) + ("" if unit == "1" else f" {unit}")
+    read = Shown(1.0, "" if unit == "1" else unit)
+    if system != "si" and not QUANTITIES[name].is_angle:  # nobody types the sign of a degree
+        read = ShownUnits(system).of(unit, abs(wanted))
+    asked, *others = (f"{value * read.factor:.10g}" for value in (wanted, *near))
+    shown = " and ".join(others) + f" {read.unit}".rstrip()
     raise UnitError(
-        f"{wanted:.10g} is not a value of {name}",
+        f"{asked} {read.unit}".rstrip() + f" is not a value of {name}",
         f"The nearest are {shown}" if len(near) > 1 else f"Its only value is {shown}",
     )
 

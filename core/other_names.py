@@ -1,0 +1,97 @@
+"""Other names that people type for what has a name here, and what they mean by them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
+from typing import Final
+
+_MEANT: Final[Mapping[str, str]] = {
+    # --- parameters
+    "friction": "mu µ μ cof friction_coefficient coefficient_of_friction coulomb_friction",
+    "friction_static": "mu_s mus mu_0 static_friction static_friction_coefficient stiction",
+    "friction_kinetic": "mu_k muk mu_d kinetic_friction dynamic_friction sliding_friction "
+    "kinetic_friction_coefficient friction_dynamic friction_sliding",
+    "wall_friction": "mu_w mu_wall friction_wall",
+    "frequency": "f freq hz drive_frequency driving_frequency vibration_frequency excitation_"
+    "frequency rpm vpm omega",
+    "amplitude": "a0 amp drive_amplitude vibration_amplitude displacement zero_to_peak",
+    "peak_to_peak": "stroke p2p pp p_p pk_pk peak_peak peak2peak stroke_length double_amplitude",
+    "alpha": "α azimuth drive_azimuth",  # noqa: RUF001
+    "beta": "β angle launch_angle vibration_angle throw_angle drive_angle drive_elevation "
+    "elevation throwing_angle conveying_angle spring_angle angle_of_attack direction_angle",
+    "gamma": "γ climb climb_angle inclination incline inclination_angle slope slope_angle "  # noqa: RUF001
+    "tilt "
+    "track_angle helix_angle pitch_angle ramp",
+    "delta": "δ lean lean_angle bank bank_angle banking track_lean",
+    "radius": "r bowl_radius track_radius",
+    "gravity": "g",
+    "mass": "m weight part_mass",
+    "restitution": "e eps epsilon cor coefficient_of_restitution bounce bounciness",
+    "wall_restitution": "eps_w restitution_wall",
+    "length": "l part_length size",
+    "width": "part_width",
+    "height": "part_height thickness",
+    "diameter": "d part_diameter",
+    "distance": "effective_distance travel",
+    "time": "t",
+    "drop_height": "height_of_drop fall_height",
+    "hold_down": "magnet magnetic_force vacuum",
+    # --- outputs
+    "conveying_velocity": "velocity speed conveying_speed transport_velocity transport_speed "
+    "feed_speed feed_velocity mean_velocity mean_speed average_velocity average_speed v "
+    "velocity_mean feed_rate feedrate throughput rate parts_per_minute",
+    "transport_velocity": "velocity speed conveying_velocity conveying_speed transport_speed "
+    "feed_speed feed_velocity average_velocity v feed_rate feedrate throughput rate "
+    "parts_per_minute",
+    "throw_number": "throw throw_factor throw_index throw_coefficient throwing_number "
+    "throwing_factor machine_number k_v",
+    "acceleration_x": "acceleration accel ax a_x",
+    "acceleration_y": "ay a_y",
+    "acceleration_z": "az a_z",
+    "floor_force": "normal_force force contact_force reaction_force",
+    "flight_fraction": "flight airtime flight_time hopping hops",
+    "stick_fraction": "sticking",
+    "hop_height": "jump_height height_of_hop",
+    "period_multiple": "period periodicity period_doubling",
+    "landing_speed": "impact_velocity impact_speed landing_velocity",
+    # --- scenes
+    "rectangle-on-track": "bowl track bowl_feeder block_on_track part_on_track rectangle_in_bowl "
+    "rectangle_on_bowl",
+    "rectangle-on-plane": "plane linear linear_feeder straight block block_on_plane "
+    "part_on_plane rectangle box_on_plane",
+    "cylinder-on-plane": "cylinder round cylinder_on_track roller disc disk",
+    # --- keys and their words
+    "simulate": "simulation motion",
+    "optimise": "optimize optimization optimisation",
+    "maximise": "maximize max",
+    "minimise": "minimize min",
+    "scene": "system geometry",
+    "outputs": "results",
+    "parameters": "params",
+    "trajectory": "course path",
+    "events": "event_driven exact",
+    "time-stepping": "timestepping stepping",
+}
+
+
+def _spoken() -> dict[str, tuple[str, ...]]:
+    spoken: dict[str, tuple[str, ...]] = {}
+    for name, others in _MEANT.items():
+        for other in others.split():
+            spoken[other] = (*spoken.get(other, ()), name)
+    return spoken
+
+
+OTHER_NAMES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(_spoken())
+"""Each of the other names, in small letters and with underscores, and what may be meant by it.
+
+What comes first is meant where several are known.
+"""
+
+
+def meant(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name that somebody means who types `name`, if another name says it."""
+    choice = frozenset(known)
+    spoken = name.strip().casefold().replace("-", "_").replace(" ", "_")
+    return next((one for one in OTHER_NAMES.get(spoken, ()) if one in choice), None)

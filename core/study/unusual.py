@@ -1,0 +1,84 @@
+"""Numbers that are allowed and hardly meant: half a metre of amplitude, radians for degrees."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+from core.quantities import QUANTITIES, Quantity
+from core.study.shown import ShownUnits
+from core.study.units import UnitError, read_number, read_numbers
+
+SLIPS: Final[Mapping[str, str]] = {
+    "m": "mm",
+    "degree": "rad",
+    "Hz": "rpm",
+    "kg": "g",
+    "m s-1": "mm/s",
+    "m s-2": "mm/s^2",
+}
+"""In which unit a number was probably meant that is unusual in that of its quantity."""
+
+PARTS: Final = ("parameters", "variables", "uncertain")
+ENDS: Final = ("start", "stop", "lower", "upper")
+
+
+def questions(content: object) -> list[str]:
+    """Return a line for each unusual parameter in the content of a sound study.
+
+    A number that is written with its unit is not asked about for being small.
+    """
+    asked = []
+    for part in PARTS:
+        given = content.get(part) if isinstance(content, Mapping) else None
+        for name, raw in given.items() if isinstance(given, Mapping) else ():
+            quantity = QUANTITIES.get(str(name))
+            if quantity is not None and quantity.usual is not None:
+                question = _question(str(name), quantity, quantity.usual, [*_leaves(raw)])
+                asked += [question] if question else []
+    return asked
+
+
+def _leaves(raw: object) -> Iterator[Any]:
+    """Yield the numbers, or texts, of a value, a list, a range or bounds."""
+    if isinstance(raw, Mapping):
+        yield from (raw[end] for end in ENDS if end in raw)
+    elif isinstance(raw, list | tuple):
+        yield from raw
+    else:
+        yield raw
+
+
+def _question(
+    name: str, quantity: Quantity, usual: tuple[float, float], leaves: list[Any]
+) -> str | None:
+    sizes = [abs(value) for value in read_numbers(name, quantity, leaves)]
+    largest = max(sizes, default=0.0)
+    low, high = usual
+    typed = leaves[sizes.index(largest)] if sizes else None
+    is_bare = not isinstance(typed, str)
+    if largest <= high and not (is_bare and 0 < largest < low):
+        return None
+    shown = ShownUnits().of(quantity.unit, largest)
+    unit = f" {shown.unit}" if shown.unit else ""
+    means = f"means {largest * shown.factor:,.6g}{unit}" if unit and is_bare else "is unusual"
+    ends = f"{low * shown.factor:,.6g} to {high * shown.factor:,.6g}{unit}"
+    written = typed if is_bare else f'"{typed}"'
+    slip = _slip(name, quantity, usual, typed) if is_bare else None
+    ask = f"Did you mean {slip}?" if slip else "Is that what you mean?"
+    return f"{name} = {written} {means}; usual are {ends}. {ask}"
+
+
+def _slip(name: str, quantity: Quantity, usual: tuple[float, float], typed: Any) -> str | None:
+    """Return how a bare number was meant, if that would be usual."""
+    unit = SLIPS.get(quantity.unit)
+    if unit is None:  # of a share, per cent
+        text, value = f"{typed / 100:g}", typed / 100
+    else:
+        text = f"{typed} {unit}"
+        try:
+            value = read_number(name, quantity, text)
+        except UnitError:
+            return None
+        text = f'"{text}"'
+    return text if usual[0] <= abs(value) <= usual[1] else None
