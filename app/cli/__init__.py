@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from app.cli import (
+    convert,
     drive,
     export,
     friction,
@@ -55,8 +56,8 @@ def _all_commands(
 
 
 for _command in (
-    run.run, export.export, parts.join, plot.plot, drive.drive, report.report, scenes.scenes,
-    friction.friction,
+    run.run, convert.convert, export.export, parts.join, plot.plot, drive.drive, report.report,
+    scenes.scenes, friction.friction,
     schema.schema, serve.serve, scrub.scrub, warm.warm,
 ):  # fmt: skip
     app.command()(_command)

@@ -37,7 +37,7 @@ def prepare_all(
     asked: dict[Path, list[str]] = {}
     for path in files:
         try:
-            content = _content(path)
+            content = content_of(path)
             prepared[path] = prepare_content(content, files=True)
             prepared[path].check_limits(cells=cells, bytes_=bytes_)
             asked[path] = questions(content)
@@ -58,8 +58,14 @@ def stem_of(path: Path) -> str:
     return "study" if path == STANDARD else path.stem
 
 
-def _content(path: Path) -> object:
-    """Return what stands in a file, or what standard input holds: TOML, or a JSON object."""
+def content_of(path: Path) -> object:
+    """Return what stands in a file, or what standard input holds: TOML, or a JSON object.
+
+    Raises
+    ------
+    StudyError
+        If it is neither.
+    """
     from core.study.load import read_content, read_json, read_toml
 
     if path != STANDARD:

@@ -89,3 +89,22 @@ def test_the_curl_lines_of_the_page(curl, server, folder):
     shell(download)
     assert (folder / "motion.nc").read_bytes()[:4] == b"\x89HDF"
     assert json.loads(shell(dismissal))["status"] == "dismissed"
+
+
+def test_the_line_that_convert_writes(curl, server, folder):
+    from core.kinds import study_of
+    from core.study.forms import to_curl
+
+    content = {
+        "kind": "sweep",
+        "scene": "rectangle-on-plane",
+        "title": 'it\'s "$(touch owned)" `id`\n\\',
+        "outputs": ["throw_number"],
+        "parameters": {"frequency": "50 Hz", "amplitude": "0.3 mm", "beta": [10, 20]},
+    }
+    line = to_curl(content, server).replace("curl ", f"{curl} --silent --noproxy '*' ", 1)
+    done = subprocess.run(
+        line, shell=True, cwd=folder, capture_output=True, text=True, timeout=90, check=True
+    )
+    assert study_of(content).key() in done.stdout
+    assert not (folder / "owned").exists()

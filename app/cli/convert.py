@@ -1,0 +1,74 @@
+"""`vibrafeed convert`: a study in another form."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from app.cli.studies import FAILED, content_of, refuse
+from core.errors import Problem, StudyError, suggestion
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+def convert(
+    file: Annotated[Path, typer.Argument(help="A study, TOML or JSON; - reads standard input.")],
+    to: Annotated[str, typer.Option(help="toml, json, curl (a command) or python (a program).")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="A file; the screen if left out.")
+    ] = None,
+    service: Annotated[
+        str | None, typer.Option(help="Address of the service that curl is to ask.")
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace the file if there is one already.")
+    ] = False,
+) -> None:
+    """Write a study as TOML, as JSON, as a line for curl, or as a call in Python.
+
+    Units and ranges stay as they were typed; comments are lost. The study is checked first, and
+    all of its forms have the same key: the service computes equal studies once. Exit code 2 means
+    that the study or an option is wrong, 1 that the file could not be written.
+    """
+    from app.cli import console
+    from core.study.forms import FORMS, SERVICE, placed, to_curl
+
+    if to not in FORMS:
+        refuse(
+            {file: [Problem("to", f"'{to[:40]}' is not a form of a study", suggestion(to, FORMS))]}
+        )
+    content = _checked(file)
+    folder = output.parent if output is not None else Path()
+    try:
+        found = placed(content, to, folder)
+        text = to_curl(found, service or SERVICE) if to == "curl" else FORMS[to](found)
+    except StudyError as error:
+        refuse({file: error.problems})
+    if output is None:
+        typer.echo(text, nl=False)
+        return
+    if output.exists() and not force:
+        fix = "Add --force to replace it, or give another name"
+        refuse({output: [Problem("output", "it is there already", fix)]})
+    try:
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        console.fail(f"{output}: {error.strerror or error}.")
+        raise typer.Exit(FAILED) from None
+    typer.echo(f"wrote {output}")
+
+
+def _checked(file: Path) -> Mapping[str, Any]:
+    """Return the content of a sound study, as it was typed; report every error and exit."""
+    from core.kinds import prepare_content
+
+    try:
+        content = content_of(file)
+        prepare_content(content, files=True)
+    except StudyError as error:
+        refuse({file: error.problems})
+    assert isinstance(content, dict)  # otherwise it was refused
+    return content

@@ -1,0 +1,142 @@
+"""A study in the forms in which people pass it on: TOML, JSON, a line for curl, a call in Python.
+
+Each takes the content of a sound study as it was typed, so that units and ranges stay as they are.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import pprint
+import shlex
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from core.errors import Problem, StudyError
+from core.study.gather import KEYS
+
+SERVICE: Final = "http://127.0.0.1:8000"
+LONGEST_ARGUMENT: Final = 100_000  # bytes; Linux takes 131,072 in one argument of a command
+WIDTH: Final = 88
+
+
+def to_toml(content: Mapping[str, Any]) -> str:
+    """Return a study as TOML: ranges of parameters on one line, other tables by their names."""
+    import tomlkit
+
+    document = tomlkit.document()
+    # What stands below the name of a table belongs to it: plain values come first.
+    for name, value in sorted(content.items(), key=lambda item: _depth(item[1])):
+        if value is None:  # which TOML cannot say, and which leaving out says as well
+            continue
+        if name in ("parameters", "variables", "uncertain"):
+            table = tomlkit.table()
+            for parameter, written in value.items():
+                table.add(parameter, _in_line(written))
+            document.add(name, table)
+        else:
+            document.add(name, tomlkit.item(_without_none(value)))
+    return tomlkit.dumps(document)
+
+
+def to_json(content: Mapping[str, Any]) -> str:
+    """Return a study as JSON."""
+    return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
+
+
+def to_curl(content: Mapping[str, Any], service: str = SERVICE) -> str:
+    """Return the line that has a service carry a study out, for shells of the POSIX kind.
+
+    Raises
+    ------
+    StudyError
+        If the study is longer than an argument of a command may be.
+    """
+    body = json.dumps(content, separators=(",", ":"))
+    if len(body) > LONGEST_ARGUMENT:
+        message = f"it has {len(body):,} bytes, more than a command line holds"
+        fix = "Convert it to json, and send that file: curl --data-binary @FILE"
+        raise StudyError([Problem("study", message, fix)])
+    address = f"{service.rstrip('/')}/processes/{content['kind']}/execution"
+    words = ["-H", "Content-Type: application/json", "--data-raw", body, address]
+    return "curl " + " ".join(map(shlex.quote, words)) + "\n"
+
+
+def to_python(content: Mapping[str, Any]) -> str:
+    """Return a program that carries a study out, with units as they were typed."""
+    keywords = {name: value for name, value in content.items() if name != "kind"}
+    parameters = keywords.get("parameters", {})
+    if not set(parameters) & set(KEYS):
+        keywords.pop("parameters", None)
+        keywords |= parameters
+    lines = [f"    {name}={_literal(value, len(name) + 5)}," for name, value in keywords.items()]
+    call = f"dataset = vibrafeed.{content['kind']}("
+    return "\n".join(["import vibrafeed", "", call, *lines, ")", "print(dataset)", ""])
+
+
+FORMS: Final[Mapping[str, Callable[[Mapping[str, Any]], str]]] = {
+    "toml": to_toml,
+    "json": to_json,
+    "curl": to_curl,
+    "python": to_python,
+}
+
+
+def placed(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any]:
+    """Return content whose recording is found from where the form is used.
+
+    A file names it from its own `folder`; a program from the current one; a service, which reads no
+    files of others, gets what stands in it.
+
+    Raises
+    ------
+    StudyError
+        If a recording that is to be sent cannot be read.
+    """
+    drive = content.get("drive")
+    if not isinstance(drive, Mapping) or not isinstance(drive.get("file"), str):
+        return dict(content)
+    file = Path(drive["file"])
+    if form == "curl":
+        try:
+            data = file.read_text(encoding="utf-8-sig")
+        except (OSError, UnicodeDecodeError) as error:
+            message = f"{file} cannot be read: {error}"
+            raise StudyError([Problem("drive.file", message, "Name a CSV")]) from None
+        rest = {name: value for name, value in drive.items() if name != "file"}
+        return {**content, "drive": {**rest, "data": data}}
+    found = file if form == "python" else Path(os.path.relpath(file, folder))
+    return {**content, "drive": {**drive, "file": str(found)}}
+
+
+def _depth(value: object) -> int:
+    if isinstance(value, Mapping):
+        return 1
+    in_tables = isinstance(value, list) and any(isinstance(one, Mapping) for one in value)
+    return 2 if in_tables else 0
+
+
+def _in_line(value: Any) -> Any:
+    import tomlkit
+
+    if not isinstance(value, Mapping):
+        return tomlkit.item(value)
+    table = tomlkit.inline_table()
+    table.update(value)
+    return table
+
+
+def _without_none(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {name: _without_none(one) for name, one in value.items() if one is not None}
+    return [_without_none(one) for one in value] if isinstance(value, list) else value
+
+
+def _literal(value: Any, column: int) -> str:
+    """Return the source of a value that begins in some column, further lines of it below that."""
+    if isinstance(value, str):
+        return repr(value)
+    text = pprint.pformat(value, width=max(WIDTH - column, 40), sort_dicts=False)
+    first, *more = text.splitlines()
+    return "\n".join([first, *(" " * column + line for line in more)])
