@@ -40,10 +40,12 @@ _MEANT: Final[Mapping[str, str]] = {
     # --- outputs
     "conveying_velocity": "velocity speed conveying_speed transport_velocity transport_speed "
     "feed_speed feed_velocity mean_velocity mean_speed average_velocity average_speed v "
-    "velocity_mean feed_rate feedrate throughput rate parts_per_minute",
+    "velocity_mean",
+    "feed_rate": "feedrate throughput rate parts_per_minute ppm output_rate",
+    "part_gap": "gap spacing part_spacing",
+    "occupancy": "fill filling degree_of_filling",
     "transport_velocity": "velocity speed conveying_velocity conveying_speed transport_speed "
-    "feed_speed feed_velocity average_velocity v feed_rate feedrate throughput rate "
-    "parts_per_minute",
+    "feed_speed feed_velocity average_velocity v",
     "throw_number": "throw throw_factor throw_index throw_coefficient throwing_number "
     "throwing_factor machine_number k_v",
     "acceleration_x": "acceleration accel ax a_x",
@@ -61,6 +63,14 @@ _MEANT: Final[Mapping[str, str]] = {
     "rectangle-on-plane": "plane linear linear_feeder straight block block_on_plane "
     "part_on_plane rectangle box_on_plane",
     "cylinder-on-plane": "cylinder round cylinder_on_track roller disc disk",
+    # --- answers to `vibrafeed new`
+    "rectangle": "block box plate cuboid brick nut rectangular",
+    "cylinder": "round rod pin roller disc disk shaft cylindrical",
+    "straight": "linear plane trough rail",
+    "bowl": "circular curved spiral helix round",
+    "speed": "velocity fast motion",
+    "drive": "best optimise optimize angle",
+    "forces": "force acceleration accelerations load",
     # --- keys and their words
     "simulate": "simulation motion",
     "optimise": "optimize optimization optimisation",

@@ -15,6 +15,7 @@ from app.cli import (
     export,
     friction,
     key,
+    new,
     parts,
     plot,
     report,
@@ -56,9 +57,9 @@ def _all_commands(
 
 
 for _command in (
-    run.run, convert.convert, export.export, parts.join, plot.plot, drive.drive, report.report,
-    scenes.scenes, friction.friction,
-    schema.schema, serve.serve, scrub.scrub, warm.warm,
+    new.new, run.run, convert.convert, export.export, parts.join, plot.plot, drive.drive,
+    report.report, scenes.scenes, friction.friction, schema.schema, serve.serve, scrub.scrub,
+    warm.warm,
 ):  # fmt: skip
     app.command()(_command)
 app.add_typer(key.key, name="key")

@@ -10,7 +10,7 @@ from core.errors import Problem, StudyError, Suggestions, suggestion
 from core.other_names import meant
 from core.quantities import QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE
-from core.quantities.motion import RESULTS
+from core.quantities.motion import FEEDING, RESULTS
 from core.scenes import ALIASES, SCENES, Condition, Equation, Scene
 from core.scenes.graph import behind
 
@@ -251,7 +251,7 @@ def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
         gives = name in closed.outputs(closed.default_variant)
     else:
         here, there, kind = "sweep", "simulation", "simulate"
-        gives = name in RESULTS
+        gives = name in RESULTS or name in FEEDING
     if not gives:
         return None
     other = meant(name, scene.outputs(variant))

@@ -6,6 +6,7 @@ import json
 
 import pytest
 
+from app.cli.questions import QUESTIONS
 from core.catalogue import describe_all
 from core.errors import StudyError, nearest
 from core.kinds import KINDS, prepare_content
@@ -43,6 +44,7 @@ def test_other_names_stand_for_names_that_there_are():
     variants = {name for system in SYSTEMS.values() for name in system.variants}
     scenes = {scene["name"] for scene in describe_all()}
     known = {*QUANTITIES, *scenes, *KEYS, *KINDS, *CRITERIA, *METHODS, *variants}
+    known |= {word for question in QUESTIONS for word in question.choices}
     assert {name for names in OTHER_NAMES.values() for name in names} <= known
     parameters = {name for names in OTHER_NAMES.values() for name in names} & set(PARAMETERS)
     # Another name is not the name of a parameter itself: that would never be looked up.
@@ -88,8 +90,8 @@ def test_a_name_that_nothing_is_like_gets_the_names_of_its_scene():
     (message,) = told(with_parameters(coating=1))
     assert message == (
         "parameters.coating: 'coating' is not a parameter. Known: alpha, amplitude, beta, "
-        "frequency, friction, friction_kinetic, friction_static, gamma, gravity, hold_down, mass, "
-        "peak_to_peak, restitution."
+        "frequency, friction, friction_kinetic, friction_static, gamma, gravity, hold_down, "
+        "length, mass, occupancy, part_gap, peak_to_peak, restitution."
     )
     (message,) = told(with_parameters(TRACK, coating=1))
     assert "wall_friction" in message

@@ -1,0 +1,151 @@
+"""`vibrafeed new`: a starter study, from a few answers."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from app.cli.questions import QUESTIONS, Question
+from app.cli.studies import FAILED, STANDARD, refuse
+from core.errors import Problem
+
+_BY_NAME = {question.name: question for question in reversed(QUESTIONS)}  # the first of a name
+Answer = str | None
+
+
+def _option(name: str) -> Any:
+    """Return the option that answers a question."""
+    question = _BY_NAME[name]
+    words = ", ".join(question.choices)
+    return typer.Option(
+        help=f"{question.asks or question.says} {words}".strip().removesuffix("."),
+        show_default=question.default or False,
+    )
+
+
+def new(
+    context: typer.Context,
+    file: Annotated[Path, typer.Argument(help="The file to write; - is the screen.")] = Path(
+        "study.toml"
+    ),
+    question: Annotated[Answer, _option("question")] = None,
+    part: Annotated[Answer, _option("part")] = None,
+    track: Annotated[Answer, _option("track")] = None,
+    radius: Annotated[Answer, _option("radius")] = None,
+    lean: Annotated[Answer, _option("lean")] = None,
+    climb: Annotated[Answer, _option("climb")] = None,
+    frequency: Annotated[Answer, _option("frequency")] = None,
+    amplitude: Annotated[Answer, _option("amplitude")] = None,
+    peak_to_peak: Annotated[Answer, _option("peak_to_peak")] = None,
+    angle: Annotated[Answer, _option("angle")] = None,
+    friction: Annotated[Answer, _option("friction")] = None,
+    length: Annotated[Answer, _option("length")] = None,
+    height: Annotated[Answer, _option("height")] = None,
+    diameter: Annotated[Answer, _option("diameter")] = None,
+    mass: Annotated[Answer, _option("mass")] = None,
+    yes: Annotated[
+        bool, typer.Option("--yes", "-y", help="Ask nothing: what no option gives has its default.")
+    ] = False,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace the file if there is one already.")
+    ] = False,
+) -> None:
+    """Write a commented study to start from, after a few questions.
+
+    On a terminal it asks what no option answers; elsewhere, and with --yes, it takes the defaults.
+    The study runs at once. Exit code 2 means that an answer is wrong or that the file is there
+    already, 1 that it could not be written.
+    """
+    from app.cli import console
+    from app.cli.starter import starter_study
+
+    _check_name(file, force)
+    given = {name: context.params[name] for name in _BY_NAME if context.params[name] is not None}
+    answers = _answered(given, asks=is_terminal() and not yes)
+    text = starter_study(answers, str(file) if file != STANDARD else "study.toml")
+    if file == STANDARD:
+        typer.echo(text, nl=False)
+        return
+    try:
+        file.write_text(text, encoding="utf-8")
+    except OSError as error:
+        console.fail(f"{file}: {error.strerror or error}.")
+        raise typer.Exit(FAILED) from None
+    typer.echo(f"wrote {file}. Next: vibrafeed run {file}")
+
+
+def is_terminal() -> bool:
+    """Return whether somebody can answer."""
+    return sys.stdin.isatty()
+
+
+def _check_name(file: Path, force: bool) -> None:
+    if file.suffix.lower() == ".json":
+        fix = f"Name it {file.stem}.toml; `vibrafeed convert` makes JSON of it"
+        refuse({file: [Problem("file", "JSON has no comments, and a starter has", fix)]})
+    if file != STANDARD and file.exists() and not force:
+        fix = "Add --force to replace it, or give another name"
+        refuse({file: [Problem("file", "it is there already", fix)]})
+
+
+def _answered(given: dict[str, str], *, asks: bool) -> dict[str, str]:
+    """Return an answer to every question that belongs; report every wrong option, and exit."""
+    from core.study.units import UnitError
+
+    answers: dict[str, str] = {}
+    problems = []
+    for question in QUESTIONS:
+        if question.name in answers or not question.belongs(answers):
+            continue
+        if question.name in given:
+            try:
+                answers[question.name] = question.read(given[question.name])
+            except UnitError as error:
+                problems.append(Problem(_flag(question.name), error.message, error.fix))
+                if question.choices:  # the others cannot be judged without it
+                    break
+        elif question.asks and asks and not problems:
+            answers[question.name] = _ask(question)
+        elif question.asks:
+            answers[question.name] = question.default
+    else:
+        problems += [_idle(name, answers) for name in given if name not in answers and not problems]
+    if problems:
+        refuse({Path("new"): problems})
+    return answers
+
+
+def _ask(question: Question) -> str:
+    """Return the answer of a person, who is asked again until it is one."""
+    from core.study.units import UnitError
+
+    width = max(map(len, question.choices), default=0)
+    if question.choices:
+        typer.echo(question.asks)
+        for word, meaning in question.choices.items():
+            typer.echo(f"  {word:{width}}  {meaning}")
+    while True:
+        answer = typer.prompt("Answer" if question.choices else question.asks, question.default)
+        try:
+            return question.read(answer)
+        except UnitError as error:
+            typer.echo(f"  {error}{'' if error.fix.endswith('?') else '.'}", err=True)
+
+
+def _idle(name: str, answers: dict[str, str]) -> Problem:
+    """Return what to tell of an option that nothing asks for."""
+    question = _BY_NAME[name]
+    if question.unless in answers:
+        message = f"{_flag(question.unless)} says it already"
+        return Problem(_flag(name), message, "Give one of them")
+    needs = [
+        f"{_flag(other)} {' or '.join(words.split())}" for other, words in question.needs.items()
+    ]
+    return Problem(_flag(name), f"it goes with {' and '.join(needs)}", "Add that, or leave it out")
+
+
+def _flag(name: str) -> str:
+    return "--" + name.replace("_", "-")

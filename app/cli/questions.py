@@ -1,0 +1,168 @@
+"""What `vibrafeed new` asks, and how an answer is checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Final
+
+from core.errors import suggestion
+from core.other_names import meant
+
+NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class Question:
+    """One thing that a starter study has to know.
+
+    Attributes
+    ----------
+    name : str
+        Its name, which is that of the option, too.
+    asks : str
+        What a person is asked; empty if it is only taken from its option.
+    default : str
+        The answer of who presses the return key.
+    choices : mapping of str to str
+        The words that answer it, and what they mean; none if a value with a unit does.
+    parameter : str
+        The parameter whose value answers it.
+    says : str
+        What the study says above that parameter: what to change, and why.
+    needs : mapping of str to str
+        Earlier questions, and the words of which one must be their answer, spaces between.
+    unless : str
+        A question whose answer stands in the place of this one.
+    """
+
+    name: str
+    asks: str
+    default: str
+    choices: Mapping[str, str] = field(default_factory=lambda: NOTHING)
+    parameter: str = ""
+    says: str = ""
+    needs: Mapping[str, str] = field(default_factory=lambda: NOTHING)
+    unless: str = ""
+
+    def belongs(self, answers: Mapping[str, str]) -> bool:
+        """Return whether it matters, after the earlier answers."""
+        return self.unless not in answers and all(
+            answers.get(name) in words.split() for name, words in self.needs.items()
+        )
+
+    def read(self, answer: str) -> str:
+        """Return an answer as the study takes it.
+
+        Raises
+        ------
+        UnitError
+            If it is none; it says what would be one.
+        """
+        from core.quantities import QUANTITIES
+        from core.study.units import UnitError, read_number
+
+        answer = answer.strip()
+        if self.choices:
+            chosen = answer if answer in self.choices else meant(answer, self.choices)
+            if chosen is None:
+                message = f"'{answer[:40]}' is no answer to it"
+                raise UnitError(message, suggestion(answer, self.choices))
+            return chosen
+        try:  # a bare number is in the unit of the quantity, and has its own place in TOML
+            raw: object = float(answer)
+        except ValueError:
+            raw = answer
+        read_number(self.parameter, QUANTITIES[self.parameter], raw)
+        return answer
+
+
+_IN_TIME = "speed drive"
+
+QUESTIONS: Final = (
+    Question(
+        "question", "What do you want to know?", "speed",
+        choices={
+            "speed": "how fast a part travels, how many a minute, whether it hops",
+            "drive": "which angle of the drive makes it fastest",
+            "forces": "forces and accelerations at the drive's peak",
+        },
+    ),
+    Question(
+        "part", "What shape is the part?", "rectangle",
+        choices={
+            "rectangle": "a block, a plate or a nut, lying flat",
+            "cylinder": "round, lying along the track",
+        },
+    ),
+    Question(
+        "track", "What does it lie on?", "straight",
+        choices={"straight": "a straight track", "bowl": "the track of a bowl, with its wall"},
+        needs={"part": "rectangle"},
+    ),
+    Question(
+        "radius", "Radius of the bowl, at the track", "150 mm", parameter="radius",
+        says="Radius of the track's wall.", needs={"track": "bowl"},
+    ),
+    Question(
+        "lean", "Lean of the track towards its wall", "5 deg", parameter="delta",
+        says="Lean of the track: it keeps the part at the wall. 0 for a level one.",
+        needs={"track": "bowl"},
+    ),
+    Question(
+        "climb", "Climb of the track", "2 deg", parameter="gamma",
+        says="Climb of the track; 0 if it is level, negative if it descends.",
+    ),
+    Question(
+        "frequency", "Frequency of the drive", "50 Hz", parameter="frequency",
+        says='Frequency of the drive; "3000 rpm" is 50 Hz, too.',
+    ),
+    Question(
+        "peak_to_peak", "", "", parameter="peak_to_peak",
+        says="Stroke of the drive, peak to peak, along the drive's direction.",
+    ),
+    Question(
+        "amplitude", "Amplitude of the drive, half of its stroke", "0.3 mm",
+        parameter="amplitude", needs={"question": _IN_TIME}, unless="peak_to_peak",
+        says="Amplitude of the drive, from zero to peak: half of the stroke, along the drive.",
+    ),
+    Question(
+        "amplitude", "Amplitude of the drive, half of its stroke", "0.2 mm",
+        parameter="amplitude", needs={"question": "forces"}, unless="peak_to_peak",
+        says="Amplitude of the drive, from zero to peak: half of the stroke, along the drive.",
+    ),
+    Question(
+        "angle", "Angle of the drive above the track", "20 deg", parameter="beta",
+        says="Angle between the drive's direction and the track; 0 is along the track.",
+        needs={"question": "speed forces"},
+    ),
+    Question(
+        "friction", "Friction between part and track", "0.3", parameter="friction",
+        says="Coefficient of friction between part and track; it has no unit.",
+    ),
+    Question(
+        "length", "Length of the part, along the track", "20 mm", parameter="length",
+        says="Length of the part along the track; how many a minute depends on it.",
+        needs={"question": _IN_TIME},
+    ),
+    Question(
+        "length", "Length of the part, along the track", "20 mm", parameter="length",
+        says="Length of the part along the track; whether it tips depends on it.",
+        needs={"question": "forces", "part": "rectangle"},
+    ),
+    Question(
+        "height", "Height of the part", "5 mm", parameter="height",
+        says="Height of the part; where the floor's force acts depends on it.",
+        needs={"question": "forces", "part": "rectangle"},
+    ),
+    Question(
+        "diameter", "Diameter of the part", "8 mm", parameter="diameter",
+        says="Diameter of the part.", needs={"question": "forces", "part": "cylinder"},
+    ),
+    Question(
+        "mass", "Mass of the part", "5 g", parameter="mass", says="Mass of the part.",
+        needs={"question": "forces"},
+    ),
+)  # fmt: skip
+"""In the order in which they are asked; of two with one name, no more than one belongs."""

@@ -1,0 +1,164 @@
+"""The study that `vibrafeed new` writes: answers in, commented TOML out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, Final
+
+from app.cli.questions import QUESTIONS
+
+SCENES: Final[Mapping[str, str]] = {
+    "straight": "rectangle-on-plane",
+    "bowl": "rectangle-on-track",
+}
+"""The scene of a track; of a part that none is asked for, `ROUND`."""
+ROUND: Final = "cylinder-on-plane"
+
+
+@dataclass(frozen=True)
+class Starter:
+    """The study that answers a question.
+
+    Attributes
+    ----------
+    says : tuple of str
+        The lines at its head.
+    kind, kind_says : str
+        Its kind, and what that means.
+    outputs : tuple of str
+        What it tells.
+    outputs_of : mapping of str to tuple of str
+        What it tells of single scenes besides.
+    tables : mapping of str to mapping
+        Further tables, before the parameters.
+    tables_say : mapping of str to str
+        What is said at the head of each.
+    """
+
+    says: tuple[str, ...]
+    kind: str
+    kind_says: str
+    outputs: tuple[str, ...]
+    outputs_of: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
+    tables: Mapping[str, Mapping[str, Any]] = field(default_factory=lambda: MappingProxyType({}))
+    tables_say: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+
+
+STARTERS: Final[Mapping[str, Starter]] = {
+    "speed": Starter(
+        ("How fast does the part travel, how many a minute, and does it hop?",),
+        "simulate",
+        "the motion in time, until it repeats",
+        ("conveying_velocity", "feed_rate", "direction", "flight_fraction", "throw_number"),
+    ),
+    "drive": Starter(
+        ("Which angle of the drive makes the part fastest?",),
+        "optimise",
+        "look for the best drive",
+        ("feed_rate", "flight_fraction", "throw_number"),
+        tables={
+            "criterion": {"kind": "maximise", "output": "conveying_velocity"},
+            "variables": {"beta": {"lower": "5 deg", "upper": "60 deg"}},
+        },
+        tables_say={
+            "criterion": "What is looked for: the largest mean speed along the track.",
+            "variables": "What may be chosen, and between which bounds: beta is the angle of the "
+            "drive\nabove the track. Others may stand here instead of below, such as frequency.",
+        },
+    ),
+    "forces": Starter(
+        (
+            "Which forces and accelerations act on the part?",
+            "These are values at the drive's peak, from closed forms. They hold as long as the",
+            "part does not leave the track: while throw_number is below 1.",
+        ),
+        "sweep",
+        "closed forms, over any ranges of parameters",
+        ("acceleration_x", "throw_number", "floor_force"),
+        {
+            "rectangle-on-plane": ("pressure_offset_x",),
+            "rectangle-on-track": ("pressure_offset_x", "wall_force"),
+            "cylinder-on-plane": ("angular_acceleration",),
+        },
+    ),
+}
+
+RANGES: Final = """\
+Each value is a number with its unit; without a unit it is in m, kg, Hz or degrees.
+For a curve or a map, give one or two of them several values: a list,
+amplitude = ["0.1 mm", "0.2 mm"], or a range,
+amplitude = { start = "0.1 mm", stop = "0.5 mm", num = 41 }. `vibrafeed plot` draws them.
+"""
+
+
+def scene_of(answers: Mapping[str, str]) -> str:
+    """Return the scene of the part and the track that were named."""
+    return SCENES.get(answers.get("track", ""), ROUND)
+
+
+def starter_study(answers: Mapping[str, str], file: str) -> str:
+    """Return the TOML of the study that some answers ask for; `file` is what it will be called."""
+    import tomlkit
+
+    from core.quantities import QUANTITIES
+    from core.study.shown import SI
+
+    starter, scene = STARTERS[answers["question"]], scene_of(answers)
+    document = tomlkit.document()
+    _say(document, "\n".join(starter.says))
+    method = " --method events" if starter.kind != "sweep" else ""
+    _say(document, f"\nCarry it out:              vibrafeed run {file}")
+    _say(document, f"Other outputs, parameters: vibrafeed scenes {scene}{method}")
+    document.add(tomlkit.nl())
+    document.add("kind", tomlkit.item(starter.kind).comment(starter.kind_says))
+    document.add("scene", tomlkit.item(scene))
+    outputs = tomlkit.array()
+    for name in (*starter.outputs, *starter.outputs_of.get(scene, ())):
+        quantity = QUANTITIES[name]
+        unit = SI.get(quantity.unit, quantity.unit)
+        outputs.add_line(name, comment=quantity.description[:-1] + (f" [{unit}]" if unit else ""))
+    document.add("outputs", outputs.multiline(True))
+    for name, content in starter.tables.items():
+        document.add(name, _table(starter.tables_say[name], content))
+    table = _table(RANGES, {})
+    for question in QUESTIONS:
+        if question.parameter and question.name in answers and question.belongs(answers):
+            _say(table, question.says)
+            table.add(question.parameter, _value(answers[question.name]))
+    document.add("parameters", table)
+    return tomlkit.dumps(document)
+
+
+def _say(container: Any, text: str) -> None:
+    import tomlkit
+
+    for line in text.split("\n"):
+        container.add(tomlkit.comment(line))
+
+
+def _table(says: str, content: Mapping[str, Any]) -> Any:
+    """Return a table that begins with what is said of it."""
+    import tomlkit
+
+    table = tomlkit.table()
+    _say(table, says)
+    for name, value in content.items():
+        if isinstance(value, Mapping):
+            inline = tomlkit.inline_table()
+            inline.update(value)
+            table.add(name, inline)
+        else:
+            table.add(name, value)
+    return table
+
+
+def _value(answer: str) -> float | int | str:
+    """Return an answer as TOML holds it: a bare number as one."""
+    for number in (int, float):
+        try:
+            return number(answer)
+        except ValueError:
+            continue
+    return answer

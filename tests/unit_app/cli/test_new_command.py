@@ -1,0 +1,149 @@
+"""`vibrafeed new`, as a user runs it: answers in, a study out that runs."""
+
+from __future__ import annotations
+
+import inspect
+import itertools
+import tomllib
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from app.cli import app
+from app.cli.new import new
+from app.cli.questions import QUESTIONS
+from app.cli.starter import STARTERS, starter_study
+from core.kinds import prepare_content
+from core.study.load import load_study, read_toml
+from core.study.unusual import questions
+
+KINDS = ("rectangle", "straight"), ("rectangle", "bowl"), ("cylinder", "")
+
+
+def command(*arguments: object, **more):
+    return CliRunner().invoke(app, ["new", *map(str, arguments)], **more)
+
+
+@pytest.fixture
+def terminal(monkeypatch):
+    """Let the command believe that somebody answers."""
+    monkeypatch.setattr("app.cli.new.is_terminal", lambda: True)
+
+
+@pytest.mark.parametrize(("question", "kind"), [*itertools.product(STARTERS, KINDS)])
+def test_every_starter_is_a_sound_study_of_usual_numbers(question, kind):
+    part, track = kind
+    words = ["-", "--question", question, "--part", part, *(["--track", track] if track else [])]
+    result = command(*words)
+    assert result.exit_code == 0, result.output
+    content = read_toml(result.stdout)
+    prepared = prepare_content(content)
+    assert prepared.cells == 1
+    assert prepared.seconds < 20, "some three at most on a quiet machine"
+    assert questions(content) == []
+    commented = [line for line in result.stdout.splitlines() if "#" in line]
+    assert len(commented) >= 10
+    assert max(map(len, result.stdout.splitlines())) <= 130
+
+
+def test_a_starter_runs_as_it_is(tmp_path):
+    study = tmp_path / "study.toml"
+    written = command(study, "--yes")
+    assert written.exit_code == 0, written.output
+    assert f"Next: vibrafeed run {study}" in " ".join(written.stdout.split("\n")).replace("  ", " ")
+    done = CliRunner().invoke(app, ["run", str(study)])
+    assert done.exit_code == 0, done.output
+    assert "conveying_velocity" in done.output
+    assert study.with_suffix(".nc").exists()
+
+
+def test_options_answer_questions(tmp_path):
+    path = tmp_path / "bowl.toml"
+    result = command(
+        path, "--question", "speed", "--track", "bowl", "--frequency", "6000 rpm",
+        "--peak-to-peak", "0.4 mm", "--friction", "0.25", "--climb", -1,
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    parameters = tomllib.loads(path.read_text())["parameters"]
+    assert parameters["frequency"] == "6000 rpm"
+    assert parameters["peak_to_peak"] == "0.4 mm"
+    assert parameters["friction"] == 0.25
+    assert parameters["gamma"] == -1
+    assert "amplitude" not in parameters
+    assert load_study(path).scene == "rectangle-on-track"
+
+
+def test_somebody_at_a_terminal_is_asked_and_asked_again(terminal, tmp_path):
+    path = tmp_path / "study.toml"
+    answers = ["how", "speed", "block", "", "", "fifty", "60 m", "60 Hz", "", "", "0.4", "30 mm"]
+    result = command(path, input="\n".join(answers) + "\n")
+    assert result.exit_code == 0, result.output
+    assert "'how' is no answer to it. Known: drive, forces, speed." in result.output
+    assert "'fifty' is not a number with a unit. Write frequency = " in result.output
+    assert "'m' does not measure frequency." in result.output
+    assert "how fast a part travels" in result.output
+    assert tomllib.loads(path.read_text())["parameters"] == {
+        "gamma": "2 deg", "frequency": "60 Hz", "amplitude": "0.3 mm", "beta": "20 deg",
+        "friction": 0.4, "length": "30 mm",
+    }  # fmt: skip
+
+
+def test_what_an_option_answers_is_not_asked(terminal):
+    words = [word for q in QUESTIONS if q.asks for word in (f"--{q.name}", q.default)]
+    keep = ("question", "part", "track", "climb", "frequency", "angle", "friction", "length")
+    given = [w for k in range(0, len(words), 2) if words[k][2:] in keep for w in words[k : k + 2]]
+    result = command("-", *given, input="0.25 mm\n")
+    assert result.exit_code == 0, result.output
+    assert 'amplitude = "0.25 mm"' in result.output
+
+
+def test_a_file_is_replaced_when_told_to_only(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text("mine")
+    refused = command(path, "--yes")
+    assert refused.exit_code == 2
+    assert "it is there already. Add --force to replace it, or give another name." in refused.stderr
+    assert path.read_text() == "mine"
+    assert command(path, "--yes", "--force").exit_code == 0
+    assert "[parameters]" in path.read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--frequency", "fast", "--friction", "-1"],
+         "--frequency: 'fast' is not a number with a unit."),
+        (["--frequency", "fast", "--friction", "-1"], "--friction: friction is -1. It must be"),
+        (["--question", "xyz"], "--question: 'xyz' is no answer to it. Known: drive,"),
+        (["--radius", "1 m"], "--radius: it goes with --track bowl. Add that, or leave it out."),
+        (["--amplitude", "1 mm", "--peak-to-peak", "2 mm"],
+         "--amplitude: --peak-to-peak says it already. Give one of them."),
+    ],
+)  # fmt: skip
+def test_wrong_options_are_all_said_at_once(tmp_path, words, message):
+    result = command(tmp_path / "x.toml", *words)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert not (tmp_path / "x.toml").exists()
+
+
+def test_a_starter_is_toml(tmp_path):
+    result = command(tmp_path / "x.json", "--yes")
+    assert result.exit_code == 2
+    assert "Name it x.toml; `vibrafeed convert` makes JSON of it." in result.stderr
+    nowhere = command(tmp_path / "no" / "x.toml", "--yes")
+    assert nowhere.exit_code == 1
+    assert "No such file or directory" in nowhere.stderr
+
+
+def test_every_question_has_its_option():
+    options = set(inspect.signature(new).parameters) - {"context", "file", "yes", "force"}
+    assert options == {question.name for question in QUESTIONS}
+    assert all(question.parameter or question.choices for question in QUESTIONS)
+
+
+def test_the_file_that_a_study_names_is_its_own():
+    answers = {q.name: q.default for q in QUESTIONS if q.asks}
+    assert "vibrafeed run mine.toml" in starter_study(answers, "mine.toml")
+    assert Path("mine.toml").exists() is False
