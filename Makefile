@@ -9,7 +9,7 @@ RUNNING := $(VENV)/.running
 TESTING := $(VENV)/.testing
 FIGURE := fig-5-1
 
-.PHONY: run test quick check serve clean
+.PHONY: run test quick check docs serve clean
 
 run: $(RUNNING)
 	$(BIN)/vibrafeed run configs/figures/$(FIGURE).toml -o results/$(FIGURE).nc --force
@@ -23,6 +23,11 @@ quick: $(TESTING)
 
 check: $(TESTING)
 	scripts/check $(BIN)
+
+# The pages of docs/ as a site; a link that leads nowhere ends it.
+docs: $(TESTING)
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
+	@echo "Open results/site/index.html; for the search: python3 -m http.server -d results/site"
 
 serve: $(RUNNING)
 	$(BIN)/vibrafeed serve

@@ -1,0 +1,69 @@
+"""The documentation as a site: built strictly, whole, and loading nothing from elsewhere."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+# What a browser fetches by itself; a link is followed by a reader.
+LOADS = re.compile(
+    r"<(?:script|img|iframe|source|link(?![^>]*rel=\"?(?:canonical|prev|next|icon)))\b[^>]*?"
+    r"(?:src|href)=[\"']?(?:https?:)?//[^\"' >]+"
+)
+STYLE = re.compile(r"(?:url\([\"']?|@import\s+[\"'])(?:https?:)?//")
+
+
+def built(folder: Path, docs: Path = ROOT / "docs") -> subprocess.CompletedProcess[str]:
+    """Build the site of a folder of pages, strictly."""
+    settings = (ROOT / "mkdocs.yml").read_text().replace("docs_dir: docs", f"docs_dir: {docs}")
+    folder.mkdir()
+    (folder / "mkdocs.yml").write_text(settings)
+    return subprocess.run(
+        [sys.executable, "-m", "mkdocs", "build", "--strict", "-d", folder / "site"], cwd=folder,
+        env={**os.environ, "NO_MKDOCS_2_WARNING": "1"}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("docs") / "built"
+    done = built(folder)
+    assert done.returncode == 0, done.stderr
+    return folder / "site"
+
+
+def test_every_page_is_there_and_in_the_navigation(site):
+    home = (site / "index.html").read_text()
+    for page in (ROOT / "docs").glob("**/*.md"):
+        place = page.relative_to(ROOT / "docs").with_suffix(".html").as_posix()
+        assert (site / place).exists(), place
+        assert f'href="{place}"' in home, place
+
+
+def test_no_page_loads_anything_from_elsewhere(site):
+    for page in site.glob("**/*.html"):
+        assert LOADS.findall(page.read_text()) == [], page.name
+        assert "mermaid" not in page.read_text(), "its program would be fetched"
+    for style in site.glob("**/*.css"):
+        assert STYLE.findall(style.read_text()) == [], style.name
+    assert LOADS.search('<script src="https://far.example/a.js"></script>')
+    assert LOADS.search('<link rel="stylesheet" href="//far.example/a.css">')
+    assert STYLE.search('@import "https://far.example/a.css"')
+
+
+def test_a_link_that_leads_nowhere_ends_the_build(tmp_path):
+    docs = tmp_path / "docs"
+    docs.mkdir()
+    wrong = ("nowhere.md", "other.md#nowhere", "nowhere.png")
+    links = "\n".join(f"[a]({link})" for link in (*wrong, "other.md#there"))
+    (docs / "index.md").write_text(f"# Home\n\n{links}\n")
+    (docs / "other.md").write_text("# Other\n\n## There\n")
+    done = built(tmp_path / "built", docs)
+    assert done.returncode != 0
+    assert [link in done.stderr for link in (*wrong, "other.md#there")] == [True, True, True, False]
