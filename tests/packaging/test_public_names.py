@@ -65,11 +65,11 @@ def test_every_public_name_stands_in_an_example_that_is_run():
 @pytest.mark.slow
 def test_the_example_of_the_readme_leaves_a_picture(tmp_path):
     text = (ROOT / "README.md").read_text()
-    study, code = (
+    motion, code = (
         re.search(rf"```{language}\n(.*?)```", text, re.DOTALL)[1]
         for language in ("toml", "python")
     )
-    (tmp_path / "study.toml").write_text(study)
+    (tmp_path / "motion.toml").write_text(motion)
     path = {"PYTHONPATH": str(ROOT)}
     subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=os.environ | path, check=True)
     assert (tmp_path / "motion.png").stat().st_size > 10_000

@@ -34,8 +34,8 @@ def test_every_route_is_documented(tmp_path):
 
 
 def test_the_readme_shows_a_study_that_runs():
-    study, motion = blocks("README.md", "toml")
-    assert prepare_content(tomllib.loads(study)).cells == 101 * 3 * 21 * 41
+    motion, study = blocks("README.md", "toml")
+    assert prepare_content(tomllib.loads(study)).cells == 61 * 3 * 21 * 41
     assert prepare_content(tomllib.loads(motion)).cells == 71 * 56
 
 
