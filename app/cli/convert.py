@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.studies import FAILED, content_of, refuse
+from app.cli.options import FAILED
+from app.cli.studies import content_of, refuse
 from core.errors import Problem, StudyError, suggestion
 
 if TYPE_CHECKING:

@@ -9,7 +9,8 @@ from typing import Annotated, Any
 import typer
 
 from app.cli.questions import QUESTIONS, Question
-from app.cli.studies import FAILED, STANDARD, refuse
+from app.cli.options import FAILED
+from app.cli.studies import STANDARD, refuse
 from core.errors import Problem
 
 _BY_NAME = {question.name: question for question in reversed(QUESTIONS)}  # the first of a name
