@@ -8,7 +8,7 @@ docs/decisions/2026-11-23-accessor-and-keywords.md says what else was tried.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
+from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 import xarray
@@ -124,9 +124,10 @@ class Accessor:
             raise StudyError([Problem("units", error.message, error.fix)]) from None
 
     def to_excel(self, path: str | os.PathLike[str]) -> None:
-        """Write an Excel workbook: one row a cell, units in the headings, the study beside.
+        """Write an Excel workbook: one row a cell, with units in the headings.
 
-        It needs a package: ``pip install 'vibrafeed[tables]'``.
+        Further sheets explain the columns and hold the study. It needs openpyxl:
+        ``pip install 'vibrafeed[tables]'``.
 
         Parameters
         ----------
@@ -136,15 +137,17 @@ class Accessor:
         Raises
         ------
         VibrafeedError
-            If its name ends otherwise, or the package is not installed.
+            If its name ends otherwise, the package is not installed, or a sheet of Excel has not
+            enough rows.
         OSError
             If it cannot be written.
         """
-        from core.dataset.frame import write_frame
+        from core.dataset.formats import suffix_of, write_result
         from core.dataset.table import Table
         from core.errors import VibrafeedError
 
-        path = Path(path)
-        if path.suffix != ".xlsx":
+        if suffix_of(str(path)) != ".xlsx":
             raise VibrafeedError(f"{path} does not end in .xlsx, by which a workbook is known.")
-        write_frame(Table.of_xarray(self._dataset), path)
+        before = self._dataset.attrs.get("history", "")
+        history = f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ} dataset.vf.to_excel\n{before}".rstrip()
+        write_result(Table.of_xarray(self._dataset), str(path), history=history)

@@ -34,7 +34,7 @@ def friction(words: str = "") -> dict[str, Any]:
 
     Examples
     --------
-    >>> (row,) = friction("abs steel")["pairs"]
+    >>> (row,) = vibrafeed.friction("abs steel")["pairs"]
     >>> row["part"], row["track"], row["static"]
     ('ABS', 'steel', [0.3, 0.3])
     """

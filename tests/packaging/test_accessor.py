@@ -10,6 +10,7 @@ from pathlib import Path
 
 import matplotlib.figure
 import numpy as np
+import openpyxl
 import pytest
 import xarray
 
@@ -69,6 +70,20 @@ def test_what_is_no_result_is_told_so():
     for ask in (lambda: other.vf.study, other.vf.regime_shares):
         with pytest.raises(vibrafeed.VibrafeedError, match="no result of vibrafeed"):
             ask()
+
+
+def test_a_workbook_has_the_rows_of_the_dataset(motion, tmp_path):
+    motion.vf.to_excel(tmp_path / "motion.xlsx")
+    book = openpyxl.load_workbook(tmp_path / "motion.xlsx")
+    headings, *rows = book["values"].iter_rows(values_only=True)
+    assert len(rows) == 4
+    speed = headings.index("conveying_velocity [m s-1]")
+    assert [row[speed] for row in rows] == motion.conveying_velocity.values.tolist()
+    assert [row[headings.index("regime")] for row in rows] == [
+        "stick", "stick_slip", "hopping", "hopping",
+    ]  # fmt: skip
+    study = dict(row[:2] for row in book["study"].iter_rows(values_only=True))
+    assert study["study_sha256"] == motion.attrs["study_sha256"]
 
 
 def test_a_workbook_has_the_name_of_one(motion, tmp_path):

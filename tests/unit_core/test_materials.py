@@ -101,6 +101,6 @@ def test_the_service_sends_the_same(tmp_path) -> None:
 
 
 def test_its_examples_do_what_they_say() -> None:
-    done = doctest.testmod(core.materials)
+    done = doctest.testmod(core.materials, extraglobs={"vibrafeed": vibrafeed})
     assert done.attempted
     assert not done.failed
