@@ -145,7 +145,7 @@ def plan_scene(
     gives, suggest = scene.outputs(variant), Suggestions()
     problems = [
         *(_unknown_output(scene, variant, name, suggest) for name in outputs if name not in gives),
-        *_doubled_friction(given),
+        *_doubled(given),
     ]
     known_outputs = tuple(name for name in dict.fromkeys(outputs) if name in gives)
     walk = _Walk(scene, variant, given, known_outputs)
@@ -262,11 +262,12 @@ def _of_another_kind(scene: Scene, variant: str, name: str) -> Problem | None:
     return Problem("outputs", message, f'Ask for {other}, or set kind = "{kind}"', name)
 
 
-def _doubled_friction(given: Collection[str]) -> list[Problem]:
+def _doubled(given: Collection[str]) -> list[Problem]:
     problems = []
     for name, others in (
         ("friction", ("friction_static", "friction_kinetic")),
         ("peak_to_peak", ("amplitude",)),
+        ("occupancy", ("part_gap",)),
     ):
         doubled = [other for other in others if name in given and other in given]
         if doubled:

@@ -47,7 +47,7 @@ def test_occupancy_stands_in_the_place_of_a_gap() -> None:
     occupied = values(result("feed_rate", length="8 mm", occupancy=0.8), "feed_rate")
     assert with_gap == pytest.approx(0.8 * touching, rel=1e-14)
     assert occupied == pytest.approx(with_gap, rel=1e-14)
-    with pytest.raises(StudyError, match="part_gap"):
+    with pytest.raises(StudyError, match="Give either occupancy or part_gap"):
         result("feed_rate", length="8 mm", occupancy=0.8, part_gap="2 mm")
     with pytest.raises(StudyError, match="length of the part, along the track"):
         result("feed_rate", occupancy=0.8)
