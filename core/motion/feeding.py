@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from core.dataset.regimes import percent
 from core.mechanics.arrays import Array
 from core.motion.rates import parts_per_minute
 from core.motion.result import ANSWERED, STATUS, Motion
@@ -72,7 +73,7 @@ def travel_in_words(table: Table) -> str:
     share = _share_backwards(table)
     if not share:
         return ""
-    which = "The part travels" if share == 1 else f"{_percent(share)} of the cells travel"
+    which = "The part travels" if share == 1 else f"{percent(share)} of the cells travel"
     if share == 1 and not _is_single(table):
         which = "All cells travel"
     return f"{which} backwards, against x."
@@ -99,8 +100,3 @@ def _share_backwards(table: Table) -> float:
 
 def _is_single(table: Table) -> bool:
     return all(not variable.dims for variable in table.variables.values())
-
-
-def _percent(share: float) -> str:
-    """Return a share that is neither 0 nor 1 as one."""
-    return f"{min(max(share, 0.001), 0.999):.1%}"

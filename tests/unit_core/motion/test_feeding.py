@@ -101,7 +101,7 @@ def test_a_line_says_what_travels_backwards(output: str) -> None:
     length = {"length": "8 mm"} if output == "feed_rate" else {}
     assert travel_in_words(result(output, beta=[20, 90], **length)) == ""
     assert travel_in_words(result(output, beta=[20, 160], **length)) == (
-        "50.0% of the cells travel backwards, against x."
+        "50\N{NO-BREAK SPACE}% of the cells travel backwards, against x."
     )
     assert travel_in_words(result(output, beta=[150, 160], **length)) == (
         "All cells travel backwards, against x."
