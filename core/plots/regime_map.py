@@ -12,7 +12,7 @@ from matplotlib.colors import ListedColormap, to_rgb
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from core.dataset.regimes import percent, regime_shares
+from core.dataset.regimes import percent
 from core.plots.islands import without_specks
 from core.plots.names import add_names
 from core.plots.parts import cell_edges, set_log
@@ -104,10 +104,12 @@ def _as_corners(
 def share_entries(
     regimes: NDArray[np.int64], looks: Sequence[Look], fills: Sequence[RGB]
 ) -> list[Artist]:
-    """Return the legend's entries, each with the share of the cells that have its regime."""
-    shares = regime_shares(regimes)
+    """Return the legend's entries, each with the share of the cells that have its value.
+
+    The values are those of regimes, or of whatever else the picture has in their place.
+    """
     return [
-        _entry(look, fill, shares.get(look.name, 0.0))
+        _entry(look, fill, float(np.mean(regimes == look.value)))
         for look, fill in zip(looks, fills, strict=True)
     ]
 

@@ -10,6 +10,8 @@ from colorspacious import cspace_convert
 from matplotlib.colors import to_rgb
 
 from core.motion.systems import SYSTEMS
+from core.plots.categories import looks_of_categories
+from core.plots.regime_map import share_entries
 from core.plots.regimes import FILLS, LOOKS, ON_FILL
 from core.plots.style import Style
 from core.quantities import REGIMES
@@ -83,3 +85,10 @@ def test_text_is_read_on_its_background(dark: bool):
         assert contrast(ON_FILL, fill) > 4.5
     for colour in (style.curve, style.other, *style.series, *style.series_over(7)):
         assert contrast(colour, style.ground) > (1.9 if colour in style.series_over(7) else 3)
+
+
+def test_the_legend_of_categories_has_the_shares_of_their_cells():
+    looks = looks_of_categories({1: "forwards", 2: "backwards"}, Style())
+    entries = share_entries(np.array([[1, 2], [2, 2]]), looks, [look.fill for look in looks])
+    labels = [str(entry.get_label()).replace("\N{NO-BREAK SPACE}", " ") for entry in entries]
+    assert labels == ["forwards, 25 %", "backwards, 75 %"]
