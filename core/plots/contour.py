@@ -18,7 +18,7 @@ from core.plots.islands import without_specks
 from core.plots.names import add_names, gives_way
 from core.plots.parts import add_colour_bar, say_nothing_is_finite, set_log
 from core.plots.regimes import Look, shade, veiled_swatch
-from core.plots.scale import scale_of
+from core.plots.scale import Scale, scale_of
 from core.plots.selection import Selection, thin
 from core.plots.style import Style
 from core.plots.text import number
@@ -56,7 +56,7 @@ def draw_contour(
     shade(axes, x, y, regimes, faces, style)
     if scale is not None:
         shown = np.ma.masked_invalid(values)
-        _add_lines(axes, x, y, shown, scale.levels, style)
+        _add_lines(axes, x, y, shown, scale, style)
         _mark_level(axes, x, y, shown, selection, style)
     across, up = replace(across, values=x), replace(up, values=y)
     add_names(axes, across, up, without_specks(regimes), looks, style)
@@ -65,15 +65,15 @@ def draw_contour(
     return axes, [veiled_swatch(look, face) for look, face in faces.items()]
 
 
-def _add_lines(axes: Axes, x: Array, y: Array, values: Masked, levels: Array, style: Style) -> None:
+def _add_lines(axes: Axes, x: Array, y: Array, values: Masked, scale: Scale, style: Style) -> None:
     """Add contour lines with labels, which give way to whatever stands there."""
-    inner = levels[(levels > values.min()) & (levels < values.max())]
+    inner = scale.levels[(scale.levels > values.min()) & (scale.levels < values.max())]
     if not inner.size:
         return
-    widths = [style.width(1.4 if level == 0 else 0.6) for level in inner]
     lines = axes.contour(
-        x, y, values, levels=inner, colors=[style.ink], linewidths=widths, zorder=3
-    )
+        x, y, values, levels=inner, colors=[style.on(scale.colour(level)) for level in inner],
+        linewidths=[style.width(1.4 if level == 0 else 0.6) for level in inner], zorder=3,
+    )  # fmt: skip
     for label in axes.clabel(
         lines, fontsize=style.text(8), fmt=number, inline=False, zorder=6, colors=[style.ink]
     ):

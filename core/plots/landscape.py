@@ -16,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
@@ -185,9 +186,17 @@ def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
         bar.ax.yaxis.set_major_formatter(FuncFormatter(plain))
         bar.set_label(shown.label)
         lines = axes.contour(
-            x, y, value, levels=scale.levels, colors=[style.ink], linewidths=style.width(0.5)
+            x,
+            y,
+            value,
+            levels=scale.levels,
+            colors=[style.on(scale.colour(v)) for v in scale.levels],
+            linewidths=style.width(0.5),
         )
-        for text in axes.clabel(lines, fontsize=style.text(8), fmt=plain, inline=False):
+        for text in axes.clabel(
+            lines, fontsize=style.text(8), fmt=plain, inline=False, colors=[style.ink]
+        ):
+            text.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])
             gives_way(text)
     entries = _limits(axes, shown, style)
     tops = shown.best

@@ -205,10 +205,12 @@ def shade(
             area.set_hatch_linewidth(HATCH_WIDTH)
         inside = (bordered == look.value).astype(float)
         if inside.min() < inside.max():
-            axes.contour(
+            border = axes.contour(
                 x, y, inside, levels=[0.5], colors=[style.ink], linewidths=[style.width(1.1)],
                 zorder=4,
             )  # fmt: skip
+            halo = withStroke(linewidth=style.width(2.2), foreground=style.ground)
+            border.set_path_effects([halo])
     valid = np.isin(regimes, [look.value for look in faces if look.valid]).astype(float)
     if valid.min() < valid.max():
         border = axes.contour(

@@ -34,7 +34,11 @@ class Scale:
         finite = values[np.isfinite(values)]
         if not finite.size:
             return 1.0, 1.0, 1.0
-        red, green, blue, _ = self.colours(self.norm(float(np.percentile(finite, STRONG))))
+        return self.colour(float(np.percentile(finite, STRONG)))
+
+    def colour(self, value: float) -> RGB:
+        """Return the colour of a value."""
+        red, green, blue, _ = self.colours(self.norm(value))
         return red, green, blue
 
 

@@ -20,6 +20,7 @@ RGB = tuple[float, float, float]
 SMALL = 0.8  # text of a small picture over that of a normal one
 NARROW = 0.55  # width of a small picture over that of a normal one
 LOW = 0.68  # its height: the text below and above takes more of it
+HALF = 0.55  # how bright a colour is on which dark lines are seen better than light ones
 DARKEST = 0.8  # of a scale that ends in a colour on which lines are still seen
 
 
@@ -97,6 +98,11 @@ class Style:
         """Colours of a scale with zero in the middle."""
         return matplotlib.colormaps["berlin" if self.dark else "RdYlBu_r"]
 
+    def on(self, colour: RGB) -> str:
+        """Return what is seen on a colour: light or dark."""
+        red, green, blue = colour
+        return "#16181c" if 0.299 * red + 0.587 * green + 0.114 * blue > HALF else "#eceef1"
+
     def text(self, size: float) -> float:
         """Return the size of a text that is `size` points large in a normal picture."""
         return size * (SMALL if self.small else 1.0)
@@ -115,7 +121,7 @@ class Style:
 
     def series_over(self, count: int) -> list[RGB]:
         """Return the colours of curves over a quantity, in its order."""
-        ends = (0.25, 1.0) if self.dark else (0.0, 0.78)
+        ends = (0.32, 1.0) if self.dark else (0.0, 0.78)
         shades = matplotlib.colormaps["viridis"](linspace(*ends, count))
         return [(float(r), float(g), float(b)) for r, g, b, _ in shades]
 
