@@ -67,16 +67,16 @@ def _closed_forms(points: xarray.Dataset, title: str, style: Style) -> Figure | 
     left.set_ylabel("Error, share of the value")
     right.set_ylabel("Largest error, ulps")
     left.set_title(
-        "median (mark) to largest (bar)", loc="left", fontsize=style.text(9), color=style.ink
+        "median (mark) to largest (bar)", loc="left", fontsize=style.text(9), color=style.quiet
     )
     right.set_title(
         "open: as it is; full: over the condition number",
         loc="left",
         fontsize=style.text(9),
-        color=style.ink,
+        color=style.quiet,
     )
     for axes in (left, right):
-        axes.set_xlabel("Time of a cell [ns]")
+        axes.set_xlabel("Time of a cell (ns)")
     return _finish(figure, "Rounding of the closed forms", title, style, left, (left, right))
 
 
@@ -108,12 +108,12 @@ def _motion(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
                   fontsize=style.text(8), transform=axes.get_yaxis_transform(),
                   color=style.quiet)  # fmt: skip
         axes.set_yscale("log")
-        axes.set_xlabel("Time of a cell [ms]")
+        axes.set_xlabel("Time of a cell (ms)")
         axes.set_title(
             f"{words(subject)}: median (mark) to largest (bar)",
             loc="left",
             fontsize=style.text(9),
-            color=style.ink,
+            color=style.quiet,
         )
     low, high = (end(axes.get_ylim()[k] for axes in sheets) for k, end in ((0, min), (1, max)))
     for axes in sheets:
@@ -126,7 +126,7 @@ def _optimisers(points: xarray.Dataset, title: str, style: Style) -> Figure | No
     figure, sheets = _sheet(style, 2)
     methods = _flag(points, "method")
     costs = (points["time_per_cell"].values * 1e3, points["evaluations"].values)
-    labels = ("Time of a design [ms]", "Points at which the outputs are computed")
+    labels = ("Time of a design (ms)", "Points at which the outputs are computed")
     for axes, cost, label in zip(sheets, costs, labels, strict=True):
         for number, method in enumerate(methods):
             here = methods == method
@@ -137,7 +137,7 @@ def _optimisers(points: xarray.Dataset, title: str, style: Style) -> Figure | No
             )  # fmt: skip
         axes.set_xlabel(label)
         axes.set_title(
-            "median (mark) to largest (bar)", loc="left", fontsize=style.text(9), color=style.ink
+            "median (mark) to largest (bar)", loc="left", fontsize=style.text(9), color=style.quiet
         )
     sheets[0].set_ylabel("Gap of the objective over its scale")
     return _finish(figure, "Optimisers", title, style, sheets[0], sheets)
@@ -147,7 +147,7 @@ def _storage(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
     figure, sheets = _sheet(style, 2)
     methods = _flag(points, "method")
     costs = (points["bytes_per_value"].values, points["time_per_cell"].values * 1e9)
-    labels = ("Bytes of the file for a value", "Time to write a value [ns]")
+    labels = ("Bytes of the file for a value", "Time to write a value (ns)")
     for axes, cost, label in zip(sheets, costs, labels, strict=True):
         for number, method in enumerate(dict.fromkeys(methods)):
             here = methods == method
@@ -160,7 +160,7 @@ def _storage(points: xarray.Dataset, title: str, style: Style) -> Figure | None:
         axes.set_xlim(0, None)
         axes.set_xlabel(label)
         axes.set_title(
-            "median (mark) to largest (bar)", loc="left", fontsize=style.text(9), color=style.ink
+            "median (mark) to largest (bar)", loc="left", fontsize=style.text(9), color=style.quiet
         )
     sheets[0].set_ylabel("Error, share of the value")
     return _finish(figure, "Files", title, style, sheets[0], sheets, log_cost=False)

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from core.measured.drive import Fit
 from core.measured.harmonics import Array
 from core.plots.heading import finish
-from core.plots.style import LIGHT, Style
+from core.plots.style import Style
 
 SIZE = (10.0, 7.0)  # inches
 AXES = ("along", "across", "normal")  # in the order of the colours of a series
@@ -21,12 +21,13 @@ EXACT = 1e-9  # of the frequency: an error below is not worth its digits
 MICRO = 1e6
 
 
-def draw_fit(fit: Fit, style: Style = LIGHT) -> Figure:
+def draw_fit(fit: Fit, *, dark: bool = False) -> Figure:
     """Return the picture of a fit, a figure with a canvas of its own.
 
     Left the samples of one period with the fitted drive, an axis below the other, and what is left
     over; right the spectrum, in which dots mark what has been fitted, and the path of the track.
     """
+    style = Style(dark=dark)
     figure = style.sheet(*SIZE)
     left, right = figure.subfigures(1, 2, width_ratios=(1.25, 1.0), squeeze=False)[0]
     count = len(fit.axes)

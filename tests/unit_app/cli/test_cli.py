@@ -380,6 +380,13 @@ def test_pictures_of_motion(motion, tmp_path):
     result = run("plot", motion.with_suffix(".nc"), "-o", tmp_path / "course.png")
     assert result.exit_code == 0, result.output
     assert (tmp_path / "course.png").stat().st_size > 20_000
+    look = ("--title", "Hop by hop", "--units", "m/min", "--dark", "--small")
+    result = run("plot", motion.with_suffix(".nc"), "-o", tmp_path / "course.svg", *look)
+    assert result.exit_code == 0, result.output
+    assert "#15181d" in (tmp_path / "course.svg").read_text()
+    result = run("plot", motion.with_suffix(".nc"), "--units", "furlong")
+    assert result.exit_code == 2
+    assert "'furlong' is not a unit" in result.output
 
 
 def test_verification_is_told_in_one_line(study, tmp_path):
