@@ -275,8 +275,12 @@ def animate(
 
     Examples
     --------
-    >>> motion = vibrafeed.simulate("configs/trajectory.toml")  # doctest: +SKIP
-    >>> vibrafeed.animate(motion, "part.gif", slow=50)  # doctest: +SKIP
+    >>> import os, tempfile
+    >>> motion = vibrafeed.simulate("configs/trajectory.toml", trajectory=40)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     vibrafeed.animate(motion, os.path.join(folder, "part.gif"), slow=10)
+    ...     os.listdir(folder)
+    ['part.gif']
     """
     from pathlib import Path
 

@@ -1,0 +1,58 @@
+"""The page of the gallery is what its program writes, and each of its studies can be drawn."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+from functools import cache
+from pathlib import Path
+
+import pytest
+import xarray
+
+import vibrafeed
+from benchmarks.gallery import GALLERY, LARGEST, PAGE, PICTURES, STUDIES, Picture, page
+from core.kinds import load_study
+from core.plots.film import read_film
+from core.study.shown import ShownUnits
+from layout import judge
+
+CARRY_OUT = {
+    "sweep": vibrafeed.sweep, "simulate": vibrafeed.simulate, "optimise": vibrafeed.optimise,
+}  # fmt: skip
+
+
+@cache
+def carried_out(name: str) -> xarray.Dataset:
+    study = load_study(STUDIES / f"{name}.toml")
+    return CARRY_OUT[study.kind](study)
+
+
+def options(picture: Picture) -> argparse.Namespace:
+    """Return the options of the command that stands on the page."""
+    parser = argparse.ArgumentParser()
+    for short, long in (("-k", "--kind"), ("-v", "--variable"), ("-a", "--axes"), ("-s", "--slow")):
+        parser.add_argument(short, long)
+    return parser.parse_args(shlex.split(picture.options))
+
+
+def test_the_page_is_that_of_the_program():
+    assert PAGE.read_text(encoding="utf-8") == page()
+    studies = {name for picture in GALLERY for name in picture.studies}
+    assert {path.stem for path in STUDIES.glob("*.toml")} == studies
+    assert {path.name for path in PICTURES.iterdir()} == {picture.file for picture in GALLERY}
+    assert all(picture.judged.endswith(".") for picture in GALLERY)
+
+
+@pytest.mark.parametrize("picture", GALLERY, ids=lambda picture: picture.file)
+def test_every_study_runs_and_every_picture_can_be_read(picture: Picture):
+    datasets = [carried_out(name) for name in picture.studies]
+    asked = options(picture)
+    size = (PICTURES / picture.file).stat().st_size
+    if picture.file.endswith(".gif"):
+        assert size < 400_000
+        assert read_film(datasets[0], ShownUnits(), float(asked.slow)).times.size > 20
+        return
+    assert size < LARGEST
+    axes = tuple(asked.axes.split(",")) if asked.axes else None
+    judge(vibrafeed.plot(datasets, variable=asked.variable, axes=axes, kind=asked.kind))
