@@ -61,73 +61,103 @@ GALLERY = (
     Picture(
         "amplitude.png", "What happens when I turn up the amplitude?", ("amplitude",),
         "-k thresholds",
-        "JUDGE",
+        "the answer stands in the picture as words and numbers, and each threshold is as "
+        "exact as the steps of the study allow; two thresholds that lie closer than a letter "
+        "make a stair of labels, and the curve itself says little between 0.77 and 0.88 mm, "
+        "where it is flat.",
     ),
     Picture(
         "drive-levels.png", "How fast, and in which way, over amplitude and angle?", ("drive",),
         "-k levels",
-        "JUDGE",
+        "speeds are read off the lines while the colours stay those of the regimes, and the "
+        "hatched strip warns that a flat drive carries parts backward down the climb; kinks "
+        "of the lines in the corner of doubled periods are true, yet look like noise, and "
+        "only every second line has room for its number.",
     ),
     Picture(
         "drive-map.png", "Where does it stick, slide and hop?", ("drive",), "-k map",
-        "JUDGE",
+        "regimes are told apart at a glance and in grey print, by their names; how fast the "
+        "part is cannot be seen, and the steps of the borders are those of the grid.",
     ),
     Picture(
         "drive-contour.png", "Where is the fastest drive?", ("drive",), "-k contour",
-        "JUDGE",
+        "the fastest drive is found at once, at 0.7 mm and 23 degrees; regimes are hatches "
+        "here and fight with the lines, for which the lines over pale areas are the better "
+        "picture.",
     ),
     Picture(
         "friction.png", "Which angle suits which friction?", ("frictions",),
         "-k line -a beta,friction",
-        "JUDGE",
+        "one look says that slippery parts want a steep drive, 58 degrees against 38; the "
+        "family is easy to follow up to five curves, and beyond 60 degrees, where they run "
+        "into each other, not at all.",
     ),
     Picture(
         "oil.png", "What does oil change?", ("amplitude", "amplitude-oiled"),
         "-v conveying_velocity",
-        "JUDGE",
+        "the message is plain: with oil the same drive runs backward until 0.39 mm, and "
+        "beyond it oil hardly matters; what the part does along the way is not shown, so look "
+        "at the thresholds of each, too.",
     ),
     Picture(
         "hop.png", "What does one part do in a period?", ("hop",), "",
-        "JUDGE",
+        "height, velocity and way share one time, so that cause and effect stand above each "
+        "other: it takes off once the track falls away, and loses speed at the landing; who "
+        "has never seen such a picture needs the animation first.",
     ),
     Picture(
         "hop.gif", "How does that look, slowly?", ("hop",), "--slow 50",
-        "JUDGE",
+        "shows in three seconds what takes a page to write: the track throws the part and "
+        "lands behind it; the part's size is not its own, since the model has none, and a "
+        "short slide forward lasts less than a frame, so only the strip shows it.",
     ),
     Picture(
         "wall.png", "Does the part leave the wall?", ("wall",), "",
-        "JUDGE",
+        "the fourth panel answers it: the part leaves the wall for most of the period, by "
+        "0.07 mm, and comes back to it with the next stroke; across and along are not seen "
+        "together.",
     ),
     Picture(
         "tumble.png", "How does a dropped part come to rest?", ("tumble",), "",
-        "JUDGE",
+        "outlines and the way of the middle tell the fall well, and the lower panels say when "
+        "it strikes; the upper panel is narrow because it is true to scale, and its outlines "
+        "crowd where the pin rolls over.",
     ),
     Picture(
         "tumble.gif", "How does the fall look?", ("tumble",), "--slow 20",
-        "JUDGE",
+        "the fall is understood without a word, at the part's own size and true to scale; the "
+        "many small impacts at its end pass too fast to be counted even twenty times slower.",
     ),
     Picture(
         "designs.png", "Which of a thousand designs are fast, and what do they share?",
         ("designs",), "-k parallel",
-        "JUDGE",
+        "dark lines show what fast designs share, a large amplitude and little climb, and the "
+        "red one what the fastest is; a thousand lines say nothing of a single other design, "
+        "and friction, which matters less, looks as busy as the rest.",
     ),
     Picture(
         "accelerations.png", "What does the formula of the thesis say?", ("accelerations",),
         "-k contour -v acceleration_x",
-        "JUDGE",
+        "the border between slip and flight is plain, and what lies above it is pale and "
+        "hatched as it should be; the numbers of the upper half are of no use, so half of the "
+        "picture says where not to look.",
     ),
     Picture(
         "surface.png", "The same as a relief", ("accelerations",), "-k surface -v acceleration_x",
-        "JUDGE",
+        "the shape is grasped at once, and grey tells where the formula ends; no number can "
+        "be read off it, and the contour above says all of it better.",
     ),
     Picture(
         "front.png", "What does speed cost across the track?", ("front",), "-k front",
-        "JUDGE",
+        "three clear lines, each with its knee; the scale makes much of differences of one "
+        "per cent, so read the numbers before you trade anything.",
     ),
     Picture(
         "angles.png", "Which two angles are best, and what limits them?", ("angles",),
         "-k landscape",
-        "JUDGE",
+        "optimum and both limits meet in one corner, which is the answer: floor and wall "
+        "decide, not the objective; nine tenths of the picture are excluded and only frame "
+        "it.",
     ),
 )  # fmt: skip
 

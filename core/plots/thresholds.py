@@ -80,6 +80,9 @@ def draw_thresholds(
         raise PlotError("axes", "thresholds are marked along one axis", "Write, say, amplitude")
     variable = variable or (SPEED if SPEED in dataset.data_vars else None)
     selection = select(dataset, variable, axes, at or {}, "line", units, nearest=nearest)
+    if selection.categories:
+        message = f"{selection.variable.name} has names, not heights"
+        raise PlotError("variable", message, "Choose another output, or leave the kind out")
     looks = looks_of(dataset["regime"], selection.regimes, style, exact=selection.exact)
     figure = style.sheet()
     top, entries = draw_line(figure, selection, looks, style)

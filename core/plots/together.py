@@ -104,8 +104,10 @@ def _add_lines(sheet, datasets, selections, labels, style):  # type: ignore[no-u
     beyond = False
     rows = zip(datasets, selections, labels, style.series, DASHES, strict=False)
     for dataset, selection, _label, colour, dashes in rows:
-        looks = looks_of(dataset["regime"], selection.regimes, style, exact=selection.exact)
-        valid = np.isin(selection.regimes, [look.value for look in looks if look.valid])
+        valid = np.ones(selection.values.shape, dtype=bool)
+        if not selection.categories:
+            looks = looks_of(dataset["regime"], selection.regimes, style, exact=selection.exact)
+            valid = np.isin(selection.regimes, [look.value for look in looks if look.valid])
         x, values = selection.axes[0].values, selection.values
         if not valid.all():
             beyond = True

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import shlex
 from functools import cache
-from pathlib import Path
 
 import pytest
 import xarray

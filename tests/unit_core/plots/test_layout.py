@@ -7,7 +7,6 @@ import pathlib
 import numpy as np
 import pytest
 import xarray
-from matplotlib.path import Path
 
 import vibrafeed
 from layout import boxes, judge

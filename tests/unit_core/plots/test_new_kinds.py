@@ -13,7 +13,7 @@ from core.plots.parallel import MOST_DESIGNS, read_designs
 from core.plots.thresholds import find_thresholds
 from core.study.shown import ShownUnits
 from layout import judge
-from pictures import legend, problem
+from pictures import SPACE, legend, problem
 
 DRIVE = {"scene": "rectangle-on-plane", "frequency": 50, "beta": 25, "gamma": 2}
 
@@ -33,8 +33,17 @@ def oiled() -> xarray.Dataset:
     return speeds(0.12)
 
 
+@pytest.fixture(scope="module")
+def designs() -> xarray.Dataset:
+    return vibrafeed.simulate(
+        scene="rectangle-on-plane", frequency=50, outputs=["conveying_velocity"],
+        amplitude=np.linspace(1e-4, 5e-4, 11), beta=np.linspace(10, 50, 11),
+        friction=np.linspace(0.1, 0.6, 10),
+    )  # fmt: skip
+
+
 def texts(figure: object) -> list[str]:
-    return [text.get_text().replace("\N{NO-BREAK SPACE}", " ") for text in figure.axes[0].texts]
+    return [text.get_text().replace(SPACE, " ") for text in figure.axes[0].texts]
 
 
 class TestThresholds:
@@ -43,7 +52,7 @@ class TestThresholds:
         found, left = find_thresholds(
             np.arange(7.0), np.array([0, 0, 1, 2, -1, 3, 2.0]), states, None, "mm/s"
         )
-        assert [(threshold.place, threshold.says) for threshold in found] == [
+        assert [(each.place, each.says.replace(SPACE, " ")) for each in found] == [
             (1.5, "starts to move"),
             (2.5, "lifts off"),
             (3.5, "stays on the track"),
@@ -78,6 +87,7 @@ class TestThresholds:
     def test_one_axis_only(self, dry: xarray.Dataset):
         told = problem(dry, kind="thresholds", axes=("amplitude", "beta"))
         assert told.place == "axes"
+        assert problem(dry, kind="thresholds", variable="period_multiple").place == "variable"
 
 
 class TestLevels:
@@ -98,14 +108,6 @@ class TestLevels:
 
 
 class TestParallel:
-    @pytest.fixture(scope="class")
-    def designs(self) -> xarray.Dataset:
-        return vibrafeed.simulate(
-            scene="rectangle-on-plane", frequency=50, outputs=["conveying_velocity"],
-            amplitude=np.linspace(1e-4, 5e-4, 11), beta=np.linspace(10, 50, 11),
-            friction=np.linspace(0.1, 0.6, 10),
-        )  # fmt: skip
-
     def test_a_line_a_design_and_the_best_in_any_case(self, designs: xarray.Dataset):
         found = read_designs(designs, ShownUnits(), None)
         assert found.total == designs.conveying_velocity.size > MOST_DESIGNS
