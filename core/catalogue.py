@@ -57,7 +57,7 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
         "outputs": [
             _describe_output(scene, chosen, equation)
             for equation in scene.variants[chosen]
-            if not QUANTITIES[equation.gives].bundle
+            if equation.gives in scene.outputs(chosen)
         ],
         "regimes": [
             {

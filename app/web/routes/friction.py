@@ -13,7 +13,8 @@ from core.materials import friction
 
 router = APIRouter(tags=["scenes"])
 
-Range = tuple[float, float]
+Range = list[float]
+"""The least and the largest value; clients that are generated read a list best."""
 
 
 class Pair(BaseModel):

@@ -322,6 +322,12 @@ class TestScenes:
                 for condition in scene.conditions[variant]:
                     assert condition.summary.startswith("Where ")
 
+    def test_what_the_catalogue_lists_can_be_asked_for(self):
+        for system in SYSTEMS.values():
+            for method in system.variants:
+                listed = [one["name"] for one in describe(system.name, method=method)["outputs"]]
+                assert listed == [n for n in system.outputs(method) if n != "regime"]
+
     def test_every_quantity_is_used(self):
         used = {name for scene in (*SCENES.values(), *SYSTEMS.values()) for v in scene.variants
                 for eq in scene.variants[v] for name in (eq.gives, *eq.inputs)}  # fmt: skip
