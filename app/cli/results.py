@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from core.sweep.stream import Passed
 
 Ends = tuple[float, float] | None
+_CHOICE = re.compile(r"\w+ = ")
 
 
 def facts_of(path: Path, target: str, result: Table, cells: int) -> dict[str, Any]:
@@ -52,7 +54,9 @@ def show_result(facts: Mapping[str, Any], result: Table, asked: str | None) -> N
     _show_regimes(facts["regimes"], facts["cells"], "variant" in result.attributes)
     if "message" in facts:
         say(f"  {facts['criterion']}, method {facts['method']}")
-        say(f"  {facts['message']}")
+        # The choice itself stands in the table, in the units asked for.
+        told = [one for one in facts["message"].split("; ") if not _CHOICE.match(one)]
+        tell(f"  {'; '.join(told)}")
     if backwards := travel_in_words(result):
         say(f"  {backwards}")
     _show_verified(result)

@@ -12,7 +12,7 @@ import pytest
 from rich.console import Console
 from typer.testing import CliRunner
 
-from app.cli import app, console
+from app.cli import app, catalogue, console, drives, plans, results
 
 ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r"^```(\w*)[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
@@ -62,8 +62,8 @@ def printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, 
             found.append((" ".join(_words), arguments, options, captured.get()))
 
         with monkeypatch.context() as patched:
-            for module in ("console", "catalogue", "plans", "results", "drives"):
-                patched.setattr(f"app.cli.{module}.table", kept)
+            for module in (console, catalogue, drives, plans, results):
+                patched.setattr(module, "table", kept)
             done = CliRunner().invoke(app, words)
         assert done.exit_code == 0, (words, done.output)
     return found

@@ -187,7 +187,8 @@ def test_export_keeps_the_history_and_replaces_no_group(tmp_path):
     assert "is there already. Remove it, or give another name." in result.output
 
 
-def test_an_export_replaces_nothing_unasked(study, tmp_path):
+def test_an_export_replaces_nothing_unasked(tmp_path):
+    study = saved(tmp_path, {"kind": "sweep", **STUDIES["sweep"]})
     run("run", study, "-o", tmp_path / "x.nc")
     (tmp_path / "y.csv").write_text("mine")
     refused = run("export", tmp_path / "x.nc", "-o", tmp_path / "y.csv")
