@@ -49,13 +49,17 @@ def prepare_all(
         refuse(wrong)
     for path, lines in asked.items():
         for line in lines:
-            typer.echo(f"{path}: {line}", err=True)
+            typer.echo(f"{_name_of(path)}: {line}", err=True)
     return prepared
 
 
 def stem_of(path: Path) -> str:
     """Return what a result is called after its study."""
     return "study" if path == STANDARD else path.stem
+
+
+def _name_of(path: Path) -> str:
+    return "standard input" if path == STANDARD else str(path)
 
 
 def content_of(path: Path) -> object:
@@ -82,8 +86,7 @@ def refuse(wrong: Mapping[Path, Sequence[Problem]]) -> NoReturn:
     """Print every problem of every file on the error stream, and exit with code 2."""
     for path, problems in wrong.items():
         count = len(problems)
-        name = "standard input" if path == STANDARD else path
-        typer.echo(f"{name}: {count} problem{'s' if count > 1 else ''}", err=True)
+        typer.echo(f"{_name_of(path)}: {count} problem{'s' if count > 1 else ''}", err=True)
         for problem in problems:
             typer.echo(f"  {problem}", err=True)
     raise typer.Exit(WRONG_INPUT)

@@ -192,12 +192,12 @@ def test_a_disk_that_fills_up_is_told_and_what_is_there_is_kept(study, tmp_path,
     assert run(study, "-o", tmp_path / "a.nc", "--resume").exit_code == 0
 
 
-def test_zarr_is_for_one_sweep_and_replaces_nothing(study, tmp_path):
+def test_zarr_is_for_one_study_and_replaces_nothing(study, tmp_path):
     other = tmp_path / "other.toml"
     other.write_text(STUDY)
     result = run(study, other, "-o", tmp_path / "a.zarr")
     assert result.exit_code == 2
-    assert "output: a Zarr group is of one study. Give a folder." in result.output
+    assert "a.zarr is for one study. Give a folder." in result.output
     (tmp_path / "a.zarr").mkdir()
     result = run(study, "-o", tmp_path / "a.zarr")
     assert result.exit_code == 2
@@ -206,11 +206,13 @@ def test_zarr_is_for_one_sweep_and_replaces_nothing(study, tmp_path):
         'kind = "simulate"\nscene = "rectangle-on-plane"\n[parameters]\nfrequency = 50\n'
         'amplitude = "0.1 mm"\nbeta = 30\nfriction = 0.4\n'
     )
-    result = run(other, "-o", tmp_path / "b.zarr")
-    assert (
-        "output: only sweeps that keep their cells go to Zarr. Give a name that ends in .nc."
-        in result.output
-    )
+    assert run(other, "-o", tmp_path / "b.zarr").exit_code == 0
+    for more in ((), ("--force",)):
+        refused = run(other, "-o", tmp_path / "b.zarr", *more)
+        assert refused.exit_code == 2
+        assert "b.zarr is there already. Remove it, or give another name." in refused.output
+    again = run(other, "-o", tmp_path / "b.zarr", "--resume")
+    assert "is complete already" in words(again.output)
 
 
 def test_an_unknown_store_is_told_in_one_line(study):
