@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.questions import QUESTIONS, Question
 from app.cli.options import FAILED
+from app.cli.questions import QUESTIONS, Question
 from app.cli.studies import STANDARD, refuse
 from core.errors import Problem
 

@@ -8,11 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.cli.console import fail, say, table, tell
 from app.cli.units import DIGITS, ends, units_asked
 from core.dataset.regimes import percent, regime_shares, shares_of
-from core.kinds import is_whole, not_verified, share_left_out
+from core.kinds import STATUSES, is_whole, not_verified, share_left_out
 from core.motion.feeding import travel_in_words
 from core.quantities import REGIMES
 
@@ -31,7 +32,7 @@ def facts_of(path: Path, target: str, result: Table, cells: int) -> dict[str, An
     found = {name: _finite_ends(one) for name, one in _outputs(result).items()}
     shares = {}
     if "regime" in result.variables:
-        shares = regime_shares(result.variables["regime"].values)
+        shares = regime_shares(_regimes_computed(result))
     return _facts(path, target, result, cells, found, shares)
 
 
@@ -73,6 +74,16 @@ def show_result(facts: Mapping[str, Any], result: Table, asked: str | None) -> N
         fail(f"  The same command with {how}")
     elif not facts["whole"]:
         fail("  It was stopped: all cells are computed, and not all verified that should be.")
+
+
+def _regimes_computed(result: Table) -> NDArray[Any]:
+    """Return the regimes of the cells that no stop left out."""
+    regime = result.variables["regime"]
+    for name, not_computed in STATUSES.items():
+        status = result.variables.get(name)
+        if status is not None and status.dims == regime.dims:
+            return regime.values[status.values != not_computed]
+    return regime.values
 
 
 def _outputs(result: Table) -> dict[str, Variable]:

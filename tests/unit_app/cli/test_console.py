@@ -239,6 +239,7 @@ def test_a_stopped_study_says_how_much_is_done_and_how_to_go_on(tmp_path):
     assert "It was stopped: 0 of 2 cells are computed." in stopped.output
     assert "The same command with --resume computes this study again" in stopped.output
     assert "0 of 2 cells evaluated in" in stopped.output
+    assert "regimes" not in stopped.output  # of no cell
     assert run("run", study).exit_code == 2
     resumed = run("run", study, "--resume")
     assert resumed.exit_code == 0, resumed.output
