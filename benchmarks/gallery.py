@@ -102,8 +102,9 @@ GALLERY = (
     Picture(
         "hop.png", "What does one part do in a period?", ("hop",), "",
         "height, velocity and way share one time, so that cause and effect stand above each "
-        "other: it takes off once the track falls away, and loses speed at the landing; who "
-        "has never seen such a picture needs the animation first.",
+        "other: it takes off while the track rises, once that slows down faster than a part "
+        "falls, and loses speed at the landing; who has never seen such a picture needs the "
+        "animation first.",
     ),
     Picture(
         "hop.gif", "How does that look, slowly?", ("hop",), "--slow 50",
