@@ -91,6 +91,15 @@ def test_a_workbook_has_the_name_of_one(motion, tmp_path):
         motion.vf.to_excel(tmp_path / "motion.xls")
 
 
+def test_a_workbook_holds_the_numbers_and_the_study(motion, tmp_path):
+    motion.vf.to_excel(tmp_path / "motion.xlsx")
+    book = openpyxl.load_workbook(tmp_path / "motion.xlsx")
+    heads, *rows = book["values"].values
+    place = heads.index("conveying_velocity [m s-1]")
+    assert [row[place] for row in rows] == motion.conveying_velocity.values.ravel().tolist()
+    assert dict(book["study"].values)["study"] == motion.attrs["study"]
+
+
 def run(code: str, folder: Path) -> str:
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=folder, capture_output=True, text=True, check=False,

@@ -197,7 +197,7 @@ def test_zarr_is_for_one_study_and_replaces_nothing(study, tmp_path):
     other.write_text(STUDY)
     result = run(study, other, "-o", tmp_path / "a.zarr")
     assert result.exit_code == 2
-    assert "a.zarr is for one study. Give a folder." in result.output
+    assert "a.zarr is for one study. Give a folder." in words(result.output)
     (tmp_path / "a.zarr").mkdir()
     result = run(study, "-o", tmp_path / "a.zarr")
     assert result.exit_code == 2
@@ -210,7 +210,7 @@ def test_zarr_is_for_one_study_and_replaces_nothing(study, tmp_path):
     for more in ((), ("--force",)):
         refused = run(other, "-o", tmp_path / "b.zarr", *more)
         assert refused.exit_code == 2
-        assert "b.zarr is there already. Remove it, or give another name." in refused.output
+        assert "b.zarr is there already. Remove it, or give another name." in words(refused.output)
     again = run(other, "-o", tmp_path / "b.zarr", "--resume")
     assert "is complete already" in words(again.output)
 

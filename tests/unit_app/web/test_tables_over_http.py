@@ -262,10 +262,10 @@ class TestChunks:
         [
             ("freqency:all", "Did you mean 'frequency'"),
             ("frequency:all,frequency:1", "stands twice"),
-            ("frequency:0", "no length"),
-            ("frequency", "no length"),
-            ("frequency:many", "no length"),
-            ("nothing:1,beta:x", "no length"),
+            ("frequency:0", "not a length"),
+            ("frequency", "not a length"),
+            ("frequency:many", "not a length"),
+            ("nothing:1,beta:x", "not a length"),
         ],
     )
     def test_wishes_that_make_no_sense(self, client, address, wish, told):
