@@ -22,6 +22,7 @@ STYLE = re.compile(r"(?:url\([\"']?|@import\s+[\"'])(?:https?:)?//")
 def built(folder: Path, docs: Path = ROOT / "docs") -> subprocess.CompletedProcess[str]:
     """Build the site of a folder of pages, strictly."""
     settings = (ROOT / "mkdocs.yml").read_text().replace("docs_dir: docs", f"docs_dir: {docs}")
+    settings = settings.replace("scripts/", f"{ROOT}/scripts/")
     folder.mkdir()
     (folder / "mkdocs.yml").write_text(settings)
     return subprocess.run(
