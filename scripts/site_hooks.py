@@ -1,4 +1,4 @@
-"""What mkdocs.yml needs beside the pages: studies and examples that pages link, as files of the site.
+"""Studies and examples that pages link, as files of the site; mkdocs.yml calls this.
 
 In the repository a page of docs links `../configs/x.toml`; in the site that is `configs/x.toml`.
 """
