@@ -57,7 +57,8 @@ def test_its_examples_do_what_they_say(example, monkeypatch):
 
 
 def test_every_public_name_stands_in_an_example_that_is_run():
-    told = " ".join(line.source for test in examples() for line in test.examples)
+    lines = [line for test in examples() for line in test.examples]
+    told = " ".join(line.source for line in lines if doctest.SKIP not in line.options)
     for name in vibrafeed.__all__:
         assert re.search(rf"vibrafeed\.{name}\b", told), name
 
