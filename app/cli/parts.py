@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.cli import console
 from app.cli.existing import refuse_others
 from app.cli.options import FAILED
 from app.cli.studies import interruption, prepare_all, refuse
@@ -28,6 +27,8 @@ _OF = re.compile(r"\d+-of-(\d+)")
 
 def run_part(studies: Mapping[Path, Prepared], targets: Mapping[Path, str], part: str) -> None:
     """Compute one part of a study and keep its record; a part that is there is left alone."""
+    from app.cli import console
+
     path, target = _only(studies, targets)
     number, count = _numbers(path, part)
     parts = _parts(path, studies[path], target, count)
@@ -57,6 +58,7 @@ def run_on_scheduler(
     """Have all parts that are not there computed by a Dask cluster, and join them."""
     import distributed
 
+    from app.cli import console
     from app.jobs.cluster import by_name
     from app.jobs.parts import compute_part, sensible_count
 
@@ -123,6 +125,7 @@ def join(
 
 
 def _join(path: Path, parts: Parts, history: str) -> None:
+    from app.cli import console
     from core.sweep.parts import PartsMissingError, ranges
     from core.watch import Watch
 
@@ -192,6 +195,8 @@ def _counts(target: str) -> set[int]:
 @contextmanager
 def _failing(path: Path, target: str) -> Iterator[None]:
     """Tell errors that are not of the study, and exit with code 1."""
+    from app.cli import console
+
     try:
         yield
     except OSError as error:

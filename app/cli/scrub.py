@@ -8,7 +8,6 @@ from typing import Annotated
 
 import typer
 
-from app.cli import console
 from app.cli.options import FAILED, WRONG_INPUT, Json
 from app.cli.serve import settings_in_force
 from app.cli.studies import interruption
@@ -33,6 +32,7 @@ def scrub(
 
     The service may run meanwhile.
     """
+    from app.cli import console
     from app.jobs.scrub import BROKEN, ORPHANED
     from app.jobs.scrub import scrub as found_in
     from app.jobs.store import Store
@@ -76,6 +76,7 @@ def _tell(
     repair: bool,
 ) -> None:
     """Print what was found."""
+    from app.cli import console
     from app.jobs.scrub import BROKEN, WHOLE
 
     if rows:

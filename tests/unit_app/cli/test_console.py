@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -170,6 +172,12 @@ def test_help_and_version_have_their_usual_names():
     assert run("-h").stdout == run("--help").stdout
     assert "--force" in run("run", "-h").stdout
     assert re.fullmatch(r"vibrafeed \d+\.\d+\.\d+\n", run("--version").stdout)
+
+
+def test_the_commands_themselves_load_nothing_that_draws_or_computes():
+    code = "import app.cli, sys; print(*{'rich', 'numpy', 'pydantic', 'pint'} & sys.modules.keys())"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish", "powershell"])
