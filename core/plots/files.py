@@ -13,11 +13,11 @@ from matplotlib.figure import Figure
 from core.dataset.files import whole
 from core.plots.draw import draw
 from core.plots.fixed import read_fixed
+from core.plots.movie import MOVING, animate
 from core.plots.problem import PlotError
 
 DPI = 150
 FORMATS = {".png": "png", ".svg": "svg", ".pdf": "pdf"}
-MOVING = (".gif", ".mp4")
 METADATA = {
     "png": {"Software": "vibrafeed"},
     "svg": {"Creator": "vibrafeed", "Date": None},
@@ -87,8 +87,6 @@ def _animate_file(
     look: Mapping[str, Any],
 ) -> None:
     """Write the animation of a file's course."""
-    from core.plots.movie import animate
-
     if len(files) > 1:
         raise PlotError("dataset", "an animation shows one file", "Give one")
     if kind not in (None, "animation", "trajectory"):

@@ -134,7 +134,7 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     within += time[0]
 
     def then(values: Array) -> Array:
-        return shown.factor * np.interp(within, time, values)
+        return np.asarray(shown.factor * np.interp(within, time, values))
 
     gap, notes = then(height), [f"part not to scale ({_stands_for(dataset, units)})"]
     exaggeration = _exaggeration(float(height.max()), PART_SHAPE * length)
@@ -146,7 +146,7 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     ride = then(position) + shown.factor * turns * (position[-1] - position[0])
     half = shown.factor * np.array([length, PART_SHAPE * length]) / 2
     part = track + np.stack([ride, half[1] + exaggeration * gap])
-    nearest = np.clip(np.searchsorted(time, within, side="right") - 1, 0, time.size - 1)
+    nearest = _now(time, within)
     modes = [mode if mode in LEGEND else "unknown" for mode in known.modes]
     return Film(
         times=moments + time[0],
@@ -198,7 +198,7 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
 
     corners = np.nan_to_num(_values(dataset["path_corners"]))
     modes = [CORNERS[int(min(count, 2))] for count in corners]
-    nearest = np.clip(np.searchsorted(time, moments, side="right") - 1, 0, time.size - 1)
+    nearest = _now(time, moments)
     return Film(
         times=moments,
         track=track,
@@ -217,6 +217,12 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
         facts=tuple(held_fixed(dataset, units)),
         notes=(),
     )
+
+
+def _now(time: Array, moments: Array) -> list[int]:
+    """Return the place of the last time that is not after each moment."""
+    places = np.searchsorted(time, moments, side="right") - 1
+    return [max(0, int(place)) for place in places]
 
 
 def _spells(modes: Sequence[str], time: Array) -> list[tuple[str, float, float]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -135,7 +136,7 @@ def _add_lines(
 
 def _line_entries(signs: set[int], unit: str, style: Style) -> list[Artist]:
     """Return what the lines say, in the legend."""
-    said = {
+    said: dict[int, tuple[str, str, float, Literal["solid", "dashed"]]] = {
         1: ("above zero", style.ink, FORWARD, "solid"),
         0: ("zero", style.ink, ZERO, "solid"),
         -1: ("below zero", style.accent, BACKWARD, "dashed"),

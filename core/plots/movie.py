@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from itertools import chain
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import xarray
@@ -12,12 +13,12 @@ from PIL import Image
 
 from core.dataset.files import whole
 from core.plots.animation import Frame, draw_frames
-from core.plots.files import MOVING
 from core.plots.film import FRAMES_PER_SECOND, read_film
 from core.plots.problem import PlotError
 from core.plots.style import Style
 from core.plots.text import units_of
 
+MOVING = (".gif", ".mp4")
 DOTS = {".gif": 100, ".mp4": 150}  # an inch
 COLOURS = 32  # of a GIF; text stays smooth
 SAMPLED = 8  # frames from which they are taken
@@ -100,7 +101,7 @@ def _write_mp4(frames: Iterable[Frame], target: Path) -> None:
         writer.close()
 
 
-def _ffmpeg():  # type: ignore[no-untyped-def]
+def _ffmpeg() -> ModuleType:
     """Return what writes MP4."""
     try:
         import imageio_ffmpeg

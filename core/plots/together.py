@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import xarray
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -21,7 +23,8 @@ from core.plots.text import long_name, short_label
 from core.study.shown import ShownUnits
 
 MOST = 7
-DASHES = (
+Dashes = Literal["solid"] | tuple[float, tuple[float, ...]]
+DASHES: tuple[Dashes, ...] = (
     "solid", (0, (6, 2)), (0, (1.5, 1.5)), (0, (6, 2, 1.5, 2)), (0, (10, 3)),
     (0, (3, 1, 1, 1, 1, 1)), (0, (1, 3)),
 )  # fmt: skip
@@ -75,7 +78,7 @@ def draw_together(
     labels, common = _labels(datasets, selections, units)
     figure = style.sheet()
     sheet = figure.add_subplot()
-    beyond = _add_lines(sheet, datasets, selections, labels, style)
+    beyond = _add_lines(sheet, datasets, selections, style)
     first = selections[0]
     ends = value_range(np.concatenate([selection.values for selection in selections]))
     if ends is not None:
@@ -99,11 +102,16 @@ def draw_together(
     )  # fmt: skip
 
 
-def _add_lines(sheet, datasets, selections, labels, style):  # type: ignore[no-untyped-def]
+def _add_lines(
+    sheet: Axes,
+    datasets: Sequence[xarray.Dataset],
+    selections: Sequence[Selection],
+    style: Style,
+) -> bool:
     """Draw a line each, pale where its values do not hold; return whether some do not."""
     beyond = False
-    rows = zip(datasets, selections, labels, style.series, DASHES, strict=False)
-    for dataset, selection, _label, colour, dashes in rows:
+    rows = zip(datasets, selections, style.series, DASHES, strict=False)
+    for dataset, selection, colour, dashes in rows:
         valid = np.ones(selection.values.shape, dtype=bool)
         if not selection.categories:
             looks = looks_of(dataset["regime"], selection.regimes, style, exact=selection.exact)
