@@ -42,11 +42,13 @@ WHOLE: dict[str, Callable[..., Figure]] = {
 }
 """Kinds that choose for themselves what they show."""
 BEYOND = {
-    "contour": "Pale and hatched",
+    "contour": "{pale} and hatched",
     "surface": "Grey",
     "line": "Hatched or dashed",
     "map": "Hatched",
+    "levels": "Hatched",
 }
+"""How kinds of picture show values that do not hold."""
 MOTIONS = {
     "track": "Motion of the part on the moving track",
     "tumbling": "Course of the part as it falls and tumbles",
@@ -170,7 +172,8 @@ def draw(
         name = "Regimes" if bare else long_name(selection.variable)
         facts = list(selection.fixed)
         beyond = any(look.beyond for look in looks)
-        note = f"{BEYOND[selection.kind]}: {NOT_DESCRIBED}" if beyond else ""
+        how = BEYOND[selection.kind].format(pale="Dim" if dark else "Pale")
+        note = f"{how}: {NOT_DESCRIBED}" if beyond else ""
     return finish(
         figure, top, style, name=title or name, facts=facts, source=source_of(dataset),
         entries=entries, note=note,

@@ -256,7 +256,7 @@ def _limits(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
             )
     if excluded:
         pale = mix(style.one_sign(0.5)[:3], style.ground, EXCLUDED)
-        patch = Patch(facecolor=pale, edgecolor=style.quiet, label="pale: excluded")
+        patch = Patch(facecolor=pale, edgecolor=style.quiet, label="faint: excluded")
         entries.append(patch)
     return entries
 

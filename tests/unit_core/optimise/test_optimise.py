@@ -265,7 +265,7 @@ def test_a_landscape_shows_optimum_and_limits():
     figure = draw_landscape(dataset, {"friction": 0.5})
     axes = figure.axes[0]
     names = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert names == ["edge of limit", "edge of floor contact", "pale: excluded", "optimum"]
+    assert names == ["edge of limit", "edge of floor contact", "faint: excluded", "optimum"]
     (star,) = [line for line in axes.lines if line.get_marker() == "*"]
     assert star.get_xdata()[0] == dataset.best_beta.values[1]
     assert star.get_ydata()[0] == dataset.best_alpha.values[1]

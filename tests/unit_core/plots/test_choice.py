@@ -79,6 +79,8 @@ def test_numbers_that_stand_for_words_are_a_map_with_these_words(motion: xarray.
     assert figure.get_suptitle() == "Period multiple"
     names = {entry.rsplit(", ", 1)[0] for entry in legend(figure)}
     assert names == {"repeats every period", "repeats every 2 periods"}
+    shares = [entry.rsplit(", ", 1)[1] for entry in legend(figure)]
+    assert sum(float(share.removesuffix(" %")) for share in shares) == pytest.approx(100, abs=0.2)
     assert not figure.axes[0].lines
     assert len(figure.axes) == 1  # no colour bar
     row = draw(motion, variable="period_multiple", kind="line", axes=("amplitude",))

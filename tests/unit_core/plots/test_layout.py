@@ -64,6 +64,7 @@ def hop() -> xarray.Dataset:
         {},
         {"kind": "surface"},
         {"kind": "map"},
+        {"kind": "levels"},
         {"kind": "line"},
         {"kind": "line", "axes": ("beta", "frequency")},
         {"variable": "throw_number", "axes": ("beta", "frequency")},
