@@ -151,7 +151,8 @@ def plan_scene(
     walk = _Walk(scene, variant, given, known_outputs)
     problems += [_missing(scene, name, user) for name, user in walk.missing.items()]
     if known_outputs:  # otherwise nothing is known to be used, and every parameter would be blamed
-        unused = (name for name in given if name not in walk.used)
+        blamed = {problem.place.removeprefix("parameters.") for problem in problems}
+        unused = (name for name in given if name not in walk.used | blamed)
         problems += [_unused(scene, variant, name, known_outputs) for name in unused]
     if problems:
         raise StudyError(problems)
@@ -284,11 +285,15 @@ def _doubled(given: Collection[str]) -> list[Problem]:
 def _missing(scene: Scene, name: str, user: str) -> Problem:
     written = WRITTEN_AS.get(name, name)
     quantity = QUANTITIES[written]
-    needed = f"{user.replace('_', ' ')} of {scene.name} needs it"
+    inner = user not in QUANTITIES or QUANTITIES[user].bundle  # no word of those that users know
+    needed = f"{scene.name} needs it"
+    if not inner:
+        needed = f"{user.replace('_', ' ')} of {needed}"
+    example = quantity.examples[0] if quantity.unit == "1" else f'"{quantity.examples[0]}"'
     return Problem(
         f"parameters.{written}",
-        f"it is missing; {needed} ({quantity.description[0].lower()}{quantity.description[1:-1]})",
-        f'Add, for example, {written} = "{quantity.examples[0]}"',
+        f"it is missing; {needed} ({quantity.description.removesuffix('.')})",
+        f"Add, for example, {written} = {example}",
     )
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from pydantic import ValidationError
 
-from core.errors import MOST_PROBLEMS, Problem, StudyError, Suggestions
+from core.errors import MOST_PROBLEMS, Problem, StudyError, Suggestions, nearest
 from core.study.drive import RecordedDrive
 from core.study.models import CRITERIA, PARAMETERS, STUDIES, Study
 from core.study.reduction import LevelSet, Reduction
@@ -79,8 +79,8 @@ def _read_text(text: str, suffix: str, stem: str) -> object:
         except StudyError:
             (problem,) = error.problems
             if problem.place == "body":  # the word of requests
-                raise StudyError([Problem("file", problem.message, SYNTAX)]) from None
-            raise
+                problem = Problem("file", problem.message, SYNTAX)
+            raise StudyError([problem]) from None
         form = other.removeprefix(".").upper()
         _fail("file", f"this is {form}, and its name ends in {suffix}", f"Name it {stem}{other}")
 
@@ -90,7 +90,8 @@ def read_toml(text: str) -> object:
     try:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        _fail("file", f"it is not TOML: {error}", SYNTAX, error)
+        fix = f'{SYNTAX}: texts, such as "20 deg", stand in quotes'
+        _fail("file", f"it is not TOML: {error}", fix, error)
 
 
 def read_json(text: str | bytes) -> object:
@@ -136,14 +137,15 @@ def parse_study(
     kind = content.get("kind")
     if not isinstance(kind, str) or kind not in STUDIES:
         missing = kind is None
+        said = None if missing else nearest(str(kind), STUDIES)
         problem = Problem(
             "kind",
             "it is missing" if missing else f"{str(kind)[:60]!r} is not a kind of study",
-            "Write kind = " + " or ".join(f'"{name}"' for name in STUDIES),
+            "Write kind = " + " or ".join(f'"{name}"' for name in ([said] if said else STUDIES)),
         )
         # The rest is checked all the same, as the kind that has most of its keys.
         keys = {name: set(STUDIES[name].model_fields) & set(content) for name in STUDIES}
-        likely = max(STUDIES, key=lambda name: len(keys[name]))
+        likely = said or max(STUDIES, key=lambda name: len(keys[name]))
         raise StudyError([problem, *_problems_of({**content, "kind": likely}, parameters())])
     try:
         return STUDIES[kind].model_validate(content)
@@ -177,8 +179,8 @@ def _problems(
     problems = []
     if outside:
         told = ", ".join(outside[:OUTSIDE]) + (", ..." if len(outside) > OUTSIDE else "")
-        message = f"{told} {'stands' if len(outside) == 1 else 'stand'} outside of them"
-        fix = "Write them within: in TOML, below the line [parameters]"
+        message = f"{told} {'stands' if len(outside) == 1 else 'stand'} outside"
+        fix = "Write them below the line [parameters], in JSON within that object"
         problems.append(Problem("parameters", message, fix))
         found = [one for one in found if not _is_outside(one) and one["loc"] != ("parameters",)]
     for one in found[:MOST_PROBLEMS]:

@@ -28,6 +28,7 @@ _UNIT = re.compile(r"(?:1/)?[A-Za-zµμ°'\"_][A-Za-z0-9_²³ µμ°*/^().'\"-]{
 # Powers are exact, and as long as their exponents are high: "mm**99999999" would take hours.
 _POWER = re.compile(r"(?<![)\s])\s?(?:(?:\*\*|\^)\s?-?\d|[²³])(?![\w.]|\s?(?:\*\*|\^))")
 _HIGH_POWER = re.compile(r"\*\*|\^|[\d.][eE]|[²³]")
+_COMMA = re.compile(r",\d")
 _PINT_NAMES = {"1": "dimensionless", "m s-2": "m/s**2", "m s-1": "m/s", "rad s-1": "rad/s"}
 
 
@@ -104,6 +105,8 @@ def _read_text(name: str, quantity: Quantity, text: str, factors: dict[str, Frac
     except InvalidOperation as error:  # pragma: no cover (the pattern admits decimals only)
         raise UnitError(f"{_shown(text)} is not a number", _how_to_write(name, quantity)) from error
     unit = match[2]
+    if _COMMA.match(unit):
+        raise UnitError(f"{_shown(text)} has a comma", "Write the number with a point, as in 0.5")
     if unit and unit not in factors:
         if len(factors) >= MOST_UNITS:
             raise UnitError(f"{name} is written in many units", "Write all values in one unit")
@@ -131,7 +134,7 @@ def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
         raise UnitError(f"'{unit}' is not a unit", fix) from error
     if quantity.unit == "Hz" and is_angular:
         raise UnitError(
-            f"'{unit}' is an angular velocity, not a frequency", f"Divide by 2 pi; {fix}"
+            f"'{unit}' is an angular velocity, not a frequency", f"Divide by 2 pi. {fix}"
         )
     if (quantity.is_angle or quantity.unit.startswith("rad")) != is_angular:
         raise UnitError(f"'{unit}' does not measure {quantity.label.lower()}", fix)

@@ -66,7 +66,7 @@ def _question(
     written = typed if is_bare else f'"{typed}"'
     slip = _slip(name, quantity, usual, typed) if is_bare else None
     ask = f"Did you mean {slip}?" if slip else "Is that what you mean?"
-    return f"{name} = {written} {means}; usual are {ends}. {ask}"
+    return f"{name} = {written} {means}; usual values are {ends}. {ask}"
 
 
 def _slip(name: str, quantity: Quantity, usual: tuple[float, float], typed: Any) -> str | None:

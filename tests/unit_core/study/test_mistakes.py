@@ -100,8 +100,8 @@ def test_a_name_that_nothing_is_like_gets_the_names_of_its_scene():
 def test_parameters_outside_of_their_place_are_one_problem():
     loose = {"kind": "simulate", "scene": "rectangle-on-plane", **PLANE["parameters"]}
     assert told(loose) == [
-        "parameters: frequency, amplitude, beta, friction stand outside of them. "
-        "Write them within: in TOML, below the line [parameters]."
+        "parameters: frequency, amplitude, beta, friction stand outside. "
+        "Write them below the line [parameters], in JSON within that object."
     ]
     assert told(with_parameters(outputs=["conveying_velocity"])) == [
         "parameters.outputs: 'outputs' is a key of the study, and stands among the parameters. "
@@ -116,21 +116,20 @@ def test_a_megabyte_of_names_looks_few_up():
 
 
 @pytest.mark.parametrize(
-    ("name", "typed", "line"),
+    ("name", "typed", "means", "usual", "ask"),
     [
-        ("amplitude", 0.5, 'amplitude = 0.5 means 500 mm; usual are 0.0001 to 25 mm. Did you mean '
-         '"0.5 mm"?'),
-        ("frequency", 5000, 'frequency = 5000 means 5,000 Hz; usual are 1 to 1,000 Hz. Did you '
-         'mean "5000 rpm"?'),
-        ("beta", 0.35, 'beta = 0.35 means 0.35 °; usual are 1 to 180 °. Did you mean "0.35 rad"?'),
-        ("friction", 30, "friction = 30 is unusual; usual are 0.01 to 2. Did you mean 0.3?"),
-        ("radius", {"start": 100, "stop": 300, "num": 3},
-         'radius = 300 means 300,000 mm; usual are 0.01 to 5,000 mm. Did you mean "300 mm"?'),
-        ("amplitude", ["0.1 mm", "0.5 m"],
-         'amplitude = "0.5 m" is unusual; usual are 0.0001 to 25 mm. Is that what you mean?'),
+        ("amplitude", 0.5, "0.5 means 500 mm", "0.0001 to 25 mm", 'Did you mean "0.5 mm"?'),
+        ("frequency", 5000, "5000 means 5,000 Hz", "1 to 1,000 Hz", 'Did you mean "5000 rpm"?'),
+        ("beta", 0.35, "0.35 means 0.35 °", "1 to 180 °", 'Did you mean "0.35 rad"?'),
+        ("friction", 30, "30 is unusual", "0.01 to 2", "Did you mean 0.3?"),
+        ("radius", {"start": 100, "stop": 300, "num": 3}, "300 means 300,000 mm",
+         "0.01 to 5,000 mm", 'Did you mean "300 mm"?'),
+        ("amplitude", ["0.1 mm", "0.5 m"], '"0.5 m" is unusual', "0.0001 to 25 mm",
+         "Is that what you mean?"),
     ],
 )  # fmt: skip
-def test_unusual_numbers_are_asked_about(name, typed, line):
+def test_unusual_numbers_are_asked_about(name, typed, means, usual, ask):
+    line = f"{name} = {means}; usual values are {usual}. {ask}"
     assert questions(with_parameters(**{name: typed})) == [line]
 
 
@@ -155,6 +154,9 @@ def test_a_byte_order_mark_is_read_over(tmp_path):
          "file: this is TOML, and its name ends in .json. Name it study.toml."),
         ("study.toml", json.dumps(PLANE),
          "file: this is JSON, and its name ends in .toml. Name it study.json."),
+        ("study.toml", "beta = 20 deg", "file: it is not TOML: Expected newline or end of "
+         "document after a statement (at line 1, column 11). Fix the syntax there: texts, such as "
+         '"20 deg", stand in quotes.'),
         ("study.json", "{", "file: it is not JSON: Expecting property name enclosed in double "
          "quotes: line 1 column 2 (char 1). Fix the syntax there."),
         ("study.nc", "", "file: it is a result, not a study. Draw it with `vibrafeed plot`, or "
