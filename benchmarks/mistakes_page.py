@@ -160,6 +160,8 @@ GROUPS: dict[str, tuple[Mistake, ...]] = {
         on_the_line("vibrafeed run study.toml", study_toml=json.dumps(tomllib.loads(MOTION))),
         on_the_line("vibrafeed run study.nc", study_nc=""),
         on_the_line("vibrafeed run stduy.toml"),
+        on_the_line("vibrafeed run study.toml -o study.docx", study_toml=MOTION),
+        on_the_line("vibrafeed run study.toml -o old.nc", study_toml=MOTION, old_nc=""),
         on_the_line("vibrafeed convert study.toml --to yaml", study_toml=MOTION),
         on_the_line("vibrafeed new --yes", study_toml=MOTION),
         on_the_line("vibrafeed new --yes --radius '0.2 m'"),
@@ -206,7 +208,7 @@ def page() -> str:
         "",
         "Written by `python -m benchmarks.mistakes_page`, which makes each of them. What is no",
         "command stands in `study.toml`, beside lines that are right, and is checked by",
-        "`vibrafeed run study.toml --dry-run`. The line before each message, which names the file and",
+        "`vibrafeed run study.toml --dry-run`. The line before a message, which names the file and",
         "counts its problems, is left out here. A number that is asked about runs all the same.",
     ]
     number = 0

@@ -139,7 +139,7 @@ QUESTIONS: Final = (
     ),
     Question(
         "friction", "Friction between part and track", "0.3", parameter="friction",
-        says="Coefficient of friction between part and track; it has no unit.",
+        says="Coefficient of friction between part and track; `vibrafeed friction` lists some.",
     ),
     Question(
         "length", "Length of the part, along the track", "20 mm", parameter="length",

@@ -28,7 +28,10 @@ ONE = "Send one JSON object, a study"
 SYNTAX = "Fix the syntax there"
 NO_STUDIES = {
     ".nc": ("it is a result, not a study", "Draw it with `vibrafeed plot`, or name its study"),
-    ".csv": ("it is a table, not a study", "Name a TOML or JSON study"),
+    **dict.fromkeys(
+        (".csv", ".parquet", ".xlsx", ".mat"),
+        ("it is a table, not a study", "Name a TOML or JSON study"),
+    ),
 }  # what other files are, and what to do instead of running them
 MOST_BRACKETS = 10_000  # of the objects and lists of one text
 OUTSIDE = 5  # misplaced parameters that are named

@@ -60,6 +60,14 @@ def test_the_program_runs(study, tmp_path):
     assert float(dataset.conveying_velocity) > 0
 
 
+def test_an_unusual_number_is_asked_about_and_runs():
+    text = STUDY.replace('"0.3 mm"', "0.5")
+    done = CliRunner().invoke(app, ["run", "-", "--dry-run"], input=text)
+    assert done.exit_code == 0, done.output
+    asked = "standard input: amplitude = 0.5 means 500 mm; usual values are 0.0001 to 25 mm. "
+    assert done.stderr == asked + 'Did you mean "0.5 mm"?\n'
+
+
 def test_the_line_for_curl_asks_the_service_that_is_named(study):
     line = convert(study, "--to", "curl", "--service", "http://lab:9000/").stdout
     assert line.endswith(" http://lab:9000/processes/simulate/execution\n")
