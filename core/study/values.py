@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import pairwise
 from operator import gt, lt
 from typing import TYPE_CHECKING, Any, Literal
@@ -250,15 +251,17 @@ def _step(
     """Return the last value that whole steps reach, and the number of values."""
     # A step is a difference: it may be smaller than a strict lower bound allows a value to be.
     step = read_number(f"step of {name}", _difference(quantity), raw)
-    steps = (stop - start) / step
+    first, apart = as_typed(start), as_typed(step)
+    steps = (as_typed(stop) - first) / apart
     if steps > MOST_POINTS:
-        return stop, int(min(steps, 1e18)) + 1
-    whole = math.floor(steps * (1 + 1e-12) + 1e-12)
+        return stop, int(min(steps, Fraction(10**18))) + 1
+    whole = round(steps)
+    # Numbers that no decimal tells exactly, such as those of radians in degrees, may just miss.
+    reaches = abs(steps - whole) <= max(1e-9, 1e-12 * steps)
+    whole = whole if reaches else math.floor(steps)
     if whole < 1:
         raise UnitError(f"the step of {name} is larger than the range", "Take a smaller step")
-    if abs(steps - whole) < 1e-9:
-        return stop, whole + 1
-    return float(as_typed(start) + whole * as_typed(step)), whole + 1
+    return (stop if reaches else float(first + whole * apart)), whole + 1
 
 
 def _difference(quantity: Quantity) -> Quantity:

@@ -35,7 +35,7 @@ def ranges(draw):
     return name, unit, Fraction(UNITS[name][unit]), start, step, size
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=60)
 @given(ranges(), st.booleans())
 def test_every_value_is_the_one_that_is_typed(range_, by_step):
     name, unit, one, start, step, size = range_
@@ -48,7 +48,7 @@ def test_every_value_is_the_one_that_is_typed(range_, by_step):
     assert texts == typed
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=60)
 @given(ranges(), st.integers(1, 99))
 def test_a_step_that_misses_the_stop_has_typed_values_too(range_, beyond):
     name, unit, one, start, step, size = range_
@@ -58,7 +58,7 @@ def test_a_step_that_misses_the_stop_has_typed_values_too(range_, beyond):
     assert found == [float(Fraction(start + k * step) * one) for k in range(size)]
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=60)
 @given(
     st.floats(-1e9, 1e9),
     st.floats(1e-9, 1e9),
@@ -104,6 +104,13 @@ def test_three_ways_agree(monkeypatch):
     rough = evenly(*ends)
     assert rough.tobytes() == np.linspace(*ends).tobytes()
     assert evenly(*ends, 600, 601).tolist() == [0.7]
+
+
+def test_a_step_that_floats_miss_reaches_the_stop():
+    written = {"start": "26.277 m", "stop": "26.278 m", "step": "1 mm"}
+    assert read_values("radius", written).array().tolist() == [26.277, 26.278]
+    radians = read_values("beta", {"start": 0, "stop": "1 rad", "step": "0.1 rad"})
+    assert radians.size == 11
 
 
 def test_a_logarithmic_range_is_numpys():
