@@ -97,13 +97,14 @@ def _answered(given: dict[str, str], *, asks: bool) -> dict[str, str]:
     from core.study.units import UnitError
 
     answers: dict[str, str] = {}
-    problems = []
+    problems, doubts = [], []
     for question in QUESTIONS:
         if question.name in answers or not question.belongs(answers):
             continue
         if question.name in given:
             try:
                 answers[question.name] = question.read(given[question.name])
+                doubts.append(question.doubt(answers[question.name]))
             except UnitError as error:
                 problems.append(Problem(_flag(question.name), error.message, error.fix))
                 if question.choices:  # the others cannot be judged without it
@@ -116,11 +117,13 @@ def _answered(given: dict[str, str], *, asks: bool) -> dict[str, str]:
         problems += [_idle(name, answers) for name in given if name not in answers and not problems]
     if problems:
         refuse({Path("new"): problems})
+    for doubt in filter(None, doubts):
+        typer.echo(doubt, err=True)
     return answers
 
 
 def _ask(question: Question) -> str:
-    """Return the answer of a person, who is asked again until it is one."""
+    """Return the answer of a person, who is asked again until it is one, once if it is unusual."""
     from core.study.units import UnitError
 
     width = max(map(len, question.choices), default=0)
@@ -128,12 +131,19 @@ def _ask(question: Question) -> str:
         typer.echo(question.asks)
         for word, meaning in question.choices.items():
             typer.echo(f"  {word:{width}}  {meaning}")
+    before = ""
     while True:
         answer = typer.prompt("Answer" if question.choices else question.asks, question.default)
         try:
-            return question.read(answer)
+            found = question.read(answer)
         except UnitError as error:
             typer.echo(f"  {error}{'' if error.fix.endswith('?') else '.'}", err=True)
+            continue
+        doubt = question.doubt(found)
+        if not doubt or answer == before:
+            return found
+        typer.echo(f"  {doubt}", err=True)
+        before = answer
 
 
 def _idle(name: str, answers: dict[str, str]) -> Problem:

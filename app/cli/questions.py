@@ -70,12 +70,24 @@ class Question:
                 message = f"'{answer[:40]}' is no answer to it"
                 raise UnitError(message, suggestion(answer, self.choices))
             return chosen
-        try:  # a bare number is in the unit of the quantity, and has its own place in TOML
-            raw: object = float(answer)
-        except ValueError:
-            raw = answer
-        read_number(self.parameter, QUANTITIES[self.parameter], raw)
+        read_number(self.parameter, QUANTITIES[self.parameter], typed(answer))
         return answer
+
+    def doubt(self, answer: str) -> str:
+        """Return the line that asks whether an unusual number is meant; empty if it is usual."""
+        from core.study.unusual import questions
+
+        return " ".join(questions({"parameters": {self.parameter: typed(answer)}}))
+
+
+def typed(answer: str) -> float | int | str:
+    """Return an answer as TOML holds it: a bare number, in the quantity's unit, as one."""
+    for number in (int, float):
+        try:
+            return number(answer)
+        except ValueError:
+            continue
+    return answer
 
 
 _IN_TIME = "speed drive"

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Final
 
-from app.cli.questions import QUESTIONS
+from app.cli.questions import QUESTIONS, typed
 
 SCENES: Final[Mapping[str, str]] = {
     "straight": "rectangle-on-plane",
@@ -126,7 +126,7 @@ def starter_study(answers: Mapping[str, str], file: str) -> str:
     for question in QUESTIONS:
         if question.parameter and question.name in answers and question.belongs(answers):
             _say(table, question.says)
-            table.add(question.parameter, _value(answers[question.name]))
+            table.add(question.parameter, typed(answers[question.name]))
     document.add("parameters", table)
     return tomlkit.dumps(document)
 
@@ -152,13 +152,3 @@ def _table(says: str, content: Mapping[str, Any]) -> Any:
         else:
             table.add(name, value)
     return table
-
-
-def _value(answer: str) -> float | int | str:
-    """Return an answer as TOML holds it: a bare number as one."""
-    for number in (int, float):
-        try:
-            return number(answer)
-        except ValueError:
-            continue
-    return answer

@@ -89,6 +89,18 @@ def test_somebody_at_a_terminal_is_asked_and_asked_again(terminal, tmp_path):
     }  # fmt: skip
 
 
+def test_an_unusual_answer_is_asked_about_once(terminal):
+    answers = ["speed", "", "", "", "", "0.5", "0.3 mm", "", "3", "3", ""]
+    result = command("-", input="\n".join(answers) + "\n")
+    assert result.exit_code == 0, result.output
+    assert "amplitude = 0.5 means 500 mm; usual values are 0.0001 to 25 mm. Did" in result.stderr
+    assert 'amplitude = "0.3 mm"' in result.stdout
+    assert "friction = 3\n" in result.stdout  # said twice, it is meant
+    given = command("-", "--amplitude", "0.5", "--yes")
+    assert 'Did you mean "0.5 mm"?' in given.stderr
+    assert "amplitude = 0.5\n" in given.stdout
+
+
 def test_what_an_option_answers_is_not_asked(terminal):
     words = [word for q in QUESTIONS if q.asks for word in (f"--{q.name}", q.default)]
     keep = ("question", "part", "track", "climb", "frequency", "angle", "friction", "length")
