@@ -165,7 +165,7 @@ except ImportError as error:
 
 
 def test_the_command_line_runs_there(place):
-    assert "Usage: python -m vibrafeed" in place.run("-m", "vibrafeed", "--help")
+    assert "Usage: vibrafeed" in place.run("-m", "vibrafeed", "--help")
 
 
 def test_other_packages_of_these_names_are_told_of_in_one_sentence(place):
