@@ -124,7 +124,7 @@ def select(
     if kind != "line" and len(names) == 1:
         line = "Draw an output as a line" if kind == "map" else "Draw it as a line"
         fix = "Name two axes" if len(_ranged(whole)) > 1 else line
-        raise PlotError("kind", f"a {kind} needs two axes, there is one, {names[0]}", fix)
+        raise PlotError("kind", f"kind {kind} needs two axes, there is one, {names[0]}", fix)
 
     regime = dataset["regime"]
     order = [*whole.dims, *(dim for dim in regime.dims if dim not in whole.dims)]

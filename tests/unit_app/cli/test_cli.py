@@ -389,6 +389,25 @@ def test_pictures_of_motion(motion, tmp_path):
     assert "'kelvin' is not a unit" in result.output
 
 
+def test_several_files_and_a_motion_in_time(motion, tmp_path):
+    oiled = tmp_path / "oiled.toml"
+    oiled.write_text(MOTION.replace("friction = 0.4", "friction = 0.1"))
+    assert run("run", motion, oiled).exit_code == 0
+    files = [path.with_suffix(".nc") for path in (motion, oiled)]
+    result = run("plot", *files, "-o", tmp_path / "both.png")
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "both.png").stat().st_size > 10_000
+    result = run("plot", files[0], "-k", "animation")
+    assert result.exit_code == 2
+    assert "Set trajectory = 400 in a study of one point, and run it." in result.output
+    motion.write_text(MOTION.replace("{ start = \"0.1 mm\", stop = \"0.4 mm\", num = 4 }", "3e-4")
+                      .replace("[parameters]", "trajectory = 100\n[parameters]"))  # fmt: skip
+    assert run("run", motion, "--force").exit_code == 0
+    result = run("plot", files[0], "-k", "animation", "--slow", 10)
+    assert result.exit_code == 0, result.output
+    assert files[0].with_suffix(".gif").stat().st_size > 10_000
+
+
 def test_verification_is_told_in_one_line(study, tmp_path):
     text = Path(study).read_text()
     verified = tmp_path / "verified.toml"

@@ -104,7 +104,7 @@ class TestLevels:
         assert "backward" not in legend(draw(forward, kind="levels"))
 
     def test_two_axes_are_needed(self, dry: xarray.Dataset):
-        assert "a levels needs two axes" in str(problem(dry, kind="levels"))
+        assert "kind levels needs two axes" in str(problem(dry, kind="levels"))
 
 
 class TestParallel:
