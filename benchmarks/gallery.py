@@ -21,7 +21,7 @@ STUDIES = ROOT / "configs" / "gallery"
 PICTURES = ROOT / "docs" / "gallery"
 PAGE = ROOT / "docs" / "gallery.md"
 WIDTHS = (1000, 800, 640)  # dots
-COLOURS = (160, 64, 32)  # of a PNG: flat colours need few, and the file is a third as large
+COLOURS = (256, 128, 64)  # of a PNG: flat colours need few, and the file is a third as large
 LARGEST = 150_000  # bytes of a PNG
 
 
