@@ -12,6 +12,7 @@ from core.quantities.drive import DRIVE
 from core.scenes import ALIASES, SCENES, Equation, Scene
 from core.scenes.graph import behind
 from core.study.models import STUDIES
+from core.study.units import read_number
 
 
 def describe_all() -> list[dict[str, Any]]:
@@ -101,6 +102,14 @@ def needed_parameters(scene: Scene, variant: str, output: str) -> tuple[str, ...
     return tuple(name for name in QUANTITIES if name in needed)
 
 
+def required_parameters(scene: Scene, variant: str, output: str) -> tuple[str, ...]:
+    """Return those of the parameters of `needed_parameters` that have to be given."""
+    produced, defaults = scene.producers(variant), scene.defaults_of(variant)
+    met = behind((output,), lambda name: None if name in defaults else produced.get(name))
+    needed = {name for name, equation in met.items() if equation is None} - set(defaults)
+    return tuple(name for name in QUANTITIES if name in needed)
+
+
 def study_schema() -> dict[str, Any]:
     """Return the JSON Schema of a study of any kind."""
     return {
@@ -150,6 +159,7 @@ def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]
         "default": default,
         "instead_of": replaces,
         "examples": list(quantity.examples),
+        "example": read_number(name, quantity, quantity.examples[0]) if quantity.examples else None,
     }
 
 
@@ -164,6 +174,7 @@ def _describe_output(scene: Scene, variant: str, equation: Equation) -> dict[str
         "source": equation.source,
         "variant": scene.variant_of(variant, equation.gives),
         "parameters": list(needed_parameters(scene, variant, equation.gives)),
+        "required": list(required_parameters(scene, variant, equation.gives)),
         "regimes": [
             condition.regime
             for condition in scene.conditions[variant]

@@ -29,7 +29,7 @@ logger = logging.getLogger("vibrafeed")
 
 HEALTH = frozenset({"/healthz", "/readyz"})
 DOCS = ("/docs", "/static-offline-docs")
-OPEN = HEALTH | {"/openapi.json"}
+OPEN = HEALTH | {"/openapi.json", "/"}
 
 LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]"})
 SHARE = 4  # one key has at most this part of the requests that may be under way
@@ -50,6 +50,10 @@ DOCS_POLICY = (
     b"img-src 'self' data:; font-src 'self'; connect-src 'self'; form-action 'self'; "
     b"base-uri 'none'; frame-ancestors 'none'"
 )
+PAGE_POLICY = (
+    b"default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+    b"connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
+)
 
 
 def is_loopback(host: str) -> bool:
@@ -64,12 +68,17 @@ def is_loopback(host: str) -> bool:
 
 def is_open(path: str) -> bool:
     """Return whether a path is answered without a key."""
-    return path in OPEN or is_docs(path)
+    return path in OPEN or is_docs(path) or is_page(path)
 
 
 def is_docs(path: str) -> bool:
     """Return whether a path belongs to the documentation's page."""
     return path in DOCS or path.startswith(tuple(f"{start}/" for start in DOCS))
+
+
+def is_page(path: str) -> bool:
+    """Return whether a path belongs to the page for browsers."""
+    return path == "/" or path.startswith("/page/")
 
 
 def install(app: FastAPI, settings: Settings, keys: Keys) -> None:
@@ -102,7 +111,8 @@ class SafeHeaders:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on; add the headers to its reply."""
-        policy = DOCS_POLICY if is_docs(path_of(scope)) else API_POLICY
+        path = path_of(scope)
+        policy = DOCS_POLICY if is_docs(path) else PAGE_POLICY if is_page(path) else API_POLICY
 
         async def with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":

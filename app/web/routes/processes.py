@@ -20,6 +20,7 @@ from app.jobs.ledger import ACTIVE, Job
 from app.jobs.manifest import MOST_JSON_VALUES
 from app.jobs.parts import check_length, is_in_parts
 from app.settings import Settings
+from app.web.accept import preferred
 from app.web.dependencies import BaseOf, Body, DeskOf, SettingsOf, WhoOf, base_of
 from app.web.documents import (
     CONFORMANCE,
@@ -37,6 +38,7 @@ from app.web.outcomes import results_reply
 from app.web.prefer import Preferences, preferences
 from app.web.problems import NoSuchProcessError
 from app.web.replies import component, execution_name, json_reply, problems
+from app.web.routes import page
 from core.dataset.document import to_document
 from core.kinds import is_whole, prepare_content, tabulate
 from core.plan.prepared import Prepared
@@ -54,8 +56,11 @@ LOOK, LONGEST_LOOK = 0.05, 0.5
 
 @router.get("/", summary="Landing page", response_model=LandingPage)
 @router.head("/", include_in_schema=False)
-def landing_page(base: BaseOf) -> Response:
-    """Return links to what the service offers."""
+def landing_page(request: Request, base: BaseOf) -> Response:
+    """Return links to what the service offers; to a browser, the page."""
+    accept = ",".join(request.headers.getlist("accept"))
+    if preferred(accept, (JSON, "text/html")) == "text/html":
+        return page.index()
     links = [
         ("/", "self", "This document", JSON),
         ("/openapi.json", "service-desc", "The OpenAPI document", OPENAPI),

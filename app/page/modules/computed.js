@@ -1,0 +1,151 @@
+// From a view to numbers: slices of a sweep, or the motion of a grid of parts.
+
+import { carryOut, put, slice } from "./service.js";
+
+const FINE = { sweep: 200, simulate: 100 }; // values of an axis
+const COARSE = { sweep: 200, simulate: 30 }; // while something is dragged, and first of all
+const LINE = 201;
+const DRAGGED = 101; // places of a slider
+
+function span(axis, num) {
+  return { start: axis.from, stop: axis.to, num };
+}
+
+export function parametersOf(view, num) {
+  const parameters = { ...view.values };
+  parameters[view.x.name] = span(view.x, view.y ? num : LINE);
+  if (view.y) parameters[view.y.name] = span(view.y, num);
+  return parameters;
+}
+
+export function studyOf(view, { num, outputs } = {}) {
+  const choice = view.kind === "sweep" ? "variant" : "method";
+  return {
+    kind: view.kind,
+    scene: view.scene,
+    ...(view.choice ? { [choice]: view.choice } : {}),
+    outputs: outputs ?? [view.output],
+    parameters: parametersOf(view, num ?? FINE[view.kind]),
+  };
+}
+
+// One output over its axes, however the service laid it out: {x, y, z, regime}.
+function fromDataset(dataset, view) {
+  const axis = (name) => {
+    const { data, units } = dataset.coordinates[name];
+    return { name, unit: units, values: data };
+  };
+  const reader = (variable) => {
+    const { dims, data } = variable;
+    return (i, j) => {
+      let found = data;
+      for (const dim of dims) found = found[dim === view.x.name ? i : j];
+      return found;
+    };
+  };
+  const variable = dataset.variables[view.output];
+  const { regime } = dataset.variables;
+  return {
+    x: axis(view.x.name),
+    y: view.y ? axis(view.y.name) : null,
+    z: { name: view.output, unit: variable.units, at: reader(variable) },
+    regime: regime
+      ? {
+          at: reader(regime),
+          names: Object.fromEntries(Object.entries(regime.flags).map(([n, value]) => [value, n])),
+        }
+      : null,
+    attributes: dataset.attributes,
+  };
+}
+
+function fromSlice(found, view) {
+  const axes = Object.fromEntries(found.axes.map((axis) => [axis.name, axis]));
+  const reader = (values, dims) => {
+    const lengths = dims.map((dim) => axes[dim].values.length);
+    return (i, j) => {
+      let at = 0;
+      dims.forEach((dim, place) => {
+        at = at * lengths[place] + (dim === view.x.name ? i : j);
+      });
+      return values[at];
+    };
+  };
+  const axis = (name) => ({ name, unit: axes[name].unit, values: axes[name].values });
+  const regimes = Object.entries(found.header.regimes ?? {});
+  return {
+    x: axis(view.x.name),
+    y: view.y ? axis(view.y.name) : null,
+    z: { name: view.output, unit: found.header.unit, at: reader(found.values, found.dims) },
+    regime: found.regime
+      ? {
+          at: reader(found.regime, found.regimeDims),
+          names: Object.fromEntries(regimes.map(([name, one]) => [one.value, name])),
+          meanings: Object.fromEntries(regimes.map(([name, one]) => [name, one.description])),
+        }
+      : null,
+  };
+}
+
+// What a view shows. `dragged` is the name of a parameter whose slider is being moved: the service
+// then has a sweep along it, too, and every place of the slider is a slice of one and the same.
+export class Source {
+  constructor() {
+    this.sweeps = new Map(); // study as text -> identifier
+  }
+
+  async compute(view, { dragged = null, signal, tell } = {}) {
+    if (view.kind === "sweep") return this.sliced(view, dragged, signal);
+    const num = dragged ? COARSE.simulate : FINE.simulate;
+    const { dataset } = await carryOut("simulate", studyOf(view, { num }), { signal, tell });
+    return fromDataset(dataset, view);
+  }
+
+  // A coarse picture to begin with, where a fine one may take long.
+  async coarse(view, { signal } = {}) {
+    const study = studyOf(view, { num: COARSE.simulate });
+    const { dataset } = await carryOut("simulate", study, { signal });
+    return fromDataset(dataset, view);
+  }
+
+  async sliced(view, dragged, signal) {
+    const study = studyOf(view);
+    const axes = view.y ? [view.x.name, view.y.name] : [view.x.name];
+    const fixed = {};
+    if (dragged) {
+      study.parameters[dragged.name] = {
+        start: dragged.from,
+        stop: dragged.to,
+        num: DRAGGED,
+      };
+      fixed[dragged.name] = view.values[dragged.name];
+    }
+    const text = JSON.stringify(study);
+    if (!this.sweeps.has(text)) {
+      const { content } = await put("/sweeps", study, { signal });
+      this.sweeps.set(text, content.id);
+    }
+    const found = await slice(this.sweeps.get(text), view.output, axes, fixed, signal);
+    return fromSlice(found, view);
+  }
+}
+
+// The places of a slider, which are values of the axis that the service has along it.
+export function places(parameter, low, high) {
+  return { from: low, to: high, num: DRAGGED, at: (k) => low + (k / (DRAGGED - 1)) * (high - low) };
+}
+
+// The course of the one part at a point of the view.
+export async function courseAt(view, point, { signal } = {}) {
+  const parameters = { ...view.values, [view.x.name]: point.x };
+  if (view.y && point.y !== null && point.y !== undefined) parameters[view.y.name] = point.y;
+  const study = {
+    kind: "simulate",
+    scene: view.scene,
+    ...(view.kind === "simulate" && view.choice ? { method: view.choice } : {}),
+    trajectory: 400,
+    parameters,
+  };
+  const { dataset } = await carryOut("simulate", study, { signal });
+  return dataset;
+}

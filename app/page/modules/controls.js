@@ -1,0 +1,206 @@
+// The fields of a view: parameters with sliders, which of them run across and up, what is shown.
+
+import { element, fill } from "./elements.js";
+import { capital, label, shown, words } from "./words.js";
+import { places } from "./computed.js";
+import { shownParameters, usual } from "./view.js";
+
+export class Controls {
+  // `onchange(view, {dragged})` hears of each change; `dragged` while a slider is held.
+  constructor(host, onchange) {
+    this.host = host;
+    this.onchange = onchange;
+    this.complaints = new Map(); // name -> text
+  }
+
+  show(view, scenes, scene) {
+    this.view = view;
+    this.scene = scene;
+    const parameters = shownParameters(scene, view.output);
+    this.parameters = parameters;
+    fill(
+      this.host,
+      this.what(scenes),
+      element(
+        "fieldset",
+        {},
+        element("legend", {}, "Axes of the picture"),
+        this.axis("x", "Across", parameters),
+        this.axis("y", "Up", parameters),
+      ),
+      element(
+        "fieldset",
+        {},
+        element("legend", {}, "Part, track and drive"),
+        ...parameters
+          .filter(({ name }) => name !== view.x.name && name !== view.y?.name)
+          .map((parameter) => this.field(parameter)),
+      ),
+    );
+  }
+
+  what(scenes) {
+    const { view, scene } = this;
+    const choice = view.kind === "sweep" ? "variants" : "methods";
+    const choices = scenes.find((one) => one.name === view.scene)?.[choice] ?? [];
+    return element(
+      "fieldset",
+      {},
+      element("legend", {}, "What is looked at"),
+      this.select(
+        "System",
+        scenes
+          .filter((one) => view.kind === "sweep" || one.methods.length)
+          .map((one) => [one.name, one.title]),
+        view.scene,
+        (name) => this.change({ scene: name, choice: "", output: "" }),
+      ),
+      this.select(
+        "How",
+        [
+          ["simulate", "Motion in time (the true speed)"],
+          ["sweep", "Closed forms of the thesis (a snapshot)"],
+        ],
+        view.kind,
+        (kind) => this.change({ kind, choice: "", output: "" }),
+      ),
+      choices.length > 1
+        ? this.select(
+            view.kind === "sweep" ? "Variant" : "Method",
+            choices.map((name) => [name, capital(words(name))]),
+            view.choice,
+            (name) => this.change({ choice: name }),
+          )
+        : null,
+      this.select(
+        "Output",
+        scene.outputs.map(({ name, unit }) => [name, label(name, unit)]),
+        view.output,
+        (name) => this.change({ output: name }),
+      ),
+    );
+  }
+
+  select(text, options, value, chosen) {
+    const id = `choose-${text.toLowerCase()}`;
+    const made = element(
+      "select",
+      { id, onchange: () => chosen(made.value) },
+      ...options.map(([name, title]) =>
+        element("option", { value: name, selected: name === value }, title),
+      ),
+    );
+    return element("div", { class: "field" }, element("label", { for: id }, text), made);
+  }
+
+  axis(place, text, parameters) {
+    const axis = this.view[place];
+    const other = this.view[place === "x" ? "y" : "x"];
+    const options = parameters
+      .filter(({ name }) => name !== other?.name)
+      .map(({ name, unit }) => [name, label(name, unit)]);
+    if (place === "y") options.push(["", "Nothing: lines"]);
+    const field = this.select(text, options, axis?.name ?? "", (name) => this.changeAxis(place, name));
+    if (!axis) return field;
+    const parameter = parameters.find(({ name }) => name === axis.name);
+    const [factor, unit] = shown(parameter.unit);
+    const end = (which) =>
+      element("input", {
+        type: "number",
+        step: "any",
+        "aria-label": `${text} ${which}${unit ? ` in ${unit}` : ""}`,
+        value: Number((axis[which] * factor).toPrecision(6)),
+        onchange: (event) =>
+          this.change({ [place]: { ...axis, [which]: Number(event.target.value) / factor } }),
+      });
+    field.append(
+      element("div", { class: "ends" }, end("from"), "to", end("to")),
+      this.complaint(axis.name),
+    );
+    return field;
+  }
+
+  complaint(name) {
+    const text = this.complaints.get(name);
+    return element("span", { class: "wrong", id: `wrong-${name}` }, text ?? "");
+  }
+
+  field(parameter) {
+    const { name, unit, description } = parameter;
+    const [factor, unitShown] = shown(unit);
+    const value = this.view.values[name];
+    const [low, high] = usual(parameter);
+    const range = places(parameter, Math.min(low, value), Math.max(high, value));
+    const id = `value-${name}`;
+    const typed = element("input", {
+      id,
+      type: "number",
+      step: "any",
+      value: Number((value * factor).toPrecision(6)),
+      "aria-describedby": `wrong-${name}`,
+      onchange: () => this.set(name, Number(typed.value) / factor),
+    });
+    const slider = element("input", {
+      type: "range",
+      min: 0,
+      max: range.num - 1,
+      step: 1,
+      "aria-label": `${capital(words(name))}, slider`,
+      oninput: () => {
+        const moved = range.at(Number(slider.value));
+        typed.value = Number((moved * factor).toPrecision(6));
+        this.view.values[name] = moved;
+        this.onchange(this.view, { dragged: { name, from: range.from, to: range.to } });
+      },
+      onchange: () => this.set(name, range.at(Number(slider.value))),
+    });
+    slider.value = String(Math.round(((value - range.from) / (range.to - range.from)) * (range.num - 1)));
+    return element(
+      "div",
+      { class: "field", title: description },
+      element(
+        "label",
+        { for: id },
+        `${capital(words(name))} `,
+        unitShown ? element("span", { class: "unit" }, `(${unitShown})`) : null,
+      ),
+      typed,
+      slider,
+      this.complaint(name),
+    );
+  }
+
+  set(name, value) {
+    this.view.values[name] = value;
+    this.onchange(this.view, { dragged: null });
+  }
+
+  change(changes) {
+    this.onchange({ ...this.view, ...changes }, { dragged: null, isNew: true });
+  }
+
+  changeAxis(place, name) {
+    const parameter = this.parameters.find((one) => one.name === name);
+    const [from, to] = parameter ? usual(parameter) : [];
+    this.change({ [place]: parameter ? { name, from, to } : null });
+  }
+
+  // Sentences of the service beside the fields that they concern; returns those that concern none.
+  complain(errors) {
+    this.complaints.clear();
+    const rest = [];
+    for (const { place, message, fix } of errors) {
+      const name = String(place).split(".").find((part) => this.parameters.some((p) => p.name === part));
+      const text = `${capital(message)}. ${fix}.`.replace("..", ".");
+      const slot = name && document.getElementById(`wrong-${name}`);
+      if (slot) slot.textContent = text;
+      else rest.push(text);
+    }
+    return rest;
+  }
+
+  clear() {
+    for (const slot of this.host.querySelectorAll(".wrong")) slot.textContent = "";
+  }
+}
+

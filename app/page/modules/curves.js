@@ -1,0 +1,156 @@
+// Quantities over one parameter, with a band where something is uncertain, and the regimes below.
+
+import { REGIME_COLOURS } from "./colours.js";
+import { element, fill } from "./elements.js";
+import { capital, label, number, shown, withUnit, words } from "./words.js";
+
+const LINES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
+const STRIP = 8; // px
+
+function ink(host) {
+  return getComputedStyle(host).color;
+}
+
+export class Curves {
+  constructor(host, { onpick = () => {} } = {}) {
+    this.onpick = onpick;
+    this.box = element("div", { class: "curves" });
+    this.said = element("p", { class: "said", "aria-live": "polite" });
+    this.legend = element("ul", { class: "legend", "aria-label": "Regimes" });
+    fill(host, this.box, this.said, this.legend);
+    this.plot = null;
+    this.at = null;
+    new ResizeObserver(() => this.resize()).observe(this.box);
+  }
+
+  // data: {x: {name, unit, values}, lines: [{name, unit, values, low, high}], regime or null}
+  show(data) {
+    this.data = data;
+    const [xFactor] = shown(data.x.unit);
+    const [yFactor] = shown(data.lines[0].unit);
+    const columns = [Array.from(data.x.values, (value) => value * xFactor)];
+    const series = [{}];
+    const bands = [];
+    const scaled = (values) =>
+      Array.from(values, (value) => (Number.isFinite(value) ? value * yFactor : null));
+    for (const [place, line] of data.lines.entries()) {
+      const stroke = LINES[place % LINES.length];
+      if (line.low) {
+        columns.push(scaled(line.high), scaled(line.low));
+        series.push({ stroke: "transparent" }, { stroke: "transparent" });
+        bands.push({ series: [series.length - 2, series.length - 1], fill: `${stroke}33` });
+      }
+      columns.push(scaled(line.values));
+      series.push({ label: capital(words(line.label ?? line.name)), stroke, width: 2 });
+    }
+    this.plot?.destroy();
+    const colour = ink(this.box);
+    const axis = (text, size) => ({
+      label: text,
+      stroke: colour,
+      labelSize: 20,
+      size,
+      grid: { stroke: `${this.grid()}`, width: 1 },
+      ticks: { stroke: this.grid() },
+      values: (_, splits) => splits.map((value) => number(value)),
+    });
+    this.plot = new window.uPlot(
+      {
+        width: Math.max(200, this.box.clientWidth),
+        height: Math.max(200, this.box.clientHeight),
+        scales: { x: { time: false } },
+        axes: [axis(label(data.x.name, data.x.unit), 40), axis(this.yLabel(), 64)],
+        series,
+        bands,
+        legend: { show: data.lines.length > 1, live: false },
+        cursor: { drag: { x: false, y: false } },
+        hooks: {
+          setCursor: [(plot) => this.say(plot.cursor.idx)],
+          draw: [(plot) => this.strip(plot)],
+        },
+      },
+      columns,
+      this.box,
+    );
+    this.plot.over.addEventListener("click", () => {
+      const { idx } = this.plot.cursor;
+      if (idx !== null) this.onpick({ x: data.x.values[idx] });
+    });
+    this.tellLegend();
+  }
+
+  yLabel() {
+    const [line] = this.data.lines;
+    return label(line.name, line.unit);
+  }
+
+  grid() {
+    return getComputedStyle(document.documentElement).getPropertyValue("--line").trim() || "#ccc";
+  }
+
+  resize() {
+    if (!this.plot || !this.box.clientWidth) return;
+    this.plot.setSize({ width: this.box.clientWidth, height: Math.max(200, this.box.clientHeight) });
+  }
+
+  // The regimes that occur, by the number of places where they do.
+  regimes() {
+    const { regime, x } = this.data;
+    const counts = new Map();
+    if (regime) {
+      for (let i = 0; i < x.values.length; i++) {
+        counts.set(regime.at(i), (counts.get(regime.at(i)) ?? 0) + 1);
+      }
+    }
+    return [...counts].sort((a, b) => b[1] - a[1]).map(([value]) => value);
+  }
+
+  strip(plot) {
+    const { regime, x } = this.data;
+    if (!regime) return;
+    const order = this.regimes();
+    const { ctx, bbox } = plot;
+    const [factor] = shown(x.unit);
+    const ratio = window.devicePixelRatio || 1;
+    for (let i = 0; i < x.values.length; i++) {
+      const here = plot.valToPos(x.values[i] * factor, "x", true);
+      const next = plot.valToPos(x.values[Math.min(i + 1, x.values.length - 1)] * factor, "x", true);
+      ctx.fillStyle = REGIME_COLOURS[order.indexOf(regime.at(i)) % REGIME_COLOURS.length];
+      ctx.fillRect(here, bbox.top + bbox.height - STRIP * ratio, next - here + 1, STRIP * ratio);
+    }
+  }
+
+  tellLegend() {
+    const { regime } = this.data;
+    fill(
+      this.legend,
+      ...this.regimes().map((value, place) => {
+        const swatch = element("span", { class: "swatch" });
+        swatch.style.borderColor = REGIME_COLOURS[place % REGIME_COLOURS.length];
+        const name = regime.names[value] ?? "";
+        return element("li", { title: regime.meanings?.[name] }, swatch, capital(words(name)));
+      }),
+    );
+  }
+
+  say(i) {
+    if (i === null || i === undefined) {
+      this.said.textContent = "";
+      return;
+    }
+    const { x, lines, regime } = this.data;
+    const parts = [`${words(x.name)} ${withUnit(x.values[i], x.unit)}`];
+    for (const line of lines) {
+      const band = line.low
+        ? ` (${withUnit(line.low[i], line.unit)} to ${withUnit(line.high[i], line.unit)})`
+        : "";
+      parts.push(`${words(line.label ?? line.name)} ${withUnit(line.values[i], line.unit)}${band}`);
+    }
+    if (regime) parts.push(words(regime.names[regime.at(i)] ?? ""));
+    this.said.textContent = capital(parts.filter(Boolean).join(", "));
+  }
+
+  image() {
+    return this.plot.ctx.canvas;
+  }
+}

@@ -1,0 +1,151 @@
+// The public REST interface, as any client would use it.
+
+const KEY = "vibrafeed-key"; // kept for the session of this tab only
+
+export class Refusal extends Error {
+  // What the service refused: its own sentences, and the fields that they concern.
+  constructor(status, problem) {
+    super(problem.detail || problem.title || `The service answered with status ${status}.`);
+    this.status = status;
+    this.errors = problem.errors ?? [];
+    this.type = problem.type ?? "";
+  }
+}
+
+export class Away extends Error {
+  constructor() {
+    super("The service does not answer.");
+  }
+}
+
+export const key = {
+  get: () => sessionStorage.getItem(KEY) ?? "",
+  set: (text) => sessionStorage.setItem(KEY, text),
+  forget: () => sessionStorage.removeItem(KEY),
+};
+
+// The page lies at the root of the service, or under the path where a proxy shows it.
+const BASE = new URL(".", document.baseURI).href.replace(/\/$/, "");
+
+export function address(path) {
+  return `${BASE}${path}`;
+}
+
+async function ask(path, { method = "GET", body, headers = {}, signal } = {}) {
+  const sent = { ...headers };
+  if (key.get()) sent.Authorization = `Bearer ${key.get()}`;
+  if (body !== undefined) sent["Content-Type"] = "application/json";
+  let reply;
+  try {
+    reply = await fetch(address(path), {
+      method,
+      headers: sent,
+      body: body === undefined ? undefined : JSON.stringify(body),
+      signal,
+    });
+  } catch (error) {
+    if (error.name === "AbortError") throw error;
+    throw new Away();
+  }
+  if (!reply.ok) {
+    let problem = {};
+    try {
+      problem = await reply.json();
+    } catch {
+      // a proxy's page, perhaps
+    }
+    throw new Refusal(reply.status, problem);
+  }
+  return reply;
+}
+
+export async function get(path, options) {
+  return (await ask(path, { headers: { Accept: "application/json" }, ...options })).json();
+}
+
+export async function put(path, body, options = {}) {
+  const reply = await ask(path, { method: "POST", body, ...options });
+  return { status: reply.status, content: await reply.json() };
+}
+
+export async function remove(path) {
+  await ask(path, { method: "DELETE" });
+}
+
+export async function file(path, accept) {
+  const reply = await ask(path, { headers: accept ? { Accept: accept } : {} });
+  return reply.blob();
+}
+
+// A slice of a sweep: {header, values: Float64Array, regime: Int8Array or null}.
+export async function slice(id, output, axes, fixed, signal) {
+  const query = new URLSearchParams({ output, axes: axes.join(","), format: "binary" });
+  for (const [name, value] of Object.entries(fixed)) query.set(name, String(value));
+  const reply = await ask(`/sweeps/${id}/slice?${query}`, { signal });
+  const bytes = await reply.arrayBuffer();
+  const start = 8 + Number(new DataView(bytes).getBigUint64(0, true));
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 8, start - 8)));
+  const array = ({ dtype, offset, shape }) => {
+    const size = shape.reduce((n, m) => n * m, 1);
+    return dtype === "<f8"
+      ? new Float64Array(bytes, start + offset, size)
+      : new Int8Array(bytes, start + offset, size);
+  };
+  return {
+    header,
+    axes: header.axes.map((axis) => ({ ...axis, values: array(axis.values) })),
+    values: array(header.values.data),
+    dims: header.values.dims,
+    regime: header.regime ? array(header.regime.data) : null,
+    regimeDims: header.regime ? header.regime.dims : [],
+  };
+}
+
+// Carry out a study: at once if the service does so, else as a job whose state `tell` hears.
+// Returns the dataset as JSON.
+export async function carryOut(process, study, { tell = () => {}, signal } = {}) {
+  const { status, content } = await put(`/processes/${process}/execution`, study, { signal });
+  if (status !== 201) return { dataset: content, job: null };
+  const job = await follow(content, tell, signal);
+  const dataset = await get(`/jobs/${job.jobID}/results/dataset`, { signal });
+  return { dataset, job };
+}
+
+// Follow a job to its end by its stream of events; where that breaks, it is opened again.
+export async function follow(job, tell, signal) {
+  tell(job);
+  while (!OVER.has(job.status)) {
+    try {
+      job = await lastEvent(job, tell, signal);
+    } catch (error) {
+      if (!(error instanceof Away) && !(error instanceof TypeError)) throw error;
+      tell({ ...job, message: "The service does not answer; asking again." });
+      await new Promise((done) => setTimeout(done, PAUSE));
+    }
+    signal?.throwIfAborted();
+  }
+  if (job.status !== "successful") throw new Refusal(200, { detail: job.message });
+  return job;
+}
+
+const OVER = new Set(["successful", "failed", "dismissed"]);
+const PAUSE = 1000; // ms
+
+async function lastEvent(job, tell, signal) {
+  const headers = { Accept: "text/event-stream" };
+  const reply = await ask(`/jobs/${job.jobID}/events`, { headers, signal });
+  const reader = reply.body.pipeThrough(new TextDecoderStream()).getReader();
+  let rest = "";
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) return job;
+    const events = (rest + value).split("\n\n");
+    rest = events.pop();
+    for (const event of events) {
+      const data = event.split("\n").find((line) => line.startsWith("data: "));
+      if (!data) continue;
+      job = JSON.parse(data.slice(6));
+      tell(job);
+    }
+  }
+}

@@ -1,0 +1,115 @@
+// What is shown: a plain object, and the link that restores it. A link is somebody's text: nothing
+// of it is believed before it is compared with what the service says there is.
+
+const MOST_CHARACTERS = 4000;
+
+export const QUESTIONS = ["speed", "drive", "thesis", "all"];
+export const KINDS = ["simulate", "sweep"];
+
+export function toLink(view) {
+  const query = new URLSearchParams({
+    question: view.question,
+    kind: view.kind,
+    scene: view.scene,
+    choice: view.choice,
+    output: view.output,
+  });
+  for (const place of ["x", "y"]) {
+    const axis = view[place];
+    if (axis) query.set(place, [axis.name, axis.from, axis.to].join(":"));
+  }
+  for (const [name, value] of Object.entries(view.values)) query.set(`p.${name}`, String(value));
+  if (view.band) query.set("band", `${view.band.name}:${view.band.share}`);
+  if (view.point) query.set("point", `${view.point.x}:${view.point.y ?? ""}`);
+  return `#${query}`;
+}
+
+// What a link asks for, and a sentence about each part of it that makes no sense.
+export function fromLink(hash) {
+  const complaints = [];
+  const text = hash.replace(/^#/, "");
+  if (!text) return { wanted: {}, complaints };
+  if (text.length > MOST_CHARACTERS) {
+    return { wanted: {}, complaints: ["The link is too long to be one of this page."] };
+  }
+  const query = new URLSearchParams(text);
+  const wanted = { values: {} };
+  const one = (name, known) => {
+    const value = query.get(name);
+    if (value === null) return;
+    if (known && !known.includes(value)) complaints.push(`The link names no ${name} of this page.`);
+    else wanted[name] = value;
+  };
+  one("question", QUESTIONS);
+  one("kind", KINDS);
+  one("scene");
+  one("choice");
+  one("output");
+  for (const place of ["x", "y"]) {
+    const given = query.get(place);
+    if (given === null) continue;
+    const [name, from, to] = given.split(":");
+    const ends = [Number(from), Number(to)];
+    if (ends.every(Number.isFinite) && ends[0] < ends[1] && from !== "" && to !== "") {
+      wanted[place] = { name, from: ends[0], to: ends[1] };
+    } else complaints.push(`The link gives the ${place} axis no range.`);
+  }
+  for (const [name, value] of query) {
+    if (!name.startsWith("p.")) continue;
+    const numeric = Number(value);
+    if (value !== "" && Number.isFinite(numeric)) wanted.values[name.slice(2)] = numeric;
+    else complaints.push("The link gives a parameter a value that is no number.");
+  }
+  const band = query.get("band");
+  if (band !== null) {
+    const [name, share] = band.split(":");
+    if (Number(share) > 0 && Number(share) < 1) wanted.band = { name, share: Number(share) };
+    else complaints.push("The link gives a band that is no share between 0 and 1.");
+  }
+  const point = query.get("point");
+  if (point !== null) {
+    const [x, y] = point.split(":").map((part) => (part === "" ? null : Number(part)));
+    if (Number.isFinite(x) && (y === null || Number.isFinite(y))) wanted.point = { x, y };
+  }
+  return { wanted, complaints: [...new Set(complaints)] };
+}
+
+// What a parameter may be: within its bounds, and where it usually is.
+export function usual(parameter) {
+  if (parameter.usual) return parameter.usual;
+  const typical = parameter.example ?? parameter.default ?? 1;
+  const lower = parameter.lower ?? -Infinity;
+  const upper = parameter.upper ?? Infinity;
+  if (parameter.unit === "degree") return [Math.max(lower, 0), Math.min(upper, 60)];
+  if (typical === 0) return [Math.max(lower, 0), Math.min(upper, 1)];
+  return [Math.max(lower, 0.2 * typical), Math.min(upper, 2 * typical)].sort((a, b) => a - b);
+}
+
+export function typical(parameter) {
+  return parameter.default ?? parameter.example ?? (usual(parameter)[0] + usual(parameter)[1]) / 2;
+}
+
+// Names that replace each other, such as one friction and two: those that are shown.
+export function shownParameters(scene, output) {
+  const asked = scene.outputs.find((one) => one.name === output) ?? scene.outputs[0];
+  const needed = new Set(asked?.parameters ?? []);
+  const replaced = new Map(); // name -> what stands for it
+  for (const parameter of scene.parameters) {
+    for (const name of parameter.instead_of ?? []) {
+      if (!replaced.has(name)) replaced.set(name, parameter.name);
+    }
+  }
+  const chosen = new Set();
+  for (const parameter of scene.parameters) {
+    if (!needed.has(parameter.name)) continue;
+    const stand = replaced.get(parameter.name);
+    const together = stand && countOf(scene, stand, needed) > 1;
+    chosen.add(together ? stand : parameter.name);
+  }
+  return scene.parameters.filter((parameter) => chosen.has(parameter.name));
+}
+
+function countOf(scene, stand, needed) {
+  const found = scene.parameters.find((parameter) => parameter.name === stand);
+  return (found?.instead_of ?? []).filter((name) => needed.has(name)).length;
+}

@@ -1,0 +1,54 @@
+// Numbers, units and names as a person reads them.
+
+const UNITS = {
+  1: [1, ""],
+  m: [1e3, "mm"],
+  "m s-1": [1e3, "mm/s"],
+  "m s-2": [1, "m/s²"],
+  degree: [1, "°"],
+  kg: [1e3, "g"],
+  s: [1, "s"],
+  "rad s-1": [1, "rad/s"],
+  "rad s-2": [1, "rad/s²"],
+  "min-1": [1, "parts/min"],
+  "W kg-1": [1, "W/kg"],
+  "J kg-1 m-1": [1, "J/(kg m)"],
+};
+
+// The factor to the unit that is shown, and that unit.
+export function shown(unit) {
+  return UNITS[unit] ?? [1, unit];
+}
+
+export function number(value, digits = 4) {
+  if (value === null || !Number.isFinite(value)) return "no value";
+  const text = Number(value.toPrecision(digits)).toString();
+  return text.replace("-", "\u2212");
+}
+
+export function withUnit(value, unit, digits = 4) {
+  const [factor, name] = shown(unit);
+  const gap = name === "" || name === "°" ? "" : "\u00a0";
+  return value === null || !Number.isFinite(value)
+    ? "no value"
+    : number(value * factor, digits) + gap + name;
+}
+
+export function words(name) {
+  return name.replaceAll("_", " ");
+}
+
+export function capital(text) {
+  return text.slice(0, 1).toUpperCase() + text.slice(1);
+}
+
+export function label(name, unit) {
+  const [, shownUnit] = shown(unit);
+  return capital(words(name)) + (shownUnit ? ` (${shownUnit})` : "");
+}
+
+export function duration(seconds) {
+  if (seconds >= 7200) return `${number(seconds / 3600, 2)} hours`;
+  if (seconds >= 120) return `${number(seconds / 60, 2)} minutes`;
+  return `${number(seconds, 2)} s`;
+}
