@@ -30,7 +30,18 @@ from app.web.compress import Compress
 from app.web.metrics import Metrics, watch_jobs
 from app.web.observe import Observe
 from app.web.outgoing import Outgoing, Unsent
-from app.web.routes import friction, health, jobs, page, processes, results, scenes, sweeps, zarr
+from app.web.routes import (
+    figures,
+    friction,
+    health,
+    jobs,
+    page,
+    processes,
+    results,
+    scenes,
+    sweeps,
+    zarr,
+)
 from app.web.stopping import Stopping
 from app.web.warmth import Warmth
 from app.web.zarr_views import ZarrViews
@@ -100,7 +111,7 @@ def create_app(settings: Settings) -> FastAPI:
         runner.course.witnesses.append(spans)
         desk.posted = spans.posted
     problems.install(app)
-    for part in (health, scenes, friction, sweeps, zarr, processes, jobs, results):
+    for part in (health, scenes, figures, friction, sweeps, zarr, processes, jobs, results):
         app.include_router(part.router)
     page.install(app)
     openapi.install(app)

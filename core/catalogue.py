@@ -102,12 +102,20 @@ def needed_parameters(scene: Scene, variant: str, output: str) -> tuple[str, ...
     return tuple(name for name in QUANTITIES if name in needed)
 
 
-def required_parameters(scene: Scene, variant: str, output: str) -> tuple[str, ...]:
-    """Return those of the parameters of `needed_parameters` that have to be given."""
+def asked_parameters(
+    scene: Scene, variant: str, output: str, *, required: bool = False
+) -> tuple[str, ...]:
+    """Return the parameters that a study of one output may give, for it and for its regime.
+
+    With `required` those alone that it has to give.
+    """
+    regimes = (one for one in scene.conditions[variant] if output in one.outputs)
+    wanted = (output, *(name for condition in regimes for name in condition.inputs))
     produced, defaults = scene.producers(variant), scene.defaults_of(variant)
-    met = behind((output,), lambda name: None if name in defaults else produced.get(name))
-    needed = {name for name, equation in met.items() if equation is None} - set(defaults)
-    return tuple(name for name in QUANTITIES if name in needed)
+    known = set(defaults) if required else set()
+    met = behind(wanted, lambda name: None if name in known else produced.get(name))
+    found = {name for name, equation in met.items() if equation is None} - known
+    return tuple(name for name in QUANTITIES if name in found)
 
 
 def study_schema() -> dict[str, Any]:
@@ -150,6 +158,7 @@ def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]
     replaces = [alias.gives for alias in ALIASES if name in alias.inputs]
     return {
         "name": name,
+        "label": quantity.label,
         "symbol": quantity.symbol,
         "unit": quantity.unit,
         "description": quantity.description,
@@ -167,6 +176,7 @@ def _describe_output(scene: Scene, variant: str, equation: Equation) -> dict[str
     quantity = QUANTITIES[equation.gives]
     return {
         "name": equation.gives,
+        "label": quantity.label,
         "symbol": quantity.symbol,
         "unit": quantity.unit,
         "description": quantity.description,
@@ -174,7 +184,8 @@ def _describe_output(scene: Scene, variant: str, equation: Equation) -> dict[str
         "source": equation.source,
         "variant": scene.variant_of(variant, equation.gives),
         "parameters": list(needed_parameters(scene, variant, equation.gives)),
-        "required": list(required_parameters(scene, variant, equation.gives)),
+        "asks": list(asked_parameters(scene, variant, equation.gives)),
+        "required": list(asked_parameters(scene, variant, equation.gives, required=True)),
         "regimes": [
             condition.regime
             for condition in scene.conditions[variant]

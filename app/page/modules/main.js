@@ -1,14 +1,17 @@
 // The page: a question, the fields that answer it, the picture, and what can be taken away.
 
+import { Away as TakeAway } from "./away.js";
 import { Source, courseAt, studyOf } from "./computed.js";
 import { Controls } from "./controls.js";
 import { Course, courseOf } from "./course.js";
 import { Curves } from "./curves.js";
 import { byId, element, fill } from "./elements.js";
+import { tellFigures, viewOf } from "./figures.js";
 import { HeatMap } from "./map.js";
+import { Optimum } from "./optimum.js";
 import { Away, Refusal, get, key } from "./service.js";
 import { fromLink, shownParameters, toLink, typical, usual } from "./view.js";
-import { capital, duration, number, words } from "./words.js";
+import { capital, duration, learn, number, words } from "./words.js";
 
 const TITLES = {
   speed: "How fast does my part travel?",
@@ -18,6 +21,7 @@ const TITLES = {
 };
 const BEGIN = {
   speed: { kind: "simulate", scene: "rectangle-on-plane", output: "conveying_velocity" },
+  drive: { kind: "simulate", scene: "rectangle-on-plane", output: "conveying_velocity" },
   all: { kind: "sweep", scene: "rectangle-on-plane", output: "acceleration_x" },
 };
 const RETRY = 2000; // ms
@@ -37,6 +41,14 @@ class Page {
 
   async start() {
     this.scenes = await this.persist(() => get("/scenes"));
+    this.optimum = new Optimum(byId("optimum"), {
+      onfound: (marks) => this.picture.mark?.(marks),
+    });
+    this.away = new TakeAway(byId("away"), {
+      view: () => this.view,
+      study: () => studyOf(this.view),
+      picture: () => this.picture,
+    });
     await this.restore();
   }
 
@@ -92,7 +104,11 @@ class Page {
         : { method: view.choice || this.methodOf(view.scene) },
     );
     const path = `/scenes/${encodeURIComponent(view.scene)}?${query}`;
-    if (!this.described.has(path)) this.described.set(path, await this.persist(() => get(path)));
+    if (!this.described.has(path)) {
+      const scene = await this.persist(() => get(path));
+      learn(scene);
+      this.described.set(path, scene);
+    }
     return this.described.get(path);
   }
 
@@ -103,6 +119,10 @@ class Page {
   async restore() {
     const { wanted, complaints } = fromLink(location.hash);
     const question = wanted.question ?? "speed";
+    if (question === "thesis" && !wanted.scene) {
+      await this.openFigure(null, complaints);
+      return;
+    }
     const begin = BEGIN[question] ?? BEGIN.speed;
     const known = this.scenes.find((scene) => scene.name === wanted.scene);
     if (wanted.scene && !known) complaints.push("The link names a system that there is not.");
@@ -118,6 +138,12 @@ class Page {
       view.kind = "sweep";
     }
     await this.open(view, complaints);
+  }
+
+  async openFigure(figure, complaints = []) {
+    this.figures ??= await this.persist(() => get("/figures"));
+    const chosen = figure ?? this.figures.find(({ name }) => name === "fig-5-1") ?? this.figures[0];
+    await this.open(viewOf(chosen), complaints);
   }
 
   scene(name) {
@@ -175,12 +201,25 @@ class Page {
     this.described_ = scene;
     this.tellQuestions();
     this.controls.show(view, this.scenes, scene);
+    await this.tellQuestion();
     this.tell(complaints.slice(0, 1));
     byId("headline").textContent = capital(words(view.output));
     this.hosted = null;
     await this.compute({ isFirst: true });
     if (view.point) await this.pick(view.point);
     else byId("detail").hidden = true;
+  }
+
+  // What a question has besides the picture and its fields.
+  async tellQuestion() {
+    const { question, figure } = this.view;
+    byId("figures").hidden = question !== "thesis";
+    byId("optimum").hidden = question !== "drive";
+    if (question === "drive") this.optimum.show(this.view, this.described_);
+    if (question === "thesis") {
+      this.figures ??= await this.persist(() => get("/figures"));
+      tellFigures(byId("figures"), this.figures, figure, (chosen) => this.openFigure(chosen));
+    }
   }
 
   tellQuestions() {
@@ -201,6 +240,10 @@ class Page {
   }
 
   async ask(question) {
+    if (question === "thesis") {
+      await this.openFigure(null);
+      return;
+    }
     const begin = BEGIN[question] ?? BEGIN.speed;
     await this.open({ ...begin, choice: "", values: {}, question });
   }

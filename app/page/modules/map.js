@@ -179,7 +179,9 @@ export class HeatMap {
     if (!regime) return group;
     const nx = x.values.length;
     const ny = y.values.length;
+    // Of two neighbours one draws the line between them.
     for (const [place, one] of this.regimes().entries()) {
+      if (place === 0) continue;
       const inside = new Float64Array(nx * ny);
       for (let j = 0; j < ny; j++) {
         for (let i = 0; i < nx; i++) inside[j * nx + i] = regime.at(i, j) === one.value ? 1 : 0;
@@ -226,7 +228,7 @@ export class HeatMap {
       fill(
         this.scale,
         element("span", {}, label(this.data.z.name, this.data.z.unit)),
-        element("span", { class: "ends" }, number(low * factor), bar, number(high * factor)),
+        element("span", { class: "ends" }, number(low * factor, 4, high * factor), bar, number(high * factor, 4, low * factor)),
       );
     } else {
       fill(this.scale, `No ${words(this.data.z.name)} has a value here.`);

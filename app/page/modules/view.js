@@ -20,6 +20,7 @@ export function toLink(view) {
   }
   for (const [name, value] of Object.entries(view.values)) query.set(`p.${name}`, String(value));
   if (view.band) query.set("band", `${view.band.name}:${view.band.share}`);
+  if (view.figure) query.set("figure", view.figure);
   if (view.point) query.set("point", `${view.point.x}:${view.point.y ?? ""}`);
   return `#${query}`;
 }
@@ -45,6 +46,7 @@ export function fromLink(hash) {
   one("scene");
   one("choice");
   one("output");
+  one("figure");
   for (const place of ["x", "y"]) {
     const given = query.get(place);
     if (given === null) continue;
@@ -92,7 +94,8 @@ export function typical(parameter) {
 // Names that replace each other, such as one friction and two: those that are shown.
 export function shownParameters(scene, output) {
   const asked = scene.outputs.find((one) => one.name === output) ?? scene.outputs[0];
-  const needed = new Set(asked?.parameters ?? []);
+  const needed = new Set(asked?.asks ?? []);
+  const required = new Set(asked?.required ?? []);
   const replaced = new Map(); // name -> what stands for it
   for (const parameter of scene.parameters) {
     for (const name of parameter.instead_of ?? []) {
@@ -106,7 +109,10 @@ export function shownParameters(scene, output) {
     const together = stand && countOf(scene, stand, needed) > 1;
     chosen.add(together ? stand : parameter.name);
   }
-  return scene.parameters.filter((parameter) => chosen.has(parameter.name));
+  // What has no value by itself and need not be given is left out.
+  const isSet = ({ name, default: value, instead_of: names }) =>
+    value !== null || required.has(name) || (names ?? []).some((one) => required.has(one));
+  return scene.parameters.filter((parameter) => chosen.has(parameter.name) && isSet(parameter));
 }
 
 function countOf(scene, stand, needed) {

@@ -20,8 +20,10 @@ export function shown(unit) {
   return UNITS[unit] ?? [1, unit];
 }
 
-export function number(value, digits = 4) {
+// `size` is what is large beside it: what is nothing but rounding is told as 0.
+export function number(value, digits = 4, size = 0) {
   if (value === null || !Number.isFinite(value)) return "no value";
+  if (Math.abs(value) < 1e-9 * Math.abs(size)) return "0";
   const text = Number(value.toPrecision(digits)).toString();
   return text.replace("-", "\u2212");
 }
@@ -34,8 +36,17 @@ export function withUnit(value, unit, digits = 4) {
     : number(value * factor, digits) + gap + name;
 }
 
+const LABELS = new Map();
+
+// Note what the service calls its quantities.
+export function learn(scene) {
+  for (const { name, label: text } of [...scene.parameters, ...scene.outputs]) {
+    if (text) LABELS.set(name, text);
+  }
+}
+
 export function words(name) {
-  return name.replaceAll("_", " ");
+  return LABELS.get(name)?.toLowerCase() ?? name.replaceAll("_", " ");
 }
 
 export function capital(text) {

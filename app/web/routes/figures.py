@@ -1,0 +1,49 @@
+"""The figures of the thesis, as the studies that draw them."""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+from typing import Any
+
+from fastapi import APIRouter
+from fastapi.responses import Response
+from pydantic import BaseModel, Field
+
+import core
+from app.web.replies import json_reply
+from core.kinds import load_study
+
+router = APIRouter(tags=["scenes"])
+
+# At the top of the repository, and beside the core where vibrafeed is installed.
+FOLDER = Path(core.__file__).resolve().parent.parent / "configs" / "figures"
+
+
+class Figure(BaseModel):
+    """A figure of the thesis."""
+
+    name: str
+    title: str
+    notes: str = Field(description="What is assumed, what the thesis claims, and a verdict.")
+    study: dict[str, Any] = Field(description="The study behind it, as POST /sweeps takes it.")
+
+
+@router.get("/figures", summary="List the figures of the thesis", response_model=list[Figure])
+def list_figures() -> Response:
+    """Return each figure that vibrafeed draws, in the order of the thesis, with its study."""
+    return json_reply(_figures())
+
+
+@functools.cache
+def _figures() -> list[dict[str, Any]]:
+    found = []
+    for path in sorted(FOLDER.glob("fig-*.toml"), key=_place):
+        content = load_study(path).content()
+        title, notes = content.pop("title", path.stem), content.pop("notes", "")
+        found.append({"name": path.stem, "title": title, "notes": notes, "study": content})
+    return found
+
+
+def _place(path: Path) -> tuple[int, ...]:
+    return tuple(int(part) for part in path.stem.split("-")[1:])
