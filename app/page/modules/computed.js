@@ -4,7 +4,9 @@ import { carryOut, put, slice } from "./service.js";
 
 const FINE = { sweep: 200, simulate: 100 }; // values of an axis
 const COARSE = { sweep: 200, simulate: 30 }; // while something is dragged, and first of all
+const PATIENCE = 3; // s for a fine map; what takes longer is drawn with fewer values
 const LINE = 201;
+const BAND = [-1, -0.5, 0, 0.5, 1]; // places within what is not known exactly
 const DRAGGED = 101; // places of a slider
 
 function span(axis, num) {
@@ -92,11 +94,12 @@ function fromSlice(found, view) {
 export class Source {
   constructor() {
     this.sweeps = new Map(); // study as text -> identifier
+    this.fineness = FINE.simulate; // values of an axis of a map of motion
   }
 
   async compute(view, { dragged = null, signal, tell } = {}) {
     if (view.kind === "sweep") return this.sliced(view, dragged, signal);
-    const num = dragged ? COARSE.simulate : FINE.simulate;
+    const num = dragged ? COARSE.simulate : this.fineness;
     const { dataset } = await carryOut("simulate", studyOf(view, { num }), { signal, tell });
     return fromDataset(dataset, view);
   }
@@ -105,7 +108,27 @@ export class Source {
   async coarse(view, { signal } = {}) {
     const study = studyOf(view, { num: COARSE.simulate });
     const { dataset } = await carryOut("simulate", study, { signal });
+    const seconds = Math.max(1e-3, dataset.attributes.elapsed_seconds ?? 0);
+    const more = Math.sqrt(PATIENCE / seconds);
+    this.fineness = Math.round(Math.max(COARSE.simulate, Math.min(FINE.simulate, COARSE.simulate * more)));
     return fromDataset(dataset, view);
+  }
+
+  // The same at both ends, and between, of what is not known exactly: least and largest of each.
+  async band(view, { signal } = {}) {
+    const { name, share } = view.band;
+    const found = [];
+    for (const step of BAND) {
+      const values = { ...view.values, [name]: view.values[name] * (1 + step * share) };
+      const one = { ...view, values, band: null };
+      const isMap = view.kind === "simulate" && view.y;
+      found.push(isMap ? await this.coarse(one, { signal }) : await this.compute(one, { signal }));
+    }
+    const ends = (pick) => (i, j) => {
+      const values = found.map(({ z }) => z.at(i, j)).filter(Number.isFinite);
+      return values.length ? pick(...values) : NaN;
+    };
+    return { x: found[0].x, y: found[0].y, low: ends(Math.min), high: ends(Math.max) };
   }
 
   async sliced(view, dragged, signal) {

@@ -3,7 +3,7 @@
 import { element, fill } from "./elements.js";
 import { capital, label, shown, words } from "./words.js";
 import { places } from "./computed.js";
-import { shownParameters, usual } from "./view.js";
+import { furtherParameters, shownParameters, typical, usual } from "./view.js";
 
 export class Controls {
   // `onchange(view, {dragged})` hears of each change; `dragged` while a slider is held.
@@ -16,7 +16,10 @@ export class Controls {
   show(view, scenes, scene) {
     this.view = view;
     this.scene = scene;
-    const parameters = shownParameters(scene, view.output);
+    const given = { ...view.values };
+    for (const axis of [view.x, view.y]) if (axis) given[axis.name] = axis.from;
+    const parameters = shownParameters(scene, view.output, given);
+    const further = furtherParameters(scene, view.output, given);
     this.parameters = parameters;
     fill(
       this.host,
@@ -35,6 +38,15 @@ export class Controls {
         ...parameters
           .filter(({ name }) => name !== view.x.name && name !== view.y?.name)
           .map((parameter) => this.field(parameter)),
+        further.length
+          ? this.select(
+              "One more",
+              [["", "Choose ..."], ...further.map(({ name, unit }) => [name, label(name, unit)])],
+              "",
+              (name) => this.add(further.find((one) => one.name === name)),
+            )
+          : null,
+        this.uncertain(parameters),
       ),
     );
   }
@@ -82,7 +94,7 @@ export class Controls {
   }
 
   select(text, options, value, chosen) {
-    const id = `choose-${text.toLowerCase()}`;
+    const id = `choose-${text.toLowerCase().replaceAll(" ", "-")}`;
     const made = element(
       "select",
       { id, onchange: () => chosen(made.value) },
@@ -168,6 +180,37 @@ export class Controls {
       slider,
       this.complaint(name),
     );
+  }
+
+  add(parameter) {
+    if (!parameter) return;
+    this.change({ values: { ...this.view.values, [parameter.name]: typical(parameter) } });
+  }
+
+  // One parameter may be known to a share only.
+  uncertain(parameters) {
+    const { view } = this;
+    const fixed = parameters.filter(({ name }) => name in view.values);
+    const field = this.select(
+      "Not known exactly",
+      [["", "Nothing"], ...fixed.map(({ name }) => [name, capital(words(name))])],
+      view.band?.name ?? "",
+      (name) => this.change({ band: name ? { name, share: view.band?.share ?? 0.2 } : null }),
+    );
+    if (view.band) {
+      const share = element("input", {
+        type: "number",
+        min: 1,
+        max: 90,
+        step: "any",
+        "aria-label": "Known within, in per cent",
+        value: 100 * view.band.share,
+        onchange: () =>
+          this.change({ band: { ...view.band, share: Math.min(0.9, Number(share.value) / 100) } }),
+      });
+      field.append(element("div", { class: "ends" }, "within ±", share, "%"));
+    }
+    return field;
   }
 
   set(name, value) {

@@ -168,7 +168,9 @@ class Page {
       );
       view.output = first ?? scene.outputs[0].name;
     }
-    const parameters = shownParameters(scene, view.output);
+    const given = { ...view.values };
+    for (const axis of [view.x, view.y]) if (axis) given[axis.name] = axis.from;
+    const parameters = shownParameters(scene, view.output, given);
     const byName = Object.fromEntries(parameters.map((one) => [one.name, one]));
     const axisNames = ["amplitude", "beta", ...Object.keys(byName)].filter((name) => byName[name]);
     for (const place of ["x", "y"]) {
@@ -177,7 +179,7 @@ class Page {
         complaints.push(`${capital(words(axis.name).slice(0, 60))} cannot be an axis here.`);
         view[place] = undefined;
       }
-      if (view[place] === undefined) {
+      if (view[place] === undefined || (place === "x" && !view.x)) {
         const other = place === "x" ? view.y?.name : view.x?.name;
         const name = axisNames.find((one) => one !== other);
         if (!name) {
@@ -204,10 +206,13 @@ class Page {
     await this.tellQuestion();
     this.tell(complaints.slice(0, 1));
     byId("headline").textContent = capital(words(view.output));
+    if (view.band && !(view.band.name in view.values)) view.band = null;
+    byId("worst").hidden = true;
     this.hosted = null;
-    await this.compute({ isFirst: true });
+    const drawn = this.compute({ isFirst: true });
     if (view.point) await this.pick(view.point);
     else byId("detail").hidden = true;
+    await drawn;
   }
 
   // What a question has besides the picture and its fields.
@@ -293,6 +298,7 @@ class Page {
       );
       this.draw(found);
       this.controls.clear();
+      if (view.band && !dragged) this.drawBand(found, await this.source.band(view, { signal }));
       const seconds = (performance.now() - started) / 1000;
       this.lastSeconds = seconds;
       byId("progress").textContent = dragged ? "" : `Shown after ${duration(seconds)}.`;
@@ -339,6 +345,27 @@ class Page {
     this.tellValidity(found);
   }
 
+  // What is not known exactly: a band about each line, or a second map of the worst case.
+  drawBand(found, { x, y, low, high }) {
+    const host = byId("worst");
+    const { name, share } = this.view.band;
+    const told = `${words(name)} known within ${number(100 * share)} %`;
+    host.hidden = false;
+    if (found.y) {
+      fill(host, element("h2", {}, `The least value, ${told}`), element("div", { id: "worst-host" }));
+      const worst = new HeatMap(byId("worst-host"), { title: "Worst case" });
+      worst.show({ x, y, z: { ...found.z, at: low }, regime: null });
+      return;
+    }
+    fill(host, element("p", {}, `The band: ${told}.`));
+    const along = (at) => Array.from(found.x.values, (_, i) => at(i));
+    this.picture.show({
+      x: found.x,
+      lines: [{ ...found.z, values: along(found.z.at), low: along(low), high: along(high) }],
+      regime: found.regime,
+    });
+  }
+
   // How much of the picture does not describe a real part.
   tellValidity(found) {
     const invalid = new Set(
@@ -371,7 +398,7 @@ class Page {
       byId("detail").hidden = false;
       this.course ??= new Course(byId("course"));
       this.course.show(courseOf(dataset));
-      this.picture.mark?.(view.y ? [{ x: point.x, y: point.y, text: "" }] : []);
+      this.picture?.mark?.(view.y ? [{ x: point.x, y: point.y, text: "" }] : []);
     } catch (error) {
       if (error instanceof Refusal) this.tell([error.message, ...error.errors.map((e) => e.message)]);
       else throw error;

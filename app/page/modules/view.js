@@ -19,6 +19,7 @@ export function toLink(view) {
     if (axis) query.set(place, [axis.name, axis.from, axis.to].join(":"));
   }
   for (const [name, value] of Object.entries(view.values)) query.set(`p.${name}`, String(value));
+  for (const place of ["x", "y"]) if (view[place] === null) query.set(place, "");
   if (view.band) query.set("band", `${view.band.name}:${view.band.share}`);
   if (view.figure) query.set("figure", view.figure);
   if (view.point) query.set("point", `${view.point.x}:${view.point.y ?? ""}`);
@@ -50,6 +51,10 @@ export function fromLink(hash) {
   for (const place of ["x", "y"]) {
     const given = query.get(place);
     if (given === null) continue;
+    if (given === "" && place === "y") {
+      wanted.y = null;
+      continue;
+    }
     const [name, from, to] = given.split(":");
     const ends = [Number(from), Number(to)];
     if (ends.every(Number.isFinite) && ends[0] < ends[1] && from !== "" && to !== "") {
@@ -92,7 +97,7 @@ export function typical(parameter) {
 }
 
 // Names that replace each other, such as one friction and two: those that are shown.
-export function shownParameters(scene, output) {
+export function shownParameters(scene, output, given = {}) {
   const asked = scene.outputs.find((one) => one.name === output) ?? scene.outputs[0];
   const needed = new Set(asked?.asks ?? []);
   const required = new Set(asked?.required ?? []);
@@ -109,10 +114,25 @@ export function shownParameters(scene, output) {
     const together = stand && countOf(scene, stand, needed) > 1;
     chosen.add(together ? stand : parameter.name);
   }
-  // What has no value by itself and need not be given is left out.
+  // What has no value by itself and need not be given is left out until somebody gives it.
   const isSet = ({ name, default: value, instead_of: names }) =>
-    value !== null || required.has(name) || (names ?? []).some((one) => required.has(one));
+    value !== null ||
+    required.has(name) ||
+    name in given ||
+    (names ?? []).some((one) => required.has(one));
   return scene.parameters.filter((parameter) => chosen.has(parameter.name) && isSet(parameter));
+}
+
+// Parameters that may be given, too.
+export function furtherParameters(scene, output, given) {
+  const shown = new Set(shownParameters(scene, output, given).map(({ name }) => name));
+  const asked = scene.outputs.find((one) => one.name === output);
+  const replaced = new Set(
+    scene.parameters.filter(({ name }) => shown.has(name)).flatMap((one) => one.instead_of ?? []),
+  );
+  return scene.parameters.filter(
+    ({ name }) => asked?.asks.includes(name) && !shown.has(name) && !replaced.has(name),
+  );
 }
 
 function countOf(scene, stand, needed) {
