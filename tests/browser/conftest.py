@@ -1,0 +1,80 @@
+"""A server and a browser, each once for all tests of a file."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import threading
+import time
+
+import pytest
+import uvicorn
+
+from app.main import create_app
+from app.settings import Settings
+
+CHROMIUM = shutil.which("chromium")
+FLAGS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory):
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    settings = Settings(data_directory=tmp_path_factory.mktemp("data"), workers=1)
+    app = create_app(settings)
+    server = uvicorn.Server(uvicorn.Config(app, port=port, log_level="warning", ws="none"))
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    deadline = time.monotonic() + 20
+    while not server.started and time.monotonic() < deadline:
+        time.sleep(0.05)
+    yield f"http://127.0.0.1:{port}"
+    server.should_exit = True
+    thread.join(20)
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    if CHROMIUM is None:
+        if os.environ.get("VIBRAFEED_REQUIRE_TOOLS") == "1":
+            pytest.fail("chromium is not installed")
+        pytest.skip("chromium is not installed")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        context = playwright.chromium.launch_persistent_context(
+            tmp_path_factory.mktemp("profile"), executable_path=CHROMIUM, args=list(FLAGS)
+        )
+        yield context
+        context.close()
+
+
+@pytest.fixture
+def page(browser):
+    """A new page; at the end it has asked nobody else for anything, and complained of nothing."""
+    found = browser.new_page()
+    asked: list[str] = []
+    complaints: list[str] = []
+    found.on("request", lambda request: asked.append(request.url))
+    found.on("console", lambda message: complaints.append(message.text))
+    found.on("pageerror", lambda error: complaints.append(str(error)))
+    found.set_default_timeout(60_000)
+    yield found
+    found.close()
+    local = ("http://127.0.0.1:", "data:", "blob:")
+    assert all(url.startswith(local) for url in asked), asked
+    # A refusal is told by the page; the browser tells it as well.
+    left = [text for text in complaints if not text.startswith("Failed to load resource")]
+    assert left == []

@@ -1,0 +1,219 @@
+"""The page at /: four questions, each from an empty page to an answer that the service gives, too."""
+
+from __future__ import annotations
+
+import csv
+import json
+import random
+import re
+import string
+import urllib.parse
+import urllib.request
+from pathlib import Path
+
+import axe_playwright_python
+import pytest
+
+AXE = Path(axe_playwright_python.__file__).parent / "axe.min.js"
+TRACK = (
+    "#question=speed&kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
+    "&x=amplitude:0.0001:0.0007&y=beta:5:60&p.frequency=50&p.friction=0.4"
+)
+SHOWN = re.compile("^Shown")
+
+
+def posted(address, study):
+    request = urllib.request.Request(
+        f"{address}/processes/{study['kind']}/execution",
+        json.dumps(study).encode(),
+        {"Content-Type": "application/json"},
+    )
+    with urllib.request.urlopen(request, timeout=60) as reply:
+        return json.load(reply)
+
+
+def shown(page):
+    from playwright.sync_api import expect
+
+    expect(page.locator("#progress")).to_have_text(SHOWN, timeout=60_000)
+
+
+def told(page):
+    return page.locator("#picture .said").inner_text()
+
+
+def at_cursor(page, moves=""):
+    """Return what the page says at the middle of its map, after some moves of the cursor."""
+    page.locator("#picture .map").focus()
+    for key in ["ArrowRight", *moves.split()]:
+        page.keyboard.press(key)
+    return told(page)
+
+
+def numbers(text):
+    found = re.findall(r"([\u2212]?[\d.]+(?:e[\u2212\d]+)?)", text)
+    return [float(word.replace("\u2212", "-")) for word in found]
+
+
+def test_how_fast_does_my_part_travel(page, address):
+    page.goto(f"{address}/{TRACK}")
+    shown(page)
+    amplitude, beta, velocity = numbers(at_cursor(page))[:3]
+    study = {
+        "kind": "simulate",
+        "scene": "rectangle-on-plane",
+        "parameters": {
+            "frequency": 50,
+            "friction": 0.4,
+            "amplitude": amplitude / 1e3,
+            "beta": beta,
+        },
+    }
+    answer = posted(address, study)["variables"]["conveying_velocity"]["data"]
+    # The page shows four digits of each.
+    assert velocity == pytest.approx(answer * 1e3, rel=5e-3)
+    page.keyboard.press("Enter")
+    page.locator("#detail").wait_for()
+    assert "Mean speed" in page.locator("#detail .said").inner_text()
+    page.get_by_role("button", name="Pause").click()
+    before = page.locator("#detail .now").get_attribute("x1")
+    page.get_by_role("button", name="Step on").click()
+    assert page.locator("#detail .now").get_attribute("x1") != before
+    with page.expect_download() as download:
+        page.get_by_role("button", name="CSV").click()
+    rows = list(csv.DictReader(download.value.path().read_text().splitlines()))
+    near = min(
+        rows,
+        key=lambda row: (
+            abs(float(row["amplitude [m]"]) * 1e3 - amplitude)
+            + abs(float(row["beta [degree]"]) - beta)
+        ),
+    )
+    assert float(near["conveying_velocity [m s-1]"]) * 1e3 == pytest.approx(velocity, rel=5e-3)
+
+
+def test_which_drive_is_best(page, address):
+    page.goto(f"{address}/#question=drive")
+    shown(page)
+    page.get_by_role("button", name="Find the best").click()
+    row = page.locator("#optimum tr", has_text="Best drive elevation")
+    row.wait_for()
+    (best,) = numbers(row.locator("td").inner_text())
+    value = numbers(page.locator("#optimum tr", has_text="Conveying velocity").inner_text())[0]
+    study = {
+        "kind": "simulate",
+        "scene": "rectangle-on-plane",
+        "parameters": {"frequency": 50, "friction": 0.3, "amplitude": "1 mm", "beta": best},
+    }
+    answer = posted(address, study)["variables"]["conveying_velocity"]["data"]
+    assert value == pytest.approx(answer * 1e3, rel=5e-3)
+    assert page.locator("#picture .mark").count() == 1
+
+
+def test_what_did_the_thesis_draw(page, address):
+    page.goto(f"{address}/#question=thesis")
+    shown(page)
+    assert "Verdict" in page.locator("#figures").inner_text()
+    assert "do not describe a real part" in page.locator("#note").inner_text()
+    assert page.locator("#choose-figure option").count() == 31
+    page.locator("#choose-figure").select_option("fig-5-22")
+    page.get_by_text("It is zero where the").wait_for()
+    shown(page)
+    assert "velocity" in page.locator("#headline").inner_text().lower()
+
+
+def test_everything_follows_a_slider_and_a_link_restores_it(page, address):
+    page.goto(f"{address}/#question=all")
+    shown(page)
+    before = at_cursor(page)
+    slider = page.get_by_label("Frequency, slider")
+    slider.focus()
+    for _ in range(10):
+        page.keyboard.press("ArrowRight")
+    shown(page)
+    page.wait_for_timeout(300)
+    after = at_cursor(page, "ArrowLeft")
+    assert numbers(before)[2] != numbers(after)[2]
+    link = page.url
+    assert "p.frequency" in link
+    page.goto("about:blank")
+    page.goto(link)
+    shown(page)
+    assert at_cursor(page) == after
+
+
+def test_a_mistake_is_told_beside_its_field(page, address):
+    page.goto(f"{address}/{TRACK}")
+    shown(page)
+    field = page.locator("#value-friction")
+    field.fill("-1")
+    field.press("Tab")
+    page.locator("#wrong-friction", has_text="It must be at least 0").wait_for()
+    field = page.locator("#value-friction")
+    field.fill("0.3")
+    field.press("Tab")
+    page.locator("#wrong-friction", has_text=re.compile("^$")).wait_for(state="attached")
+
+
+def hostile(random_):
+    """Return a link: of this page, an old one, or one that means harm."""
+    names = ["question", "kind", "scene", "output", "x", "y", "p.beta", "band", "point", "figure"]
+    values = [
+        "<img src=x onerror=alert(1)>",
+        "javascript:alert(1)",
+        "__proto__",
+        "constructor",
+        "1e999",
+        "-1",
+        "NaN",
+        "amplitude:1:0",
+        "beta:0:90",
+        "speed",
+        "sweep",
+        "rectangle-on-plane",
+        "".join(random_.choice(string.printable) for _ in range(20)),
+        "x" * 300,
+    ]
+    chosen = random_.sample(names, random_.randint(1, 5))
+    return "#" + urllib.parse.urlencode({name: random_.choice(values) for name in chosen})
+
+
+def test_hostile_links_leave_a_working_page(page, address):
+    random_ = random.Random(1)
+    page.on("dialog", lambda dialog: pytest.fail("something of a link was run"))
+    for _ in range(12):  # `benchmarks` has 500
+        page.goto("about:blank")
+        page.goto(f"{address}/{hostile(random_)}")
+        page.locator("#controls select").first.wait_for()
+        page.locator("#picture svg, #picture canvas").first.wait_for(state="attached")
+        assert page.locator("#notice p").count() <= 1
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_stands_in_the_way_of_anybody(page, address, scheme):
+    page.emulate_media(color_scheme=scheme)
+    page.goto(f"{address}/{TRACK}&point=0.0003:30")
+    shown(page)
+    page.locator("#detail .panels polyline").first.wait_for(state="attached")
+    page.set_viewport_size({"width": 1280, "height": 900})
+    found = audited(page)
+    assert found == []
+    page.set_viewport_size({"width": 390, "height": 800})
+    assert audited(page) == []
+
+
+def audited(page):
+    """Return what axe-core finds wrong."""
+    # The page's policy lets no text become a script: axe comes by the browser's own door.
+    session = page.context.new_cdp_session(page)
+    session.send("Runtime.evaluate", {"expression": AXE.read_text()})
+    answer = session.send(
+        "Runtime.evaluate",
+        {
+            "expression": "axe.run().then(r => JSON.stringify(r.violations.map("
+            "v => [v.id, v.nodes.map(n => n.html.slice(0, 120))])))",
+            "awaitPromise": True,
+        },
+    )
+    session.detach()
+    return json.loads(answer["result"]["value"])
