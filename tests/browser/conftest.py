@@ -4,15 +4,10 @@ from __future__ import annotations
 
 import os
 import shutil
-import socket
-import threading
-import time
 
 import pytest
-import uvicorn
 
-from app.main import create_app
-from app.settings import Settings
+from benchmarks.serving import served
 
 CHROMIUM = shutil.which("chromium")
 FLAGS = (
@@ -28,21 +23,9 @@ FLAGS = (
 
 
 @pytest.fixture(scope="module")
-def address(tmp_path_factory):
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    settings = Settings(data_directory=tmp_path_factory.mktemp("data"), workers=1)
-    app = create_app(settings)
-    server = uvicorn.Server(uvicorn.Config(app, port=port, log_level="warning", ws="none"))
-    thread = threading.Thread(target=server.run)
-    thread.start()
-    deadline = time.monotonic() + 20
-    while not server.started and time.monotonic() < deadline:
-        time.sleep(0.05)
-    yield f"http://127.0.0.1:{port}"
-    server.should_exit = True
-    thread.join(20)
+def address():
+    with served(workers=1) as server:
+        yield server.address
 
 
 @pytest.fixture(scope="module")

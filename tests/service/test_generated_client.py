@@ -70,6 +70,7 @@ assert "vibrafeed_requests_total" in call("metrics")
 scenes = call("list_scenes")
 assert call("describe_scene", scenes[0].name)["title"] == scenes[0].title
 call("schema")
+assert call("list_figures")[0].name == "fig-3-3"
 assert call("list_friction", words="abs steel").pairs[0].part == "ABS"
 assert {link.rel for link in call("landing_page").links} > {"self", "service-desc"}
 assert call("conformance").conforms_to
@@ -120,6 +121,7 @@ PARSED = {
     "readyz": "Readiness",
     "metrics": "str",
     "list_scenes": "SceneLine",
+    "list_figures": "Figure",
     "list_friction": "FrictionTable",
     "landing_page": "LandingPage",
     "conformance": "Conformance",

@@ -1,0 +1,76 @@
+"""The page at /: who gets it, under which policy, and what it is made of."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import re
+from pathlib import Path
+
+import pytest
+
+from app.main import create_app
+from app.settings import Settings
+from local_client import local_client
+
+PAGE = Path(__file__).parents[3] / "app" / "page"
+BROWSER = {"Accept": "text/html,application/xhtml+xml,*/*;q=0.8"}
+MOST = 400_000  # bytes, compressed
+
+
+@pytest.fixture
+def client(tmp_path):
+    return local_client(create_app(Settings(data_directory=tmp_path)))
+
+
+def test_a_browser_gets_the_page_and_a_program_gets_links(client):
+    page = client.get("/", headers=BROWSER)
+    assert page.headers["content-type"].startswith("text/html")
+    assert "<title>vibrafeed</title>" in page.text
+    assert client.get("/").json()["title"] == "vibrafeed"
+    assert client.get("/", headers={"Accept": "application/json"}).json()["links"]
+
+
+def test_the_page_runs_scripts_of_its_own_files_only(client):
+    for path in ("/", "/page/modules/main.js"):
+        policy = client.get(path, headers=BROWSER).headers["content-security-policy"]
+        assert "script-src 'self';" in policy
+        assert "unsafe" not in policy
+    text = (PAGE / "index.html").read_text()
+    assert not re.search(r"<script(?![^>]*\bsrc=)|\son[a-z]+=|\sstyle=", text)
+
+
+def test_the_page_needs_no_key_and_what_it_asks_does(tmp_path):
+    hashes = [hashlib.sha256(b"secret").hexdigest()]
+    client = local_client(create_app(Settings(data_directory=tmp_path, api_key_hashes=hashes)))
+    assert client.get("/", headers=BROWSER).status_code == 200
+    assert client.get("/page/page.css").status_code == 200
+    assert client.get("/scenes").status_code == 401
+
+
+def test_libraries_are_what_they_were_published_as():
+    vendor = PAGE / "vendor"
+    listed = dict(
+        reversed(line.split()) for line in (vendor / "SHA256SUMS").read_text().splitlines()
+    )
+    files = [path for path in vendor.iterdir() if path.suffix in (".js", ".css")]
+    assert {path.name for path in files} == set(listed)
+    for path in files:
+        assert hashlib.sha256(path.read_bytes()).hexdigest() == listed[path.name]
+        assert path.name in (vendor / "README.md").read_text()
+
+
+def test_the_page_makes_no_markup_from_text_and_stays_small():
+    modules = [path.read_text() for path in (PAGE / "modules").glob("*.js")]
+    assert len(modules) > 8
+    for text in modules:
+        assert not re.search(r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|eval\(", text)
+    files = [path for path in PAGE.rglob("*") if path.suffix in (".js", ".css", ".html", ".svg")]
+    assert sum(len(gzip.compress(path.read_bytes())) for path in files) < MOST
+
+
+def test_figures_are_studies_that_the_service_takes(client):
+    figures = client.get("/figures").json()
+    assert [one["name"] for one in figures[:3]] == ["fig-3-3", "fig-3-15", "fig-5-1"]
+    assert all(one["title"] and one["notes"] for one in figures)
+    assert client.post("/sweeps", json=figures[-1]["study"]).status_code == 201
