@@ -29,7 +29,7 @@ logger = logging.getLogger("vibrafeed")
 
 HEALTH = frozenset({"/healthz", "/readyz"})
 DOCS = ("/docs", "/static-offline-docs")
-OPEN = HEALTH | {"/openapi.json", "/"}
+OPEN = HEALTH | {"/openapi.json"}
 
 LOOPBACK_NAMES = frozenset({"localhost", "127.0.0.1", "[::1]"})
 SHARE = 4  # one key has at most this part of the requests that may be under way

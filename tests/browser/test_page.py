@@ -1,4 +1,4 @@
-"""The page at /: four questions, each from an empty page to an answer that the service gives, too."""
+"""The page at /: four questions, each from an empty page to the answer of the service."""
 
 from __future__ import annotations
 
