@@ -13,14 +13,14 @@ function span(axis, num) {
   return { start: axis.from, stop: axis.to, num };
 }
 
-export function parametersOf(view, num) {
+function parametersOf(view, num) {
   const parameters = { ...view.values };
   parameters[view.x.name] = span(view.x, view.y ? num : LINE);
   if (view.y) parameters[view.y.name] = span(view.y, num);
   return parameters;
 }
 
-export function studyOf(view, { num, outputs } = {}) {
+function studyOf(view, { num, outputs } = {}) {
   const choice = view.kind === "sweep" ? "variant" : "method";
   return {
     kind: view.kind,
@@ -95,6 +95,11 @@ export class Source {
   constructor() {
     this.sweeps = new Map(); // study as text -> identifier
     this.fineness = FINE.simulate; // values of an axis of a map of motion
+  }
+
+  // The study of what is shown, as fine as it is shown.
+  study(view) {
+    return studyOf(view, { num: view.kind === "sweep" ? FINE.sweep : this.fineness });
   }
 
   async compute(view, { dragged = null, signal, tell } = {}) {

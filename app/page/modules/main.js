@@ -1,7 +1,7 @@
 // The page: a question, the fields that answer it, the picture, and what can be taken away.
 
 import { Away as TakeAway } from "./away.js";
-import { Source, courseAt, studyOf } from "./computed.js";
+import { Source, courseAt } from "./computed.js";
 import { Controls } from "./controls.js";
 import { Course, courseOf } from "./course.js";
 import { Curves } from "./curves.js";
@@ -46,7 +46,7 @@ class Page {
     });
     this.away = new TakeAway(byId("away"), {
       view: () => this.view,
-      study: () => studyOf(this.view),
+      study: () => this.source.study(this.view),
       picture: () => this.picture,
     });
     await this.restore();
@@ -408,4 +408,3 @@ class Page {
 
 const page = new Page();
 page.start();
-window.vibrafeed = { page, studyOf }; // for the console, and for tests
