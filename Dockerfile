@@ -5,6 +5,7 @@ COPY pyproject.toml constraints.txt README.md LICENSE ./
 COPY app app
 COPY core core
 COPY vibrafeed vibrafeed
+COPY configs configs
 RUN python -m venv /opt/vibrafeed \
     && /opt/vibrafeed/bin/python -m pip install --no-cache-dir --constraint constraints.txt '.[plot,cluster,postgres,tables,traces]'
 
