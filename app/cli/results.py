@@ -15,7 +15,7 @@ from app.cli.units import DIGITS, ends, units_asked
 from core.dataset.regimes import percent, regime_shares, shares_of
 from core.kinds import STATUSES, is_whole, not_verified, share_left_out
 from core.motion.feeding import travel_in_words
-from core.quantities import REGIMES
+from core.quantities import QUANTITIES, REGIMES
 
 if TYPE_CHECKING:
     from core.dataset import Table
@@ -52,6 +52,8 @@ def show_result(facts: Mapping[str, Any], result: Table, asked: str | None) -> N
     units = units_asked(asked, str(result.attributes.get("shown_units", "")))
     _show_outputs(facts["outputs"], units)
     say(f"  Values have {DIGITS} digits, or as many as tell them apart; the file has all.")
+    for name, states in facts["states"].items():
+        tell(f"  {name}: {_in_words(states, facts['cells'])}")
     _show_regimes(facts["regimes"], facts["cells"], "variant" in result.attributes)
     if "message" in facts:
         say(f"  {facts['criterion']}, method {facts['method']}")
@@ -109,6 +111,7 @@ def _facts(
         "whole": is_whole(result),
         "outputs": {},
         "regimes": shares,
+        "states": _states(result),
     }
     for name, one in _outputs(result).items():
         least, largest = found.get(name) or (None, None)
@@ -148,10 +151,7 @@ def _show_outputs(outputs: Mapping[str, Mapping[str, Any]], units: ShownUnits) -
 def _show_regimes(shares: Mapping[str, float], cells: int, closed_forms: bool) -> None:
     if not shares:
         return
-    if cells == 1:
-        say(f"  regime: {', '.join(shares)}")
-    else:
-        tell("  regimes: " + ", ".join(f"{name} {_percent(one)}" for name, one in shares.items()))
+    tell(f"  {'regime' if cells == 1 else 'regimes'}: {_in_words(shares, cells)}")
     beyond = sum(share for name, share in shares.items() if not REGIMES[name].valid)
     which = "This design has" if cells == 1 else f"{_percent(beyond)} of the cells have"
     if beyond and not closed_forms:
@@ -159,6 +159,30 @@ def _show_regimes(shares: Mapping[str, float], cells: int, closed_forms: bool) -
     elif beyond:
         which = "This design lies" if cells == 1 else f"{_percent(beyond)} of the cells lie"
         say(f"  {which} where the closed forms do not describe a real part.")
+
+
+def _states(result: Table) -> dict[str, dict[str, float]]:
+    """Return of each output that is told in words the share of each word, ascending by value."""
+    found = {}
+    for name, one in result.variables.items():
+        # The regime is told besides, and of bounds those that bind.
+        if "flag_values" not in one.attributes or name in STATUSES or name not in QUANTITIES:
+            continue
+        words = str(one.attributes["flag_meanings"]).split()
+        by_value = dict(zip(np.asarray(one.attributes["flag_values"]).tolist(), words, strict=True))
+        numbers, counts = np.unique(one.values, return_counts=True)
+        found[name] = {
+            by_value[number]: count / one.values.size
+            for number, count in zip(numbers.tolist(), counts.tolist(), strict=True)
+        }
+    return found
+
+
+def _in_words(shares: Mapping[str, float], cells: int) -> str:
+    """Return the word of one cell, or each word with its share."""
+    if cells == 1:
+        return ", ".join(shares)
+    return ", ".join(f"{name} {_percent(share)}" for name, share in shares.items())
 
 
 def _percent(share: float) -> str:

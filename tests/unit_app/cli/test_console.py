@@ -90,6 +90,17 @@ def test_one_design_is_one_column_in_units_of_the_trade(study):
     assert "least" not in result.output
 
 
+def test_an_output_in_words_is_told_in_words(tmp_path):
+    study = tmp_path / "motion.toml"
+    study.write_text(
+        'kind = "simulate"\nscene = "rectangle-on-plane"\noutputs = ["direction"]\n[parameters]\n'
+        'frequency = 50\namplitude = "0.1 mm"\nbeta = 30\nfriction = 0.4\n'
+    )
+    assert "  direction: forwards\n" in run("run", study).output
+    document = json.loads(run("run", study, "--json", "--force").output)
+    assert document["results"][0]["states"] == {"direction": {"forwards": 1.0}}
+
+
 def test_units_come_from_the_option_or_else_from_the_study(study):
     study.write_text('units = ["m/min"]\n' + STUDY)
     assert row(run("run", study).output, "velocity_bound")[3] == "m/min"
