@@ -165,8 +165,8 @@ def _states(result: Table) -> dict[str, dict[str, float]]:
     """Return of each output that is told in words the share of each word, ascending by value."""
     found = {}
     for name, one in result.variables.items():
-        # The regime is told besides, and of bounds those that bind.
-        if "flag_values" not in one.attributes or name in STATUSES or name not in QUANTITIES:
+        is_told = name in ("regime", *STATUSES) or name not in QUANTITIES  # such as which bound binds
+        if "flag_values" not in one.attributes or is_told:
             continue
         words = str(one.attributes["flag_meanings"]).split()
         by_value = dict(zip(np.asarray(one.attributes["flag_values"]).tolist(), words, strict=True))
