@@ -165,7 +165,9 @@ def _states(result: Table) -> dict[str, dict[str, float]]:
     """Return of each output that is told in words the share of each word, ascending by value."""
     found = {}
     for name, one in result.variables.items():
-        is_told = name in ("regime", *STATUSES) or name not in QUANTITIES  # such as which bound binds
+        is_told = (
+            name in ("regime", *STATUSES) or name not in QUANTITIES
+        )  # such as which bound binds
         if "flag_values" not in one.attributes or is_told:
             continue
         words = str(one.attributes["flag_meanings"]).split()
