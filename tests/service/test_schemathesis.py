@@ -21,7 +21,7 @@ import pytest
 from app.jobs.keys import new_key
 from benchmarks import serving
 
-CASES = int(os.environ.get("VIBRAFEED_FUZZ_CASES", "12"))
+CASES = int(os.environ.get("VIBRAFEED_FUZZ_CASES", "6"))
 SEEDS = (1, 2, 3) if CASES > 100 else (1,)
 KEY, HASH = new_key()
 STUDY = {

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Query
 from fastapi.responses import Response
 from pydantic import BaseModel
 
-from app.web.replies import json_reply
+from app.web.replies import json_reply, problems
 from core.materials import friction
 
 router = APIRouter(tags=["scenes"])
@@ -63,6 +63,7 @@ class FrictionTable(BaseModel):
     "/friction",
     summary="Published coefficients of friction and restitution",
     response_model=FrictionTable,
+    responses=problems(s422="The words are too many"),
 )
 def list_friction(
     words: Annotated[

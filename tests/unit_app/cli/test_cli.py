@@ -187,7 +187,7 @@ def test_scenes_prints_units_equations_and_validity():
     assert "cylinder-on-plane" in everything.output
     one = run("scenes", "rectangle-on-track", "--variant", "thesis")
     assert one.exit_code == 0
-    for words in ("(3.18)", "m s-1", "wall_lost", "snapshot"):
+    for words in ("(3.18)", "mm/s", "wall_lost", "snapshot"):
         assert words in one.output
     wrong = run("scenes", "rectangle-on-tack")
     assert wrong.exit_code == 2

@@ -49,7 +49,7 @@ def test_occupancy_stands_in_the_place_of_a_gap() -> None:
     assert occupied == pytest.approx(with_gap, rel=1e-14)
     with pytest.raises(StudyError, match="Give either occupancy or part_gap"):
         result("feed_rate", length="8 mm", occupancy=0.8, part_gap="2 mm")
-    with pytest.raises(StudyError, match="length of the part, along the track"):
+    with pytest.raises(StudyError, match="Length of the part, along the track"):
         result("feed_rate", occupancy=0.8)
 
 

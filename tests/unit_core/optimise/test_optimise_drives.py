@@ -106,7 +106,7 @@ def test_two_kinds_of_drive_are_told_once_where_they_stand() -> None:
     mixed = {**steps(3), "amplitude_along_2": {"lower": 0, "upper": "1 mm"}}
     told = problems(variables=mixed)
     assert list(told) == ["variables.acceleration_along_1"]
-    assert "harmonics, too" in told["variables.acceleration_along_1"]
+    assert "also gives harmonics" in told["variables.acceleration_along_1"]
     told = problems(parameters={**PARAMETERS, "amplitude_along_2": "1 mm"})
     assert list(told) == ["variables.acceleration_along_1"]
 
@@ -118,7 +118,7 @@ def test_closed_forms_of_the_plain_sine_are_told() -> None:
 
 def test_the_plain_amplitude_beside_steps_is_of_another_drive() -> None:
     told = problems(parameters={**PARAMETERS, "amplitude": 1e-3})
-    assert "of the plain sine" in told["parameters.amplitude"]
+    assert "belongs to the plain sine" in told["parameters.amplitude"]
 
 
 def test_an_axis_lacks_its_other_levels() -> None:

@@ -209,12 +209,12 @@ def test_a_search_of_designs_that_is_stopped_keeps_those_that_are_finished():
     seen = []
 
     def stop():
-        return bool(seen)
+        return sum(seen) >= 0.5
 
-    watch = Watch(stop=stop, progress=seen.append)  # told once the first design is finished
+    watch = Watch(stop=stop, progress=seen.append)  # half is done once the first design is finished
     found = METHODS["search"].solve(problem, design, scales, watch)
     assert found.status.tolist() == [STATUS["optimal"], STATUS["not_computed"]]
-    assert seen == [0.5]
+    assert 0.5 <= sum(seen) < 1
 
 
 @pytest.mark.parametrize("scene", ["rectangle-on-plane", "cylinder-on-plane"])
