@@ -90,6 +90,7 @@ def test_how_fast_does_my_part_travel(page, address):
         ),
     )
     assert float(near["conveying_velocity [m s-1]"]) * 1e3 == pytest.approx(velocity, rel=5e-3)
+    assert "The results are ready." in page.locator("#jobs").inner_text()
 
 
 def test_which_drive_is_best(page, address):
@@ -153,6 +154,17 @@ def test_a_mistake_is_told_beside_its_field(page, address):
     field.fill("0.3")
     field.press("Tab")
     page.locator("#wrong-friction", has_text=re.compile("^$")).wait_for(state="attached")
+
+
+def test_friction_is_chosen_from_published_values_with_its_range(page, address):
+    page.goto(f"{address}/{TRACK.replace('&y=beta:5:60', '&y=&p.beta=30')}")
+    shown(page)
+    choice = page.get_by_label("Published values of the friction coefficient")
+    choice.select_option(label="steel on steel, dry: 0.08 to 0.5")
+    page.get_by_text("The band: friction coefficient known within 72.41 %.").wait_for()
+    assert page.locator("#value-friction").input_value() == "0.29"
+    page.locator("#picture canvas").hover()
+    assert re.search(r"\(.* to .*\)", told(page))
 
 
 def hostile(random_):

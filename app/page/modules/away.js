@@ -2,12 +2,7 @@
 
 import { element, fill } from "./elements.js";
 import { address, file, follow, put } from "./service.js";
-
-export function save(blob, name) {
-  const link = element("a", { href: URL.createObjectURL(blob), download: name });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-}
+import { save } from "./saving.js";
 
 // A study as TOML: its values are numbers, texts, lists and small tables only.
 export function toToml(study) {
@@ -58,11 +53,12 @@ export function toPython(study) {
 const FORMS = {
   nc: ["NetCDF", "application/x-netcdf"],
   csv: ["CSV", "text/csv"],
+  xlsx: ["XLSX", "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"],
 };
 
 export class Away {
-  constructor(host, { view, study, picture }) {
-    this.of = { view, study, picture };
+  constructor(host, { study, picture, tell }) {
+    this.of = { study, picture, tell };
     this.said = element("p", { role: "status" });
     this.text = element("pre", { hidden: true, tabindex: "0" });
     const button = (title, onclick) => element("button", { type: "button", onclick }, title);
@@ -110,8 +106,9 @@ export class Away {
       const { content } = await put(`/processes/${study.kind}/execution`, study, {
         headers: { Prefer: "respond-async" },
       });
-      const job = await follow(content, ({ message, progress }) => {
-        this.said.textContent = `${message} ${progress} %`;
+      const job = await follow(content, (now) => {
+        this.of.tell(now);
+        this.said.textContent = `${now.message} ${now.progress} %`;
       });
       save(await file(`/jobs/${job.jobID}/results/dataset`, type), `vibrafeed.${suffix}`);
       this.said.textContent = `vibrafeed.${suffix} is saved.`;

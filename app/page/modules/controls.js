@@ -5,12 +5,20 @@ import { capital, label, shown, words } from "./words.js";
 import { places } from "./computed.js";
 import { furtherParameters, shownParameters, typical, usual } from "./view.js";
 
+const KINDS_OF_FRICTION = {
+  friction: "kinetic",
+  friction_kinetic: "kinetic",
+  friction_static: "static",
+  wall_friction: "kinetic",
+};
+
 export class Controls {
   // `onchange(view, {dragged})` hears of each change; `dragged` while a slider is held.
   constructor(host, onchange) {
     this.host = host;
     this.onchange = onchange;
     this.complaints = new Map(); // name -> text
+    this.frictions = []; // rows of published coefficients
   }
 
   show(view, scenes, scene) {
@@ -178,8 +186,39 @@ export class Controls {
       ),
       typed,
       slider,
+      this.published(parameter),
       this.complaint(name),
     );
+  }
+
+  // Published values beside a coefficient of friction; the band is that of their range.
+  published(parameter) {
+    const kind = KINDS_OF_FRICTION[parameter.name];
+    if (!kind || !this.frictions.length) return null;
+    const rows = this.frictions
+      .map((row) => ({ row, range: row[kind] ?? row.kinetic ?? row.coefficient ?? row.static }))
+      .filter(({ range }) => range);
+    const choice = element(
+      "select",
+      {
+        "aria-label": `Published values of the ${words(parameter.name)}`,
+        onchange: () => {
+          const { range } = rows[Number(choice.value)];
+          const middle = (range[0] + range[1]) / 2;
+          const share = middle ? (range[1] - range[0]) / 2 / middle : 0;
+          this.change({
+            values: { ...this.view.values, [parameter.name]: Number(middle.toPrecision(4)) },
+            band: share ? { name: parameter.name, share: Math.min(0.9, share) } : null,
+          });
+        },
+      },
+      element("option", { value: "" }, "Published values ..."),
+      ...rows.map(({ row, range }, place) => {
+        const told = range[0] === range[1] ? range[0] : `${range[0]} to ${range[1]}`;
+        return element("option", { value: place }, `${row.part} on ${row.track}, ${row.surface}: ${told}`);
+      }),
+    );
+    return choice;
   }
 
   add(parameter) {

@@ -1,5 +1,6 @@
 // The page: a question, the fields that answer it, the picture, and what can be taken away.
 
+import { Accuracy } from "./accuracy.js";
 import { Away as TakeAway } from "./away.js";
 import { Source, courseAt } from "./computed.js";
 import { Controls } from "./controls.js";
@@ -7,6 +8,7 @@ import { Course, courseOf } from "./course.js";
 import { Curves } from "./curves.js";
 import { byId, element, fill } from "./elements.js";
 import { tellFigures, viewOf } from "./figures.js";
+import { Jobs } from "./jobs.js";
 import { HeatMap } from "./map.js";
 import { Optimum } from "./optimum.js";
 import { Away, Refusal, get, key } from "./service.js";
@@ -30,6 +32,7 @@ class Page {
   constructor() {
     this.source = new Source();
     this.described = new Map();
+    this.jobs = new Jobs(byId("jobs"));
     this.controls = new Controls(byId("controls"), (view, how) => this.changed(view, how));
     this.asked = 0;
     this.isComputing = false;
@@ -41,13 +44,19 @@ class Page {
 
   async start() {
     this.scenes = await this.persist(() => get("/scenes"));
+    this.controls.frictions = (await this.persist(() => get("/friction"))).pairs;
     this.optimum = new Optimum(byId("optimum"), {
       onfound: (marks) => this.picture.mark?.(marks),
+      tell: (job) => this.jobs.note(job),
     });
     this.away = new TakeAway(byId("away"), {
-      view: () => this.view,
       study: () => this.source.study(this.view),
       picture: () => this.picture,
+      tell: (job) => this.jobs.note(job),
+    });
+    this.accuracy = new Accuracy(byId("accuracy"), {
+      study: () => this.source.study(this.view),
+      tell: (job) => this.jobs.note(job),
     });
     await this.restore();
   }
@@ -315,6 +324,7 @@ class Page {
   }
 
   tellJob(job) {
+    this.jobs.note(job);
     const left = job.secondsLeft ? `, ${duration(job.secondsLeft)} left` : "";
     byId("progress").textContent = `${job.message} ${job.progress} %${left}`;
   }

@@ -36,8 +36,9 @@ export function optimumOf(view, criterion) {
 }
 
 export class Optimum {
-  constructor(host, { onfound }) {
+  constructor(host, { onfound, tell }) {
     this.host = host;
+    this.tellJob = tell;
     this.onfound = onfound;
     this.criterion = { kind: "maximise", against: "", limit: 1, weight: 1, staysOnFloor: false };
     this.said = element("div", { role: "status" });
@@ -122,6 +123,7 @@ export class Optimum {
     try {
       const { dataset } = await carryOut("optimise", optimumOf(this.view, this.criterion), {
         tell: (job) => {
+          this.tellJob(job);
           this.said.textContent = `${job.message} ${job.progress} %`;
         },
       });

@@ -1,0 +1,77 @@
+// The jobs of this browser's tab: how they stand, to be cancelled and their results taken.
+
+import { element, fill } from "./elements.js";
+import { file, remove } from "./service.js";
+import { save } from "./saving.js";
+import { duration } from "./words.js";
+
+const STORE = "vibrafeed-jobs";
+const MOST = 20;
+const ACTIVE = new Set(["accepted", "running"]);
+
+export class Jobs {
+  constructor(host) {
+    this.host = host;
+    this.jobs = new Map();
+    try {
+      for (const job of JSON.parse(sessionStorage.getItem(STORE) ?? "[]")) {
+        if (typeof job?.jobID === "string") this.jobs.set(job.jobID, job);
+      }
+    } catch {
+      sessionStorage.removeItem(STORE);
+    }
+    this.draw();
+  }
+
+  // Note how a job stands now.
+  note(job) {
+    const { jobID, processID, status, message, progress, secondsLeft } = job;
+    this.jobs.delete(jobID);
+    this.jobs.set(jobID, { jobID, processID, status, message, progress, secondsLeft });
+    while (this.jobs.size > MOST) this.jobs.delete(this.jobs.keys().next().value);
+    sessionStorage.setItem(STORE, JSON.stringify([...this.jobs.values()]));
+    this.draw();
+  }
+
+  draw() {
+    this.host.hidden = this.jobs.size === 0;
+    fill(
+      this.host,
+      element("h2", {}, "Jobs of this tab"),
+      element("ul", { class: "jobs" }, ...[...this.jobs.values()].reverse().map((job) => this.line(job))),
+    );
+  }
+
+  line(job) {
+    const left = job.secondsLeft ? `, ${duration(job.secondsLeft)} left` : "";
+    const told = ACTIVE.has(job.status) ? `${job.message} ${job.progress} %${left}` : job.message;
+    return element(
+      "li",
+      {},
+      `${job.processID}: ${told} `,
+      ACTIVE.has(job.status)
+        ? element("button", { type: "button", onclick: () => this.cancel(job) }, "Cancel")
+        : null,
+      job.status === "successful"
+        ? element("button", { type: "button", onclick: () => this.take(job) }, "NetCDF")
+        : null,
+    );
+  }
+
+  async cancel(job) {
+    try {
+      await remove(`/jobs/${job.jobID}`);
+      this.note({ ...job, status: "dismissed", message: "It was dismissed." });
+    } catch (error) {
+      this.note({ ...job, message: error.message });
+    }
+  }
+
+  async take(job) {
+    try {
+      save(await file(`/jobs/${job.jobID}/results/dataset`, "application/x-netcdf"), "vibrafeed.nc");
+    } catch (error) {
+      this.note({ ...job, status: "failed", message: error.message });
+    }
+  }
+}
