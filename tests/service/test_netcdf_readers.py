@@ -16,6 +16,8 @@ from typing import Any
 
 import pytest
 
+from once import made_once
+
 ROOT = Path(__file__).parents[2]
 STUDIES = sorted((ROOT / "configs").rglob("*.toml"))
 NAMES = sorted(study.stem for study in STUDIES)
@@ -60,10 +62,13 @@ def run(*command: str | Path) -> subprocess.CompletedProcess[str]:
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """Return the file of each study, all written by one run of the command line."""
-    folder = tmp_path_factory.mktemp("figures")
-    vibrafeed = Path(sysconfig.get_path("scripts")) / "vibrafeed"
-    done = run(vibrafeed, "run", *STUDIES, "-o", folder)
-    assert done.returncode == 0, done.stdout + done.stderr
+
+    def make(folder: Path) -> None:
+        vibrafeed = Path(sysconfig.get_path("scripts")) / "vibrafeed"
+        done = run(vibrafeed, "run", *STUDIES, "-o", folder)
+        assert done.returncode == 0, done.stdout + done.stderr
+
+    folder = made_once(tmp_path_factory, "files-for-readers", make)
     written = {path.stem: path for path in folder.iterdir()}
     assert sorted(written) == NAMES
     return written
@@ -97,6 +102,10 @@ def cf_errors(checker: str, paths: list[Path], report: Path) -> dict[str, list[s
         checker, "--test=cf:1.11", "--criteria=strict", "-f", "json_new", "-o", report, *paths
     )
     assert report.exists(), done.stdout + done.stderr
+    return read_errors(report)
+
+
+def read_errors(report: Path) -> dict[str, list[str]]:
     found = json.loads(report.read_text(encoding="utf-8"))
     return {
         Path(path).stem: [
@@ -112,8 +121,10 @@ def cf_errors(checker: str, paths: list[Path], report: Path) -> dict[str, list[s
 def complaints(
     files: dict[str, Path], compliance_checker: str, tmp_path_factory: pytest.TempPathFactory
 ) -> dict[str, list[str]]:
-    report = tmp_path_factory.mktemp("cf") / "report.json"
-    return cf_errors(compliance_checker, list(files.values()), report)
+    def make(folder: Path) -> None:
+        cf_errors(compliance_checker, list(files.values()), folder / "report.json")
+
+    return read_errors(made_once(tmp_path_factory, "cf-of-readers", make) / "report.json")
 
 
 # --- (a) ncdump
