@@ -35,7 +35,8 @@ def posted(address, study):
 def shown(page):
     from playwright.sync_api import expect
 
-    expect(page.locator("#progress")).to_have_text(SHOWN, timeout=60_000)
+    # Its words say what it waits for, where it does.
+    expect(page.locator("#progress")).to_have_text(SHOWN, timeout=100_000)
 
 
 def told(page):
@@ -163,7 +164,7 @@ def test_friction_is_chosen_from_published_values_with_its_range(page, address):
     choice.select_option(label="steel on steel, dry: 0.08 to 0.5")
     page.get_by_text("The band: friction coefficient known within 72.41 %.").wait_for()
     assert page.locator("#value-friction").input_value() == "0.29"
-    page.locator("#picture canvas").hover()
+    page.locator("#picture .u-over").hover()
     assert re.search(r"\(.* to .*\)", told(page))
 
 

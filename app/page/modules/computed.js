@@ -110,9 +110,9 @@ export class Source {
   }
 
   // A coarse picture to begin with, where a fine one may take long.
-  async coarse(view, { signal } = {}) {
+  async coarse(view, { signal, tell } = {}) {
     const study = studyOf(view, { num: COARSE.simulate });
-    const { dataset } = await carryOut("simulate", study, { signal });
+    const { dataset } = await carryOut("simulate", study, { signal, tell });
     const seconds = Math.max(1e-3, dataset.attributes.elapsed_seconds ?? 0);
     const more = Math.sqrt(PATIENCE / seconds);
     this.fineness = Math.round(Math.max(COARSE.simulate, Math.min(FINE.simulate, COARSE.simulate * more)));

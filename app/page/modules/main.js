@@ -300,7 +300,8 @@ class Page {
     const started = performance.now();
     try {
       if (isFirst && view.kind === "simulate" && view.y) {
-        this.draw(await this.persist(() => this.source.coarse(view, { signal })));
+        const tell = (job) => this.tellJob(job);
+        this.draw(await this.persist(() => this.source.coarse(view, { signal, tell })));
       }
       const found = await this.persist(() =>
         this.source.compute(view, { dragged, signal, tell: (job) => this.tellJob(job) }),
