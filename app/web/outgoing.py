@@ -15,6 +15,25 @@ PIECE = 1 << 18  # bytes; what a connection holds of a reply beside the reply it
 SMALL = 1 << 16  # bytes of a body that is not counted: a connection holds as much anyway
 
 
+class Tide:
+    """Tells when a number has fallen far from the largest that it was."""
+
+    def __init__(self) -> None:
+        self._highest = 0
+
+    def rise(self, now: int) -> None:
+        """Note what the number is."""
+        self._highest = max(self._highest, now)
+
+    def has_fallen(self, now: int, by: int) -> bool:
+        """Return whether it is so much less than once, since this was last true."""
+        self.rise(now)
+        if self._highest - now < by:
+            return False
+        self._highest = now
+        return True
+
+
 class Unsent:
     """Counts the bytes of replies that are made or wait for their readers.
 
@@ -29,7 +48,7 @@ class Unsent:
     def __init__(self, most: int):
         self._most, self._lock = most, threading.Lock()
         self._bytes = 0
-        self._peak = 0
+        self._tide = Tide()
 
     def take(self, size: int) -> None:
         """Count so many bytes; raise `BusyError` if they are too many."""
@@ -37,7 +56,7 @@ class Unsent:
             if self._bytes and self._bytes + size > self._most:
                 raise BusyError("Too many replies wait for their readers; ask again.")
             self._bytes += size
-            self._peak = max(self._peak, self._bytes)
+            self._tide.rise(self._bytes)
 
     def give_back(self, size: int) -> None:
         """Count so many bytes no longer."""
@@ -47,10 +66,7 @@ class Unsent:
     def has_fallen(self, by: int) -> bool:
         """Return whether so much less is counted than once, since this was last true."""
         with self._lock:
-            if self._peak - self._bytes < by:
-                return False
-            self._peak = self._bytes
-            return True
+            return self._tide.has_fallen(self._bytes, by)
 
 
 class _Share:

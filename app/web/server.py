@@ -20,6 +20,7 @@ from fastapi import FastAPI
 
 from app.settings import Settings
 from app.web.connections import ACCEPTED_AT_ONCE, Connection
+from app.web.outgoing import Tide
 
 logger = logging.getLogger("vibrafeed")
 
@@ -49,7 +50,7 @@ class Server(uvicorn.Server):
         super().__init__(config)
         self._end = end
         self._drained = float("inf")  # when the draining ends [s, monotonic]
-        self._most_seen = 0  # connections open at a time
+        self._crowd = Tide()  # of connections
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         """Take note of the signal; a second one, or Ctrl-C, cuts the draining short."""
@@ -77,21 +78,14 @@ class Server(uvicorn.Server):
     async def on_tick(self, counter: int) -> bool:
         """Look after connections and memory, ten times a second and once."""
         if counter % 10 == 0:
-            for connection in list(self.server_state.connections):
+            connections = list(self.server_state.connections)
+            for connection in connections:
                 connection.look()  # type: ignore[union-attr]
-            if self._is_crowd_gone() or self.config.app.state.unsent.has_fallen(KEPT):  # type: ignore[union-attr]
+            is_crowd_gone = self._crowd.has_fallen(len(connections), CROWD)
+            if self.config.app.state.unsent.has_fallen(KEPT) or is_crowd_gone:  # type: ignore[union-attr]
                 await asyncio.to_thread(give_memory_back)
         self.should_exit |= time.monotonic() >= self._drained
         return await super().on_tick(counter)
-
-    def _is_crowd_gone(self) -> bool:
-        """Return whether many connections fewer are open than once, since this was last true."""
-        here = len(self.server_state.connections)
-        self._most_seen = max(self._most_seen, here)
-        if self._most_seen - here < CROWD:
-            return False
-        self._most_seen = here
-        return True
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Finish, or cut short, what is under way."""

@@ -3,7 +3,7 @@
 import { carryOut, put, slice } from "./service.js";
 
 const FINE = { sweep: 200, simulate: 100 }; // values of an axis
-const COARSE = { sweep: 200, simulate: 30 }; // while something is dragged, and first of all
+const COARSE = 30; // of motion, while something is dragged and first of all
 const PATIENCE = 3; // s for a fine map; what takes longer is drawn with fewer values
 const LINE = 201;
 const BAND = [-1, -0.5, 0, 0.5, 1]; // places within what is not known exactly
@@ -20,14 +20,14 @@ function parametersOf(view, num) {
   return parameters;
 }
 
-function studyOf(view, { num, outputs } = {}) {
+function studyOf(view, num = FINE[view.kind]) {
   const choice = view.kind === "sweep" ? "variant" : "method";
   return {
     kind: view.kind,
     scene: view.scene,
     ...(view.choice ? { [choice]: view.choice } : {}),
-    outputs: outputs ?? [view.output],
-    parameters: parametersOf(view, num ?? FINE[view.kind]),
+    outputs: [view.output],
+    parameters: parametersOf(view, num),
   };
 }
 
@@ -99,23 +99,23 @@ export class Source {
 
   // The study of what is shown, as fine as it is shown.
   study(view) {
-    return studyOf(view, { num: view.kind === "sweep" ? FINE.sweep : this.fineness });
+    return studyOf(view, view.kind === "sweep" ? FINE.sweep : this.fineness);
   }
 
   async compute(view, { dragged = null, signal, tell } = {}) {
     if (view.kind === "sweep") return this.sliced(view, dragged, signal);
-    const num = dragged ? COARSE.simulate : this.fineness;
-    const { dataset } = await carryOut("simulate", studyOf(view, { num }), { signal, tell });
+    const num = dragged ? COARSE : this.fineness;
+    const { dataset } = await carryOut("simulate", studyOf(view, num), { signal, tell });
     return fromDataset(dataset, view);
   }
 
   // A coarse picture to begin with, where a fine one may take long.
   async coarse(view, { signal, tell } = {}) {
-    const study = studyOf(view, { num: COARSE.simulate });
+    const study = studyOf(view, COARSE);
     const { dataset } = await carryOut("simulate", study, { signal, tell });
     const seconds = Math.max(1e-3, dataset.attributes.elapsed_seconds ?? 0);
     const more = Math.sqrt(PATIENCE / seconds);
-    this.fineness = Math.round(Math.max(COARSE.simulate, Math.min(FINE.simulate, COARSE.simulate * more)));
+    this.fineness = Math.round(Math.max(COARSE, Math.min(FINE.simulate, COARSE * more)));
     return fromDataset(dataset, view);
   }
 
@@ -159,7 +159,7 @@ export class Source {
 }
 
 // The places of a slider, which are values of the axis that the service has along it.
-export function places(parameter, low, high) {
+export function places(low, high) {
   return { from: low, to: high, num: DRAGGED, at: (k) => low + (k / (DRAGGED - 1)) * (high - low) };
 }
 

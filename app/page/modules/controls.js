@@ -17,7 +17,6 @@ export class Controls {
   constructor(host, onchange) {
     this.host = host;
     this.onchange = onchange;
-    this.complaints = new Map(); // name -> text
     this.frictions = []; // rows of published coefficients
   }
 
@@ -141,8 +140,7 @@ export class Controls {
   }
 
   complaint(name) {
-    const text = this.complaints.get(name);
-    return element("span", { class: "wrong", id: `wrong-${name}` }, text ?? "");
+    return element("span", { class: "wrong", id: `wrong-${name}` });
   }
 
   field(parameter) {
@@ -150,7 +148,7 @@ export class Controls {
     const [factor, unitShown] = shown(unit);
     const value = this.view.values[name];
     const [low, high] = usual(parameter);
-    const range = places(parameter, Math.min(low, value), Math.max(high, value));
+    const range = places(Math.min(low, value), Math.max(high, value));
     const id = `value-${name}`;
     const typed = element("input", {
       id,
@@ -269,7 +267,6 @@ export class Controls {
 
   // Sentences of the service beside the fields that they concern; returns those that concern none.
   complain(errors) {
-    this.complaints.clear();
     const rest = [];
     for (const { place, message, fix } of errors) {
       const name = String(place).split(".").find((part) => this.parameters.some((p) => p.name === part));

@@ -21,9 +21,10 @@ const TITLES = {
   thesis: "What did the thesis draw?",
   all: "Everything",
 };
+const MOTION = { kind: "simulate", scene: "rectangle-on-plane", output: "conveying_velocity" };
 const BEGIN = {
-  speed: { kind: "simulate", scene: "rectangle-on-plane", output: "conveying_velocity" },
-  drive: { kind: "simulate", scene: "rectangle-on-plane", output: "conveying_velocity" },
+  speed: MOTION,
+  drive: MOTION,
   all: { kind: "sweep", scene: "rectangle-on-plane", output: "acceleration_x" },
 };
 const RETRY = 2000; // ms
@@ -310,7 +311,6 @@ class Page {
       this.controls.clear();
       if (view.band && !dragged) this.drawBand(found, await this.source.band(view, { signal }));
       const seconds = (performance.now() - started) / 1000;
-      this.lastSeconds = seconds;
       byId("progress").textContent = dragged ? "" : `Shown after ${duration(seconds)}.`;
     } catch (error) {
       if (error.name === "AbortError") return;
