@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.cli.options import FAILED
 from app.cli.studies import content_of, refuse
+from app.cli.texts import refuse_taken, write_text
 from core.errors import Problem, StudyError, suggestion
 
 if TYPE_CHECKING:
@@ -34,7 +34,6 @@ def convert(
     all of its forms have the same key: the service computes equal studies once. Exit code 2 means
     that the study or an option is wrong, 1 that the file could not be written.
     """
-    from app.cli import console
     from core.study.forms import FORMS, SERVICE, placed, to_curl
 
     if to not in FORMS:
@@ -51,14 +50,8 @@ def convert(
     if output is None:
         typer.echo(text, nl=False)
         return
-    if output.exists() and not force:
-        fix = "Add --force to replace it, or give another name"
-        refuse({output: [Problem("output", "it is there already", fix)]})
-    try:
-        output.write_text(text, encoding="utf-8")
-    except OSError as error:
-        console.fail(f"{output}: {error.strerror or error}.")
-        raise typer.Exit(FAILED) from None
+    refuse_taken(output, "output", force=force)
+    write_text(output, text)
     typer.echo(f"wrote {output}")
 
 

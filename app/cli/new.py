@@ -8,9 +8,9 @@ from typing import Annotated, Any
 
 import typer
 
-from app.cli.options import FAILED
 from app.cli.questions import QUESTIONS, Question
 from app.cli.studies import STANDARD, refuse
+from app.cli.texts import refuse_taken, write_text
 from core.errors import Problem
 
 _BY_NAME = {question.name: question for question in reversed(QUESTIONS)}  # the first of a name
@@ -60,7 +60,6 @@ def new(
     The study runs at once. Exit code 2 means that an answer is wrong or that the file is there
     already, 1 that it could not be written.
     """
-    from app.cli import console
     from app.cli.starter import starter_study
 
     _check_name(file, force)
@@ -70,11 +69,7 @@ def new(
     if file == STANDARD:
         typer.echo(text, nl=False)
         return
-    try:
-        file.write_text(text, encoding="utf-8")
-    except OSError as error:
-        console.fail(f"{file}: {error.strerror or error}.")
-        raise typer.Exit(FAILED) from None
+    write_text(file, text)
     typer.echo(f"wrote {file}. Next: vibrafeed run {file}")
 
 
@@ -87,9 +82,8 @@ def _check_name(file: Path, force: bool) -> None:
     if file.suffix.lower() == ".json":
         fix = f"Name it {file.stem}.toml; `vibrafeed convert` makes JSON of it"
         refuse({file: [Problem("file", "JSON has no comments, and a starter has", fix)]})
-    if file != STANDARD and file.exists() and not force:
-        fix = "Add --force to replace it, or give another name"
-        refuse({file: [Problem("file", "it is there already", fix)]})
+    if file != STANDARD:
+        refuse_taken(file, "file", force=force)
 
 
 def _answered(given: dict[str, str], *, asks: bool) -> dict[str, str]:
