@@ -21,8 +21,10 @@ from core.plan.sample import FAILED, LEFT_OUT
 from core.quantities import MOTION_STATUSES, OPTIMUM_STATUSES
 from core.scenes import SCENES, Scene
 from core.study.drive import names_recording
+from core.study.grid_study import PARAMETERS
 from core.study.load import parse_study, read_content
-from core.study.models import PARAMETERS, SimulateStudy, Study
+from core.study.models import Study
+from core.study.simulate_study import SimulateStudy
 from core.watch import Watch
 
 if TYPE_CHECKING:

@@ -9,14 +9,12 @@ from typing import Annotated, Any
 from pydantic import BaseModel, Field, RootModel
 
 from core.errors import Problem, StudyError
-from core.study import OptimiseStudy, SimulateStudy, SweepStudy
+from core.study import OptimiseStudy, SimulateStudy, Study, SweepStudy
 
 ACCURACY = "accuracy"
 
 
-class AnyStudy(
-    RootModel[Annotated[SweepStudy | SimulateStudy | OptimiseStudy, Field(discriminator="kind")]]
-):
+class AnyStudy(RootModel[Annotated[Study, Field(discriminator="kind")]]):
     """A study of any kind."""
 
 

@@ -20,7 +20,7 @@ from core.plan.equations import regimes, run_equations
 from core.plan.plan import plan_scene, scene_parameters
 from core.quantities import QUANTITIES, REGIMES
 from core.study.load import parse_study
-from core.study.models import SimulateStudy
+from core.study.simulate_study import SimulateStudy
 from core.sweep.prepare import Sweep
 from core.watch import Watch
 

@@ -21,7 +21,7 @@ from core.optimise.methods import METHODS, refusal
 from core.optimise.optimisation import Optimisation
 from core.optimise.problem import LIMIT, Problem, cells_of, chosen_cells
 from core.optimise.run import with_limit
-from core.study.models import Pareto
+from core.study.optimise_study import Pareto
 from core.watch import Watch
 
 DESIGNS = 20

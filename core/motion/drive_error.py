@@ -13,7 +13,7 @@ from core.measured import Fit
 from core.motion.prepare import Simulation, prepare
 from core.plan.equations import run_equations
 from core.plan.grid import parameter_to_si
-from core.study.models import SimulateStudy
+from core.study.simulate_study import SimulateStudy
 from core.study.values import Fixed
 
 LEAST_DRAWS, MOST_DRAWS = 20, 10_000

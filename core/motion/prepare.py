@@ -27,7 +27,7 @@ from core.plan.prepared import (
 from core.plan.price import pace
 from core.quantities import QUANTITIES
 from core.scenes import Scene
-from core.study.models import MOST_PERIODS, SimulateStudy
+from core.study.simulate_study import MOST_PERIODS, SimulateStudy
 from core.study.values import Fixed
 
 DEFAULT_OUTPUTS = ("conveying_velocity",)

@@ -22,7 +22,7 @@ from core.optimise.single import spread
 from core.optimise.slopes import slopes
 from core.plan.grid import from_si
 from core.quantities import REGIMES
-from core.study.models import Pareto
+from core.study.optimise_study import Pareto
 
 FORWARD = ("acceleration_x", "starting_acceleration", "conveying_velocity")
 """Outputs that are forward motion where they are positive."""

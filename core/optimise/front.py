@@ -14,7 +14,7 @@ from core.optimise.codes import STATUS
 from core.optimise.found import Found
 from core.optimise.methods import METHODS
 from core.optimise.problem import LIMIT, Problem, cells_of
-from core.study.models import Pareto, Weighted
+from core.study.optimise_study import Pareto, Weighted
 from core.study.spacing import evenly
 from core.watch import Watch
 

@@ -12,7 +12,7 @@ from core.mechanics.arrays import Array
 from core.optimise import exact, newton
 from core.optimise.found import Found
 from core.optimise.problem import LIMIT, Problem
-from core.study.models import Limited, Maximise, Pareto, Weighted
+from core.study.optimise_study import Limited, Maximise, Pareto, Weighted
 
 Family = Literal[
     "plane_thesis",

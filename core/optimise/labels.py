@@ -24,7 +24,7 @@ from core.plan.grid import from_si
 from core.plan.labels import coordinates_of, global_attributes
 from core.plan.pieces import Computed
 from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
-from core.study.models import Limited, Pareto, Weighted
+from core.study.optimise_study import Limited, Pareto, Weighted
 from core.watch import Watch
 
 BINDS = {

@@ -14,10 +14,7 @@ from core.optimise.slopes import sensitive
 from core.plan.grid import Grid
 from core.plan.prepared import Box, Prepared
 from core.quantities import QUANTITIES
-from core.study.models import (
-    OptimiseStudy,
-    Pareto,
-)
+from core.study.optimise_study import OptimiseStudy, Pareto
 
 QUICK = ("exact", "newton")  # without a search
 QUICK_SECONDS, OTHER_SECONDS, MOTION_SECONDS = 2e-5, 0.05, 0.6

@@ -30,11 +30,7 @@ from core.plan.plan import choose_scene, scene_parameters
 from core.plan.prepared import Chosen, further_problems, plan_study
 from core.scenes import Scene
 from core.scenes.graph import behind
-from core.study.models import (
-    Limited,
-    OptimiseStudy,
-    Pareto,
-)
+from core.study.optimise_study import Limited, OptimiseStudy, Pareto
 from core.study.values import Between, Fixed, Span, Values
 
 ANGLES = {"alpha": Between(0.0, 90.0), "beta": Between(0.0, 90.0)}

@@ -20,7 +20,7 @@ from core.optimise.robust import nodes_over, over_nodes
 from core.plan.equations import regimes, run_equations
 from core.plan.grid import from_si
 from core.plan.plan import Plan
-from core.study.models import Criterion, Limited, Minimise, Pareto, Weighted
+from core.study.optimise_study import Criterion, Limited, Minimise, Pareto, Weighted
 from core.watch import Watch
 
 LIMIT = "limit"

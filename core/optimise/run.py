@@ -19,7 +19,7 @@ from core.optimise.prepare import prepare
 from core.optimise.problem import LIMIT, Problem, cells_of, chosen_cells
 from core.plan.grid import Grid
 from core.plan.pieces import Computed, carry_out
-from core.study.models import Limited, Pareto
+from core.study.optimise_study import Limited, Pareto
 from core.watch import Watch
 
 if TYPE_CHECKING:

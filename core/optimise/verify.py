@@ -20,7 +20,7 @@ from core.optimise.problem import LIMIT, ROUNDING, chosen_cells
 from core.plan.grid import to_si
 from core.plan.sample import Sample, sample_of
 from core.quantities import QUANTITIES
-from core.study.models import Limited, Pareto
+from core.study.optimise_study import Limited, Pareto
 from core.sweep.verify import AGAINST, Rounding, rounding_of
 from core.watch import Watch
 

@@ -7,12 +7,7 @@ from dataclasses import replace
 
 from core.errors import Problem as Wrong
 from core.scenes import SCENES, Scene
-from core.study.models import (
-    Limited,
-    OptimiseStudy,
-    OutputLimit,
-    Pareto,
-)
+from core.study.optimise_study import Limited, OptimiseStudy, OutputLimit, Pareto
 from core.study.values import Between, Values
 
 NAMES_OF_STATES = ("regime", "motion_status", "direction")

@@ -15,7 +15,7 @@ from core.plan.plan import Plan
 from core.plan.prepared import Prepared
 from core.quantities import QUANTITIES
 from core.study.drive import MeasuredDrive
-from core.study.models import DrivenStudy
+from core.study.grid_study import DrivenStudy
 from core.study.values import Fixed, Values
 
 

@@ -14,7 +14,8 @@ from core.plan.grid import Grid, from_si
 from core.plan.plan import Plan, plan_scene
 from core.quantities import QUANTITIES
 from core.scenes import Scene
-from core.study.models import MOST_OUTPUTS, PARAMETERS, GridStudy, Study
+from core.study.grid_study import MOST_OUTPUTS, PARAMETERS, GridStudy
+from core.study.models import Study
 from core.study.values import Values
 
 Box = Mapping[str, tuple[int, int]]

@@ -14,7 +14,7 @@ from core.plots.problem import PlotError
 from core.plots.selection import FEW, held_fixed
 from core.plots.style import LIGHT, RGB, Style
 from core.plots.text import axis_label, name_in_words, number, scaled, shown_in, with_unit
-from core.study.models import Pareto
+from core.study.optimise_study import Pareto
 from core.study.shown import ShownUnits
 
 

@@ -1,7 +1,11 @@
 """What a user writes: studies, their units and ranges, and reading them from TOML or JSON."""
 
+from core.study.grid_study import GridStudy
 from core.study.load import load_study, parse_json, parse_study, parse_toml
-from core.study.models import GridStudy, OptimiseStudy, SimulateStudy, Study, SweepStudy
+from core.study.models import Study
+from core.study.optimise_study import OptimiseStudy
+from core.study.simulate_study import SimulateStudy
+from core.study.sweep_study import SweepStudy
 from core.study.values import Fixed, Points, Span, Values
 
 __all__ = [

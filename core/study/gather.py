@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from core.errors import Problem, StudyError
+from core.study.grid_study import PARAMETERS, GridStudy
 from core.study.load import read_content
-from core.study.models import PARAMETERS, STUDIES, GridStudy, Study
+from core.study.models import STUDIES, Study
 from core.study.values import MOST_POINTS
 
 KEYS = tuple(dict.fromkeys(key for model in STUDIES.values() for key in model.model_fields))

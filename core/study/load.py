@@ -15,7 +15,9 @@ from pydantic import ValidationError
 
 from core.errors import MOST_PROBLEMS, Problem, StudyError, Suggestions, nearest
 from core.study.drive import RecordedDrive
-from core.study.models import CRITERIA, PARAMETERS, STUDIES, Study
+from core.study.grid_study import PARAMETERS
+from core.study.models import STUDIES, Study
+from core.study.optimise_study import CRITERIA
 from core.study.reduction import LevelSet, Reduction
 
 if TYPE_CHECKING:

@@ -15,8 +15,8 @@ from core.plan.plan import choose_scene
 from core.plan.prepared import Chosen, Prepared, further_problems, plan_study
 from core.plan.price import evaluation_seconds, pace
 from core.reduce.checks import problems_of, problems_of_names
-from core.study.models import SweepStudy
 from core.study.reduction import QUANTILE, Reduction
+from core.study.sweep_study import SweepStudy
 from core.sweep.answers import unit_of
 
 if TYPE_CHECKING:

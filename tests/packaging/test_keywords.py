@@ -10,7 +10,8 @@ import pytest
 import vibrafeed
 from benchmarks import keywords
 from core.quantities import QUANTITIES
-from core.study.models import PARAMETERS, STUDIES
+from core.study.grid_study import PARAMETERS
+from core.study.models import STUDIES
 
 POINT = {
     "scene": "rectangle-on-plane", "frequency": "50 Hz", "amplitude": "0.25 mm", "beta": 30,

@@ -31,8 +31,8 @@ from core.dataset.frame import Frame
 from core.errors import LimitError
 from core.kinds import prepare_content
 from core.study import SweepStudy
+from core.study.grid_study import PARAMETERS
 from core.study.load import read_json
-from core.study.models import PARAMETERS
 from core.sweep import Sweep
 from core.sweep.slice import Cut, carried_out, prepare_cut, table_of
 

@@ -11,7 +11,7 @@ import xarray
 from core.errors import StudyError
 from core.study import load_study, parse_study
 from core.study.gather import KEYS, gather
-from core.study.models import PARAMETERS
+from core.study.grid_study import PARAMETERS
 
 POINT = {"frequency": "50 Hz", "amplitude": "0.25 mm", "friction": 0.5}
 WRITTEN = {"kind": "simulate", "scene": "rectangle-on-plane", "parameters": {**POINT, "beta": 30}}

@@ -15,8 +15,9 @@ from core.optimise.methods import METHODS
 from core.other_names import OTHER_NAMES
 from core.quantities import QUANTITIES
 from core.study.gather import KEYS
+from core.study.grid_study import PARAMETERS
 from core.study.load import load_study, read_content
-from core.study.models import CRITERIA, PARAMETERS
+from core.study.optimise_study import CRITERIA
 from core.study.units import UnitError
 from core.study.unusual import questions
 from core.study.values import position_on_axis

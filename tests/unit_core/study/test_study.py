@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from core.errors import Problem, StudyError
 from core.quantities import QUANTITIES
 from core.study import Fixed, parse_json, parse_study, parse_toml
+from core.study.grid_study import PARAMETERS
 from core.study.load import read_toml
-from core.study.models import PARAMETERS
 from core.study.values import Points, Span, read_values
 
 PLANE = {

@@ -1,0 +1,240 @@
+"""What studies of every kind share: frozen models without unknown keys, of files and requests."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import reprlib
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    WithJsonSchema,
+    create_model,
+)
+
+from core.quantities import QUANTITIES, Quantity
+from core.study.drive import Drive
+from core.study.levels import at_most, refusal
+from core.study.shown import read_shown
+from core.study.units import UnitError
+from core.study.values import Between, Values, read_between, read_values
+
+PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
+
+
+class Frozen(BaseModel):
+    """A model that cannot be changed and knows all its keys."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+
+def _values_schema(name: str, quantity: Quantity) -> dict[str, Any]:
+    number: dict[str, Any] = {"type": "number"}
+    if quantity.lower > -float("inf"):
+        number["exclusiveMinimum" if quantity.strict else "minimum"] = quantity.lower
+    if quantity.upper < float("inf"):
+        number["maximum"] = quantity.upper
+    one = {"anyOf": [number, {"type": "string", "maxLength": 200}]}
+    span = {
+        "type": "object",
+        "properties": {
+            "start": one,
+            "stop": one,
+            "num": {"type": "integer", "minimum": 2},
+            "step": {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}]},
+            "spacing": {"enum": ["linear", "log"], "default": "linear"},
+        },
+        "required": ["start", "stop"],
+        "oneOf": [{"required": ["num"]}, {"required": ["step"]}],
+        "additionalProperties": False,
+    }
+    unit = "" if quantity.unit == "1" else f" A bare number is in {quantity.unit}."
+    return {
+        "title": quantity.label,
+        "description": quantity.description + unit,
+        "anyOf": [number, {"type": "string"}, {"type": "array", "items": one, "minItems": 1}, span],
+        "examples": list(quantity.examples),
+    }
+
+
+def _canonical(values: Values | None) -> Any:
+    return None if values is None else values.canonical()
+
+
+def _parameter_field(name: str, quantity: Quantity) -> Any:
+    def read(raw: object) -> Values:
+        try:
+            return read_values(name, raw)
+        except UnitError as error:
+            raise refusal(error.message, error.fix) from error
+
+    return (
+        Annotated[
+            Values | None,
+            PlainValidator(read),
+            PlainSerializer(_canonical),
+            WithJsonSchema(_values_schema(name, quantity)),
+        ],
+        None,
+    )
+
+
+if TYPE_CHECKING:
+
+    class Parameters(Frozen):
+        """One optional field a parameter quantity."""
+
+else:
+    Parameters = create_model(
+        "Parameters",
+        __base__=Frozen,
+        __doc__="Values of the parameters: a number, text with a unit, a list, or a range.",
+        **{name: _parameter_field(name, QUANTITIES[name]) for name in PARAMETERS},
+    )
+
+
+def _between_field(name: str, quantity: Quantity) -> Any:
+    def read(raw: object) -> Between:
+        try:
+            return read_between(name, raw)
+        except UnitError as error:
+            raise refusal(error.message, error.fix) from error
+
+    one = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
+    schema = {
+        "title": quantity.label,
+        "description": f"Bounds of the {quantity.label.lower()}, both included.",
+        "type": "object",
+        "properties": {"lower": one, "upper": one},
+        "required": ["lower", "upper"],
+        "additionalProperties": False,
+    }
+    return (
+        Annotated[
+            Between | None,
+            PlainValidator(read),
+            PlainSerializer(lambda bounds: None if bounds is None else bounds.canonical()),
+            WithJsonSchema(schema),
+        ],
+        None,
+    )
+
+
+if TYPE_CHECKING:
+
+    class Variables(Frozen):
+        """One optional field a parameter quantity."""
+
+else:
+    Variables = create_model(
+        "Variables",
+        __base__=Frozen,
+        __doc__="What the optimiser may choose: parameters and their bounds.",
+        **{name: _between_field(name, QUANTITIES[name]) for name in PARAMETERS},
+    )
+
+
+MOST_SHOWN = 8  # to look a unit up takes long
+
+
+def _read_units(raw: object) -> tuple[str, ...] | None:
+    """Return the words that say which units are shown, without saying so if none is."""
+    if raw is None:
+        return None
+    words = (raw,) if isinstance(raw, str) else tuple(raw) if isinstance(raw, list) else raw
+    if (
+        not isinstance(words, tuple)
+        or len(words) > MOST_SHOWN
+        or not all(isinstance(word, str) for word in words)
+    ):
+        raise refusal(
+            f"{reprlib.repr(raw)[:40]} are not units", 'Write "si", or a list such as ["m/min"]'
+        )
+    try:
+        read_shown(words)
+    except UnitError as error:
+        raise refusal(error.message, error.fix) from error
+    return words
+
+
+_ONE_WORD = {"type": "string", "maxLength": 100}
+_UNITS_SCHEMA = {
+    "anyOf": [
+        _ONE_WORD,
+        {"type": "array", "items": _ONE_WORD, "maxItems": MOST_SHOWN},
+        {"type": "null"},
+    ]
+}
+
+
+MOST_OUTPUTS = 100
+OutputName = Annotated[str, Field(max_length=100)]
+OutputNames = Annotated[tuple[OutputName, ...], at_most(MOST_OUTPUTS)]
+
+
+class GridStudy(Frozen):
+    """What every kind of study has: a scene, and parameters that may range over a grid."""
+
+    kind: str = Field(description="The kind of study.")
+    scene: str = Field(
+        description="Name of a scene; `vibrafeed scenes` lists them.", max_length=100
+    )
+    parameters: Parameters = Field(description="Fixed or ranged parameters.")
+    title: str | None = Field(None, description="Title of the dataset.", max_length=500)
+    notes: str | None = Field(
+        None, description="Remarks that go into the dataset.", max_length=5000
+    )
+    verify: int | None = Field(
+        None,
+        description="Evaluate so many random cells again, with 50 digits or by another method, and "
+        "tell the worst of them.",
+        strict=True,
+        ge=1,
+        le=10_000,
+    )
+    units: Annotated[
+        tuple[str, ...] | None, PlainValidator(_read_units), WithJsonSchema(_UNITS_SCHEMA)
+    ] = Field(
+        None,
+        description="Units that screens and pictures show: trade (the default), si, or units such "
+        "as m/min, each for its kind. Files hold SI.",
+    )
+
+    def values(self) -> dict[str, Values]:
+        """Return the given parameters and their values, in the order of the declaration.
+
+        The order in which a user writes them does not matter: equal studies have equal axes.
+        """
+        given = self.parameters.model_fields_set
+        return {name: getattr(self.parameters, name) for name in PARAMETERS if name in given}
+
+    def content(self) -> dict[str, Any]:
+        """Return the study as plain values, ranges and units in one form."""
+        content = self.model_dump(exclude_none=True, exclude={"parameters"})
+        content["parameters"] = {name: values.canonical() for name, values in self.values().items()}
+        return content
+
+    def canonical(self) -> str:
+        """Return the study as JSON that equal studies share to the letter."""
+        return json.dumps(
+            self.content(), separators=(",", ":"), ensure_ascii=False, allow_nan=False
+        )
+
+    def key(self) -> str:
+        """Return the SHA-256 of the canonical form, in hexadecimal."""
+        return hashlib.sha256(self.canonical().encode()).hexdigest()
+
+
+class DrivenStudy(GridStudy):
+    """What studies of motion in time have besides: a drive that may have been measured."""
+
+    drive: Drive = Field(
+        None,
+        description="A measured drive: the recording of an accelerometer. Its harmonics are "
+        "parameters, as far as the study does not give them itself.",
+    )

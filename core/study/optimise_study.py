@@ -1,0 +1,143 @@
+"""The study of the best values of some parameters over a grid of the others."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from core.study.grid_study import (
+    MOST_OUTPUTS,
+    PARAMETERS,
+    DrivenStudy,
+    Frozen,
+    OutputName,
+    OutputNames,
+    Variables,
+)
+from core.study.levels import Level, OpenLevel, at_most
+from core.study.values import Between
+
+
+class _TwoOutputs(Frozen):
+    output: OutputName = Field("acceleration_x", description="The output that is to be high.")
+    against: OutputName = Field(
+        "acceleration_y", description="The output whose absolute value is to be low."
+    )
+
+
+class Weighted(_TwoOutputs):
+    """The largest of the output less `weight` times the other's absolute value."""
+
+    kind: Literal["weighted"] = "weighted"
+    weight: float = Field(1.0, description="Weight of the other output.", ge=0, allow_inf_nan=False)
+
+
+class Limited(_TwoOutputs):
+    """The largest output with the other's absolute value within a limit."""
+
+    kind: Literal["limit"] = "limit"
+    limit: Level = Field(description="Largest absolute value of the other output.")
+
+
+class Pareto(_TwoOutputs):
+    """The whole trade-off: what no other choice beats in both outputs."""
+
+    kind: Literal["pareto"] = "pareto"
+    points: int = Field(200, description="Number of points of the front.", ge=2, le=10_000)
+
+
+class Maximise(Frozen):
+    """The largest value of one output."""
+
+    kind: Literal["maximise"] = "maximise"
+    output: OutputName = Field("acceleration_x", description="The output.")
+
+
+class Minimise(Frozen):
+    """The least value of one output."""
+
+    kind: Literal["minimise"] = "minimise"
+    output: OutputName = Field("acceleration_x", description="The output.")
+
+
+Criterion = Weighted | Limited | Pareto | Maximise | Minimise
+"""What is looked for."""
+
+CRITERIA = ("weighted", "limit", "pareto", "maximise", "minimise")
+
+
+class OutputLimit(Frozen):
+    """Bounds that an output has to keep."""
+
+    output: OutputName = Field(description="The output.")
+    lower: OpenLevel = Field(None, description="Its least value.")
+    upper: OpenLevel = Field(None, description="Its largest value.")
+    absolute: bool = Field(False, description="Whether the bounds are those of its absolute value.")
+
+
+MOST_CONSTRAINTS = 20
+
+
+class OptimiseStudy(DrivenStudy):
+    """The best values of some parameters, over a grid of the others."""
+
+    kind: Literal["optimise"] = Field(description="The kind of study.")
+    variant: str | None = Field(
+        None,
+        description="thesis (as printed), derived (errors corrected) or physical; the scene's "
+        "default where left out.",
+        max_length=100,
+    )
+    method: str | None = Field(
+        None,
+        description="The optimiser; where left out, the exact answer if there is one, else what "
+        "was measured to be best.",
+        max_length=100,
+    )
+    variables: Variables | None = Field(
+        None,
+        description="What may be chosen, between bounds; alpha and beta from 0 to 90 degrees where "
+        "left out, as far as they are not given and the outputs depend on them.",
+    )
+    criterion: Criterion = Field(description="What is looked for.", discriminator="kind")
+    constraints: Annotated[tuple[OutputLimit, ...], at_most(MOST_CONSTRAINTS)] = Field(
+        (), description="Bounds that outputs have to keep.", max_length=MOST_CONSTRAINTS
+    )
+    floor_contact: bool = Field(
+        True, description="Whether the part is to stay on the floor, where the scene has one."
+    )
+    wall_contact: bool = Field(
+        True, description="Whether the part is to stay on the wall, where the scene has one."
+    )
+    uncertain: Variables | None = Field(
+        None,
+        description="One parameter that is known within an interval only, such as friction.",
+    )
+    robust: Literal["worst", "mean"] | None = Field(
+        None,
+        description="What is looked for over that interval: the best worst case (where left out), "
+        "or the best mean.",
+    )
+    sensitivities: bool = Field(
+        False,
+        description="Also give d ln(output)/d ln(parameter) at each optimum.",
+        strict=True,
+    )
+    outputs: OutputNames = Field(
+        (), description="Further outputs to tell at the optimum.", max_length=MOST_OUTPUTS
+    )
+
+    def intervals(self) -> dict[str, Between]:
+        """Return the uncertain parameters and their intervals."""
+        if self.uncertain is None:
+            return {}
+        given = self.uncertain.model_fields_set
+        return {name: getattr(self.uncertain, name) for name in PARAMETERS if name in given}
+
+    def bounds(self) -> dict[str, Between]:
+        """Return the given variables and their bounds, in the order of the declaration."""
+        if self.variables is None:
+            return {}
+        given = self.variables.model_fields_set
+        return {name: getattr(self.variables, name) for name in PARAMETERS if name in given}

@@ -1,0 +1,117 @@
+"""The study of motion in time over a grid."""
+
+from __future__ import annotations
+
+import reprlib
+from itertools import pairwise
+from typing import Annotated, Literal
+
+from pydantic import Field, PlainValidator, WithJsonSchema
+from pydantic_core import PydanticCustomError
+
+from core.study.grid_study import MOST_OUTPUTS, DrivenStudy, OutputNames
+
+MOST_SAMPLES = 100_000
+LATEST = 1e6  # s, of a course in time: eleven days, and floats still tell a microsecond
+_TRAJECTORY_SCHEMA = {
+    "anyOf": [
+        {"type": "integer", "minimum": 2, "maximum": MOST_SAMPLES},
+        {
+            "type": "array",
+            "items": {"type": "number", "minimum": 0},
+            "minItems": 1,
+            "maxItems": MOST_SAMPLES,
+        },
+        {"type": "null"},
+    ]
+}
+
+
+def _read_trajectory(raw: object) -> int | tuple[float, ...] | None:
+    """Return a number of steps, or times in seconds."""
+    whole = isinstance(raw, int) and not isinstance(raw, bool)
+    if raw is None or (whole and 2 <= raw <= MOST_SAMPLES):  # type: ignore[operator]
+        return raw  # type: ignore[return-value]
+    if isinstance(raw, list | tuple) and 0 < len(raw) <= MOST_SAMPLES:
+        numbers = [x for x in raw if isinstance(x, int | float) and not isinstance(x, bool)]
+        rises = all(before < after for before, after in pairwise(numbers))
+        if len(numbers) == len(raw) and rises and numbers[0] >= 0 and numbers[-1] <= LATEST:
+            return tuple(float(number) for number in numbers)
+    raise PydanticCustomError(
+        "value",
+        "{message}",
+        {
+            "message": f"{reprlib.repr(raw)[:40]} is neither a number of steps nor a list of times",
+            "fix": f"Write a whole number from 2 to {MOST_SAMPLES:,}, or times in seconds that rise"
+            " from 0 or later",
+        },
+    )
+
+
+FEWEST_PERIODS = 8  # no fewer tell a motion that repeats over some from one that does not
+MOST_PERIODS = 100_000  # half an hour at 50 Hz: what has not repeated by then does not
+SETTINGS = ("tolerance", "most_periods", "steps_per_period", "slip_speed", "contact_stiffness")
+
+
+class SimulateStudy(DrivenStudy):
+    """Motion in time of one scene over a grid of parameters."""
+
+    kind: Literal["simulate"] = Field(description="The kind of study.")
+    method: str | None = Field(
+        None,
+        description="events (from event to event, exact), time-stepping, reference (of high order, "
+        "slow) or regularised (stiff, for comparison); where left out events on a plane with "
+        "alpha = 0, else time-stepping.",
+        max_length=100,
+    )
+    outputs: OutputNames = Field(
+        ("conveying_velocity",),
+        description="Names of the outputs.",
+        min_length=1,
+        max_length=MOST_OUTPUTS,
+    )
+    # Near 100 roundings of a state nothing is told apart any more, and integrators give up.
+    tolerance: float | None = Field(
+        None,
+        description="Largest error of a periodic state, as a share of the drive.",
+        ge=1e-13,
+        le=1,
+    )
+    most_periods: int | None = Field(
+        None,
+        description="Most periods of the drive that one point is followed for.",
+        strict=True,
+        ge=FEWEST_PERIODS,
+        le=MOST_PERIODS,
+    )
+    steps_per_period: int | None = Field(
+        None,
+        description="Time steps in a period, of time-stepping; steps times periods are 25 million "
+        "at most.",
+        strict=True,
+        ge=8,
+        le=100_000,
+    )
+    slip_speed: float | None = Field(
+        None,
+        description="Speed below which regularised friction gives way, in g/w.",
+        ge=1e-12,
+        le=1,
+    )
+    contact_stiffness: float | None = Field(
+        None, description="Stiffness of the regularised floor, over m w^2.", ge=100, le=1e16
+    )
+    trajectory: Annotated[
+        int | tuple[float, ...] | None,
+        PlainValidator(_read_trajectory),
+        WithJsonSchema(_TRAJECTORY_SCHEMA),
+    ] = Field(
+        None,
+        description="Also give the motion in time of the one point of the study: at so many equal "
+        "steps of its cycle, or at these times in seconds since the start of a period.",
+    )
+
+    def settings(self) -> dict[str, float]:
+        """Return the settings that the study gives, by their names among the quantities."""
+        given = {name: getattr(self, name) for name in SETTINGS}
+        return {name: float(value) for name, value in given.items() if value is not None}
