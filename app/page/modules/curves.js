@@ -1,7 +1,7 @@
 // Quantities over one parameter, with a band where something is uncertain, and the regimes below.
 
-import { REGIME_COLOURS } from "./colours.js";
 import { element, fill } from "./elements.js";
+import { legendOf, occurring } from "./legend.js";
 import { capital, label, number, shown, withUnit, words } from "./words.js";
 
 const LINES = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
@@ -26,6 +26,7 @@ export class Curves {
   // data: {x: {name, unit, values}, lines: [{name, unit, values, low, high}], regime or null}
   show(data) {
     this.data = data;
+    this.regimes = occurring(data.regime, data.x);
     const [xFactor] = shown(data.x.unit);
     const [yFactor] = shown(data.lines[0].unit);
     const columns = [Array.from(data.x.values, (value) => value * xFactor)];
@@ -76,7 +77,7 @@ export class Curves {
       const { idx } = this.plot.cursor;
       if (idx !== null) this.onpick({ x: data.x.values[idx] });
     });
-    this.tellLegend();
+    fill(this.legend, ...legendOf(this.regimes));
   }
 
   yLabel() {
@@ -93,44 +94,19 @@ export class Curves {
     this.plot.setSize({ width: this.box.clientWidth, height: Math.max(200, this.box.clientHeight) });
   }
 
-  // The regimes that occur, by the number of places where they do.
-  regimes() {
-    const { regime, x } = this.data;
-    const counts = new Map();
-    if (regime) {
-      for (let i = 0; i < x.values.length; i++) {
-        counts.set(regime.at(i), (counts.get(regime.at(i)) ?? 0) + 1);
-      }
-    }
-    return [...counts].sort((a, b) => b[1] - a[1]).map(([value]) => value);
-  }
-
   strip(plot) {
     const { regime, x } = this.data;
     if (!regime) return;
-    const order = this.regimes();
+    const colours = new Map(this.regimes.map(({ value, colour }) => [value, colour]));
     const { ctx, bbox } = plot;
     const [factor] = shown(x.unit);
     const ratio = window.devicePixelRatio || 1;
     for (let i = 0; i < x.values.length; i++) {
       const here = plot.valToPos(x.values[i] * factor, "x", true);
       const next = plot.valToPos(x.values[Math.min(i + 1, x.values.length - 1)] * factor, "x", true);
-      ctx.fillStyle = REGIME_COLOURS[order.indexOf(regime.at(i)) % REGIME_COLOURS.length];
+      ctx.fillStyle = colours.get(regime.at(i));
       ctx.fillRect(here, bbox.top + bbox.height - STRIP * ratio, next - here + 1, STRIP * ratio);
     }
-  }
-
-  tellLegend() {
-    const { regime } = this.data;
-    fill(
-      this.legend,
-      ...this.regimes().map((value, place) => {
-        const swatch = element("span", { class: "swatch" });
-        swatch.style.borderColor = REGIME_COLOURS[place % REGIME_COLOURS.length];
-        const name = regime.names[value] ?? "";
-        return element("li", { title: regime.meanings?.[name] }, swatch, capital(words(name)));
-      }),
-    );
   }
 
   say(i) {

@@ -1,12 +1,12 @@
 // One quantity over two parameters: colours, contours, regimes, and a cursor that says what it meets.
 
 import { axesDrawn, axisOf, FRAME } from "./axes.js";
-import { REGIME_COLOURS, scaleOf } from "./colours.js";
+import { scaleOf } from "./colours.js";
 import { drawn, element, fill } from "./elements.js";
-import { capital, label, number, shown, withUnit, words } from "./words.js";
+import { bordersDrawn, clipDrawn, contoursDrawn, paint } from "./layers.js";
+import { legendOf, occurring, scaleTold } from "./legend.js";
+import { capital, withUnit, words } from "./words.js";
 
-const { contours, ticks } = window.d3;
-const LEVELS = 10;
 let maps = 0;
 
 export class HeatMap {
@@ -42,9 +42,8 @@ export class HeatMap {
   }
 
   // data: {x, y: {name, unit, values}, z: {name, unit, at(i, j)}, regime: {at(i, j), names} or null}
-  show(data, { showsRegimes = true } = {}) {
+  show(data) {
     this.data = data;
-    this.showsRegimes = showsRegimes;
     const size = data.x.values.length * data.y.values.length;
     this.flat = new Float64Array(size);
     const nx = data.x.values.length;
@@ -52,8 +51,10 @@ export class HeatMap {
       for (let i = 0; i < nx; i++) this.flat[j * nx + i] = data.z.at(i, j) ?? NaN;
     }
     this.range = scaleOf(this.flat);
+    this.regimes = occurring(data.regime, data.x, data.y);
     this.draw();
-    this.tellLegend();
+    fill(this.scale, ...scaleTold(this.range, data.z));
+    fill(this.legend, ...legendOf(this.regimes));
     if (this.cursor) this.say();
   }
 
@@ -71,182 +72,22 @@ export class HeatMap {
     const { data } = this;
     this.x = axisOf(data.x, left, width - right);
     this.y = axisOf(data.y, height - bottom, top);
-    this.paint(width - left - right, height - top - bottom);
+    Object.assign(this.canvas.style, {
+      left: `${left}px`,
+      top: `${top}px`,
+      width: `${width - left - right}px`,
+      height: `${height - top - bottom}px`,
+    });
+    paint(this.canvas, this);
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     fill(
       this.svg,
-      this.contoursDrawn(),
-      this.showsRegimes ? this.bordersDrawn() : null,
+      clipDrawn(this.clipId, width, height),
+      contoursDrawn(this),
+      bordersDrawn(this, this.regimes),
       axesDrawn(this.x, this.y, width, height),
       ...this.marks.map((mark) => this.markDrawn(mark)),
       this.cursorDrawn(),
-    );
-  }
-
-  paint(width, height) {
-    const nx = this.data.x.values.length;
-    const ny = this.data.y.values.length;
-    const { canvas, flat, range } = this;
-    canvas.width = nx;
-    canvas.height = ny;
-    canvas.style.left = `${FRAME.left}px`;
-    canvas.style.top = `${FRAME.top}px`;
-    canvas.style.width = `${width}px`;
-    canvas.style.height = `${height}px`;
-    const context = canvas.getContext("2d");
-    const image = context.createImageData(nx, ny);
-    if (range) {
-      const factor = (range.steps - 1) / (range.high - range.low);
-      const { lut } = range;
-      for (let j = 0; j < ny; j++) {
-        for (let i = 0; i < nx; i++) {
-          const value = flat[j * nx + i];
-          const to = 4 * ((ny - 1 - j) * nx + i);
-          if (value !== value) continue; // transparent: it has no value there
-          let at = Math.round((value - range.low) * factor);
-          at = 3 * (at < 0 ? 0 : at >= range.steps ? range.steps - 1 : at);
-          image.data[to] = lut[at];
-          image.data[to + 1] = lut[at + 1];
-          image.data[to + 2] = lut[at + 2];
-          image.data[to + 3] = 255;
-        }
-      }
-    }
-    context.putImageData(image, 0, 0);
-  }
-
-  // From places among the values of the axes to places on the screen: values may be unevenly spaced.
-  placed(axis, values, at) {
-    const low = Math.max(0, Math.min(values.length - 1, Math.floor(at)));
-    const high = Math.min(values.length - 1, low + 1);
-    return axis.place(values[low] + (at - low) * (values[high] - values[low]));
-  }
-
-  path(polygons) {
-    const { x, y } = this.data;
-    const parts = [];
-    for (const polygon of polygons) {
-      for (const ring of polygon) {
-        const points = ring.map(
-          // d3 puts the value of a cell into its middle
-          ([i, j]) =>
-            `${this.placed(this.x, x.values, i - 0.5).toFixed(1)},` +
-            `${this.placed(this.y, y.values, j - 0.5).toFixed(1)}`,
-        );
-        parts.push(`M${points.join("L")}Z`);
-      }
-    }
-    return parts.join("");
-  }
-
-  contoursDrawn() {
-    const group = drawn("g", { class: "contours", "clip-path": `url(#${this.clipId})` });
-    group.append(this.clip());
-    if (!this.range) return group;
-    const [factor] = shown(this.data.z.unit);
-    const { low, high } = this.range;
-    const levels = ticks(low * factor, high * factor, LEVELS).map((level) => level / factor);
-    const found = contours()
-      .size([this.data.x.values.length, this.data.y.values.length])
-      .thresholds(levels)(this.flat);
-    for (const level of found) {
-      if (!level.coordinates.length) continue;
-      const isZero = Math.abs(level.value) < 1e-12 * (high - low);
-      group.append(
-        drawn("path", { d: this.path(level.coordinates), class: isZero ? "zero" : "contour" }),
-      );
-    }
-    return group;
-  }
-
-  clip() {
-    const { left, right, top, bottom } = FRAME;
-    return drawn(
-      "clipPath",
-      { id: this.clipId },
-      drawn("rect", {
-        x: left + 1,
-        y: top + 1,
-        width: Math.max(0, this.box.clientWidth - left - right - 2),
-        height: Math.max(0, this.box.clientHeight - top - bottom - 2),
-      }),
-    );
-  }
-
-  bordersDrawn() {
-    const group = drawn("g", { class: "borders", "clip-path": `url(#${this.clipId})` });
-    const { regime, x, y } = this.data;
-    if (!regime) return group;
-    const nx = x.values.length;
-    const ny = y.values.length;
-    // Of two neighbours one draws the line between them.
-    for (const [place, one] of this.regimes().entries()) {
-      if (place === 0) continue;
-      const inside = new Float64Array(nx * ny);
-      for (let j = 0; j < ny; j++) {
-        for (let i = 0; i < nx; i++) inside[j * nx + i] = regime.at(i, j) === one.value ? 1 : 0;
-      }
-      const [area] = contours().size([nx, ny]).smooth(true).thresholds([0.5])(inside);
-      group.append(
-        drawn("path", {
-          d: this.path(area.coordinates),
-          class: "border",
-          stroke: REGIME_COLOURS[place % REGIME_COLOURS.length],
-        }),
-      );
-    }
-    return group;
-  }
-
-  // The regimes that occur, the most frequent first: {value, name, share}.
-  regimes() {
-    const { regime, x, y } = this.data;
-    if (!regime) return [];
-    const counts = new Map();
-    for (let j = 0; j < y.values.length; j++) {
-      for (let i = 0; i < x.values.length; i++) {
-        const value = regime.at(i, j);
-        counts.set(value, (counts.get(value) ?? 0) + 1);
-      }
-    }
-    const cells = x.values.length * y.values.length;
-    return [...counts]
-      .map(([value, count]) => ({ value, name: regime.names[value] ?? "", share: count / cells }))
-      .sort((a, b) => b.share - a.share);
-  }
-
-  tellLegend() {
-    const [factor] = shown(this.data.z.unit);
-    if (this.range) {
-      const { low, high, lut, steps } = this.range;
-      const stops = Array.from({ length: 9 }, (_, i) => {
-        const at = 3 * Math.round((i / 8) * (steps - 1));
-        return `rgb(${lut[at]} ${lut[at + 1]} ${lut[at + 2]})`;
-      });
-      const bar = element("span", { class: "bar" });
-      bar.style.background = `linear-gradient(to right, ${stops.join(",")})`;
-      fill(
-        this.scale,
-        element("span", {}, label(this.data.z.name, this.data.z.unit)),
-        element("span", { class: "ends" }, number(low * factor, 4, high * factor), bar, number(high * factor, 4, low * factor)),
-      );
-    } else {
-      fill(this.scale, `No ${words(this.data.z.name)} has a value here.`);
-    }
-    fill(
-      this.legend,
-      ...this.regimes().map(({ name, share }, place) => {
-        const swatch = element("span", { class: "swatch" });
-        swatch.style.borderColor = REGIME_COLOURS[place % REGIME_COLOURS.length];
-        const meaning = this.data.regime.meanings?.[name];
-        return element(
-          "li",
-          { title: meaning },
-          swatch,
-          `${capital(words(name))} ${number(100 * share, 3)}\u00a0%`,
-          meaning ? element("small", {}, ` ${meaning}`) : null,
-        );
-      }),
     );
   }
 

@@ -1,0 +1,109 @@
+// What lies over each other in a map: colours, contours, borders of regimes.
+// A `ground` is {data, flat, range, x, y, clipId}: what is drawn, its values row by row, the scale of
+// their colours, the axes on the screen, and the name of the area that the layers keep within.
+
+import { FRAME } from "./axes.js";
+import { drawn } from "./elements.js";
+import { shown } from "./words.js";
+
+const { contours, ticks } = window.d3;
+const LEVELS = 10;
+
+// One point of the canvas a value: the browser enlarges it.
+export function paint(canvas, { data, flat, range }) {
+  const nx = data.x.values.length;
+  const ny = data.y.values.length;
+  canvas.width = nx;
+  canvas.height = ny;
+  const context = canvas.getContext("2d");
+  const image = context.createImageData(nx, ny);
+  if (range) {
+    const factor = (range.steps - 1) / (range.high - range.low);
+    const { lut } = range;
+    for (let j = 0; j < ny; j++) {
+      for (let i = 0; i < nx; i++) {
+        const value = flat[j * nx + i];
+        const to = 4 * ((ny - 1 - j) * nx + i);
+        if (value !== value) continue; // transparent: it has no value there
+        let at = Math.round((value - range.low) * factor);
+        at = 3 * (at < 0 ? 0 : at >= range.steps ? range.steps - 1 : at);
+        image.data[to] = lut[at];
+        image.data[to + 1] = lut[at + 1];
+        image.data[to + 2] = lut[at + 2];
+        image.data[to + 3] = 255;
+      }
+    }
+  }
+  context.putImageData(image, 0, 0);
+}
+
+export function clipDrawn(clipId, width, height) {
+  const { left, right, top, bottom } = FRAME;
+  return drawn(
+    "clipPath",
+    { id: clipId },
+    drawn("rect", {
+      x: left + 1,
+      y: top + 1,
+      width: Math.max(0, width - left - right - 2),
+      height: Math.max(0, height - top - bottom - 2),
+    }),
+  );
+}
+
+export function contoursDrawn({ data, flat, range, x, y, clipId }) {
+  const group = drawn("g", { class: "contours", "clip-path": `url(#${clipId})` });
+  if (!range) return group;
+  const [factor] = shown(data.z.unit);
+  const { low, high } = range;
+  const levels = ticks(low * factor, high * factor, LEVELS).map((level) => level / factor);
+  const found = contours().size([data.x.values.length, data.y.values.length]).thresholds(levels)(flat);
+  for (const level of found) {
+    if (!level.coordinates.length) continue;
+    const isZero = Math.abs(level.value) < 1e-12 * (high - low);
+    group.append(
+      drawn("path", { d: path(level.coordinates, data, x, y), class: isZero ? "zero" : "contour" }),
+    );
+  }
+  return group;
+}
+
+// Borders of the regimes of a list: of two neighbours one draws the line between them.
+export function bordersDrawn({ data, x, y, clipId }, regimes) {
+  const group = drawn("g", { class: "borders", "clip-path": `url(#${clipId})` });
+  const nx = data.x.values.length;
+  const ny = data.y.values.length;
+  for (const { value, colour } of regimes.slice(1)) {
+    const inside = new Float64Array(nx * ny);
+    for (let j = 0; j < ny; j++) {
+      for (let i = 0; i < nx; i++) inside[j * nx + i] = data.regime.at(i, j) === value ? 1 : 0;
+    }
+    const [area] = contours().size([nx, ny]).smooth(true).thresholds([0.5])(inside);
+    group.append(
+      drawn("path", { d: path(area.coordinates, data, x, y), class: "border", stroke: colour }),
+    );
+  }
+  return group;
+}
+
+function path(polygons, data, x, y) {
+  const parts = [];
+  for (const polygon of polygons) {
+    for (const ring of polygon) {
+      const points = ring.map(
+        // d3 puts the value of a cell into its middle
+        ([i, j]) =>
+          `${placed(x, data.x.values, i - 0.5).toFixed(1)},${placed(y, data.y.values, j - 0.5).toFixed(1)}`,
+      );
+      parts.push(`M${points.join("L")}Z`);
+    }
+  }
+  return parts.join("");
+}
+
+// From places among the values of an axis to places on the screen: values may be unevenly spaced.
+function placed(axis, values, at) {
+  const low = Math.max(0, Math.min(values.length - 1, Math.floor(at)));
+  const high = Math.min(values.length - 1, low + 1);
+  return axis.place(values[low] + (at - low) * (values[high] - values[low]));
+}

@@ -1,0 +1,68 @@
+// What the colours of a picture mean: the scale of a quantity, and the regimes that occur.
+
+import { REGIME_COLOURS } from "./colours.js";
+import { element } from "./elements.js";
+import { capital, label, number, shown, words } from "./words.js";
+
+// A bar of the colours of a scale, between the values at its ends.
+export function scaleTold(range, { name, unit }) {
+  if (!range) return [`No ${words(name)} has a value here.`];
+  const [factor] = shown(unit);
+  const { low, high, lut, steps } = range;
+  const stops = Array.from({ length: 9 }, (_, i) => {
+    const at = 3 * Math.round((i / 8) * (steps - 1));
+    return `rgb(${lut[at]} ${lut[at + 1]} ${lut[at + 2]})`;
+  });
+  const bar = element("span", { class: "bar" });
+  bar.style.background = `linear-gradient(to right, ${stops.join(",")})`;
+  return [
+    element("span", {}, label(name, unit)),
+    element(
+      "span",
+      { class: "ends" },
+      number(low * factor, 4, high * factor),
+      bar,
+      number(high * factor, 4, low * factor),
+    ),
+  ];
+}
+
+// The regimes that occur over axes, the most frequent first: {value, name, share, colour, meaning}.
+export function occurring(regime, x, y = null) {
+  if (!regime) return [];
+  const counts = new Map();
+  const rows = y ? y.values.length : 1;
+  for (let j = 0; j < rows; j++) {
+    for (let i = 0; i < x.values.length; i++) {
+      const value = regime.at(i, j);
+      counts.set(value, (counts.get(value) ?? 0) + 1);
+    }
+  }
+  return [...counts]
+    .sort((a, b) => b[1] - a[1])
+    .map(([value, count], place) => {
+      const name = regime.names[value] ?? "";
+      return {
+        value,
+        name,
+        share: count / (rows * x.values.length),
+        colour: REGIME_COLOURS[place % REGIME_COLOURS.length],
+        meaning: regime.meanings?.[name],
+      };
+    });
+}
+
+// Lines of a legend in words.
+export function legendOf(found) {
+  return found.map(({ name, share, colour, meaning }) => {
+    const swatch = element("span", { class: "swatch" });
+    swatch.style.borderColor = colour;
+    return element(
+      "li",
+      { title: meaning },
+      swatch,
+      `${capital(words(name))} ${number(100 * share, 3)}\u00a0%`,
+      meaning ? element("small", {}, ` ${meaning}`) : null,
+    );
+  });
+}

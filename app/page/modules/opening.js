@@ -1,0 +1,70 @@
+// A view made whole: what it lacks is set to what is usual, what makes no sense is told of.
+
+import { shownParameters, typical, usual } from "./view.js";
+import { capital, words } from "./words.js";
+
+const MOTION = { kind: "simulate", scene: "rectangle-on-plane", output: "conveying_velocity" };
+const BEGIN = {
+  speed: MOTION,
+  drive: MOTION,
+  all: { kind: "sweep", scene: "rectangle-on-plane", output: "acceleration_x" },
+};
+const FIRST_OUTPUTS = ["conveying_velocity", "acceleration_x"];
+const FIRST_AXES = ["amplitude", "beta"];
+
+// A name that may be anybody's, as it is told.
+const told = (name) => words(name).slice(0, 60);
+
+// The view that a question begins with.
+export function begun(question) {
+  return { ...(BEGIN[question] ?? BEGIN.speed), choice: "", values: {}, question };
+}
+
+// Complete a view of a scene in its place. Returns a sentence about each part that makes no sense.
+export function complete(view, scene) {
+  const complaints = [...chooseOutput(view, scene)];
+  const given = { ...view.values };
+  for (const axis of [view.x, view.y]) if (axis) given[axis.name] = axis.from;
+  const parameters = shownParameters(scene, view.output, given);
+  const byName = Object.fromEntries(parameters.map((one) => [one.name, one]));
+  complaints.push(...chooseAxes(view, byName));
+  const foreign = Object.keys(view.values).filter((name) => !byName[name]);
+  for (const name of foreign) delete view.values[name];
+  for (const { name } of parameters) {
+    if (name === view.x.name || name === view.y?.name) delete view.values[name];
+    else view.values[name] ??= typical(byName[name]);
+  }
+  if (view.band && !(view.band.name in view.values)) view.band = null;
+  return { complaints, foreign: foreign.map((name) => `${capital(told(name))} is not a parameter here.`) };
+}
+
+function chooseOutput(view, scene) {
+  const known = scene.outputs.map(({ name }) => name);
+  if (known.includes(view.output)) return [];
+  const asked = view.output;
+  view.output = FIRST_OUTPUTS.find((name) => known.includes(name)) ?? known[0];
+  return asked ? [`There is no output ${told(asked)} here.`] : [];
+}
+
+function chooseAxes(view, byName) {
+  const complaints = [];
+  const names = [...FIRST_AXES, ...Object.keys(byName)].filter((name) => byName[name]);
+  for (const place of ["x", "y"]) {
+    const axis = view[place];
+    if (axis && !byName[axis.name]) {
+      complaints.push(`${capital(told(axis.name))} cannot be an axis here.`);
+      view[place] = undefined;
+    }
+    if (view[place] === undefined || (place === "x" && !view.x)) {
+      const other = place === "x" ? view.y?.name : view.x?.name;
+      const name = names.find((one) => one !== other);
+      if (!name) {
+        view[place] = null;
+        continue;
+      }
+      const [from, to] = usual(byName[name]);
+      view[place] = { name, from, to };
+    }
+  }
+  return complaints;
+}

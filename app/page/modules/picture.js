@@ -1,0 +1,91 @@
+// The picture of a view: a map or lines, the worst case of what is not known exactly, and how much holds.
+
+import { Curves } from "./curves.js";
+import { byId, element, fill } from "./elements.js";
+import { HeatMap } from "./map.js";
+import { capital, number, words } from "./words.js";
+
+export class Picture {
+  constructor({ onpick }) {
+    this.onpick = onpick;
+    this.drawing = null; // a map or lines
+  }
+
+  // Begin anew: what was drawn is of another view.
+  begin(view, scene) {
+    this.view = view;
+    this.scene = scene;
+    this.kind = null;
+    byId("headline").textContent = capital(words(view.output));
+    byId("worst").hidden = true;
+  }
+
+  show(found) {
+    const kind = found.y ? "map" : "curves";
+    if (this.kind !== kind) {
+      const options = { onpick: this.onpick, title: words(this.view.output) };
+      const host = byId("host");
+      this.drawing = kind === "map" ? new HeatMap(host, options) : new Curves(host, options);
+      this.kind = kind;
+    }
+    if (found.regime) {
+      found.regime.meanings ??= Object.fromEntries(
+        this.scene.regimes.map(({ name, description }) => [name, description]),
+      );
+    }
+    if (kind === "map") this.drawing.show(found);
+    else {
+      const values = Array.from(found.x.values, (_, i) => found.z.at(i));
+      this.drawing.show({
+        x: found.x,
+        lines: [{ name: found.z.name, unit: found.z.unit, values }],
+        regime: found.regime,
+      });
+    }
+    this.tellValidity(found);
+  }
+
+  // What is not known exactly: a band about each line, or a second map of the worst case.
+  showBand(found, { x, y, low, high }, { name, share }) {
+    const host = byId("worst");
+    const told = `${words(name)} known within ${number(100 * share)} %`;
+    host.hidden = false;
+    if (found.y) {
+      fill(host, element("h2", {}, `The least value, ${told}`), element("div", { id: "worst-host" }));
+      const worst = new HeatMap(byId("worst-host"), { title: "Worst case" });
+      worst.show({ x, y, z: { ...found.z, at: low }, regime: null });
+      return;
+    }
+    fill(host, element("p", {}, `The band: ${told}.`));
+    const along = (at) => Array.from(found.x.values, (_, i) => at(i));
+    this.drawing.show({
+      x: found.x,
+      lines: [{ ...found.z, values: along(found.z.at), low: along(low), high: along(high) }],
+      regime: found.regime,
+    });
+  }
+
+  // Points to be marked, of {x, y, text}. Lines have no marks.
+  mark(marks) {
+    this.drawing?.mark?.(marks);
+  }
+
+  // How much of the picture does not describe a real part.
+  tellValidity(found) {
+    const invalid = new Set(this.scene.regimes.filter(({ valid }) => !valid).map(({ value }) => value));
+    if (!found.regime || !invalid.size) {
+      byId("note").textContent = "";
+      return;
+    }
+    let beyond = 0;
+    const nx = found.x.values.length;
+    const ny = found.y?.values.length ?? 1;
+    for (let j = 0; j < ny; j++) {
+      for (let i = 0; i < nx; i++) beyond += invalid.has(found.regime.at(i, j));
+    }
+    byId("note").textContent = beyond
+      ? `In ${number((100 * beyond) / (nx * ny), 3)} % of the picture these formulas do not ` +
+        "describe a real part: it has left the track. Motion in time tells its true speed."
+      : "";
+  }
+}
