@@ -36,6 +36,10 @@ class Page {
     window.addEventListener("hashchange", () => {
       if (location.hash !== this.link) this.restore();
     });
+    byId("skip").addEventListener("click", (event) => {
+      event.preventDefault(); // the address is that of the view
+      byId("headline").focus();
+    });
   }
 
   async start() {
