@@ -131,7 +131,7 @@ def kind_schema(kind: str) -> dict[str, Any]:
     schema = STUDIES[kind].model_json_schema()
     known = SYSTEMS if kind == "simulate" else SCENES
     scenes = known.values()
-    giving = [*scenes, *SYSTEMS.values()] if kind == "optimise" else scenes
+    giving = [*scenes, *SYSTEMS.values()] if kind in ("optimise", "sensitivity") else scenes
     outputs = {name for scene in giving for v in scene.variants for name in scene.outputs(v)}
     variants = {variant for scene in scenes for variant in scene.variants}
     choice = next(iter(scenes)).choice

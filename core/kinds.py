@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
-from core import motion, optimise, sweep
+from core import motion, optimise, sensitivity, sweep
 from core.dataset.table import Table
 from core.errors import Problem, StudyError
 from core.motion.systems import SYSTEMS
@@ -60,6 +60,9 @@ KINDS: dict[str, Kind] = {
     "sweep": Kind(sweep.prepare, sweep.further, sweep.compute, sweep.label),
     "simulate": Kind(motion.prepare, motion.further, motion.compute, motion.label),
     "optimise": Kind(optimise.prepare, optimise.further, optimise.compute, optimise.label),
+    "sensitivity": Kind(
+        sensitivity.prepare, sensitivity.further, sensitivity.compute, sensitivity.label
+    ),
 }
 """Every kind of study, by the value of its key `kind`."""
 
@@ -68,6 +71,7 @@ PLACES: Mapping[str, tuple[Mapping[str, Scene], ...]] = {
     "sweep": (SCENES,),
     "simulate": (SYSTEMS,),
     "optimise": (SCENES, SYSTEMS),
+    "sensitivity": (SCENES, SYSTEMS),
 }
 """Where the scenes of each kind of study are found."""
 

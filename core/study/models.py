@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from core.study.optimise_study import OptimiseStudy
+from core.study.sensitivity_study import SensitivityStudy
 from core.study.simulate_study import SimulateStudy
 from core.study.sweep_study import SweepStudy
 
-Study = SweepStudy | SimulateStudy | OptimiseStudy
+Study = SweepStudy | SimulateStudy | OptimiseStudy | SensitivityStudy
 """A study of any kind."""
 
-STUDIES: dict[str, type[SweepStudy] | type[SimulateStudy] | type[OptimiseStudy]] = {
+STUDIES: dict[
+    str,
+    type[SweepStudy] | type[SimulateStudy] | type[OptimiseStudy] | type[SensitivityStudy],
+] = {
     "sweep": SweepStudy,
     "simulate": SimulateStudy,
     "optimise": OptimiseStudy,
+    "sensitivity": SensitivityStudy,
 }

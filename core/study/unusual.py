@@ -20,7 +20,7 @@ SLIPS: Final[Mapping[str, str]] = {
 """In which unit a number was probably meant that is unusual in that of its quantity."""
 
 PARTS: Final = ("parameters", "variables", "uncertain")
-ENDS: Final = ("start", "stop", "lower", "upper")
+ENDS: Final = ("start", "stop", "lower", "upper", "mean", "most_likely", "median")
 
 
 def questions(content: object) -> list[str]:
@@ -43,6 +43,7 @@ def _leaves(raw: object) -> Iterator[Any]:
     """Yield the numbers, or texts, of a value, a list, a range or bounds."""
     if isinstance(raw, Mapping):
         yield from (raw[end] for end in ENDS if end in raw)
+        yield from raw.get("values", ())
     elif isinstance(raw, list | tuple):
         yield from raw
     else:

@@ -250,7 +250,7 @@ def _step(
 ) -> tuple[float, int]:
     """Return the last value that whole steps reach, and the number of values."""
     # A step is a difference: it may be smaller than a strict lower bound allows a value to be.
-    step = read_number(f"step of {name}", _difference(quantity), raw)
+    step = read_number(f"step of {name}", as_difference(quantity), raw)
     first, apart = as_typed(start), as_typed(step)
     steps = (as_typed(stop) - first) / apart
     if steps > MOST_POINTS:
@@ -264,7 +264,8 @@ def _step(
     return (stop if reaches else float(first + whole * apart)), whole + 1
 
 
-def _difference(quantity: Quantity) -> Quantity:
+def as_difference(quantity: Quantity) -> Quantity:
+    """Return what a difference of two values of a quantity is: above 0, without other bounds."""
     return Quantity(
         quantity.unit, quantity.symbol, quantity.label, quantity.description, 0.0, strict=True,
         examples=quantity.examples,

@@ -1,0 +1,68 @@
+"""Points that fill the unit box evenly, and the values of uncertain parameters that they stand for.
+
+Scrambled Sobol points: each set is evenly spread and random, so that several sets tell how far off
+their mean may be. Equal seeds give equal bits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.plan.grid import parameter_to_si
+from core.study.distributions import Distribution, quantiles
+
+BITS = 30
+"""Of a coordinate; points lie in the middles of so fine cells, so that none lies on an edge."""
+
+
+def points(dimensions: int, count: int, seed: int, replicates: int = 1) -> Array:
+    """Return sets of scrambled Sobol points.
+
+    Parameters
+    ----------
+    dimensions : int
+        Of the box.
+    count : int
+        Points of each set, a power of two.
+    seed : int
+        Another one gives others.
+    replicates : int
+        Sets, each scrambled by itself.
+
+    Returns
+    -------
+    ndarray, shape (dimensions, replicates, count)
+        Above 0 and below 1.
+    """
+    from scipy.stats import qmc  # takes a quarter of a second to load
+
+    random = np.random.default_rng(seed)
+    sets = [
+        qmc.Sobol(dimensions, scramble=True, bits=BITS, rng=random).random(count)
+        for _ in range(replicates)
+    ]
+    return np.ascontiguousarray(np.moveaxis(np.stack(sets), 2, 0)) + 0.5 ** (BITS + 1)
+
+
+def values_at(distributions: Mapping[str, Distribution], shares: Array) -> dict[str, Array]:
+    """Return the parameters at points of the unit box, in the unit of the code.
+
+    Parameters
+    ----------
+    distributions : mapping of str to Distribution
+        Of each coordinate, in order.
+    shares : ndarray, shape (parameters, ...)
+        The points.
+
+    Returns
+    -------
+    dict of str to ndarray
+        Arrays of the shape of a coordinate.
+    """
+    return {
+        name: parameter_to_si(name, quantiles(name, one, share))
+        for (name, one), share in zip(distributions.items(), shares, strict=True)
+    }

@@ -1,0 +1,129 @@
+"""What a study tells: every variable of its result, with its dimensions, unit and words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from core.quantities import QUANTITIES, REGIMES
+from core.study.sensitivity_study import Demand, SensitivityStudy
+
+UNCERTAIN = "uncertain"
+"""The dimension of the uncertain parameters."""
+QUANTILE = "quantile"
+LEVEL = "level"
+"""The dimension of the quantiles of which a whole distribution is drawn."""
+INTERVAL = "Half the width of the interval that holds the true value in 95 % of all cases."
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A variable of the result.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    over : str
+        Its dimension besides those of the grid; empty for none.
+    unit : str
+        Its unit.
+    label, comment : str
+        What it is.
+    """
+
+    name: str
+    over: str
+    unit: str
+    label: str
+    comment: str
+
+    @property
+    def attributes(self) -> Mapping[str, Any]:
+        """Its CF attributes."""
+        return {"units": self.unit, "long_name": self.label, "comment": self.comment}
+
+
+def answers(study: SensitivityStudy, outputs: tuple[str, ...]) -> Iterator[Answer]:
+    """Yield every variable of the result of a study, in order, `regime` left out."""
+    for demand in study.demands:
+        yield from _of_demand(demand)
+    for name in outputs:
+        yield from _of_output(study, name)
+
+
+def _of_demand(demand: Demand) -> Iterator[Answer]:
+    name = f"probability_{demand.name}"
+    yield Answer(name, "", "1", f"Probability of {in_words(demand)}", "Points without a sound "
+                 "value count as ones that do not meet it.")  # fmt: skip
+    yield Answer(f"{name}_error", "", "1", f"Error of the probability of {in_words(demand)}",
+                 INTERVAL)  # fmt: skip
+
+
+def in_words(demand: Demand) -> str:
+    """Return a demand in words."""
+    if demand.regime is not None:
+        return f"{demand.regime}: {REGIMES[demand.regime].description}"
+    output = QUANTITIES[str(demand.output)]
+    unit = "" if output.unit == "1" else f" {output.unit}"
+    ends = [
+        f"{words} {end:g}{unit}"
+        for words, end in (("at least", demand.at_least), ("at most", demand.at_most))
+        if end is not None
+    ]
+    return f"{_lower(output.label)} {' and '.join(ends)}"
+
+
+def _lower(label: str) -> str:
+    return label[:1].lower() + label[1:]
+
+
+def _of_output(study: SensitivityStudy, name: str) -> Iterator[Answer]:
+    quantity = QUANTITIES[name]
+    unit, what = quantity.unit, _lower(quantity.label)
+
+    def told(part: str, words: str, comment: str, over: str = "", unit: str = unit) -> Answer:
+        return Answer(f"{name}_{part}", over, unit, f"{words} of the {what}", comment)
+
+    def with_error(part: str, words: str, comment: str, over: str = "", unit: str = unit) -> Any:
+        yield told(part, words, comment, over, unit)
+        error = f"Error of the {_lower(words)}"
+        yield told(f"{part}_error", error, INTERVAL, over, unit)
+
+    if "distribution" in study.analyses:
+        yield from with_error("mean", "Mean", "Over the points that have a sound value.")
+        yield from with_error("deviation", "Standard deviation", "Over the same points.")
+        comment = "The value below which so large a share of the points lies."
+        yield from with_error(QUANTILE, "Quantile", comment, QUANTILE)
+        yield told("distribution", "Distribution", comment, LEVEL)
+    yield told(
+        "left_out", "Share left out", "Points that have no value, or in a regime where the values "
+        "do not describe a real part.", unit="1",
+    )  # fmt: skip
+    if "sobol" in study.analyses:
+        yield from with_error(
+            "first", "First Sobol index", "The share of the variance that would go if this "
+            "parameter alone were known.", UNCERTAIN, "1",
+        )  # fmt: skip
+        yield from with_error(
+            "total", "Total Sobol index", "The share of the variance that would stay if all other "
+            "parameters were known.", UNCERTAIN, "1",
+        )  # fmt: skip
+    if "morris" in study.analyses:
+        comment = "The mean size of what moving this parameter through half its distribution does, "
+        yield told("effect", "Mean effect (mu*)", comment + "twice.", UNCERTAIN)
+        comment = "How much that depends on where one is: by curvature, or by other parameters."
+        yield told("effect_deviation", "Deviation of the effect (sigma)", comment, UNCERTAIN)
+    if "budget" in study.analyses:
+        yield told("nominal", "Nominal value", "All parameters at their nominal values.")
+        for end in ("lower", "upper"):
+            comment = f"This parameter at the {end} end of its tolerance, the others nominal."
+            yield told(f"at_{end}", f"Value at the {end} end", comment, UNCERTAIN)
+        comment = "The derivative by this parameter, times half its tolerance; none at a kink."
+        yield told("linear", "Linear change", comment, UNCERTAIN)
+        comment = "Of this parameter in the variance of the linear budget; none at a kink."
+        yield told("variance_share", "Share of the variance", comment, UNCERTAIN, "1")
+        comment = "Over the box of all tolerances: of its corners, and of points inside."
+        yield told("least", "Least value", comment)
+        yield told("largest", "Largest value", comment)

@@ -1,0 +1,153 @@
+"""Tolerance budgets: what the tolerance of each parameter does to an output.
+
+The ends: each parameter at either end of its tolerance, the others at their nominal values. The
+linear budget: the derivative of the output times the tolerance, and the shares of the variance that
+follow; both hold for small tolerances. The worst case: the least and the largest value over the
+whole box, of its corners and of points inside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+from core.plan.draws import points
+from core.plan.grid import parameter_to_si
+from core.study.distributions import Distribution, deviation, nominal, tolerance
+
+NEAR = 0.01
+"""Of half the tolerance, by which a difference steps to either side; and half of that."""
+MOST_CORNERS = 10
+"""Parameters up to which all corners of the box are looked at: 1,024."""
+INSIDE = 256
+"""Points inside the box that are looked at."""
+SMOOTH = 0.7
+"""Share of the difference of both slopes that is left at half the step: a half at a smooth point,
+all of it at a kink, twice as much at a jump."""
+EVEN = 1e-6
+"""Difference of both slopes, as a share of the larger one, that is not looked at."""
+BENT = 0.1
+"""Difference of both slopes, over the steepness of the whole tolerance, that no bend explains."""
+
+
+@dataclass(frozen=True)
+class Told:
+    """What a budget tells of an output; arrays of shape (cells,), or (parameters, cells).
+
+    Attributes
+    ----------
+    nominal : ndarray
+        Its value where all parameters are at their nominal values.
+    at_lower, at_upper : ndarray
+        Its values where one parameter is at an end of its tolerance.
+    linear : ndarray
+        The derivative times half the tolerance; NaN at a kink or a jump.
+    variance_share : ndarray
+        The share of a parameter in the variance of the linear budget.
+    least, largest : ndarray
+        The worst cases seen.
+    """
+
+    nominal: Array
+    at_lower: Array
+    at_upper: Array
+    linear: Array
+    variance_share: Array
+    least: Array
+    largest: Array
+
+
+@dataclass(frozen=True)
+class Budget:
+    """The points at which a budget is told from.
+
+    Attributes
+    ----------
+    distributions : mapping of str to Distribution
+        Of the uncertain parameters.
+    seed : int
+        Of the points inside the box.
+    """
+
+    distributions: Mapping[str, Distribution]
+    seed: int = 0
+
+    @cached_property
+    def ends(self) -> Array:
+        """The ends of the tolerances, shape (2, parameters), in the unit of studies."""
+        return np.array([tolerance(name, one) for name, one in self.distributions.items()]).T
+
+    @cached_property
+    def middle(self) -> Array:
+        """The nominal values, shape (parameters,), in the unit of studies."""
+        return np.array([nominal(one) for one in self.distributions.values()])
+
+    @cached_property
+    def _steps(self) -> Array:
+        """How far a difference steps, shape (parameters,)."""
+        return NEAR * (self.ends[1] - self.ends[0]) / 2
+
+    @cached_property
+    def _places(self) -> Array:
+        """Every point, shape (parameters, points): the nominal one first."""
+        count = len(self.middle)
+        one = np.eye(count)
+        lower, upper, middle = self.ends[0], self.ends[1], self.middle
+        # At an end of its tolerance a parameter steps inwards: differences stay within the box.
+        centre = np.clip(middle, lower + self._steps, upper - self._steps)
+        rows = [middle[None], middle + one * (lower - middle), middle + one * (upper - middle)]
+        base = middle + one * (centre - middle)
+        rows += [base, *(base + one * (step * self._steps) for step in (-1.0, -0.5, 0.5, 1.0))]
+        inside = points(count, INSIDE, self.seed)[:, 0].T
+        if count <= MOST_CORNERS:
+            corners = np.array(list(product((0.0, 1.0), repeat=count)))
+        else:
+            corners = np.round(points(count, 1 << MOST_CORNERS, self.seed + 1)[:, 0].T)
+        rows.append(lower + (upper - lower) * np.concatenate([corners, inside]))
+        return np.ascontiguousarray(np.concatenate(rows).T)
+
+    @property
+    def size(self) -> int:
+        """The number of points."""
+        return int(self._places.shape[1])
+
+    def values(self) -> dict[str, Array]:
+        """Return the parameters at every point, in the unit of the code."""
+        return {
+            name: parameter_to_si(name, values)
+            for name, values in zip(self.distributions, self._places, strict=True)
+        }
+
+    def told(self, values: Array) -> Told:
+        """Return the budget from the values of an output, shape (cells, points)."""
+        count = len(self.middle)
+        values = values.T
+        parts = values[1 : 1 + 7 * count].reshape(7, count, -1)
+        at_lower, at_upper, base, far_below, below, above, far_above = parts
+        steps = self._steps[:, None]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            far = (far_above - 2 * base + far_below) / steps
+            near = (above - 2 * base + below) / (steps / 2)
+            wide, narrow = (far_above - far_below) / (2 * steps), (above - below) / steps
+            slope = (4 * narrow - wide) / 3
+            largest = np.maximum(np.abs(above - base), np.abs(base - below)) / (steps / 2)
+            half = (self.ends[1] - self.ends[0])[:, None] / 2
+            whole = np.maximum(np.abs(at_lower - values[0]), np.abs(at_upper - values[0])) / half
+            bends = (np.abs(near) <= SMOOTH * np.abs(far)) & (np.abs(far) <= BENT * whole)
+            slope = np.where(bends | (np.abs(near) <= EVEN * largest), slope, np.nan)
+            spread = np.array([deviation(name, one) for name, one in self.distributions.items()])
+            variance = (slope * spread[:, None]) ** 2
+            share = variance / variance.sum(axis=0)
+        seen = np.where(np.isfinite(values), values, np.nan)
+        lost = np.isnan(seen).all(axis=0)
+        seen = np.where(lost, 0.0, seen)
+        least, most = np.nanmin(seen, axis=0), np.nanmax(seen, axis=0)
+        return Told(
+            values[0], at_lower, at_upper, slope * half, share,
+            np.where(lost, np.nan, least), np.where(lost, np.nan, most),
+        )  # fmt: skip

@@ -1,0 +1,68 @@
+"""Labels of what is told of uncertain parameters."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+
+from core.dataset.table import Table, Variable, regime_attributes
+from core.plan.labels import coordinates_of, global_attributes
+from core.plan.pieces import Computed
+from core.quantities import QUANTITIES
+from core.sensitivity.answers import LEVEL, QUANTILE, UNCERTAIN
+from core.sensitivity.prepare import Sensitivity
+from core.sensitivity.replicates import REPLICATES
+from core.sensitivity.statistics import LEVELS
+from core.watch import Watch
+
+
+def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
+    """Return what was computed of a study, labelled."""
+    arrays, dims = computed.arrays, prepared.dims
+    variables = {
+        name: Variable(dims[name], arrays[name], one.attributes)
+        for name, one in prepared.answers.items()
+    }
+    attributes = regime_attributes(prepared.plan.regimes)
+    attributes["comment"] += "; of the nominal values"
+    variables["regime"] = Variable(dims["regime"], arrays["regime"], attributes)
+    return Table(
+        {**coordinates_of(prepared.plan, prepared.grid), **_coordinates(prepared)},
+        variables,
+        {
+            **global_attributes(prepared, "over uncertain parameters"),
+            "uncertain_parameters": _distributions(prepared),
+            "evaluations": float(prepared.evaluations) * prepared.cells,
+            "accuracy": f"errors are half the widths of 95 % intervals, from {REPLICATES} "
+            f"scramblings of {prepared.study.samples // REPLICATES:,} Sobol points",
+            **computed.notes,
+        },
+    )
+
+
+def _coordinates(prepared: Sensitivity) -> dict[str, Variable]:
+    """Return the dimensions beside the grid, as far as some variable has them."""
+    names = [*prepared.uncertain]
+    ends = np.linspace(0.0, 1.0, LEVELS)
+    uncertain = {
+        "long_name": "Uncertain parameter",
+        "flag_values": np.arange(len(names), dtype=np.int8),
+        "flag_meanings": " ".join(names),
+        "comment": "; ".join(f"{name}: {QUANTITIES[name].label}" for name in names),
+    }
+    share = {"units": "1", "comment": "Share of the points below the value."}
+    found = {
+        UNCERTAIN: Variable((UNCERTAIN,), np.arange(len(names), dtype=np.int8), uncertain),
+        QUANTILE: Variable(
+            (QUANTILE,), np.array(prepared.study.quantiles), {**share, "long_name": "Quantile"}
+        ),
+        LEVEL: Variable((LEVEL,), ends, {**share, "long_name": "Level of the distribution"}),
+    }
+    used = {dim for dims in prepared.dims.values() for dim in dims}
+    return {name: one for name, one in found.items() if name in used}
+
+
+def _distributions(prepared: Sensitivity) -> str:
+    """Return the distributions as JSON, in the units of studies."""
+    return json.dumps({name: one.canonical() for name, one in prepared.uncertain.items()})

@@ -1,0 +1,93 @@
+"""Morris's screening: what changing one input does, from many places, by few evaluations.
+
+A path starts at a random point of a lattice and changes one input after the other, each by half of
+its distribution. The change of the output over that half is an elementary effect of the input. The
+mean of their sizes (mu*) tells how much the input matters, their deviation (sigma) whether that
+depends on where one is, by curvature or by other inputs: M. Morris, Technometrics 33 (1991) 161;
+mu* by F. Campolongo et al., Environmental Modelling & Software 22 (2007) 1509. SALib has the same,
+and brings pandas and matplotlib with it for these few lines.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from core.mechanics.arrays import Array
+
+LEVELS = 4
+"""Of each input, in the middles of quarters of its distribution: none at an end, maybe infinite."""
+STEP = 0.5
+"""From a level to the one two further on: each level is as likely as any."""
+
+
+class Effects(NamedTuple):
+    """Elementary effects of each input, in the unit of the output; arrays of shape (..., inputs).
+
+    Attributes
+    ----------
+    size : ndarray
+        The mean of their absolute values, mu*; NaN without a value.
+    deviation : ndarray
+        Their standard deviation, sigma.
+    """
+
+    size: Array
+    deviation: Array
+
+
+class Paths(NamedTuple):
+    """The points of paths.
+
+    Attributes
+    ----------
+    points : ndarray, shape (inputs, paths, inputs + 1)
+        Above 0 and below 1.
+    changed : ndarray of int, shape (paths, inputs)
+        Which input each step changes.
+    signs : ndarray, shape (paths, inputs)
+        Whether each step goes up (1) or down (-1).
+    """
+
+    points: Array
+    changed: Array
+    signs: Array
+
+
+def paths(inputs: int, count: int, seed: int) -> Paths:
+    """Return random paths; the same for equal seeds."""
+    random = np.random.default_rng((seed, 1991))
+    level = random.integers(LEVELS, size=(count, inputs))
+    start = (level + 0.5) / LEVELS
+    changed = random.permuted(np.tile(np.arange(inputs), (count, 1)), axis=1)
+    up = np.where(level < LEVELS / 2, 1.0, -1.0)
+    points = np.repeat(start[:, None, :], inputs + 1, axis=1)
+    rows = np.arange(count)
+    for step in range(inputs):
+        which = changed[:, step]
+        points[rows, step + 1 :, which] += (STEP * up[rows, which])[:, None]
+    signs = np.take_along_axis(up, changed, axis=1)
+    return Paths(np.moveaxis(points, 2, 0), changed, signs)
+
+
+def effects_of(values: Array, along: Paths) -> Effects:
+    """Return the effects from values at the points of paths.
+
+    Parameters
+    ----------
+    values : ndarray, shape (..., paths, inputs + 1)
+        NaN where there is none: then the steps from and to it are left out.
+    """
+    steps = np.diff(values, axis=-1) * along.signs / STEP
+    order = np.broadcast_to(np.argsort(along.changed, axis=-1), steps.shape)
+    effects = np.take_along_axis(steps, order, axis=-1)
+    known = np.isfinite(effects)
+    count = known.sum(axis=-2)
+    effects = np.where(known, effects, 0.0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        size = np.abs(effects).sum(axis=-2) / count
+        mean = effects.sum(axis=-2) / count
+        away = np.where(known, effects - mean[..., None, :], 0.0)
+        deviation = np.sqrt((away**2).sum(axis=-2) / (count - 1))
+    return Effects(np.where(count > 0, size, np.nan), np.where(count > 1, deviation, np.nan))

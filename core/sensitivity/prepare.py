@@ -1,0 +1,304 @@
+"""From a study of uncertain parameters to what can be carried out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import Problem, StudyError, suggestion
+from core.motion.prepare import choose_system, price_of
+from core.motion.systems import CONTACTS as DRIVEN
+from core.motion.systems import methods_of
+from core.optimise.prepare import choose_problem_scene
+from core.optimise.wrong import NAMES_OF_STATES
+from core.plan.grid import Grid, to_si
+from core.plan.plan import Plan
+from core.plan.prepared import Chosen, Prepared, further_problems, names_meant, plan_study
+from core.plan.price import pace
+from core.quantities import REGIMES
+from core.sensitivity.answers import LEVEL, QUANTILE, UNCERTAIN, Answer, answers
+from core.sensitivity.budget import Budget
+from core.sensitivity.indices import MOST_INPUTS
+from core.sensitivity.statistics import LEVELS
+from core.study.distributions import Distribution, nominal, tolerance
+from core.study.sensitivity_study import SensitivityStudy
+from core.study.values import Fixed, Span, Values
+
+PATH_SAMPLES = 64
+"""Samples for each of which Morris's screening goes one path."""
+FEWEST_PATHS = 16
+MOST_VALUES = 10_000_000
+"""Values of one design that are looked at together: they fill a few hundred megabytes."""
+MOST_EVALUATIONS = 2_000_000_000
+"""Evaluations of a whole study."""
+TOLD_SECONDS = 2e-7
+"""What it takes to count a value, beside evaluating it."""
+
+
+@dataclass(frozen=True)
+class Sensitivity(Prepared):
+    """A study of uncertain parameters that can be carried out; its grid is that of the designs."""
+
+    study: SensitivityStudy
+
+    @cached_property
+    def uncertain(self) -> dict[str, Distribution]:
+        """The parameters that are not known exactly, and their distributions."""
+        return self.study.distributions()
+
+    @cached_property
+    def outputs(self) -> tuple[str, ...]:
+        """The outputs that are told of: those that the study asks for."""
+        return tuple(name for name in self.plan.outputs if name in self.study.outputs)
+
+    @cached_property
+    def answers(self) -> dict[str, Answer]:
+        """Every variable of the result, `regime` left out."""
+        return {one.name: one for one in answers(self.study, self.outputs)}
+
+    @cached_property
+    def dims(self) -> dict[str, tuple[str, ...]]:
+        """The dimensions of each variable: one more may stand before the axes of the grid."""
+        axes = tuple(self.grid.axes)
+        found = {n: (one.over, *axes) if one.over else axes for n, one in self.answers.items()}
+        return {**found, "regime": axes}
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """The unit of each variable."""
+        return {**{name: one.unit for name, one in self.answers.items()}, "regime": "1"}
+
+    @property
+    def sizes(self) -> Mapping[str, int]:
+        """The length of each dimension."""
+        quantiles = len(self.study.quantiles)
+        more = {UNCERTAIN: len(self.uncertain), QUANTILE: quantiles, LEVEL: LEVELS}
+        return {**more, **self.grid.shape}
+
+    @property
+    def bytes(self) -> int:
+        """Bytes that the result takes, uncompressed."""
+        each = sum(8 * self.sizes.get(one.over, 1) for one in self.answers.values())
+        return self.cells * (each + 1)
+
+    @property
+    def computed_bytes(self) -> int:
+        """As in `Prepared`."""
+        return self.bytes
+
+    def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
+        """As in `Prepared`: they are computed in the units of files."""
+        return values
+
+    @cached_property
+    def budget(self) -> Budget:
+        """The points of the tolerance budget."""
+        return Budget(self.uncertain, self.study.seed)
+
+    @property
+    def paths(self) -> int:
+        """The paths of Morris's screening."""
+        return max(FEWEST_PATHS, self.study.samples // PATH_SAMPLES)
+
+    @cached_property
+    def evaluations(self) -> int:
+        """How often the outputs of each design are computed."""
+        return evaluations_of(self.study, self.budget)
+
+    @cached_property
+    def _price(self) -> tuple[float, float]:
+        """Seconds of an evaluation as is likely, and at most."""
+        if not any(one.takes_long for one in self.plan.equations):
+            seconds = self.plan.scene.seconds_a_cell * pace()
+            return seconds, seconds
+        ends = {
+            name: tuple(to_si(name, np.array(tolerance(name, one))).tolist())
+            for name, one in self.uncertain.items()
+        }
+        method = methods_of(self.plan.scene.name)[self.plan.variant]
+        return price_of(method, self.plan, self.grid, ends)  # type: ignore[arg-type]
+
+    @property
+    def _counting(self) -> float:
+        return TOLD_SECONDS * len(self.plan.outputs)
+
+    @property
+    def seconds_a_cell(self) -> float:
+        """As in `Prepared`."""
+        return self.evaluations * (self._price[0] + self._counting)
+
+    @property
+    def most_seconds_a_cell(self) -> float:
+        """As in `Prepared`."""
+        return self.evaluations * (self._price[1] + self._counting)
+
+    def what_fits(self, share: float) -> str:
+        """As in `Prepared`."""
+        return super().what_fits(share) if self.grid.shape else "It fits with fewer outputs"
+
+
+def evaluations_of(study: SensitivityStudy, budget: Budget) -> int:
+    """Return how often a study computes the outputs of each design."""
+    count, total = len(study.distributions()), 1
+    if {"distribution", "sobol"} & set(study.analyses) or study.demands:
+        total += study.samples * (count + 2 if "sobol" in study.analyses else 1)
+    if "morris" in study.analyses:
+        total += max(FEWEST_PATHS, study.samples // PATH_SAMPLES) * (count + 1)
+    return total + (budget.size if "budget" in study.analyses else 0)
+
+
+def prepare(study: SensitivityStudy) -> Sensitivity:
+    """Return a study of uncertain parameters that can be carried out.
+
+    Raises
+    ------
+    StudyError
+        With every problem of scene, outputs, demands, parameters and distributions.
+    """
+    uncertain, asked = study.distributions(), study.asked()
+    if not uncertain:
+        fix = "Add a parameter, for example friction = { mean = 0.3, deviation = 0.03 }"
+        raise StudyError([Problem("uncertain", "nothing is uncertain", fix)])
+    problems = [*_wrong(study)]
+    given = (*study.values(), *uncertain)
+    try:
+        chosen = _chosen(study.scene, study.variant, study.method, asked, given)
+    except StudyError as error:
+        raise StudyError([*problems, *error.problems]) from None
+    scene = chosen[0]
+    if study.drive is not None and (scene.choice != "method" or scene.name not in DRIVEN):
+        message = "closed forms support only the plain sine of amplitude, alpha and beta"
+        fix = f"Ask for conveying_velocity of {', '.join(DRIVEN)}, or give these"
+        problems.append(Problem("drive", message, fix))
+    values = study.values()
+    spans = {n: _span(n, one) for n, one in uncertain.items() if n not in values}
+    try:
+        plan, _ = plan_study(study, asked, chosen, spans)
+    except StudyError as error:
+        told = [*problems, *(_placed(one, study) for one in error.problems)]
+        raise StudyError(told) from None
+    problems += _wrong_regimes(study, plan)
+    if problems:
+        raise StudyError(problems)
+    prepared = Sensitivity(study, plan, Grid.of(values))
+    _check_size(prepared)
+    return prepared
+
+
+def _chosen(
+    name: str,
+    variant: str | None,
+    method: str | None,
+    outputs: Iterable[str],
+    given: Iterable[str],
+) -> Chosen:
+    """Return the scene of closed forms, or of motion where a method or an output asks for it."""
+    if method is None:
+        return choose_problem_scene(name, variant, outputs, given)
+    scene, chosen, problems = choose_system(name, method, given)
+    if variant is not None:
+        fix = "Remove it, or leave method out"
+        problems = [*problems, Problem("variant", "motion in time has no variants", fix)]
+    return scene, chosen, problems
+
+
+def _span(name: str, distribution: Distribution) -> Values:
+    """Return the values that a parameter can have, as far as constraints of a scene ask."""
+    lower, upper = tolerance(name, distribution)
+    return Span(lower, upper, 2) if lower < upper else Fixed(nominal(distribution))
+
+
+def _wrong(study: SensitivityStudy) -> Iterable[Problem]:
+    """Yield what is wrong between the parts of a study."""
+    values, uncertain = study.values(), study.distributions()
+    for name in uncertain:
+        if name in values:
+            fix = f"Remove it there, or under parameters.{name}"
+            yield Problem(f"uncertain.{name}", "it is also given as a parameter", fix)
+    if len(uncertain) > MOST_INPUTS:
+        message = f"there are {len(uncertain)} of them"
+        yield Problem("uncertain", message, f"Keep the {MOST_INPUTS} that matter most")
+    for name in study.outputs:
+        if name in NAMES_OF_STATES:
+            fix = 'Ask for its probability: [[demands]] regime = "hopping"'
+            yield Problem("outputs", f"{name} is a name and not a number", fix)
+    if study.verify is not None:
+        message = "what is told of drawn points has errors of its own, which the result states"
+        yield Problem("verify", message, "Leave it out, or verify a simulation or a sweep")
+    seen: set[str] = set()
+    for number, one in enumerate(study.demands):
+        place = f"demands.{number}"
+        if (one.output is None) == (one.regime is None):
+            yield Problem(place, "it names neither or both", "Name an output, or a regime")
+        elif one.output is not None and one.at_least is None and one.at_most is None:
+            yield Problem(place, "it asks for nothing", "Give at_least, at_most or both")
+        elif one.regime is not None and (one.at_least is not None or one.at_most is not None):
+            fix = "Remove the bounds: the probability of the regime is told"
+            yield Problem(place, "a regime has no bounds", fix)
+        elif one.at_least is not None and one.at_most is not None and one.at_least > one.at_most:
+            yield Problem(place, "at_least is above at_most", "Swap them")
+        if one.output in NAMES_OF_STATES:
+            fix = 'Name the regime, for example regime = "hopping"'
+            yield Problem(f"{place}.output", f"{one.output} is a name and not a number", fix)
+        if one.name in seen:
+            fix = "Remove one of them; quantiles tell of any number of bounds"
+            yield Problem(place, f"there is such a demand of {one.output or one.regime}", fix)
+        seen.add(one.name)
+
+
+def _wrong_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Problem]:
+    """Yield the demands of regimes that the outputs asked for do not tell."""
+    for number, one in enumerate(study.demands):
+        if one.regime is not None and one.regime not in plan.regimes:
+            if one.regime in REGIMES:
+                fix = f"Those of these outputs are {', '.join(plan.regimes)}"
+                message = f"'{one.regime}' is no regime that these outputs tell"
+            else:
+                message, fix = f"'{one.regime}' is not a regime", suggestion(one.regime, REGIMES)
+            yield Problem(f"demands.{number}.regime", message, fix)
+
+
+def _placed(problem: Problem, study: SensitivityStudy) -> Problem:
+    """Return a problem of the plan at the place where the study says what it is about."""
+    section, _, name = problem.place.partition(".")
+    if section == "parameters" and name in study.distributions():
+        return replace(problem, place=f"uncertain.{name}")
+    if section == "outputs" and problem.about and problem.about not in study.outputs:
+        for number, one in enumerate(study.demands):
+            if one.output == problem.about:
+                return replace(problem, place=f"demands.{number}.output")
+    return problem
+
+
+def _check_size(prepared: Sensitivity) -> None:
+    """Raise `StudyError` if a study takes more than memory and patience hold."""
+    outputs, each = len(prepared.plan.outputs), prepared.evaluations
+    if each * outputs > MOST_VALUES:
+        message = f"each design takes {each:,} evaluations of {outputs} outputs"
+        fix = f"Take fewer samples or outputs: {MOST_VALUES:,} values a design at most"
+        raise StudyError([Problem("samples", message, fix)])
+    if each * prepared.cells > MOST_EVALUATIONS:
+        message = f"{prepared.cells:,} designs take {each:,} evaluations each"
+        fix = f"Take fewer designs or samples: {MOST_EVALUATIONS:,} evaluations at most"
+        raise StudyError([Problem("samples", message, fix)])
+
+
+def further(content: Mapping[str, Any], known: StudyError) -> list[Problem]:
+    """Return what a plan of unsound content would object to, as far as it can be told."""
+    parameters, uncertain = content.get("parameters"), content.get("uncertain")
+    if not isinstance(parameters, Mapping):
+        return []
+    given = {**parameters, **(uncertain if isinstance(uncertain, Mapping) else {})}
+
+    def chosen(content: Mapping[str, Any]) -> Chosen:
+        texts = (content.get(key) for key in ("variant", "method"))
+        variant, method = (text if isinstance(text, str) else None for text in texts)
+        outputs = content["outputs"]
+        return _chosen(content["scene"], variant, method, outputs, names_meant(given))
+
+    return further_problems({**content, "parameters": given}, known, chosen)

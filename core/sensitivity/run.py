@@ -1,0 +1,211 @@
+"""Carrying out a study of uncertain parameters: points, outputs, what is told of them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import StoppedError
+from core.mechanics.arrays import Array, Mask
+from core.plan.draws import values_at
+from core.plan.equations import regimes, regimes_of, run_equations
+from core.plan.grid import from_si
+from core.plan.pieces import Computed
+from core.quantities import REGIMES
+from core.sensitivity import statistics
+from core.sensitivity.indices import design, indices_of
+from core.sensitivity.morris import effects_of, paths
+from core.sensitivity.prepare import Sensitivity
+from core.sensitivity.replicates import REPLICATES
+from core.study.sensitivity_study import Demand
+from core.watch import Watch
+
+BLOCK = 1 << 18
+"""Evaluations at a time: bounds the memory, and tells often enough how far it is."""
+INVALID = [flag.value for flag in REGIMES.values() if not flag.valid]
+
+Arrays = dict[str, NDArray[Any]]
+
+
+@dataclass(frozen=True)
+class Values:
+    """Outputs of some designs at points, in the units of studies.
+
+    Attributes
+    ----------
+    outputs : mapping of str to ndarray
+        Shape (designs, ...); NaN where there is no sound value.
+    regime : ndarray of int8
+        The regimes, of the same shape.
+    """
+
+    outputs: Mapping[str, Array]
+    regime: NDArray[np.int8]
+
+    def shaped(self, *shape: int) -> Values:
+        """Return the same with the points in another shape."""
+        return Values(
+            {name: one.reshape(-1, *shape) for name, one in self.outputs.items()},
+            self.regime.reshape(-1, *shape),
+        )
+
+
+def compute(prepared: Sensitivity, watch: Watch) -> Computed:
+    """Return every variable of a study, in the units of studies.
+
+    Raises
+    ------
+    StoppedError
+        If `watch` stops it: half of the points are no answer.
+    """
+    shape = tuple(prepared.grid.shape.values())
+    designs = {
+        name: np.broadcast_to(values, shape).reshape(-1, 1)
+        for name, values in prepared.grid.si().items()
+        if name in prepared.plan.parameters
+    }
+    step = max(1, BLOCK // prepared.evaluations)
+    blocks: dict[str, list[NDArray[Any]]] = defaultdict(list)
+    for start in range(0, prepared.cells, step):
+        some = {name: values[start : start + step] for name, values in designs.items()}
+        count = min(step, prepared.cells - start)
+        part = watch.part(count / prepared.cells / prepared.evaluations)
+        for name, values in _told(_Evaluator(prepared, some, count, part)).items():
+            blocks[name].append(values)
+    # Designs are the last axis; a dimension of an answer stands before it.
+    arrays = {name: np.concatenate(parts, axis=-1) for name, parts in blocks.items()}
+    return Computed({n: one.reshape(*one.shape[:-1], *shape) for n, one in arrays.items()})
+
+
+class _Evaluator:
+    """Computes the outputs of some designs at points, and tells a watch of each evaluation."""
+
+    def __init__(
+        self, prepared: Sensitivity, designs: Mapping[str, Array], count: int, watch: Watch
+    ):
+        self.prepared, self.designs, self.count, self.watch = prepared, designs, count, watch
+        self.long = sum(one.takes_long for one in prepared.plan.equations)
+
+    def at(self, shares: Array) -> Values:
+        """Return the outputs at points of the unit box, shape (parameters, ...)."""
+        drawn = values_at(self.prepared.uncertain, shares.reshape(len(shares), -1))
+        return self.of(drawn).shaped(*shares.shape[1:])
+
+    def of(self, drawn: Mapping[str, Array]) -> Values:
+        """Return the outputs where uncertain parameters have values, each of shape (n,)."""
+        number = next(iter(drawn.values())).size
+        step = max(1, BLOCK // self.count)
+        parts = []
+        for start in range(0, number, step):
+            parts.append(self._some({n: one[start : start + step] for n, one in drawn.items()}))
+            if self.watch.stopped():
+                raise StoppedError("it was stopped before all points were computed")
+        return Values(
+            {n: np.concatenate([one.outputs[n] for one in parts], -1) for n in parts[0].outputs},
+            np.concatenate([one.regime for one in parts], -1),
+        )
+
+    def _some(self, drawn: Mapping[str, Array]) -> Values:
+        plan, number = self.prepared.plan, next(iter(drawn.values())).size
+        shape = (self.count, number)
+        with np.errstate(all="ignore"):
+            part = self.watch.part(number / self.long) if self.long else None
+            known = run_equations(plan, {**self.designs, **drawn}, part)
+            regime = np.broadcast_to(regimes(plan, known), shape)
+            sound = self._sound(known, shape)
+        if not self.long:
+            self.watch.advance(number)
+        outputs = {}
+        for name in plan.outputs:
+            values = np.asarray(from_si(name, np.asarray(known[name], dtype=np.float64)))
+            values = np.broadcast_to(values, shape)
+            outputs[name] = np.where(sound[name] & np.isfinite(values), values, np.nan)
+        return Values(outputs, regime)
+
+    def _sound(self, known: Mapping[str, Any], shape: tuple[int, ...]) -> dict[str, Mask]:
+        """Return where each output describes a real part, by the conditions that concern it."""
+        plan, found, masks = self.prepared.plan, {}, {}
+        for name in plan.outputs:
+            concerned = tuple(one for one in plan.conditions if name in one.outputs)
+            if concerned not in masks:
+                codes = regimes_of(concerned, plan.otherwise, known)
+                masks[concerned] = np.broadcast_to(~np.isin(codes, INVALID), shape)
+            found[name] = masks[concerned]
+        return found
+
+
+def _told(evaluator: _Evaluator) -> Arrays:
+    """Return every variable of some designs; designs are the last axis."""
+    prepared = evaluator.prepared
+    study, found = prepared.study, {}
+    found["regime"] = evaluator.of(_first(prepared.budget.values())).regime[..., 0]
+    for name, values in _of_points(evaluator):
+        found[name] = values
+    if "morris" in study.analyses:
+        along = paths(len(prepared.uncertain), prepared.paths, study.seed)
+        values = evaluator.at(along.points)
+        for name in prepared.outputs:
+            effects = effects_of(values.outputs[name], along)
+            found[f"{name}_effect"] = effects.size.T
+            found[f"{name}_effect_deviation"] = effects.deviation.T
+    if "budget" in study.analyses:
+        values = evaluator.of(prepared.budget.values())
+        for name in prepared.outputs:
+            told = prepared.budget.told(values.outputs[name])
+            found |= {f"{name}_{part}": one for part, one in vars(told).items()}
+    return {name: found[name] for name in prepared.dims}
+
+
+def _first(values: Mapping[str, Array]) -> dict[str, Array]:
+    return {name: one[:1] for name, one in values.items()}
+
+
+def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Yield what is told of points that are drawn from the distributions."""
+    prepared, study = evaluator.prepared, evaluator.prepared.study
+    drawn = {"distribution", "sobol"} & set(study.analyses) or study.demands
+    if not drawn:
+        none = np.full(evaluator.count, np.nan)
+        yield from ((f"{name}_left_out", none) for name in prepared.outputs)
+        return
+    at = design(len(prepared.uncertain), study.samples // REPLICATES, study.seed)
+    # The points a alone tell of distributions, so that they do not hang on what else is asked.
+    values = evaluator.at(at if "sobol" in study.analyses else at[:, :1])
+    for demand in study.demands:
+        told = statistics.probability(_met(demand, values))
+        yield f"probability_{demand.name}", told.value
+        yield f"probability_{demand.name}_error", told.error
+    for name in prepared.outputs:
+        one = values.outputs[name]
+        first = one[:, 0]
+        yield f"{name}_left_out", statistics.share(np.isnan(first))
+        if "distribution" in study.analyses:
+            mean, deviation = statistics.mean_and_deviation(first)
+            shares = statistics.quantiles(first, np.array(study.quantiles))
+            pairs = (("mean", mean), ("deviation", deviation), ("quantile", shares))
+            for part, told in pairs:
+                yield f"{name}_{part}", told.value
+                yield f"{name}_{part}_error", told.error
+            levels = np.linspace(0.0, 1.0, statistics.LEVELS)
+            yield f"{name}_distribution", statistics.quantile(first.reshape(len(one), -1), levels)
+        if "sobol" in study.analyses:
+            for part, told in indices_of(one)._asdict().items():
+                yield f"{name}_{part}", told.T
+
+
+def _met(demand: Demand, values: Values) -> Mask:
+    """Return where a demand is met, shape (designs, replicates, count)."""
+    if demand.regime is not None:
+        return np.asarray(values.regime[:, 0] == REGIMES[demand.regime].value)
+    output = values.outputs[str(demand.output)][:, 0]
+    met = np.isfinite(output)
+    if demand.at_least is not None:
+        met = met & (output >= demand.at_least)
+    if demand.at_most is not None:
+        met = met & (output <= demand.at_most)
+    return np.asarray(met)

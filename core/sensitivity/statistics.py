@@ -1,0 +1,95 @@
+"""What is told of an output over drawn points: mean, deviation, quantiles, probabilities."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.mechanics.arrays import Array, Mask
+from core.sensitivity.replicates import jackknife, wide
+
+LEVELS = 129
+"""Quantiles that make up the picture of a distribution, from the least to the largest value."""
+
+
+class Told(NamedTuple):
+    """An estimate and its error: half the width of its 95 % interval."""
+
+    value: Array
+    error: Array
+
+
+def mean_and_deviation(values: Array) -> tuple[Told, Told]:
+    """Return mean and standard deviation of values, shape (..., replicates, count); NaN left out.
+
+    Where all have no value, neither has the mean.
+    """
+    known = np.isfinite(values)
+    number = known.sum(axis=(-2, -1), keepdims=True)
+    values = np.where(known, values, 0.0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        centre = values.sum(axis=(-2, -1), keepdims=True) / number
+        away = np.where(known, values - centre, 0.0)
+        sums = np.stack([known.sum(axis=-1, dtype=np.float64), away.sum(-1), (away**2).sum(-1)])
+        sums = np.moveaxis(sums, -1, 1)
+
+        def moments(sums: Array) -> Array:
+            count, first, second = sums
+            mean = first / count
+            left = np.maximum(second / count - mean**2, 0.0)
+            return np.stack([mean, np.sqrt(left * count / (count - 1))])
+
+        estimate, error = jackknife(sums, moments)
+    mean = estimate[0] + centre[..., 0, 0]
+    return Told(mean, error[0]), Told(estimate[1], error[1])
+
+
+def quantiles(values: Array, shares: Array) -> Told:
+    """Return quantiles of values, shape (..., replicates, count); NaN left out.
+
+    Returns
+    -------
+    Told
+        Arrays of shape (shares, ...).
+    """
+    count = values.shape[-2]
+    flat = values.reshape(*values.shape[:-2], -1)
+    found = quantile(flat, shares)
+    each = quantile(values, shares)
+    with np.errstate(invalid="ignore"):
+        spread = np.nanstd(np.where(np.isfinite(each), each, np.nan), axis=-1, ddof=1)
+    return Told(found, wide(count) * spread / np.sqrt(count))
+
+
+def quantile(values: Array, shares: Array) -> Array:
+    """Return quantiles along the last axis, shape (shares, ...); NaN left out.
+
+    Between two neighbours it is linear, as numpy does by default.
+    """
+    values = np.sort(values, axis=-1)  # NaN come last
+    number = np.isfinite(values).sum(axis=-1)
+    place = np.multiply.outer(shares, np.maximum(number - 1, 0))
+    below = np.floor(place).astype(np.intp)
+    above = np.minimum(below + 1, np.maximum(number - 1, 0))
+    low = np.take_along_axis(values[None], below[..., None], axis=-1)[..., 0]
+    high = np.take_along_axis(values[None], above[..., None], axis=-1)[..., 0]
+    part = place - below
+    return np.where(part == 0, low, low + (high - low) * part)
+
+
+def probability(met: Mask) -> Told:
+    """Return how likely something is, from where it was met, shape (..., replicates, count).
+
+    Where all points agree, chance may have left out one: the error then is one point's share.
+    """
+    replicates, count = met.shape[-2:]
+    each = met.mean(axis=-1)
+    error = wide(replicates) * each.std(axis=-1, ddof=1) / np.sqrt(replicates)
+    return Told(each.mean(axis=-1), np.maximum(error, 1 / (replicates * count)))
+
+
+def share(lost: NDArray[np.bool_]) -> Any:
+    """Return the share of points, shape (..., replicates, count), that are lost."""
+    return lost.mean(axis=(-2, -1))

@@ -1,0 +1,272 @@
+"""Distributions of parameters that are not known exactly, one form for all kinds of study.
+
+All are cut at the bounds of the quantity, such as a friction of 0, and scaled so that what is left
+is the whole: nothing that is drawn is impossible. Numbers are in the unit of studies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+from core.errors import suggestion
+from core.quantities import QUANTITIES, Quantity
+from core.study.units import UnitError, read_number
+from core.study.values import Between, as_difference, read_between
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+OUTSIDE = 0.00135
+"""Share beyond either end of the tolerance of a distribution without ends: three deviations."""
+MOST_TABULATED = 10_000
+FEWEST_TABULATED = 2
+
+
+@dataclass(frozen=True)
+class Normal:
+    """A bell around a mean; two thirds lie within a deviation of it."""
+
+    keys: ClassVar = ("mean", "deviation")
+    mean: float
+    deviation: float
+
+    def canonical(self) -> Any:
+        """Return the plain JSON form, in the quantity's unit."""
+        return {"mean": self.mean, "deviation": self.deviation}
+
+
+@dataclass(frozen=True)
+class Triangular:
+    """From a lower to an upper end, most likely in between."""
+
+    keys: ClassVar = ("lower", "most_likely", "upper")
+    lower: float
+    most_likely: float
+    upper: float
+
+    def canonical(self) -> Any:
+        """Return the plain JSON form, in the quantity's unit."""
+        return {"lower": self.lower, "most_likely": self.most_likely, "upper": self.upper}
+
+
+@dataclass(frozen=True)
+class Lognormal:
+    """A bell on a logarithmic scale: two thirds lie between median / factor and median * factor."""
+
+    keys: ClassVar = ("median", "factor")
+    median: float
+    factor: float
+
+    def canonical(self) -> Any:
+        """Return the plain JSON form, in the quantity's unit."""
+        return {"median": self.median, "factor": self.factor}
+
+
+@dataclass(frozen=True)
+class Tabulated:
+    """A density that is linear between listed values, such as what a calibration leaves."""
+
+    keys: ClassVar = ("values", "densities")
+    values: tuple[float, ...]
+    densities: tuple[float, ...]
+
+    def canonical(self) -> Any:
+        """Return the plain JSON form, in the quantity's unit."""
+        return {"values": list(self.values), "densities": list(self.densities)}
+
+
+Distribution = Between | Normal | Triangular | Lognormal | Tabulated
+"""How sure a value is; `Between` is uniform."""
+
+FORMS: Final[Mapping[str, tuple[str, ...]]] = {
+    "uniform": ("lower", "upper"),
+    "normal": Normal.keys,
+    "triangular": Triangular.keys,
+    "lognormal": Lognormal.keys,
+    "tabulated": Tabulated.keys,
+}
+"""The keys of each distribution; they tell which it is."""
+
+
+def read_distribution(name: str, raw: object) -> Distribution:
+    """Return the distribution that a user wrote for the parameter `name`.
+
+    Raises
+    ------
+    UnitError
+        If it is none, or holds values that are none of that quantity.
+    """
+    if isinstance(raw, Distribution):
+        return raw
+    quantity = QUANTITIES[name]
+    keys = frozenset(map(str, raw)) if isinstance(raw, Mapping) else frozenset()
+    if not isinstance(raw, Mapping) or keys not in map(frozenset, FORMS.values()):
+        raise UnitError(*_no_form(name, keys))
+    if keys == frozenset(FORMS["uniform"]):
+        return read_between(name, raw)
+    if "mean" in keys:
+        mean = read_number(name, quantity, raw["mean"])
+        return Normal(mean, _deviation(name, quantity, raw["deviation"]))
+    if "median" in keys:
+        return _lognormal(name, quantity, raw)
+    if "values" in keys:
+        return _tabulated(name, quantity, raw)
+    lower, likely, upper = (read_number(name, quantity, raw[key]) for key in Triangular.keys)
+    if not (lower <= likely <= upper and lower < upper):
+        message = f"{name} has {lower:g}, {likely:g} and {upper:g} as lower, most_likely and upper"
+        raise UnitError(message, "Write them in ascending order")
+    return Triangular(lower, likely, upper)
+
+
+def _no_form(name: str, keys: frozenset[str]) -> tuple[str, str]:
+    """Return what is wrong with keys that are those of no distribution, and what would be right."""
+    forms = [f"{{ {', '.join(f'{key} = ...' for key in form)} }}" for form in FORMS.values()]
+    known = {key for form in FORMS.values() for key in form}
+    unknown = sorted(keys - known)
+    if unknown:
+        fix = suggestion(unknown[0][:40], known)
+        return f"'{unknown[0][:40]}' is not a key of a distribution", fix
+    told = f"{', '.join(sorted(keys))} alone make" if keys else "this is"
+    return f"{name}: {told} no distribution", f"Write one of {', '.join(forms[:-1])}"
+
+
+def _deviation(name: str, quantity: Quantity, raw: object) -> float:
+    return read_number(f"deviation of {name}", as_difference(quantity), raw)
+
+
+def _lognormal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Lognormal:
+    median, factor = read_number(name, quantity, raw["median"]), raw["factor"]
+    if median <= 0:
+        message = f"the median of {name} is {median:g}, and a lognormal value is above 0"
+        raise UnitError(message, "Write a normal distribution: mean and deviation")
+    is_number = isinstance(factor, int | float) and not isinstance(factor, bool)
+    if not (is_number and 1 < factor <= 1000):
+        message = f"the factor of {name} is {str(factor)[:40]}"
+        raise UnitError(message, "Give a number above 1, such as 1.2 for a fifth more or less")
+    return Lognormal(median, float(factor))
+
+
+def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulated:
+    columns = [raw["values"], raw["densities"]]
+    if not all(isinstance(one, list | tuple) for one in columns):
+        raise UnitError(f"values and densities of {name} are no lists", "Write two lists")
+    count = len(columns[0])
+    if len(columns[1]) != count or not FEWEST_TABULATED <= count <= MOST_TABULATED:
+        message = f"{name} has {count:,} values and {len(columns[1]):,} densities"
+        fix = f"Give {FEWEST_TABULATED} to {MOST_TABULATED:,} values, and a density for each"
+        raise UnitError(message, fix)
+    values = tuple(read_number(name, quantity, one) for one in columns[0])
+    if any(after <= before for before, after in zip(values, values[1:], strict=False)):
+        raise UnitError(f"the values of {name} do not ascend", "Sort them, each once")
+    plain = Quantity("1", "", "Density", "", 0.0, examples=("1",))
+    densities = tuple(read_number(f"a density of {name}", plain, one) for one in columns[1])
+    if not any(densities):
+        raise UnitError(f"all densities of {name} are 0", "Give one above 0")
+    return Tabulated(values, densities)
+
+
+def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArray[Any]:
+    """Return the values below which shares of a distribution lie: its inverse distribution function.
+
+    Parameters
+    ----------
+    name : str
+        The parameter, at whose bounds the distribution is cut.
+    distribution : Distribution
+        Its distribution.
+    shares : array_like
+        Between 0 and 1; 0 and 1 give the ends, infinite where there are none.
+
+    Returns
+    -------
+    ndarray
+        In the unit of studies, of the shape of `shares`.
+    """
+    import numpy as np
+
+    shares = np.asarray(shares, dtype=np.float64)
+    if isinstance(distribution, Between):
+        lower, upper = distribution.lower, distribution.upper
+        return np.asarray(lower + (upper - lower) * shares)
+    if isinstance(distribution, Tabulated):
+        return _quantiles_of_table(distribution, shares)
+    law, quantity = _law(distribution), QUANTITIES[name]
+    below, above = law.cdf([quantity.lower, quantity.upper])
+    found = law.ppf(below + (above - below) * shares)
+    return np.asarray(np.clip(found, quantity.lower, quantity.upper))
+
+
+def _law(distribution: Normal | Triangular | Lognormal) -> Any:
+    """Return what scipy knows of a distribution, not cut."""
+    import math
+
+    from scipy import stats
+
+    if isinstance(distribution, Normal):
+        return stats.norm(distribution.mean, distribution.deviation)
+    if isinstance(distribution, Lognormal):
+        return stats.lognorm(math.log(distribution.factor), scale=distribution.median)
+    lower, likely, upper = distribution.lower, distribution.most_likely, distribution.upper
+    return stats.triang((likely - lower) / (upper - lower), loc=lower, scale=upper - lower)
+
+
+def _quantiles_of_table(table: Tabulated, shares: NDArray[Any]) -> NDArray[Any]:
+    """Return quantiles of a density that is linear in each piece."""
+    import numpy as np
+
+    x, density = np.array(table.values), np.array(table.densities)
+    width = np.diff(x)
+    whole = np.concatenate([[0.0], np.cumsum(width * (density[1:] + density[:-1]) / 2)])
+    wanted = shares * whole[-1]
+    piece = np.clip(np.searchsorted(whole, wanted, side="right") - 1, 0, width.size - 1)
+    rest, first = wanted - whole[piece], density[piece]
+    slope = (density[piece + 1] - first) / width[piece]
+    # The root of first * step + slope * step^2 / 2 = rest, in the form without cancellation.
+    root = np.sqrt(np.maximum(first**2 + 2 * slope * rest, 0.0))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        step = np.where(rest > 0, 2 * rest / (first + root), 0.0)
+    return np.asarray(x[piece] + np.clip(np.nan_to_num(step), 0.0, width[piece]))
+
+
+def nominal(distribution: Distribution) -> float:
+    """Return the value that is meant, in the unit of studies: middle, mean, most likely, median."""
+    match distribution:
+        case Between(lower, upper):
+            return (lower + upper) / 2
+        case Normal(mean, _):
+            return mean
+        case Triangular(_, most_likely, _):
+            return most_likely
+        case Lognormal(median, _):
+            return median
+        case Tabulated(values, densities):
+            return values[densities.index(max(densities))]
+
+
+def tolerance(name: str, distribution: Distribution) -> tuple[float, float]:
+    """Return the ends of the tolerance of a parameter, in the unit of studies.
+
+    They are the ends of the distribution; of one without ends those between which 99.73 % lie, as
+    three deviations are on either side of a mean.
+    """
+    if isinstance(distribution, Between | Triangular):
+        return distribution.lower, distribution.upper
+    if isinstance(distribution, Tabulated):
+        return distribution.values[0], distribution.values[-1]
+    lower, upper = quantiles(name, distribution, [OUTSIDE, 1 - OUTSIDE]).tolist()
+    return lower, upper
+
+
+def deviation(name: str, distribution: Distribution) -> float:
+    """Return the standard deviation of a distribution, in the unit of studies."""
+    import numpy as np
+
+    nodes, weights = np.polynomial.legendre.leggauss(64)
+    # In the quantile of a quantile tails count as they weigh: smooth, and finite at the ends.
+    angle = np.pi * (nodes + 1) / 2
+    shares, weights = (1 - np.cos(angle)) / 2, weights * np.sin(angle) * np.pi / 4
+    values = quantiles(name, distribution, shares)
+    mean = float(weights @ values)
+    return float(np.sqrt(weights @ (values - mean) ** 2))

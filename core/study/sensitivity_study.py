@@ -1,0 +1,126 @@
+"""The study of outputs over parameters that are not known exactly, at each point of a grid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+
+from core.study.distributions import Distribution
+from core.study.grid_study import MOST_OUTPUTS, DrivenStudy, Frozen, OutputName, OutputNames
+from core.study.levels import OpenLevel, at_most, refusal
+from core.study.uncertain import Uncertain, distributions_of
+
+FEWEST_SAMPLES, MOST_SAMPLES = 256, 1 << 20
+MOST_DEMANDS = 20
+MOST_QUANTILES = 100
+ANALYSES = ("distribution", "sobol", "morris", "budget")
+Analysis = Literal["distribution", "sobol", "morris", "budget"]
+
+
+class Demand(Frozen):
+    """What a part is to do: an output within bounds, or a regime; how likely it is, is told."""
+
+    output: OutputName | None = Field(None, description="The output.")
+    at_least: OpenLevel = Field(None, description="Its least value that will do.")
+    at_most: OpenLevel = Field(None, description="Its largest value that will do.")
+    regime: str | None = Field(
+        None, description="A regime in place of an output, such as hopping.", max_length=100
+    )
+
+    @property
+    def name(self) -> str:
+        """What it is called in the result."""
+        if self.regime is not None:
+            return self.regime
+        ends = [end for end in ("at_least", "at_most") if getattr(self, end) is not None]
+        return f"{self.output}_{ends[0] if len(ends) == 1 else 'between'}"
+
+
+class SensitivityStudy(DrivenStudy):
+    """How outputs vary with parameters that are not known exactly, over a grid of the others."""
+
+    kind: Literal["sensitivity"] = Field(description="The kind of study.")
+    variant: str | None = Field(
+        None,
+        description="thesis (as printed), derived (errors corrected) or physical, of closed forms; "
+        "the scene's default where left out.",
+        max_length=100,
+    )
+    method: str | None = Field(
+        None,
+        description="The method of motion in time, as in a simulation, where outputs are those of "
+        "a motion.",
+        max_length=100,
+    )
+    outputs: OutputNames = Field(
+        description="Names of the outputs.", min_length=1, max_length=MOST_OUTPUTS
+    )
+    uncertain: Uncertain = Field(
+        description="Parameters that are not known exactly, and their distributions."
+    )
+    analyses: Annotated[tuple[Analysis, ...], at_most(len(ANALYSES))] = Field(
+        ("distribution", "sobol", "budget"),
+        description="What is told: distribution (mean, deviation, quantiles, demands), sobol "
+        "(which parameter the variance comes from), morris (a first, cheaper screening of many "
+        "parameters), budget (what each tolerance does).",
+        min_length=1,
+    )
+    demands: Annotated[tuple[Demand, ...], at_most(MOST_DEMANDS)] = Field(
+        (),
+        description="Outputs within bounds, or regimes, of which the probability is told.",
+        max_length=MOST_DEMANDS,
+    )
+    quantiles: Annotated[tuple[float, ...], at_most(MOST_QUANTILES)] = Field(
+        (0.05, 0.5, 0.95),
+        description="Shares of the parts below whose values of the outputs are told.",
+        min_length=1,
+        max_length=MOST_QUANTILES,
+    )
+    samples: int = Field(
+        4096,
+        description="Points drawn from the distributions for each design, a power of two; Sobol "
+        "indices take as many again for each parameter, and once more.",
+        strict=True,
+        ge=FEWEST_SAMPLES,
+        le=MOST_SAMPLES,
+    )
+    seed: int = Field(
+        0, description="Another seed draws other points.", strict=True, ge=0, le=2**31 - 1
+    )
+
+    @field_validator("samples")
+    @classmethod
+    def _power_of_two(cls, value: int) -> int:
+        if value & (value - 1):
+            below = 1 << (value.bit_length() - 1)
+            raise refusal(f"{value:,} is no power of two", f"Give {below:,} or {2 * below:,}")
+        return value
+
+    @field_validator("analyses")
+    @classmethod
+    def _in_order(cls, value: tuple[Analysis, ...]) -> tuple[Analysis, ...]:
+        """Return each once, in one order, so that equal studies are equal to the letter."""
+        return tuple(name for name in ANALYSES if name in value)  # type: ignore[misc]
+
+    @field_validator("quantiles")
+    @classmethod
+    def _ascending(cls, value: tuple[float, ...]) -> tuple[float, ...]:
+        wrong = [one for one in value if not 0 < one < 1]
+        if wrong:
+            raise refusal(f"{wrong[0]:g} is not between 0 and 1", "Write 0.05 for five per cent")
+        if list(value) != sorted(set(value)):
+            raise refusal("they do not ascend", "Sort them, each once")
+        return value
+
+    def distributions(self) -> dict[str, Distribution]:
+        """Return the uncertain parameters and their distributions, in one order."""
+        return distributions_of(self.uncertain)
+
+    def asked(self) -> tuple[str, ...]:
+        """Return every output that is needed, those of demands last."""
+        return tuple(dict.fromkeys((*self.outputs, *self._demanded())))
+
+    def _demanded(self) -> Iterable[str]:
+        return (one.output for one in self.demands if one.output is not None)

@@ -1,0 +1,75 @@
+"""The section `uncertain` of studies: parameters and their distributions."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import PlainSerializer, PlainValidator, WithJsonSchema, create_model
+
+from core.quantities import QUANTITIES, Quantity
+from core.study.distributions import (
+    FORMS,
+    MOST_TABULATED,
+    Distribution,
+    read_distribution,
+)
+from core.study.grid_study import PARAMETERS, Frozen
+from core.study.levels import refusal
+from core.study.units import UnitError
+
+
+def _schema(quantity: Quantity) -> dict[str, Any]:
+    one: dict[str, Any] = {"type": ["number", "string"], "maxLength": 200}
+    many = {"type": "array", "items": one, "minItems": 2, "maxItems": MOST_TABULATED}
+    kinds = {"values": many, "densities": many, "factor": {"type": "number", "exclusiveMinimum": 1}}
+    return {
+        "title": quantity.label,
+        "description": f"Distribution of the {quantity.label.lower()}: "
+        + "; ".join(f"{name} by {', '.join(keys)}" for name, keys in FORMS.items())
+        + ".",
+        "type": "object",
+        "properties": {key: kinds.get(key, one) for keys in FORMS.values() for key in keys},
+        "additionalProperties": False,
+        "minProperties": 2,
+        "maxProperties": 3,
+    }
+
+
+def _field(name: str, quantity: Quantity) -> Any:
+    def read(raw: object) -> Distribution:
+        try:
+            return read_distribution(name, raw)
+        except UnitError as error:
+            raise refusal(error.message, error.fix) from error
+
+    return (
+        Annotated[
+            Distribution | None,
+            PlainValidator(read),
+            PlainSerializer(lambda known: None if known is None else known.canonical()),
+            WithJsonSchema(_schema(quantity)),
+        ],
+        None,
+    )
+
+
+if TYPE_CHECKING:
+
+    class Uncertain(Frozen):
+        """One optional field a parameter quantity."""
+
+else:
+    Uncertain = create_model(
+        "Uncertain",
+        __base__=Frozen,
+        __doc__="What is not known exactly: parameters and their distributions.",
+        **{name: _field(name, QUANTITIES[name]) for name in PARAMETERS},
+    )
+
+
+def distributions_of(uncertain: Uncertain | None) -> dict[str, Distribution]:
+    """Return the uncertain parameters and their distributions, in the order of the declaration."""
+    if uncertain is None:
+        return {}
+    given = uncertain.model_fields_set
+    return {name: getattr(uncertain, name) for name in PARAMETERS if name in given}
