@@ -29,6 +29,7 @@ KINDS = {
     "sweep": ("sweep",),
     "simulate": ("simulate",),
     "optimise": ("optimise",),
+    "sensitivity": ("sensitivity",),
     "open_lazily": ("sweep",),
     "drive_error": ("simulate",),
 }
@@ -37,16 +38,17 @@ REGISTRIES: dict[str, tuple[Mapping[str, Scene], ...]] = {
     "sweep": (SCENES,),
     "simulate": (SYSTEMS,),
     "optimise": (SCENES, SYSTEMS),
+    "sensitivity": (SCENES, SYSTEMS),
 }
 """The scenes of each kind."""
-TOLD = ("sweep", "simulate", "optimise")
+TOLD = ("sweep", "simulate", "optimise", "sensitivity")
 """Functions whose docstrings tell of each keyword."""
 OWN = ("study", "given", "draws", "seed")
-"""Parameters of functions that are written by hand."""
+"""Parameters of functions that are written by hand, unless their studies have such a key."""
 
 MAPPING = "Mapping[str, Any]"
 TYPES = {
-    "kind": 'Literal["sweep", "simulate", "optimise"]',
+    "kind": 'Literal["sweep", "simulate", "optimise", "sensitivity"]',
     "scene": "{scenes}",
     "outputs": "{outputs} | Sequence[{outputs}]",
     "variant": 'Literal["thesis", "derived", "physical"] | str',
@@ -54,7 +56,12 @@ TYPES = {
     "criterion": MAPPING,
     "variables": "Mapping[str, Bounds]",
     "constraints": "Sequence[Mapping[str, Any]]",
-    "uncertain": "Mapping[str, Bounds]",
+    "uncertain": "Mapping[str, Mapping[str, Any]]",
+    "analyses": 'Sequence[Literal["distribution", "sobol", "morris", "budget"]]',
+    "demands": "Sequence[Mapping[str, Any]]",
+    "quantiles": "Sequence[float]",
+    "samples": "int",
+    "seed": "int",
     "robust": 'Literal["worst", "mean"]',
     "floor_contact": "bool",
     "wall_contact": "bool",
@@ -211,6 +218,7 @@ def section(function: str) -> list[str]:
 def _in_words(written: str) -> str:
     """Return a type as a docstring says it."""
     for name, word in (
+        ("Mapping[str, Mapping[str, Any]]", "mapping of str to mapping"),
         ("Mapping[str, Any]", "mapping"),
         ("Mapping[str, Bounds]", "mapping of str to bounds"),
         ("Mapping[str, Values]", "mapping of str to values"),
@@ -242,12 +250,17 @@ def rewritten(source: str) -> str:
     return "\n".join(lines) + "\n"
 
 
+def own_of(function: str) -> list[str]:
+    """Return the parameters of a function that are written by hand."""
+    return [name for name in OWN if name not in keys(KINDS[function])]
+
+
 def _entries(lines: list[str], node: ast.FunctionDef) -> tuple[int, int]:
     """Return where the entries of the keywords stand in a docstring: behind those of its own."""
     begin = lines.index("    Parameters", node.lineno) + 2
     end = lines.index("", begin)
     names = [k for k in range(begin, end) if re.match(r"    \S", lines[k])]
-    others = [k for k in names if lines[k].split()[0] not in OWN]
+    others = [k for k in names if lines[k].split()[0] not in own_of(node.name)]
     return (others or [end])[0], end
 
 
@@ -257,7 +270,7 @@ def _signature(node: ast.FunctionDef) -> list[str]:
     own = [
         f"    {ast.unparse(arg)} = {ast.unparse(value)},"
         for arg, value in zip(node.args.kwonlyargs, node.args.kw_defaults, strict=True)
-        if arg.arg in OWN and value is not None
+        if arg.arg in own_of(node.name) and value is not None
     ]
     return [
         f"def {node.name}(",

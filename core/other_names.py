@@ -74,6 +74,7 @@ _MEANT: Final[Mapping[str, str]] = {
     # --- keys and their words
     "simulate": "simulation motion",
     "optimise": "optimize optimization optimisation",
+    "sensitivity": "uncertainty monte_carlo tolerances",
     "maximise": "maximize max",
     "minimise": "minimize min",
     "scene": "system geometry",

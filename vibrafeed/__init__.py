@@ -10,9 +10,9 @@ True
 What there is:
 
 - `scenes` tells the systems, their parameters, outputs and equations;
-- `sweep`, `simulate` and `optimise` carry out a study and return an xarray dataset, which has an
-  accessor: `dataset.vf` (`vibrafeed.accessor`); `open_lazily` opens a sweep of any size, and
-  computes what is read of it;
+- `sweep`, `simulate`, `optimise` and `sensitivity` carry out a study and return an xarray dataset,
+  which has an accessor: `dataset.vf` (`vibrafeed.accessor`); `open_lazily` opens a sweep of any
+  size, and computes what is read of it;
 - `drive_error` tells how far the errors of a measured drive move a velocity;
 - `study` and `load_study` make a study without carrying it out; `plot` draws a dataset, and
   `animate` the motion of a part;
@@ -34,11 +34,11 @@ beside each other; the value of a parameter is
   numpy, or a mapping such as ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``.
 
 ``help(vibrafeed.simulate)`` lists all keywords of a simulation in words. A study is a `SweepStudy`,
-a `SimulateStudy` or an `OptimiseStudy`; a `Study` is any of the three.
+a `SimulateStudy`, an `OptimiseStudy` or a `SensitivityStudy`; a `Study` is any of them.
 
 >>> type(motion.vf.study) is vibrafeed.SimulateStudy
 True
->>> vibrafeed.Study == vibrafeed.SweepStudy | vibrafeed.SimulateStudy | vibrafeed.OptimiseStudy
+>>> issubclass(vibrafeed.SensitivityStudy, vibrafeed.Study)
 True
 
 What is wrong with a study is a `StudyError`, whose `problems` say where, what, and what would be
@@ -75,6 +75,7 @@ from vibrafeed._studies import (  # noqa: E402
     drive_error,
     open_lazily,
     optimise,
+    sensitivity,
     simulate,
     study,
     sweep,
@@ -94,7 +95,7 @@ if TYPE_CHECKING:
     from core.motion.drive_error import DriveError
     from core.motion.rates import effective_distance, parts_per_minute, velocity_for
     from core.quantities import QUANTITIES, REGIMES
-    from core.study import OptimiseStudy, SimulateStudy, Study, SweepStudy
+    from core.study import OptimiseStudy, SensitivityStudy, SimulateStudy, Study, SweepStudy
 
 __version__: str = core.__version__
 
@@ -104,7 +105,7 @@ _ELSEWHERE = {
     "core.motion.drive_error": ("DriveError",),
     "core.motion.rates": ("effective_distance", "parts_per_minute", "velocity_for"),
     "core.quantities": ("QUANTITIES", "REGIMES"),
-    "core.study": ("OptimiseStudy", "SimulateStudy", "Study", "SweepStudy"),
+    "core.study": ("OptimiseStudy", "SensitivityStudy", "SimulateStudy", "Study", "SweepStudy"),
 }
 _HOMES = {name: module for module, names in _ELSEWHERE.items() for name in names}
 
@@ -116,6 +117,7 @@ __all__ = [
     "LimitError",
     "OptimiseStudy",
     "Problem",
+    "SensitivityStudy",
     "SimulateStudy",
     "Study",
     "StudyError",
@@ -132,6 +134,7 @@ __all__ = [
     "parts_per_minute",
     "plot",
     "scenes",
+    "sensitivity",
     "simulate",
     "study",
     "sweep",

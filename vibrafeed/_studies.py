@@ -33,7 +33,7 @@ def study(
     given: Given | None = None,
     /,
     *,
-    kind: Literal["sweep", "simulate", "optimise"] | None = None,
+    kind: Literal["sweep", "simulate", "optimise", "sensitivity"] | None = None,
     scene: SweptScene | None = None,
     outputs: Output | Sequence[Output] | None = None,
     variant: Literal["thesis", "derived", "physical"] | str | None = None,
@@ -115,7 +115,12 @@ def study(
     occupancy: Values | None = None,
     duration: Values | None = None,
     drop_height: Values | None = None,
-    uncertain: Mapping[str, Bounds] | None = None,
+    uncertain: Mapping[str, Mapping[str, Any]] | None = None,
+    analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
+    demands: Sequence[Mapping[str, Any]] | None = None,
+    quantiles: Sequence[float] | None = None,
+    samples: int | None = None,
+    seed: int | None = None,
     robust: Literal["worst", "mean"] | None = None,
     floor_contact: bool | None = None,
     wall_contact: bool | None = None,
@@ -772,7 +777,7 @@ def optimise(
     occupancy: Values | None = None,
     duration: Values | None = None,
     drop_height: Values | None = None,
-    uncertain: Mapping[str, Bounds] | None = None,
+    uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     robust: Literal["worst", "mean"] | None = None,
     floor_contact: bool | None = None,
     wall_contact: bool | None = None,
@@ -986,7 +991,7 @@ def optimise(
     drop_height : values, optional
         Height of the part's lowest corner above the plane at the start. In m, 0 or more, for
         example "10 mm".
-    uncertain : mapping of str to bounds, optional
+    uncertain : mapping of str to mapping, optional
         One parameter that is known within an interval only, such as friction.
     robust : {"worst", "mean"}, optional
         What is looked for over that interval: the best worst case (where left out), or the best
@@ -1068,6 +1073,385 @@ def optimise(
     'degree'
     """
     return _carry_out("optimise", locals())
+
+
+def sensitivity(
+    study: Given | None = None,
+    /,
+    *,
+    scene: SweptScene | None = None,
+    outputs: Output | Sequence[Output] | None = None,
+    variant: Literal["thesis", "derived", "physical"] | str | None = None,
+    method: str | None = None,
+    frequency: Values | None = None,
+    amplitude: Values | None = None,
+    peak_to_peak: Values | None = None,
+    alpha: Values | None = None,
+    beta: Values | None = None,
+    gamma: Values | None = None,
+    delta: Values | None = None,
+    yaw: Values | None = None,
+    radius: Values | None = None,
+    gravity: Values | None = None,
+    friction: Values | None = None,
+    friction_static: Values | None = None,
+    friction_kinetic: Values | None = None,
+    wall_friction: Values | None = None,
+    width: Values | None = None,
+    height: Values | None = None,
+    length: Values | None = None,
+    diameter: Values | None = None,
+    mass: Values | None = None,
+    restitution: Values | None = None,
+    wall_restitution: Values | None = None,
+    speed: Values | None = None,
+    distance: Values | None = None,
+    time: Values | None = None,
+    axis_yaw: Values | None = None,
+    spin_rate: Values | None = None,
+    yaw_rate: Values | None = None,
+    drilling_moment: Values | None = None,
+    pitch: Values | None = None,
+    pitch_rate: Values | None = None,
+    centre_along: Values | None = None,
+    centre_height: Values | None = None,
+    velocity_along: Values | None = None,
+    velocity_upward: Values | None = None,
+    position_x_1: Values | None = None,
+    position_y_1: Values | None = None,
+    angle_1: Values | None = None,
+    velocity_x_1: Values | None = None,
+    velocity_y_1: Values | None = None,
+    spin_1: Values | None = None,
+    position_z_1: Values | None = None,
+    azimuth_1: Values | None = None,
+    elevation_1: Values | None = None,
+    velocity_z_1: Values | None = None,
+    spin_x_1: Values | None = None,
+    spin_y_1: Values | None = None,
+    spin_z_1: Values | None = None,
+    diameter_1: Values | None = None,
+    length_1: Values | None = None,
+    width_1: Values | None = None,
+    mass_1: Values | None = None,
+    position_x_2: Values | None = None,
+    position_y_2: Values | None = None,
+    angle_2: Values | None = None,
+    velocity_x_2: Values | None = None,
+    velocity_y_2: Values | None = None,
+    spin_2: Values | None = None,
+    position_z_2: Values | None = None,
+    azimuth_2: Values | None = None,
+    elevation_2: Values | None = None,
+    velocity_z_2: Values | None = None,
+    spin_x_2: Values | None = None,
+    spin_y_2: Values | None = None,
+    spin_z_2: Values | None = None,
+    diameter_2: Values | None = None,
+    length_2: Values | None = None,
+    width_2: Values | None = None,
+    mass_2: Values | None = None,
+    contact_tolerance: Values | None = None,
+    hold_down: Values | None = None,
+    part_gap: Values | None = None,
+    occupancy: Values | None = None,
+    duration: Values | None = None,
+    drop_height: Values | None = None,
+    uncertain: Mapping[str, Mapping[str, Any]] | None = None,
+    analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
+    demands: Sequence[Mapping[str, Any]] | None = None,
+    quantiles: Sequence[float] | None = None,
+    samples: int | None = None,
+    seed: int | None = None,
+    drive: Mapping[str, Any] | None = None,
+    verify: int | None = None,
+    units: str | Sequence[str] | None = None,
+    title: str | None = None,
+    notes: str | None = None,
+    parameters: Mapping[str, Values] | None = None,
+    **numbered: Unpack[DriveNumbers],
+) -> xarray.Dataset:
+    """Return how outputs vary with parameters that are not known exactly, over a grid.
+
+    `uncertain` gives parameters and their distributions. What is told of each output (mean and
+    quantiles, probabilities, Sobol indices, a tolerance budget) is said by `analyses`.
+
+    *Values* are a number in the unit that is named, text with a unit such as ``"0.25 mm"``, or
+    several of either, which become an axis of the dataset: a list, a range, an array, or a mapping
+    such as ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``. ``None`` is a keyword left out.
+
+    Parameters
+    ----------
+    study : Study, mapping or path, optional
+        The study, which keywords add to; its `kind` is ``"sensitivity"``, and may be left out.
+    scene : str, optional
+        Name of a scene; `vibrafeed scenes` lists them.
+    outputs : str or sequence of str, optional
+        Names of the outputs.
+    variant : {"thesis", "derived", "physical"}, optional
+        thesis (as printed), derived (errors corrected) or physical, of closed forms; the scene's
+        default where left out.
+    method : str, optional
+        The method of motion in time, as in a simulation, where outputs are those of a motion.
+    frequency : values, optional
+        Drive frequency. In Hz, 0 or more, for example "50 Hz" or "3000 rpm" or "3000 vpm".
+    amplitude : values, optional
+        Drive amplitude, zero to peak, along the drive direction. In m, 0 or more, for example "0.5
+        mm".
+    peak_to_peak : values, optional
+        Twice the drive amplitude. In m, 0 or more, for example "1 mm".
+    alpha : values, optional
+        Azimuth of the drive in the floor plane, from the track (+x) towards +y. In degrees, from
+        -180 to 180, for example "15 deg".
+    beta : values, optional
+        Elevation of the drive above the floor plane. In degrees, from -180 to 180, for example "20
+        deg".
+    gamma : values, optional
+        Climb angle of the track; +x goes uphill. In degrees, from -90 to 90, for example "3 deg".
+    delta : values, optional
+        Lean of the track; the part leans on the wall. In degrees, from -90 to 90, for example "2
+        deg".
+    yaw : values, optional
+        Turn of the part's axes about the floor normal. In degrees, from -180 to 180, for example
+        "30 deg".
+    radius : values, optional
+        Radius of the bowl's track wall. In m, above 0, for example "0.3 m".
+    gravity : values, optional
+        Acceleration of gravity. In m s-2, above 0, for example "9.80665 m/s^2".
+    friction : values, optional
+        Coulomb friction coefficient, static and kinetic alike. 0 or more, for example 0.3.
+    friction_static : values, optional
+        Coulomb friction coefficient at rest. 0 or more, for example 0.3.
+    friction_kinetic : values, optional
+        Coulomb friction coefficient in sliding. 0 or more, for example 0.3.
+    wall_friction : values, optional
+        Coulomb friction coefficient at the wall of the track; the floor's unless given. 0 or more,
+        for example 0.3.
+    width : values, optional
+        Width of the rectangular part, across. In m, above 0, for example "10 mm".
+    height : values, optional
+        Height of the rectangular part. In m, above 0, for example "1.5 mm".
+    length : values, optional
+        Length of the part, along the track. In m, above 0, for example "50 mm".
+    diameter : values, optional
+        Diameter of the cylindrical part. In m, above 0, for example "8 mm".
+    mass : values, optional
+        Mass of the part. In kg, above 0, for example "5 g".
+    restitution : values, optional
+        Coefficient of restitution: 0 for no rebound, 1 for full rebound. From 0 to 1, for example
+        0.5.
+    wall_restitution : values, optional
+        Coefficient of restitution at the wall of the track; the floor's unless given. From 0 to 1,
+        for example 0.3.
+    speed : values, optional
+        Speed of the part along the track at the start. In m s-1, 0 or more, for example "0.1 m/s".
+    distance : values, optional
+        Distance over which the drive is taken to act; the source gives no value for it. In m, 0 or
+        more, for example "0.2 mm".
+    time : values, optional
+        Time since the start, with the drive held at its peak. In s, 0 or more, for example "20 ms".
+    axis_yaw : values, optional
+        Turn of the rolling cylinder's axis in the floor plane as chapter 4 counts it: from +x
+        towards -y, clockwise seen from above. In degrees, from -180 to 180, for example "30 deg".
+    spin_rate : values, optional
+        Angular velocity of the rolling cylinder about its axis; positive rolls along +eta. In rad
+        s-1, for example "40 rad/s" or "400 rpm".
+    yaw_rate : values, optional
+        Rate of the cylinder's yaw, in the sense of axis_yaw. In rad s-1, for example "2 rad/s".
+    drilling_moment : values, optional
+        Moment of all floor friction about the vertical through the centre, in the sense of
+        axis_yaw. In N m, for example "0.1 mN m".
+    pitch : values, optional
+        Turn of the part in its plane of motion, clockwise: its right corner dips. In degrees, from
+        -180 to 180, for example "20 deg".
+    pitch_rate : values, optional
+        Rate of the pitch, clockwise. In rad s-1, for example "2 rad/s" or "-90 deg/s".
+    centre_along : values, optional
+        Place of the part's centre along the plane. In m, for example "12 mm".
+    centre_height : values, optional
+        Height of the part's centre above the plane. In m, for example "8 mm".
+    velocity_along : values, optional
+        Velocity of the part's centre along the plane, to the right. In m s-1, for example "0.1
+        m/s".
+    velocity_upward : values, optional
+        Velocity of the part's centre off the plane. In m s-1, for example "-0.1 m/s".
+    position_x_1 : values, optional
+        Centre of body 1, x. In m, for example "5 mm".
+    position_y_1 : values, optional
+        Centre of body 1, y. In m, for example "5 mm".
+    angle_1 : values, optional
+        Angle of the length of body 1, from +x towards +y. In degrees, for example "30 deg".
+    velocity_x_1 : values, optional
+        Velocity of body 1 before the impact, x. In m s-1, for example "0.2 m/s".
+    velocity_y_1 : values, optional
+        Velocity of body 1 before the impact, y. In m s-1, for example "0.2 m/s".
+    spin_1 : values, optional
+        Angular velocity of body 1 before the impact, from +x towards +y. In rad s-1, for example "3
+        rad/s".
+    position_z_1 : values, optional
+        Centre of body 1, z. In m, for example "5 mm".
+    azimuth_1 : values, optional
+        Angle of the axis of body 1 in the floor plane, from +x towards +y. In degrees, for example
+        "30 deg".
+    elevation_1 : values, optional
+        Angle of the axis of body 1 above the floor plane. In degrees, for example "10 deg".
+    velocity_z_1 : values, optional
+        Velocity of body 1 before the impact, z. In m s-1, for example "0.2 m/s".
+    spin_x_1 : values, optional
+        Angular velocity of body 1 before the impact, x. In rad s-1, for example "3 rad/s".
+    spin_y_1 : values, optional
+        Angular velocity of body 1 before the impact, y. In rad s-1, for example "3 rad/s".
+    spin_z_1 : values, optional
+        Angular velocity of body 1 before the impact, z. In rad s-1, for example "3 rad/s".
+    diameter_1 : values, optional
+        Diameter of body 1. In m, above 0, for example "8 mm".
+    length_1 : values, optional
+        Length of body 1. In m, above 0, for example "20 mm".
+    width_1 : values, optional
+        Width of body 1. In m, above 0, for example "10 mm".
+    mass_1 : values, optional
+        Mass of body 1. In kg, above 0, for example "5 g".
+    position_x_2 : values, optional
+        Centre of body 2, x. In m, for example "5 mm".
+    position_y_2 : values, optional
+        Centre of body 2, y. In m, for example "5 mm".
+    angle_2 : values, optional
+        Angle of the length of body 2, from +x towards +y. In degrees, for example "30 deg".
+    velocity_x_2 : values, optional
+        Velocity of body 2 before the impact, x. In m s-1, for example "0.2 m/s".
+    velocity_y_2 : values, optional
+        Velocity of body 2 before the impact, y. In m s-1, for example "0.2 m/s".
+    spin_2 : values, optional
+        Angular velocity of body 2 before the impact, from +x towards +y. In rad s-1, for example "3
+        rad/s".
+    position_z_2 : values, optional
+        Centre of body 2, z. In m, for example "5 mm".
+    azimuth_2 : values, optional
+        Angle of the axis of body 2 in the floor plane, from +x towards +y. In degrees, for example
+        "30 deg".
+    elevation_2 : values, optional
+        Angle of the axis of body 2 above the floor plane. In degrees, for example "10 deg".
+    velocity_z_2 : values, optional
+        Velocity of body 2 before the impact, z. In m s-1, for example "0.2 m/s".
+    spin_x_2 : values, optional
+        Angular velocity of body 2 before the impact, x. In rad s-1, for example "3 rad/s".
+    spin_y_2 : values, optional
+        Angular velocity of body 2 before the impact, y. In rad s-1, for example "3 rad/s".
+    spin_z_2 : values, optional
+        Angular velocity of body 2 before the impact, z. In rad s-1, for example "3 rad/s".
+    diameter_2 : values, optional
+        Diameter of body 2. In m, above 0, for example "8 mm".
+    length_2 : values, optional
+        Length of body 2. In m, above 0, for example "20 mm".
+    width_2 : values, optional
+        Width of body 2. In m, above 0, for example "10 mm".
+    mass_2 : values, optional
+        Mass of body 2. In kg, above 0, for example "5 g".
+    contact_tolerance : values, optional
+        Largest gap or overlap that counts as touching, as a share of the bodies' size, the sum of
+        their half diagonals. 1 lets the impact happen as the bodies are placed. 0 or more, for
+        example "1e-6".
+    hold_down : values, optional
+        Force per mass that presses the part onto the floor, of a magnet or a vacuum. In m s-2, 0 or
+        more, for example "20 m/s^2".
+    part_gap : values, optional
+        Free length between two parts on the track. In m, 0 or more, for example "5 mm".
+    occupancy : values, optional
+        Share of the track's length that parts cover, 1 where each touches the next; follows from
+        part_gap unless given. From 0 to 1, for example 0.6.
+    duration : values, optional
+        Time after which the run ends. In s, above 0, for example "2 s".
+    drop_height : values, optional
+        Height of the part's lowest corner above the plane at the start. In m, 0 or more, for
+        example "10 mm".
+    uncertain : mapping of str to mapping, optional
+        Parameters that are not known exactly, and their distributions.
+    analyses : sequence of Literal["distribution", "sobol", "morris", "budget"], optional
+        What is told: distribution (mean, deviation, quantiles, demands), sobol (which parameter the
+        variance comes from), morris (a first, cheaper screening of many parameters), budget (what
+        each tolerance does).
+    demands : sequence of mapping, optional
+        Outputs within bounds, or regimes, of which the probability is told.
+    quantiles : sequence of float, optional
+        Shares of the parts below whose values of the outputs are told.
+    samples : int, optional
+        Points drawn from the distributions for each design, a power of two; Sobol indices take as
+        many again for each parameter, and once more.
+    seed : int, optional
+        Another seed draws other points.
+    drive : mapping, optional
+        A measured drive: the recording of an accelerometer. Its harmonics are parameters, as far as
+        the study does not give them itself.
+    verify : int, optional
+        Evaluate so many random cells again, with 50 digits or by another method, and tell the worst
+        of them.
+    units : str or sequence of str, optional
+        Units that screens and pictures show: trade (the default), si, or units such as m/min, each
+        for its kind. Files hold SI.
+    title : str, optional
+        Title of the dataset.
+    notes : str, optional
+        Remarks that go into the dataset.
+    parameters : mapping of str to values, optional
+        Fixed or ranged parameters.
+    drive_factor : values, optional
+        By how much every amplitude or acceleration of the drive is larger than given. 0 or more,
+        for example 1.2.
+    amplitude_along_1 to _10 : values, optional
+        Amplitude of the track's motion along the track at the drive frequency, zero to peak. In m,
+        0 or more, for example "0.1 mm".
+    amplitude_across_1 to _10 : values, optional
+        Amplitude of the track's motion across the track at the drive frequency, zero to peak. In m,
+        0 or more, for example "0.1 mm".
+    amplitude_normal_1 to _10 : values, optional
+        Amplitude of the track's motion off the floor at the drive frequency, zero to peak. In m, 0
+        or more, for example "0.1 mm".
+    phase_along_1 to _10 : values, optional
+        Lead of the track's motion along the track at the drive frequency: the displacement is A
+        sin( w t + phi). In degrees, from -720 to 720, for example "90 deg".
+    phase_across_1 to _10 : values, optional
+        Lead of the track's motion across the track at the drive frequency: the displacement is A
+        sin( w t + phi). In degrees, from -720 to 720, for example "90 deg".
+    phase_normal_1 to _10 : values, optional
+        Lead of the track's motion off the floor at the drive frequency: the displacement is A sin(
+        w t + phi). In degrees, from -720 to 720, for example "90 deg".
+    acceleration_along_1 to _12 : values, optional
+        Acceleration of the track along the track during step 1 of a period. In m s-2, for example
+        "4 m/s^2".
+    acceleration_across_1 to _12 : values, optional
+        Acceleration of the track across the track during step 1 of a period. In m s-2, for example
+        "4 m/s^2".
+    acceleration_normal_1 to _12 : values, optional
+        Acceleration of the track off the floor during step 1 of a period. In m s-2, for example "4
+        m/s^2".
+    duration_1 to _12 : values, optional
+        How long step 1 lasts; the durations of all steps share out the period. 0 or more, for
+        example 0.25.
+
+    Returns
+    -------
+    xarray.Dataset
+        What is told of each output, over the axes; units, errors, and `regime` of the nominal
+        values. Along `uncertain` are the uncertain parameters, in the order of its
+        `flag_meanings`.
+
+    Raises
+    ------
+    StudyError
+        With every problem, also where it is a study of another kind.
+
+    Examples
+    --------
+    >>> told = vibrafeed.sensitivity(
+    ...     scene="rectangle-on-plane", outputs="acceleration_x", frequency="50 Hz",
+    ...     amplitude="0.1 mm", beta=30,
+    ...     uncertain={"friction": {"mean": 0.3, "deviation": 0.03}},
+    ...     demands=[{"output": "acceleration_x", "at_least": "5 m/s^2"}],
+    ... )
+    >>> 0 < float(told.probability_acceleration_x_at_least) < 1
+    True
+    """
+    return _carry_out("sensitivity", locals())
 
 
 def open_lazily(

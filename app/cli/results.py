@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.cli.console import fail, say, table, tell
+from app.cli.uncertain import is_short, is_uncertain, show_design
 from app.cli.units import DIGITS, ends, units_asked
 from core.dataset.regimes import percent, regime_shares, shares_of
 from core.kinds import STATUSES, is_whole, not_verified, share_left_out
@@ -50,7 +51,13 @@ def streamed_facts(
 def show_result(facts: Mapping[str, Any], result: Table, asked: str | None) -> None:
     """Print a short table of a result: values or ranges, regimes, what was verified."""
     units = units_asked(asked, str(result.attributes.get("shown_units", "")))
-    _show_outputs(facts["outputs"], units)
+    outputs = facts["outputs"]
+    if is_uncertain(result):
+        outputs = {name: one for name, one in outputs.items() if is_short(name)}
+    if is_uncertain(result) and facts["cells"] == 1:
+        show_design(result, units)
+    else:
+        _show_outputs(outputs, units)
     say(f"  Values have {DIGITS} digits, or as many as tell them apart; the file has all.")
     for name, states in facts["states"].items():
         tell(f"  {name}: {_in_words(states, facts['cells'])}")

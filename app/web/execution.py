@@ -9,13 +9,16 @@ from typing import Annotated, Any
 from pydantic import BaseModel, Field, RootModel
 
 from core.errors import Problem, StudyError
-from core.study import OptimiseStudy, SimulateStudy, Study, SweepStudy
+from core.study import OptimiseStudy, SensitivityStudy, SimulateStudy, SweepStudy
 
 ACCURACY = "accuracy"
 
 
-class AnyStudy(RootModel[Annotated[Study, Field(discriminator="kind")]]):
-    """A study of any kind."""
+Measured = SweepStudy | SimulateStudy | OptimiseStudy
+
+
+class AnyStudy(RootModel[Annotated[Measured, Field(discriminator="kind")]]):
+    """A study of any kind whose accuracy can be measured."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,19 @@ PROCESSES: dict[str, Process] = {
             "scene": "rectangle-on-plane",
             "criterion": {"kind": "maximise", "output": "acceleration_x"},
             "parameters": {"frequency": "50 Hz", "amplitude": "0.5 mm", "friction": 0.3},
+        },
+    ),
+    "sensitivity": Process(
+        "Tell what uncertain parameters do",
+        "Tells how outputs vary with parameters that are not known exactly: probabilities, "
+        "quantiles, Sobol indices, tolerance budgets, for each of many designs.",
+        SensitivityStudy,
+        {
+            "kind": "sensitivity",
+            "scene": "rectangle-on-plane",
+            "outputs": ["acceleration_x"],
+            "uncertain": {"friction": {"mean": 0.3, "deviation": 0.03}},
+            "parameters": {"frequency": "50 Hz", "amplitude": "0.5 mm", "beta": 30},
         },
     ),
     ACCURACY: Process(

@@ -16,7 +16,7 @@ ORDER = {
     "simulate": ("motion", "storage"),
     "optimise": ("optimisers",),
 }
-"""The families of each kind of study, in the order of the page."""
+"""The families of each kind of study that has any, in the order of the page."""
 
 
 def families_of(prepared: Prepared, only: Collection[str] = ()) -> tuple[str, ...]:
@@ -27,10 +27,13 @@ def families_of(prepared: Prepared, only: Collection[str] = ()) -> tuple[str, ..
     StudyError
         If `only` names one that there is not, or that this kind of study has not.
     """
-    known = ORDER[prepared.study.kind]
+    kind = prepared.study.kind
+    if kind not in ORDER:
+        message = f"the accuracy of a study of kind '{kind}' is not measured"
+        raise StudyError([Problem("kind", message, f"Measure one of kind {' or '.join(ORDER)}")])
+    known = ORDER[kind]
     wrong = [name for name in only if name not in known]
     if wrong:
-        kind = prepared.study.kind
         what = "is no family of measurements" if wrong[0] not in FAMILIES else f"is not for {kind}"
         raise StudyError([Problem("only", f"'{wrong[0]}' {what}", f"Known: {', '.join(known)}")])
     return tuple(name for name in known if not only or name in only)

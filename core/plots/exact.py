@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import xarray
 
-from core.scenes import SCENES
-
-EXACT = ("throw_number",)
-"""Outputs of which conditions are assessed, and that hold whatever these say."""
+from core.scenes import EXACT, SCENES
 
 LEVELS = {"throw_number": (1.0, "lift-off")}
 """A value of an output that is marked, and what begins there."""

@@ -10,7 +10,7 @@ from core.scenes import (
     rectangle_on_track,
     rectangle_pair_impact,
 )
-from core.scenes.scene import ALIASES, Condition, Constraint, Equation, Scene
+from core.scenes.scene import ALIASES, EXACT, Condition, Constraint, Equation, Scene
 
 SCENES: dict[str, Scene] = {
     "rectangle-isolated": rectangle_isolated.SCENE,
@@ -23,4 +23,4 @@ SCENES: dict[str, Scene] = {
     "cylinder-rolling": cylinder_rolling.SCENE,
 }
 
-__all__ = ["ALIASES", "SCENES", "Condition", "Constraint", "Equation", "Scene"]
+__all__ = ["ALIASES", "EXACT", "SCENES", "Condition", "Constraint", "Equation", "Scene"]

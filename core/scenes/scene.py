@@ -165,6 +165,8 @@ ALIASES = (
 )
 
 STANDARD_GRAVITY = 9.80665
+EXACT = ("throw_number",)
+"""Outputs of which conditions are assessed, and that hold whatever these say."""
 
 
 @dataclass(frozen=True)

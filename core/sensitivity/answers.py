@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
-from core.quantities import QUANTITIES, REGIMES
+from core.quantities import QUANTITIES
 from core.study.sensitivity_study import Demand, SensitivityStudy
 
 UNCERTAIN = "uncertain"
@@ -31,6 +31,8 @@ class Answer:
         Its unit.
     label, comment : str
         What it is.
+    more : mapping
+        Further attributes.
     """
 
     name: str
@@ -38,11 +40,14 @@ class Answer:
     unit: str
     label: str
     comment: str
+    more: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def attributes(self) -> Mapping[str, Any]:
         """Its CF attributes."""
-        return {"units": self.unit, "long_name": self.label, "comment": self.comment}
+        return {"units": self.unit, "long_name": self.label, "comment": self.comment} | dict(
+            self.more
+        )
 
 
 def answers(study: SensitivityStudy, outputs: tuple[str, ...]) -> Iterator[Answer]:
@@ -55,8 +60,9 @@ def answers(study: SensitivityStudy, outputs: tuple[str, ...]) -> Iterator[Answe
 
 def _of_demand(demand: Demand) -> Iterator[Answer]:
     name = f"probability_{demand.name}"
-    yield Answer(name, "", "1", f"Probability of {in_words(demand)}", "Points without a sound "
-                 "value count as ones that do not meet it.")  # fmt: skip
+    comment = "Points without a sound value count as ones that do not meet it."
+    yield Answer(name, "", "1", f"Probability of {in_words(demand)}", comment,
+                 demand.model_dump(exclude_none=True))  # fmt: skip
     yield Answer(f"{name}_error", "", "1", f"Error of the probability of {in_words(demand)}",
                  INTERVAL)  # fmt: skip
 
@@ -64,7 +70,7 @@ def _of_demand(demand: Demand) -> Iterator[Answer]:
 def in_words(demand: Demand) -> str:
     """Return a demand in words."""
     if demand.regime is not None:
-        return f"{demand.regime}: {REGIMES[demand.regime].description}"
+        return f"the regime {demand.regime}"
     output = QUANTITIES[str(demand.output)]
     unit = "" if output.unit == "1" else f" {output.unit}"
     ends = [

@@ -70,21 +70,25 @@ def indices_of(values: Array) -> Indices:
     values : ndarray, shape (..., inputs + 2, replicates, count)
         NaN where there is none: then the point is left out with all that belong to it.
     """
-    known = np.isfinite(values).all(axis=-3, keepdims=True)
-    centre = np.nanmean(np.where(known, values, np.nan), axis=(-3, -2, -1), keepdims=True)
+    known = np.asarray(np.isfinite(values).all(axis=-3, keepdims=True))
+    values = np.where(known, values, 0.0)
+    number = 2 * known.sum(axis=(-2, -1), keepdims=True)
+    # Around 0 products vary least, and means of squares lose fewest digits.
+    both = values[..., :2, :, :].sum(axis=(-3, -2, -1), keepdims=True)
+    centre = both / np.maximum(number, 1)
     values = np.where(known, values - centre, 0.0)
     a, b, ab = values[..., 0, :, :], values[..., 1, :, :], values[..., 2:, :, :]
     count = known[..., 0, :, :].sum(axis=-1, dtype=np.float64)
     shared = np.stack([count, (a + b).sum(axis=-1), (a * a + b * b).sum(axis=-1)])
     first = (b[..., None, :, :] * (ab - a[..., None, :, :])).sum(axis=-1)
     total = ((a[..., None, :, :] - ab) ** 2).sum(axis=-1) / 2
-    size = np.abs(centre[..., 0, 0, 0])
+    size = np.asarray(np.abs(centre[..., 0, 0, 0]))
 
     def estimate(sums: Array) -> Array:
         count, both, squares, *means = sums
         mean = both / (2 * count)
         variance = squares / (2 * count) - mean**2
-        sound = (count > 1) & (variance > (FLAT * size[..., None]) ** 2)
+        sound = np.logical_and(count > 1, variance > (FLAT * size[..., None]) ** 2)
         return np.where(sound, np.stack(means) / count / variance, np.nan)
 
     # One axis of inputs for all: sums are (what, replicates, ..., inputs).

@@ -121,7 +121,7 @@ class Sensitivity(Prepared):
             for name, one in self.uncertain.items()
         }
         method = methods_of(self.plan.scene.name)[self.plan.variant]
-        return price_of(method, self.plan, self.grid, ends)  # type: ignore[arg-type]
+        return price_of(method, self.plan, self.grid, ends)
 
     @property
     def _counting(self) -> float:

@@ -17,6 +17,7 @@ from core.plan.equations import regimes, regimes_of, run_equations
 from core.plan.grid import from_si
 from core.plan.pieces import Computed
 from core.quantities import REGIMES
+from core.scenes import EXACT
 from core.sensitivity import statistics
 from core.sensitivity.indices import design, indices_of
 from core.sensitivity.morris import effects_of, paths
@@ -79,7 +80,7 @@ def compute(prepared: Sensitivity, watch: Watch) -> Computed:
             blocks[name].append(values)
     # Designs are the last axis; a dimension of an answer stands before it.
     arrays = {name: np.concatenate(parts, axis=-1) for name, parts in blocks.items()}
-    return Computed({n: one.reshape(*one.shape[:-1], *shape) for n, one in arrays.items()})
+    return Computed({n: one.reshape((*one.shape[:-1], *shape)) for n, one in arrays.items()})
 
 
 class _Evaluator:
@@ -131,7 +132,8 @@ class _Evaluator:
         """Return where each output describes a real part, by the conditions that concern it."""
         plan, found, masks = self.prepared.plan, {}, {}
         for name in plan.outputs:
-            concerned = tuple(one for one in plan.conditions if name in one.outputs)
+            doubted = plan.conditions if name not in EXACT else ()
+            concerned = tuple(one for one in doubted if name in one.outputs)
             if concerned not in masks:
                 codes = regimes_of(concerned, plan.otherwise, known)
                 masks[concerned] = np.broadcast_to(~np.isin(codes, INVALID), shape)
@@ -142,21 +144,21 @@ class _Evaluator:
 def _told(evaluator: _Evaluator) -> Arrays:
     """Return every variable of some designs; designs are the last axis."""
     prepared = evaluator.prepared
-    study, found = prepared.study, {}
-    found["regime"] = evaluator.of(_first(prepared.budget.values())).regime[..., 0]
+    study = prepared.study
+    found: Arrays = {"regime": evaluator.of(_first(prepared.budget.values())).regime[..., 0]}
     for name, values in _of_points(evaluator):
         found[name] = values
     if "morris" in study.analyses:
         along = paths(len(prepared.uncertain), prepared.paths, study.seed)
-        values = evaluator.at(along.points)
+        screened = evaluator.at(along.points)
         for name in prepared.outputs:
-            effects = effects_of(values.outputs[name], along)
+            effects = effects_of(screened.outputs[name], along)
             found[f"{name}_effect"] = effects.size.T
             found[f"{name}_effect_deviation"] = effects.deviation.T
     if "budget" in study.analyses:
-        values = evaluator.of(prepared.budget.values())
+        placed = evaluator.of(prepared.budget.values())
         for name in prepared.outputs:
-            told = prepared.budget.told(values.outputs[name])
+            told = prepared.budget.told(placed.outputs[name])
             found |= {f"{name}_{part}": one for part, one in vars(told).items()}
     return {name: found[name] for name in prepared.dims}
 

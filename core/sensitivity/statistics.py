@@ -58,9 +58,8 @@ def quantiles(values: Array, shares: Array) -> Told:
     flat = values.reshape(*values.shape[:-2], -1)
     found = quantile(flat, shares)
     each = quantile(values, shares)
-    with np.errstate(invalid="ignore"):
-        spread = np.nanstd(np.where(np.isfinite(each), each, np.nan), axis=-1, ddof=1)
-    return Told(found, wide(count) * spread / np.sqrt(count))
+    # Where one scrambling has no value at all, there is no telling how far they lie apart.
+    return Told(found, wide(count) * each.std(axis=-1, ddof=1) / np.sqrt(count))
 
 
 def quantile(values: Array, shares: Array) -> Array:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from core.errors import suggestion
@@ -158,7 +159,7 @@ def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulat
         fix = f"Give {FEWEST_TABULATED} to {MOST_TABULATED:,} values, and a density for each"
         raise UnitError(message, fix)
     values = tuple(read_number(name, quantity, one) for one in columns[0])
-    if any(after <= before for before, after in zip(values, values[1:], strict=False)):
+    if any(after <= before for before, after in pairwise(values)):
         raise UnitError(f"the values of {name} do not ascend", "Sort them, each once")
     plain = Quantity("1", "", "Density", "", 0.0, examples=("1",))
     densities = tuple(read_number(f"a density of {name}", plain, one) for one in columns[1])
@@ -168,7 +169,7 @@ def _tabulated(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Tabulat
 
 
 def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArray[Any]:
-    """Return the values below which shares of a distribution lie: its inverse distribution function.
+    """Return the values below which shares of a distribution lie.
 
     Parameters
     ----------

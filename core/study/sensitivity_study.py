@@ -102,7 +102,7 @@ class SensitivityStudy(DrivenStudy):
     @classmethod
     def _in_order(cls, value: tuple[Analysis, ...]) -> tuple[Analysis, ...]:
         """Return each once, in one order, so that equal studies are equal to the letter."""
-        return tuple(name for name in ANALYSES if name in value)  # type: ignore[misc]
+        return tuple(name for name in ANALYSES if name in value)
 
     @field_validator("quantiles")
     @classmethod

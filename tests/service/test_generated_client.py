@@ -60,6 +60,11 @@ best = models.OptimiseStudy.from_dict({
     "criterion": {"kind": "maximise", "output": "acceleration_x"}, "outputs": [],
     "parameters": {"frequency": 50, "amplitude": "0.1 mm", "gamma": "5 deg", "friction": 0.4},
 })
+unsure = models.SensitivityStudy.from_dict({
+    "kind": "sensitivity", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"],
+    "uncertain": {"friction": {"mean": 0.3, "deviation": 0.03}}, "samples": 256,
+    "parameters": {"frequency": 50, "amplitude": "0.1 mm", "beta": 20},
+})
 large = sweep.to_dict()
 large["parameters"]["beta"] = {"start": 0, "stop": 60, "num": 2000}
 large = models.SweepStudy.from_dict(large)
@@ -92,6 +97,7 @@ assert call("execute_sweep", body=sweep)["cells"] == 4
 wrapped = models.SweepStudyExecution.from_dict({"inputs": {"study": sweep.to_dict()}})
 assert call("execute_sweep", body=wrapped)["cells"] == 4
 assert call("execute_optimise", body=best)["complete"] is True
+assert call("execute_sensitivity", body=unsure)["cells"] == 1
 job = call("execute_simulate", body=motion, prefer="respond-async")
 assert "event: status" in call("follow_job", job.job_id)
 job = call("get_job", job.job_id)

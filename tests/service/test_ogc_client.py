@@ -134,7 +134,13 @@ def test_landing_page_and_conformance(client, server):
 
 def test_processes_and_their_descriptions(client):
     found = client.processes()
-    assert [process["id"] for process in found] == ["sweep", "simulate", "optimise", "accuracy"]
+    assert [process["id"] for process in found] == [
+        "sweep",
+        "simulate",
+        "optimise",
+        "sensitivity",
+        "accuracy",
+    ]
     whole = followed(client.response, f"{OGC}processes").json()
     assert set(whole) >= {"processes", "links"}
     assert whole["processes"] == found

@@ -18,6 +18,7 @@ from core.study import forms
 from core.study.drive import names_recording
 from core.study.forms import FORMS, placed, to_curl
 from core.study.load import parse_study, read_content, read_json, read_toml
+from core.study.models import STUDIES
 
 CONFIGS = sorted((Path(__file__).parents[3] / "configs").rglob("*.toml"))
 PLANE = {
@@ -41,7 +42,7 @@ def called(program: str) -> vibrafeed.Study:
     """Return the study that a program carries out, without carrying it out."""
     found = []
     with pytest.MonkeyPatch.context() as patch:
-        for kind in ("sweep", "simulate", "optimise"):
+        for kind in STUDIES:
 
             def told(kind=kind, **keywords):
                 found.append(vibrafeed.study(kind=kind, **keywords))

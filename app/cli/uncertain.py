@@ -1,0 +1,139 @@
+"""What a study of uncertain parameters found, for a person: one design in words and tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from app.cli.console import say, table, tell
+from app.cli.units import number
+from core.quantities import QUANTITIES
+from core.sensitivity.answers import QUANTILE, UNCERTAIN
+
+if TYPE_CHECKING:
+    from core.dataset import Table
+    from core.mechanics.arrays import Array
+    from core.study.shown import Shown, ShownUnits
+
+COLUMNS = {
+    "first": "first index",
+    "total": "total index",
+    "effect": "mean effect",
+    "effect_deviation": "its deviation",
+    "at_lower": "at lower end",
+    "at_upper": "at upper end",
+    "linear": "linear change",
+    "variance_share": "share of variance",
+}
+"""What is told of each parameter, by the last part of its name, and its heading."""
+SHARES = ("first", "total", "variance_share")
+BESIDE = ("_error", "_distribution")
+"""Variables that a short table leaves out."""
+
+
+def is_uncertain(result: Table) -> bool:
+    """Return whether a result is that of a study of uncertain parameters."""
+    return "uncertain_parameters" in result.attributes
+
+
+def is_short(name: str) -> bool:
+    """Return whether a variable stands in the short table of many designs."""
+    return not name.endswith(BESIDE)
+
+
+def show_design(result: Table, units: ShownUnits) -> None:
+    """Print what was found of one design: probabilities, and each output by parameters."""
+    for name, one in result.variables.items():
+        if name.startswith("probability_") and not name.endswith("_error"):
+            error = result.variables[f"{name}_error"].values.item()
+            words = _demand(one.attributes, units)
+            tell(f"  {words}: {_percent(one.values.item())} ± {_percent(error)}")
+    for name in result.variables:
+        if name.endswith("_left_out"):
+            _show_output(result, name.removesuffix("_left_out"), units)
+
+
+def _demand(attributes: Mapping[str, Any], units: ShownUnits) -> str:
+    """Return a demand in words, its bounds in the units of a person."""
+    if "regime" in attributes:
+        return f"probability of {attributes['regime']}"
+    output = str(attributes["output"])
+    bounds = {key: float(attributes[key]) for key in ("at_least", "at_most") if key in attributes}
+    shown = units.of(QUANTITIES[output].unit, max(map(abs, bounds.values())))
+    told = (f"{key.replace('_', ' ')} {number(shown.factor * value)} {shown.unit}".rstrip()
+            for key, value in bounds.items())  # fmt: skip
+    return f"probability of {output} {' and '.join(told)}"
+
+
+def _show_output(result: Table, output: str, units: ShownUnits) -> None:
+    found = {
+        name.removeprefix(f"{output}_"): one
+        for name, one in result.variables.items()
+        if name.startswith(f"{output}_")
+    }
+    left = found["left_out"].values.item()
+    if left == 1:
+        tell(f"  {output}: no point has a sound value")
+        return
+    own = [one.values.ravel() for one in found.values() if one.attributes["units"] != "1"]
+    every = np.abs(np.concatenate([*own, [0.0]]))
+    size = float(every[np.isfinite(every)].max())
+    unit = next((str(one.attributes["units"]) for one in found.values()
+                 if one.attributes["units"] != "1"), "1")  # fmt: skip
+    shown = units.of(unit, size)
+    parts = []
+    for part in ("nominal", "mean", "deviation", "least", "largest"):
+        if part in found:
+            error = found.get(f"{part}_error")
+            errors = None if error is None else error.values
+            parts.append(f"{part} {_value(found[part].values, shown, errors)}")
+    say("")
+    tell(f"  {' '.join(filter(None, (output, shown.unit and f'({shown.unit})')))}: "
+         + ", ".join(parts))  # fmt: skip
+    if QUANTILE in found:
+        shares = result.coordinates[QUANTILE].values
+        values = found[QUANTILE].values
+        told = (
+            f"{100 * q:g} % below {_value(v, shown)}" for q, v in zip(shares, values, strict=True)
+        )
+        tell(f"  {', '.join(told)}")
+    if left > 0:
+        tell(f"  {_percent(left)} of the points have no sound value, and count in no mean.")
+    by_parameter = [part for part in COLUMNS if part in found]
+    if by_parameter:
+        names = str(result.coordinates[UNCERTAIN].attributes["flag_meanings"]).split()
+        rows = []
+        for row, parameter in enumerate(names):
+            cells = []
+            for part in by_parameter:
+                value, error = found[part].values[row], found.get(f"{part}_error")
+                if part in SHARES:
+                    cells.append(_share(value, None if error is None else error.values[row]))
+                else:
+                    cells.append(_value(value, shown))
+            rows.append((parameter, *cells))
+        headings = [COLUMNS[part] for part in by_parameter]
+        table(("parameter", *headings), rows, right=headings)
+    decides = found.get("total", found.get("variance_share"))
+    if decides is not None and np.isfinite(decides.values).all() and len(rows) > 1:
+        most = int(np.argmax(decides.values))
+        tell(f"  {rows[most][0]} matters most: a narrower tolerance of it narrows {output} most.")
+
+
+def _value(value: Array, shown: Shown, error: Array | None = None) -> str:
+    text = number(shown.factor * float(value))
+    return text if error is None else f"{text} ± {number(shown.factor * float(error), 2)}"
+
+
+def _share(value: float, error: float | None) -> str:
+    """Return a share of the variance in per cent."""
+    if not np.isfinite(value):
+        return "-"
+    text = f"{100 * value:.1f}".replace("-0.0", "0.0")
+    return f"{text} %" if error is None else f"{text} ± {number(100 * error, 2)} %"
+
+
+def _percent(share: float) -> str:
+    return f"{number(100 * share, 3)} %"

@@ -1,0 +1,100 @@
+"""`python -m benchmarks.sobol_indices [repeats]` counts how often intervals hold Sobol indices.
+
+For the Ishigami function and the g-function, whose indices are known in closed form, it estimates
+them again and again with other scramblings, and counts how often each interval holds the index.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.mechanics.arrays import Array, Mask
+from core.sensitivity.indices import sobol_indices
+
+REPEATS = 100
+SAMPLES = (256, 1024, 4096)
+
+
+@dataclass(frozen=True)
+class Known:
+    """A function of the unit box with its indices.
+
+    Attributes
+    ----------
+    values : callable
+        Takes points (inputs, n), returns values (n,).
+    first, total : ndarray, shape (inputs,)
+        The indices.
+    """
+
+    values: Callable[[Array], Array]
+    first: Array
+    total: Array
+
+    @property
+    def inputs(self) -> int:
+        """Number of inputs."""
+        return len(self.first)
+
+
+def _ishigami() -> Known:
+    """T. Ishigami and T. Homma 1990, with a = 7 and b = 0.1."""
+    a, b = 7.0, 0.1
+
+    def values(points: Array) -> Array:
+        x, y, z = np.pi * (2 * points - 1)
+        return np.asarray(np.sin(x) + a * np.sin(y) ** 2 + b * z**4 * np.sin(x))
+
+    alone = (1 + b * np.pi**4 / 5) ** 2 / 2
+    second, both = a**2 / 8, 8 * b**2 * np.pi**8 / 225
+    whole = alone + second + both
+    first = np.array([alone, second, 0.0])
+    return Known(values, first / whole, (first + np.array([both, 0.0, both])) / whole)
+
+
+def _g_function() -> Known:
+    """I. Sobol's g-function of eight inputs, with a = 0, 1, 4.5, 9 and four times 99."""
+    a = np.array([0, 1, 4.5, 9, 99, 99, 99, 99])
+
+    def values(points: Array) -> Array:
+        return np.asarray(np.prod((np.abs(4 * points - 2) + a[:, None]) / (1 + a[:, None]), axis=0))
+
+    parts = 1 / (3 * (1 + a) ** 2)
+    whole = np.prod(1 + parts) - 1
+    return Known(values, parts / whole, parts * np.prod(1 + parts) / (1 + parts) / whole)
+
+
+FUNCTIONS = {"ishigami": _ishigami(), "g-function": _g_function()}
+
+
+def coverage(one: Known, samples: int, repeats: int) -> Mask:
+    """Return which intervals hold their index, shape (repeats, first and total, inputs)."""
+    held = []
+    for seed in range(repeats):
+        found = sobol_indices(one.values, one.inputs, samples, seed)
+        held.append(
+            [
+                np.abs(found.first - one.first) <= found.first_error,
+                np.abs(found.total - one.total) <= found.total_error,
+            ]
+        )
+    return np.array(held)
+
+
+def main(repeats: int) -> None:
+    """Print how often intervals hold."""
+    for name, one in FUNCTIONS.items():
+        for samples in SAMPLES:
+            held = coverage(one, samples, repeats)
+            each = 100 * held.mean(axis=0)
+            print(f"{name}, {samples:,} samples, {repeats} repeats: {100 * held.mean():.1f} % hold")
+            for which, row in zip(("first", "total"), each, strict=True):
+                print(f"  {which}: {' '.join(f'{share:.0f}' for share in row)}")
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else REPEATS)

@@ -1,0 +1,86 @@
+"""Sobol indices and Morris's effects of functions whose own are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.stats import sobol_indices as of_scipy
+
+from benchmarks.sobol_indices import FUNCTIONS, coverage
+from core.sensitivity.indices import design, indices_of, sobol_indices
+from core.sensitivity.morris import LEVELS, effects_of, paths
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_intervals_hold_the_known_indices(name):
+    held = coverage(FUNCTIONS[name], samples=512, repeats=25)
+    # Of 25 x inputs x 2 intervals 95 %: 12 % fewer would be six deviations away at the least.
+    assert held.mean() >= 0.83
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_more_points_come_nearer(name):
+    one = FUNCTIONS[name]
+    found = sobol_indices(one.values, one.inputs, 1 << 13)
+    assert found.first == pytest.approx(one.first, abs=0.02)
+    assert found.total == pytest.approx(one.total, abs=0.03)
+
+
+def test_estimates_are_those_of_scipy():
+    one = FUNCTIONS["ishigami"]
+    at = design(one.inputs, 64, seed=3, replicates=2)
+    values = one.values(at.reshape(one.inputs, -1)).reshape(at.shape[1:])
+    found = indices_of(values)
+    a, b, *ab = values.reshape(len(values), -1)
+    told = of_scipy(func={"f_A": a[None], "f_B": b[None], "f_AB": np.array(ab)[:, None]}, n=128)
+    # scipy takes the mean of a and b together from both as well, and the same products.
+    assert found.first == pytest.approx(told.first_order, abs=1e-12)
+    assert found.total == pytest.approx(told.total_order, abs=1e-12)
+
+
+def test_many_functions_at_once_have_the_indices_of_each():
+    def both(x):
+        return np.stack([x[0] + 2 * x[1], 1e6 + np.sin(9 * x[0]) * x[1]])
+
+    together = sobol_indices(both, 2, 1024, seed=1)
+    for k in range(2):
+        alone = sobol_indices(lambda x, k=k: both(x)[k], 2, 1024, seed=1)
+        for whole, part in zip(together, alone, strict=True):
+            assert whole[k] == pytest.approx(part, rel=1e-9, abs=1e-9)
+
+
+def test_points_without_a_value_are_left_out_with_all_that_belong_to_them():
+    def holed(x):
+        return np.where(x[0] + x[1] < 0.02, np.nan, x[0] + 2 * x[1])
+
+    found = sobol_indices(holed, 2, 4096)
+    assert found.first == pytest.approx([0.2, 0.8], abs=0.03)
+    constant = sobol_indices(lambda x: np.full(x.shape[1], 3.0), 2, 256)
+    none = sobol_indices(lambda x: np.full(x.shape[1], np.nan), 2, 256)
+    assert np.isnan([*constant.first, *constant.total, *none.first, *none.total]).all()
+
+
+def test_a_path_changes_each_input_once_by_half():
+    along = paths(5, 40, seed=2)
+    steps = np.diff(along.points, axis=-1)
+    assert (np.abs(steps).sum(axis=-1) == 0.5).all()
+    assert ((steps != 0).sum(axis=0) == 1).all()
+    assert np.isin(along.points, (np.arange(LEVELS) + 0.5) / LEVELS).all()
+    assert np.array_equal(along.points, paths(5, 40, seed=2).points)
+
+
+def test_effects_of_a_known_function_are_its_slopes():
+    def values(x):
+        return 3 * x[0] - 2 * x[1] + 4 * x[2] * x[3]
+
+    along = paths(4, 400, seed=0)
+    found = effects_of(values(along.points), along)
+    assert found.size[:2] == pytest.approx([3, 2])
+    assert found.deviation[:2] == pytest.approx([0, 0], abs=1e-12)
+    # 4 x_3 with x_3 on the levels 1/8 to 7/8: mean 2, deviation 4 sqrt(5)/8.
+    assert found.size[2] == pytest.approx(2, abs=0.2)
+    assert found.deviation[2] == pytest.approx(5**0.5 / 2, abs=0.1)
+    holed = np.where(along.points[0] < 0.2, np.nan, values(along.points))
+    left = effects_of(holed, along)
+    assert left.size[1] == pytest.approx(2)
+    assert np.isnan(effects_of(np.full_like(holed, np.nan), along).size).all()
