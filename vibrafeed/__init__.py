@@ -38,7 +38,9 @@ a `SimulateStudy`, an `OptimiseStudy` or a `SensitivityStudy`; a `Study` is any 
 
 >>> type(motion.vf.study) is vibrafeed.SimulateStudy
 True
->>> issubclass(vibrafeed.SensitivityStudy, vibrafeed.Study)
+>>> {vibrafeed.SweepStudy, vibrafeed.OptimiseStudy, vibrafeed.SensitivityStudy} < {
+...     *vibrafeed.Study.__args__
+... }
 True
 
 What is wrong with a study is a `StudyError`, whose `problems` say where, what, and what would be

@@ -1446,7 +1446,7 @@ def sensitivity(
     ...     scene="rectangle-on-plane", outputs="acceleration_x", frequency="50 Hz",
     ...     amplitude="0.1 mm", beta=30,
     ...     uncertain={"friction": {"mean": 0.3, "deviation": 0.03}},
-    ...     demands=[{"output": "acceleration_x", "at_least": "5 m/s^2"}],
+    ...     demands=[{"output": "acceleration_x", "at_least": "7 m/s^2"}],
     ... )
     >>> 0 < float(told.probability_acceleration_x_at_least) < 1
     True
