@@ -84,7 +84,7 @@ def create_app(settings: Settings) -> FastAPI:
             await asyncio.to_thread(spans.close)
 
     app = FastAPIOffline(
-        docs_url="/docs",
+        docs_url=None,  # `page` has its own, without a script within it
         redoc_url=None,
         title="vibrafeed",
         version=core.__version__,

@@ -44,12 +44,7 @@ SAFE = [
     (b"cross-origin-resource-policy", b"same-origin"),
 ]
 API_POLICY = b"default-src 'none'; frame-ancestors 'none'"
-# Swagger's page starts itself by a script within the page, and draws with styles and data images.
-DOCS_POLICY = (
-    b"default-src 'none'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; "
-    b"img-src 'self' data:; font-src 'self'; connect-src 'self'; form-action 'self'; "
-    b"base-uri 'none'; frame-ancestors 'none'"
-)
+# Both pages: no script, style or handler within them, nothing that comes from elsewhere.
 PAGE_POLICY = (
     b"default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
     b"connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
@@ -112,7 +107,7 @@ class SafeHeaders:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on; add the headers to its reply."""
         path = path_of(scope)
-        policy = DOCS_POLICY if is_docs(path) else PAGE_POLICY if is_page(path) else API_POLICY
+        policy = PAGE_POLICY if is_docs(path) or is_page(path) else API_POLICY
 
         async def with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":

@@ -3,23 +3,11 @@
 from __future__ import annotations
 
 import os
-import shutil
 
 import pytest
 
+from benchmarks.browsing import CHROMIUM, browsed
 from benchmarks.serving import served
-
-CHROMIUM = shutil.which("chromium")
-FLAGS = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-)
 
 
 @pytest.fixture(scope="module")
@@ -29,19 +17,13 @@ def address():
 
 
 @pytest.fixture(scope="module")
-def browser(tmp_path_factory):
+def browser():
     if CHROMIUM is None:
         if os.environ.get("VIBRAFEED_REQUIRE_TOOLS") == "1":
             pytest.fail("chromium is not installed")
         pytest.skip("chromium is not installed")
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        context = playwright.chromium.launch_persistent_context(
-            tmp_path_factory.mktemp("profile"), executable_path=CHROMIUM, args=list(FLAGS)
-        )
+    with browsed() as context:
         yield context
-        context.close()
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""The page for browsers: its files, which hold no secrets and need no key."""
+"""The pages for browsers, and their files, which hold no secrets and need no key."""
 
 from __future__ import annotations
 
@@ -14,9 +14,19 @@ NAME = "page"
 
 def index() -> Response:
     """Return the page itself."""
-    return FileResponse(FILES / "index.html", headers={"Cache-Control": "no-cache"})
+    return _page("index.html")
+
+
+def docs() -> Response:
+    """Return the page that shows each route, and tries them."""
+    return _page("docs.html")
+
+
+def _page(name: str) -> Response:
+    return FileResponse(FILES / name, headers={"Cache-Control": "no-cache"})
 
 
 def install(app: FastAPI) -> None:
-    """Serve the files that the page asks for."""
+    """Serve the documentation's page, and the files that both pages ask for."""
+    app.add_api_route("/docs", docs, methods=["GET", "HEAD"], include_in_schema=False)
     app.mount(f"/{NAME}", StaticFiles(directory=FILES), name=NAME)

@@ -26,8 +26,8 @@ ROOT = Path(__file__).parents[3]
 KEY, HASH = new_key()
 OTHER_KEY, OTHER_HASH = new_key()
 BEARER = {"Authorization": f"Bearer {KEY}"}
-OPEN = ["/", "/page/page.css", "/healthz", "/readyz", "/docs", "/docs/oauth2-redirect",
-        "/openapi.json", "/static-offline-docs/swagger-ui.css"]  # fmt: skip
+OPEN = ["/", "/page/page.css", "/healthz", "/readyz", "/docs", "/page/docs.js", "/openapi.json",
+        "/static-offline-docs/swagger-ui.css"]  # fmt: skip
 POSTS = ["/sweeps", "/processes/simulate/execution", "/processes/optimise/execution"]
 STUDY: dict[str, Any] = {
     "kind": "sweep",
@@ -281,6 +281,7 @@ def test_every_reply_has_safe_headers(tmp_path):
         policy = reply.headers["content-security-policy"]
         assert policy.startswith("default-src 'none'; ")
         assert "frame-ancestors 'none'" in policy
+        assert "unsafe" not in policy
         assert ("script-src" in policy) == (reply.request.url.path.startswith(("/docs", "/static")))
 
 
