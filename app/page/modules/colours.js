@@ -10,6 +10,7 @@ const TWO_SIGNS = [
   [244, 207, 187], [230, 152, 119], [202, 92, 69], [160, 26, 38],
 ];
 const STEPS = 256;
+const SAMPLE = 4000; // values
 
 function table(stops) {
   const found = new Uint8ClampedArray(STEPS * 3);
@@ -27,12 +28,14 @@ const TABLES = { one: table(ONE_SIGN), two: table(TWO_SIGNS) };
 
 // The scale for values: its ends, and the colour of each. What sticks out far is cut.
 export function scaleOf(values) {
-  const finite = values.filter(Number.isFinite);
-  if (!finite.length) return null;
-  const sorted = Float64Array.from(finite).sort();
-  let low = sorted[0];
-  let high = sorted[sorted.length - 1];
-  const most = [0.01, 0.99].map((share) => sorted[Math.floor(share * (sorted.length - 1))]);
+  let low = Infinity;
+  let high = -Infinity;
+  for (const value of values) {
+    if (value < low && value > -Infinity) low = value;
+    if (value > high && value < Infinity) high = value;
+  }
+  if (low > high) return null;
+  const most = usualEnds(values);
   if (high - low > 4 * (most[1] - most[0]) && most[1] > most[0]) [low, high] = most;
   if (high - low < 1e-9 * Math.max(Math.abs(low), Math.abs(high), 1e-300)) {
     const room = 0.05 * Math.max(Math.abs(low), Math.abs(high)) || 1;
@@ -42,6 +45,19 @@ export function scaleOf(values) {
   const isTwo = Math.min(-low, high) > 0.1 * Math.max(-low, high);
   const ends = isTwo ? [-Math.max(-low, high), Math.max(-low, high)] : [low, high];
   return { low: ends[0], high: ends[1], lut: TABLES[isTwo ? "two" : "one"], steps: STEPS };
+}
+
+// Where all but a hundredth lie at either end, judged by some of the values: sorting all of a fine map
+// takes longer than a frame. The step is odd, so that it does not keep to the same columns.
+function usualEnds(values) {
+  const step = Math.floor(values.length / SAMPLE) | 1;
+  const some = new Float64Array(Math.ceil(values.length / step));
+  let count = 0;
+  for (let i = 0; i < values.length; i += step) {
+    if (Number.isFinite(values[i])) some[count++] = values[i];
+  }
+  const sorted = some.subarray(0, count).sort();
+  return [0.01, 0.99].map((share) => sorted[Math.floor(share * (count - 1))]);
 }
 
 export function colourOf(scale, value) {

@@ -8,6 +8,8 @@ const PATIENCE = 3; // s for a fine map; what takes longer is drawn with fewer v
 const LINE = 201;
 const BAND = [-1, -0.5, 0, 0.5, 1]; // places within what is not known exactly
 const DRAGGED = 101; // places of a slider
+const MOST_KEPT = 32; // slices, of 0.4 MB
+const MOST_UNDER_WAY = 2;
 
 function span(axis, num) {
   return { start: axis.from, stop: axis.to, num };
@@ -63,15 +65,17 @@ function fromDataset(dataset, view) {
 
 function fromSlice(found, view) {
   const axes = Object.fromEntries(found.axes.map((axis) => [axis.name, axis]));
+  // How far apart neighbours along each axis lie among the values; 0 where they do not depend on it.
   const reader = (values, dims) => {
-    const lengths = dims.map((dim) => axes[dim].values.length);
-    return (i, j) => {
-      let at = 0;
-      dims.forEach((dim, place) => {
-        at = at * lengths[place] + (dim === view.x.name ? i : j);
-      });
-      return values[at];
-    };
+    const step = { [view.x.name]: 0, ...(view.y ? { [view.y.name]: 0 } : {}) };
+    let apart = 1;
+    for (const dim of [...dims].reverse()) {
+      step[dim] = apart;
+      apart *= axes[dim].values.length;
+    }
+    const across = step[view.x.name];
+    const up = view.y ? step[view.y.name] : 0;
+    return (i, j = 0) => values[i * across + j * up];
   };
   const axis = (name) => ({ name, unit: axes[name].unit, values: axes[name].values });
   const regimes = Object.entries(found.header.regimes ?? {});
@@ -93,7 +97,9 @@ function fromSlice(found, view) {
 // then has a sweep along it, too, and every place of the slider is a slice of one and the same.
 export class Source {
   constructor() {
-    this.sweeps = new Map(); // study as text -> identifier
+    this.sweeps = new Map(); // study as text -> promise of its identifier
+    this.slices = new Map(); // study and place as text -> promise of the slice
+    this.underWay = 0;
     this.fineness = FINE.simulate; // values of an axis of a map of motion
   }
 
@@ -139,22 +145,49 @@ export class Source {
   async sliced(view, dragged, signal) {
     const study = studyOf(view);
     const axes = view.y ? [view.x.name, view.y.name] : [view.x.name];
-    const fixed = {};
     if (dragged) {
-      study.parameters[dragged.name] = {
-        start: dragged.from,
-        stop: dragged.to,
-        num: DRAGGED,
-      };
-      fixed[dragged.name] = view.values[dragged.name];
+      study.parameters[dragged.name] = { start: dragged.from, stop: dragged.to, num: DRAGGED };
+      return fromSlice(await this.kept(study, view, axes, dragged), view);
     }
+    return fromSlice(await slice(await this.posted(study, signal), view.output, axes, {}, signal), view);
+  }
+
+  // Ask for a place of a slider while another is being drawn: `compute` then finds it under way.
+  ahead(view, dragged) {
+    if (view.kind === "sweep" && this.underWay < MOST_UNDER_WAY) {
+      this.sliced(view, dragged).catch(() => {}); // `compute` asks again, and tells
+    }
+  }
+
+  // Slices of places where the slider has been, or that are under way.
+  kept(study, view, axes, { name }) {
+    const fixed = { [name]: view.values[name] };
+    const text = JSON.stringify([study, fixed]);
+    let found = this.slices.get(text);
+    this.slices.delete(text);
+    if (!found) {
+      this.underWay += 1;
+      found = this.posted(study)
+        .then((id) => slice(id, view.output, axes, fixed))
+        .finally(() => {
+          this.underWay -= 1;
+        });
+      found.catch(() => this.slices.delete(text));
+    }
+    this.slices.set(text, found); // the last one used is the last one dropped
+    if (this.slices.size > MOST_KEPT) this.slices.delete(this.slices.keys().next().value);
+    return found;
+  }
+
+  // The identifier of a sweep that the service has been told of.
+  posted(study, signal) {
     const text = JSON.stringify(study);
     if (!this.sweeps.has(text)) {
-      const { content } = await put("/sweeps", study, { signal });
-      this.sweeps.set(text, content.id);
+      const id = put("/sweeps", study, { signal }).then(({ content }) => content.id);
+      this.sweeps.set(text, id);
+      id.catch(() => this.sweeps.delete(text));
     }
-    const found = await slice(this.sweeps.get(text), view.output, axes, fixed, signal);
-    return fromSlice(found, view);
+    return this.sweeps.get(text);
   }
 }
 

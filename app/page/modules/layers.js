@@ -8,13 +8,14 @@ import { shown } from "./words.js";
 
 const { contours, ticks } = window.d3;
 const LEVELS = 10;
+const FEW = 50; // values of an axis, for lines that move
 
 // One point of the canvas a value: the browser enlarges it.
 export function paint(canvas, { data, flat, range }) {
   const nx = data.x.values.length;
   const ny = data.y.values.length;
-  canvas.width = nx;
-  canvas.height = ny;
+  if (canvas.width !== nx) canvas.width = nx;
+  if (canvas.height !== ny) canvas.height = ny;
   const context = canvas.getContext("2d");
   const image = context.createImageData(nx, ny);
   if (range) {
@@ -35,6 +36,31 @@ export function paint(canvas, { data, flat, range }) {
     }
   }
   context.putImageData(image, 0, 0);
+}
+
+// The same ground with fewer values, the first and the last of each axis among them.
+export function thinned(ground) {
+  const { data, flat } = ground;
+  const [across, up] = [data.x, data.y].map(({ values }) => placesAmong(values.length));
+  const some = new Float64Array(across.length * up.length);
+  let at = 0;
+  for (const j of up) for (const i of across) some[at++] = flat[j * data.x.values.length + i];
+  const { regime } = data;
+  return {
+    ...ground,
+    flat: some,
+    data: {
+      ...data,
+      x: { ...data.x, values: across.map((i) => data.x.values[i]) },
+      y: { ...data.y, values: up.map((j) => data.y.values[j]) },
+      regime: regime && { ...regime, at: (i, j) => regime.at(across[i], up[j]) },
+    },
+  };
+}
+
+function placesAmong(count) {
+  const few = Math.min(FEW, count);
+  return Array.from({ length: few }, (_, k) => Math.round((k * (count - 1)) / Math.max(1, few - 1)));
 }
 
 export function clipDrawn(clipId, width, height) {

@@ -32,12 +32,21 @@ export function occurring(regime, x, y = null) {
   if (!regime) return [];
   const counts = new Map();
   const rows = y ? y.values.length : 1;
+  let value; // of the run that is being counted: neighbours are mostly alike
+  let run = 0;
+  const note = () => run && counts.set(value, (counts.get(value) ?? 0) + run);
   for (let j = 0; j < rows; j++) {
     for (let i = 0; i < x.values.length; i++) {
-      const value = regime.at(i, j);
-      counts.set(value, (counts.get(value) ?? 0) + 1);
+      const next = regime.at(i, j);
+      if (next !== value) {
+        note();
+        value = next;
+        run = 0;
+      }
+      run += 1;
     }
   }
+  note();
   return [...counts]
     .sort((a, b) => b[1] - a[1])
     .map(([value, count], place) => {

@@ -168,7 +168,8 @@ class Page {
   async compute(how) {
     if (this.isComputing) {
       this.waiting = how;
-      if (!how.dragged) this.abort?.abort();
+      if (how.dragged) this.source.ahead(this.view, how.dragged);
+      else this.abort?.abort();
       return;
     }
     this.isComputing = true;
@@ -195,7 +196,7 @@ class Page {
         this.picture.show(await this.notice.persist(() => this.source.coarse(view, { signal, tell })));
       }
       const found = await this.notice.persist(() => this.source.compute(view, { dragged, signal, tell }));
-      this.picture.show(found);
+      this.picture.show(found, { isMoving: dragged !== null });
       this.controls.clear();
       if (view.band && !dragged) {
         this.picture.showBand(found, await this.source.band(view, { signal }), view.band);

@@ -3,7 +3,7 @@
 import { axesDrawn, axisOf, FRAME } from "./axes.js";
 import { scaleOf } from "./colours.js";
 import { drawn, element, fill } from "./elements.js";
-import { bordersDrawn, clipDrawn, contoursDrawn, paint } from "./layers.js";
+import { bordersDrawn, clipDrawn, contoursDrawn, paint, thinned } from "./layers.js";
 import { legendOf, occurring, scaleTold } from "./legend.js";
 import { capital, withUnit, words } from "./words.js";
 
@@ -38,12 +38,14 @@ export class HeatMap {
     this.data = null;
     this.cursor = null;
     this.marks = [];
-    new ResizeObserver(() => this.draw()).observe(this.box);
+    new ResizeObserver(() => this.resize()).observe(this.box);
   }
 
   // data: {x, y: {name, unit, values}, z: {name, unit, at(i, j)}, regime: {at(i, j), names} or null}
-  show(data) {
+  // While it `isMoving`, lines are drawn of fewer values: they take most of the time.
+  show(data, { isMoving = false } = {}) {
     this.data = data;
+    this.isMoving = isMoving;
     const size = data.x.values.length * data.y.values.length;
     this.flat = new Float64Array(size);
     const nx = data.x.values.length;
@@ -63,10 +65,16 @@ export class HeatMap {
     this.draw();
   }
 
+  resize() {
+    this.size = { width: this.box.clientWidth, height: this.box.clientHeight };
+    this.draw();
+  }
+
   draw() {
     if (!this.data) return;
-    const width = this.box.clientWidth;
-    const height = this.box.clientHeight;
+    // Asked for once: with each frame it would have the whole page laid out.
+    this.size ??= { width: this.box.clientWidth, height: this.box.clientHeight };
+    const { width, height } = this.size;
     if (width < 80 || height < 80) return;
     const { left, right, top, bottom } = FRAME;
     const { data } = this;
@@ -80,15 +88,26 @@ export class HeatMap {
     });
     paint(this.canvas, this);
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    const ground = this.isMoving ? thinned(this) : this;
     fill(
       this.svg,
       clipDrawn(this.clipId, width, height),
-      contoursDrawn(this),
-      bordersDrawn(this, this.regimes),
-      axesDrawn(this.x, this.y, width, height),
+      contoursDrawn(ground),
+      bordersDrawn(ground, this.regimes),
+      this.axesDrawn(width, height),
       ...this.marks.map((mark) => this.markDrawn(mark)),
       this.cursorDrawn(),
     );
+  }
+
+  // The axes, drawn anew where they are others than before.
+  axesDrawn(width, height) {
+    const ends = [this.x, this.y].flatMap(({ label, first, last }) => [label, first, last]);
+    const told = [...ends, width, height].join();
+    if (this.axes?.told !== told) {
+      this.axes = { told, group: axesDrawn(this.x, this.y, width, height) };
+    }
+    return this.axes.group;
   }
 
   markDrawn({ x, y, text }) {

@@ -2,6 +2,7 @@
 
 import { Curves } from "./curves.js";
 import { byId, element, fill } from "./elements.js";
+import { occurring } from "./legend.js";
 import { HeatMap } from "./map.js";
 import { capital, number, words } from "./words.js";
 
@@ -20,7 +21,8 @@ export class Picture {
     byId("worst").hidden = true;
   }
 
-  show(found) {
+  // `isMoving` while a slider is dragged: the next picture will soon be there.
+  show(found, { isMoving = false } = {}) {
     const kind = found.y ? "map" : "curves";
     if (this.kind !== kind) {
       const options = { onpick: this.onpick, title: words(this.view.output) };
@@ -33,7 +35,7 @@ export class Picture {
         this.scene.regimes.map(({ name, description }) => [name, description]),
       );
     }
-    if (kind === "map") this.drawing.show(found);
+    if (kind === "map") this.drawing.show(found, { isMoving });
     else {
       const values = Array.from(found.x.values, (_, i) => found.z.at(i));
       this.drawing.show({
@@ -77,14 +79,11 @@ export class Picture {
       byId("note").textContent = "";
       return;
     }
-    let beyond = 0;
-    const nx = found.x.values.length;
-    const ny = found.y?.values.length ?? 1;
-    for (let j = 0; j < ny; j++) {
-      for (let i = 0; i < nx; i++) beyond += invalid.has(found.regime.at(i, j));
-    }
+    const beyond = occurring(found.regime, found.x, found.y)
+      .filter(({ value }) => invalid.has(value))
+      .reduce((sum, { share }) => sum + share, 0);
     byId("note").textContent = beyond
-      ? `In ${number((100 * beyond) / (nx * ny), 3)} % of the picture these formulas do not ` +
+      ? `In ${number(100 * beyond, 3)} % of the picture these formulas do not ` +
         "describe a real part: it has left the track. Motion in time tells its true speed."
       : "";
   }
