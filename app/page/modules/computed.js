@@ -1,6 +1,7 @@
 // From a view to numbers: slices of a sweep, or the motion of a grid of parts.
 
 import { carryOut, put, slice } from "./service.js";
+import { givenValues } from "./view.js";
 
 const FINE = { sweep: 200, simulate: 100 }; // values of an axis
 const COARSE = 30; // of motion, while something is dragged and first of all
@@ -16,7 +17,7 @@ function span(axis, num) {
 }
 
 function parametersOf(view, num) {
-  const parameters = { ...view.values };
+  const parameters = givenValues(view);
   parameters[view.x.name] = span(view.x, view.y ? num : LINE);
   if (view.y) parameters[view.y.name] = span(view.y, num);
   return parameters;
@@ -198,7 +199,7 @@ export function places(low, high) {
 
 // The course of the one part at a point of the view.
 export async function courseAt(view, point, { signal } = {}) {
-  const parameters = { ...view.values, [view.x.name]: point.x };
+  const parameters = { ...givenValues(view), [view.x.name]: point.x };
   if (view.y && point.y !== null && point.y !== undefined) parameters[view.y.name] = point.y;
   const study = {
     kind: "simulate",

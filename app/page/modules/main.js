@@ -23,6 +23,11 @@ const TITLES = {
   all: "Everything",
 };
 
+// For screen readers, and whoever waits for the picture.
+function busy(isBusy) {
+  byId("picture").setAttribute("aria-busy", String(isBusy));
+}
+
 class Page {
   constructor() {
     this.source = new Source();
@@ -33,6 +38,7 @@ class Page {
     this.picture = new Picture({ onpick: (point) => this.pick(point) });
     this.isComputing = false;
     this.waiting = null; // what is to be computed next
+    this.turn = 0; // of views that were opened: the last one counts
     window.addEventListener("hashchange", () => {
       if (location.hash !== this.link) this.restore();
     });
@@ -90,6 +96,9 @@ class Page {
     const known = this.scene(wanted.scene);
     if (wanted.scene && !known) complaints.push("The link names a system that there is not.");
     const begin = begun(question);
+    // What a question begins with need not be there in another system, or the other way to look.
+    const isOther = ["scene", "kind"].some((name) => name in wanted && wanted[name] !== begin[name]);
+    if (isOther) begin.output = "";
     const view = { ...begin, ...wanted, question, scene: known ? wanted.scene : begin.scene };
     if (view.kind === "simulate" && !this.scene(view.scene).methods.length) view.kind = "sweep";
     await this.open(view, { complaints });
@@ -103,14 +112,19 @@ class Page {
 
   // Show another view. What an `isSwitching` user leaves behind needs no word.
   async open(view, { complaints = [], isSwitching = false } = {}) {
+    const turn = (this.turn += 1);
+    const isLeft = () => turn !== this.turn;
+    busy(true);
     let scene;
     try {
       scene = await this.describe(view);
     } catch (error) {
-      complaints.push(error.message);
+      if (!(error instanceof Refusal)) throw error;
+      complaints.push(`There is no ${view.kind === "sweep" ? "variant" : "method"} of that name here.`);
       view.choice = "";
       scene = await this.describe(view);
     }
+    if (isLeft()) return;
     const made = complete(view, scene);
     complaints.push(...made.complaints, ...(isSwitching ? [] : made.foreign));
     this.view = view;
@@ -118,6 +132,7 @@ class Page {
     this.tellQuestions();
     this.controls.show(view, this.scenes, scene);
     await this.tellQuestion();
+    if (isLeft()) return;
     this.notice.tell(complaints.slice(0, 1));
     this.picture.begin(view, scene);
     const drawn = this.compute({ isFirst: true });
@@ -173,6 +188,7 @@ class Page {
       return;
     }
     this.isComputing = true;
+    busy(true);
     try {
       let next = how;
       while (next) {
@@ -182,6 +198,7 @@ class Page {
       }
     } finally {
       this.isComputing = false;
+      busy(false);
     }
   }
 
@@ -193,19 +210,27 @@ class Page {
     const started = performance.now();
     try {
       if (isFirst && view.kind === "simulate" && view.y) {
-        this.picture.show(await this.notice.persist(() => this.source.coarse(view, { signal, tell })));
+        const coarse = await this.notice.persist(() => this.source.coarse(view, { signal, tell }));
+        signal.throwIfAborted();
+        this.picture.show(coarse);
       }
       const found = await this.notice.persist(() => this.source.compute(view, { dragged, signal, tell }));
+      signal.throwIfAborted();
       this.picture.show(found, { isMoving: dragged !== null });
       this.controls.clear();
+      if (!isFirst) this.notice.tell(); // a word about a link stays
       if (view.band && !dragged) {
-        this.picture.showBand(found, await this.source.band(view, { signal }), view.band);
+        const band = await this.notice.persist(() => this.source.band(view, { signal }));
+        signal.throwIfAborted();
+        this.picture.showBand(found, band, view.band);
       }
       const seconds = (performance.now() - started) / 1000;
       byId("progress").textContent = dragged ? "" : `Shown after ${duration(seconds)}.`;
     } catch (error) {
       if (error.name === "AbortError") return;
+      byId("progress").textContent = "";
       if (!(error instanceof Refusal)) throw error;
+      this.controls.clear();
       const rest = this.controls.complain(error.errors);
       this.notice.tell(error.errors.length ? rest : [error.message]);
     }
@@ -237,7 +262,7 @@ class Page {
       this.picture.mark(view.y ? [{ x: point.x, y: point.y, text: "" }] : []);
     } catch (error) {
       if (error instanceof Refusal) {
-        this.notice.tell([error.message, ...error.errors.map((e) => e.message)]);
+        this.notice.tell([error.errors[0]?.message ?? error.message]);
       } else throw error;
     }
   }

@@ -4,14 +4,32 @@ import { element, fill } from "./elements.js";
 import { Away, Refusal, key } from "./service.js";
 
 const RETRY = 2000; // ms
+const PASSING = [429, 502, 503, 504]; // of a service, or of the proxy before it
+const KEY = /^[\x21-\x7e]+$/; // what a header can carry
+
+const asksForKey = (error) => error.status === 401 || error.type.endsWith(":wrong-keys");
 
 export class Notice {
   constructor(host) {
     this.host = host;
+    this.sentences = []; // of what is wrong
+    this.waiting = null; // what has to end before the page goes on
+    this.asking = null; // promise that a key is given
   }
 
+  // Say what is wrong; without sentences, that nothing is.
   tell(sentences = []) {
-    fill(this.host, ...sentences.map((text) => element("p", {}, text)));
+    this.sentences = sentences;
+    this.show();
+  }
+
+  wait(waiting) {
+    this.waiting = waiting;
+    this.show();
+  }
+
+  show() {
+    fill(this.host, this.waiting, ...this.sentences.map((text) => element("p", {}, text)));
   }
 
   // Ask until the service answers, and say so meanwhile.
@@ -19,15 +37,19 @@ export class Notice {
     for (;;) {
       try {
         const found = await task();
-        this.tell();
+        if (this.waiting && !this.asking) this.wait(null);
         return found;
       } catch (error) {
-        if (error instanceof Away) this.tell(["The service does not answer. Asking again ..."]);
-        else if (error instanceof Refusal && error.status === 401) await this.askForKey(error);
-        else if (error instanceof Refusal && [429, 503].includes(error.status)) this.tell([error.message]);
-        else throw error;
-        if (!(error instanceof Refusal && error.status === 401)) {
+        const isPassing = error instanceof Away || PASSING.includes(error.status);
+        if (error instanceof Refusal && asksForKey(error)) {
+          await (this.asking ??= this.askForKey(error));
+        } else if (isPassing) {
+          const told = error instanceof Away ? "The service does not answer." : error.message;
+          if (!this.asking) this.wait(element("p", {}, `${told} Asking again ...`));
           await new Promise((done) => setTimeout(done, RETRY));
+        } else {
+          if (this.waiting && !this.asking) this.wait(null);
+          throw error;
         }
       }
     }
@@ -36,21 +58,29 @@ export class Notice {
   askForKey(error) {
     return new Promise((done) => {
       const field = element("input", { type: "password", id: "key", autocomplete: "off" });
-      const form = element(
-        "form",
-        {
-          onsubmit: (event) => {
-            event.preventDefault();
-            key.set(field.value.trim());
-            done();
-          },
-        },
-        element("p", {}, key.get() ? error.message : "The service asks for a key."),
-        element("label", { for: "key" }, "Key, kept until this tab is closed "),
-        field,
-        element("button", {}, "Use it"),
+      const said = element("p", {}, key.get() ? error.message : "The service asks for a key.");
+      const use = (event) => {
+        event.preventDefault();
+        const given = field.value.trim();
+        if (!KEY.test(given)) {
+          said.textContent = "A key is made of English letters, digits and signs, without spaces.";
+          return;
+        }
+        key.set(given);
+        this.asking = null;
+        this.wait(null);
+        done();
+      };
+      this.wait(
+        element(
+          "form",
+          { onsubmit: use },
+          said,
+          element("label", { for: "key" }, "Key, kept until this tab is closed "),
+          field,
+          element("button", {}, "Use it"),
+        ),
       );
-      fill(this.host, form);
       field.focus();
     });
   }

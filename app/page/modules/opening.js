@@ -26,7 +26,8 @@ export function complete(view, scene) {
   const given = { ...view.values };
   for (const axis of [view.x, view.y]) if (axis) given[axis.name] = axis.from;
   const parameters = shownParameters(scene, view.output, given);
-  const byName = Object.fromEntries(parameters.map((one) => [one.name, one]));
+  // A link may name anything, also what every object of JavaScript has.
+  const byName = Object.assign(Object.create(null), ...parameters.map((one) => ({ [one.name]: one })));
   complaints.push(...chooseAxes(view, byName));
   const foreign = Object.keys(view.values).filter((name) => !byName[name]);
   for (const name of foreign) delete view.values[name];
@@ -34,7 +35,8 @@ export function complete(view, scene) {
     if (name === view.x.name || name === view.y?.name) delete view.values[name];
     else view.values[name] ??= typical(byName[name]);
   }
-  if (view.band && !(view.band.name in view.values)) view.band = null;
+  view.own = Object.fromEntries(parameters.map((one) => [one.name, one.default]));
+  if (view.band && !Object.hasOwn(view.values, view.band.name)) view.band = null;
   return { complaints, foreign: foreign.map((name) => `${capital(told(name))} is not a parameter here.`) };
 }
 

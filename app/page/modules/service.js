@@ -106,9 +106,24 @@ export async function slice(id, output, axes, fixed, signal) {
 export async function carryOut(process, study, { tell = () => {}, signal } = {}) {
   const { status, content } = await put(`/processes/${process}/execution`, study, { signal });
   if (status !== 201) return { dataset: content, job: null };
-  const job = await follow(content, tell, signal);
-  const dataset = await get(`/jobs/${job.jobID}/results/dataset`, { signal });
-  return { dataset, job };
+  try {
+    const job = await follow(content, tell, signal);
+    const dataset = await get(`/jobs/${job.jobID}/results/dataset`, { signal });
+    return { dataset, job };
+  } catch (error) {
+    if (error.name === "AbortError") await leave(content, tell); // something else is looked at
+    throw error;
+  }
+}
+
+// Have the service end a job that nobody waits for any more, so that others have their turn.
+async function leave(job, tell) {
+  try {
+    await remove(`/jobs/${job.jobID}`);
+    tell({ ...job, status: "dismissed", message: "It was dismissed: something else is looked at." });
+  } catch {
+    // it may be over
+  }
 }
 
 // Follow a job to its end by its stream of events; where that breaks, it is opened again.

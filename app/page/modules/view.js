@@ -35,7 +35,7 @@ export function fromLink(hash) {
     return { wanted: {}, complaints: ["The link is too long to be one of this page."] };
   }
   const query = new URLSearchParams(text);
-  const wanted = { values: {} };
+  const wanted = { values: Object.create(null) }; // names may be any, also __proto__
   const one = (name, known) => {
     const value = query.get(name);
     if (value === null) return;
@@ -75,8 +75,9 @@ export function fromLink(hash) {
   }
   const point = query.get("point");
   if (point !== null) {
-    const [x, y] = point.split(":").map((part) => (part === "" ? null : Number(part)));
+    const [x, y = null] = point.split(":").map((part) => (part === "" ? null : Number(part)));
     if (Number.isFinite(x) && (y === null || Number.isFinite(y))) wanted.point = { x, y };
+    else complaints.push("The link gives a point that is none of a picture.");
   }
   return { wanted, complaints: [...new Set(complaints)] };
 }
@@ -94,6 +95,13 @@ export function usual(parameter) {
 
 export function typical(parameter) {
   return parameter.default ?? parameter.example ?? (usual(parameter)[0] + usual(parameter)[1]) / 2;
+}
+
+// The values that a study gives: what is as the service has it by itself is left out, since giving it
+// may ask for more, as the speed of a part on a track asks for its radius.
+export function givenValues(view) {
+  const isOwn = ([name, value]) => view.own?.[name] === value;
+  return Object.fromEntries(Object.entries(view.values).filter((one) => !isOwn(one)));
 }
 
 // Names that replace each other, such as one friction and two: those that are shown.
