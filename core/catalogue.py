@@ -107,12 +107,15 @@ def asked_parameters(
 ) -> tuple[str, ...]:
     """Return the parameters that a study of one output may give, for it and for its regime.
 
-    With `required` those alone that it has to give.
+    With `required` those alone that it has to give. A simulation always follows the part, to tell
+    how that ended.
     """
     regimes = (one for one in scene.conditions[variant] if output in one.outputs)
-    wanted = (output, *(name for condition in regimes for name in condition.inputs))
     produced, defaults = scene.producers(variant), scene.defaults_of(variant)
-    known = set(defaults) if required else set()
+    always = [name for name in ("motion_status",) if name in produced]
+    wanted = (output, *always, *(name for condition in regimes for name in condition.inputs))
+    # A default stands for a quantity that others use; who asks for it wants its equation.
+    known = set(defaults) - {output} if required else set()
     met = behind(wanted, lambda name: None if name in known else produced.get(name))
     found = {name for name, equation in met.items() if equation is None} - known
     return tuple(name for name in QUANTITIES if name in found)

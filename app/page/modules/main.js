@@ -87,6 +87,7 @@ class Page {
   }
 
   async restore() {
+    busy(true);
     const { wanted, complaints } = fromLink(location.hash);
     const question = wanted.question ?? "speed";
     if (question === "thesis" && !wanted.scene) {
@@ -232,7 +233,7 @@ class Page {
       if (!(error instanceof Refusal)) throw error;
       this.controls.clear();
       const rest = this.controls.complain(error.errors);
-      this.notice.tell(error.errors.length ? rest : [error.message]);
+      this.notice.tell(error.errors.length ? rest.slice(0, 1) : [error.message]);
     }
     if (!dragged) this.keep(view);
   }

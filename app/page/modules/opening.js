@@ -36,7 +36,10 @@ export function complete(view, scene) {
     else view.values[name] ??= typical(byName[name]);
   }
   view.own = Object.fromEntries(parameters.map((one) => [one.name, one.default]));
-  if (view.band && !Object.hasOwn(view.values, view.band.name)) view.band = null;
+  if (view.band && !Object.hasOwn(view.values, view.band.name)) {
+    foreign.push(view.band.name);
+    view.band = null;
+  }
   return { complaints, foreign: foreign.map((name) => `${capital(told(name))} is not a parameter here.`) };
 }
 

@@ -1,0 +1,111 @@
+"""Manners of the page: keys, jobs that are cancelled or left, a service that is started again."""
+
+from __future__ import annotations
+
+import json
+import re
+import urllib.request
+
+import pytest
+from playwright.sync_api import expect
+
+from app.jobs.keys import new_key
+from services import services
+
+KEY, HASH = new_key()
+MOTION = (
+    "#question=speed&kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
+    "&x=amplitude:0.0001:0.0007&y=beta:5:60&p.frequency=50&p.friction=0.4"
+)
+SLOW = f"{MOTION}&choice=reference"  # half a minute
+
+
+@pytest.fixture(scope="module")
+def service(tmp_path_factory):
+    with services(tmp_path_factory) as start:
+        yield start(workers=1, api_key_hashes=json.dumps([HASH]))
+
+
+def entered(page, service, link=""):
+    """Open the page, and give the key it asks for."""
+    page.goto(f"{service.address}/{link}")
+    page.locator("#key").fill(KEY)
+    page.keyboard.press("Enter")
+
+
+def shown(page):
+    expect(page.locator("#progress")).to_have_text(re.compile("^Shown"))
+    expect(page.locator("#picture")).to_have_attribute("aria-busy", "false")
+
+
+def asked(service, path):
+    request = urllib.request.Request(service.address + path)
+    request.add_header("Authorization", f"Bearer {KEY}")
+    with urllib.request.urlopen(request, timeout=20) as reply:
+        return json.load(reply)
+
+
+def test_a_key_is_kept_for_the_tab_and_in_no_link(page, service, browser):
+    page.goto(f"{service.address}/{MOTION}")
+    said = page.locator("#notice p")
+    expect(said).to_have_text("The service asks for a key.")
+    for wrong, sentence in [
+        ("wrong", "This key is not known here."),
+        ("ключ", "A key is made of English letters, digits and signs, without spaces."),
+    ]:
+        page.get_by_label("Key, kept until this tab is closed").fill(wrong)
+        page.get_by_role("button", name="Use it").click()
+        expect(said).to_have_text(sentence)
+    page.locator("#key").fill(KEY)
+    page.get_by_role("button", name="Use it").click()
+    shown(page)
+    expect(page.locator("#notice")).to_be_empty()
+    assert KEY not in page.url
+    assert page.evaluate("[localStorage.length, document.cookie]") == [0, ""]
+    page.reload()
+    shown(page)  # without asking again
+    with browser.expect_page() as another:
+        page.evaluate("window.open(location.href, '_blank', 'noopener'); 0")
+    expect(another.value.locator("#key")).to_be_visible()
+    another.value.close()
+
+
+def test_a_job_is_cancelled_and_one_that_is_left_is_dismissed(page, service):
+    entered(page, service, SLOW)
+    lines = page.locator("#jobs li")
+    page.get_by_role("button", name="Cancel").click()
+    expect(lines.first).to_contain_text("dismissed")
+    expect(page.locator("#notice p")).to_contain_text("dismissed")
+    expect(page.locator("#picture")).to_have_attribute("aria-busy", "false")
+    expect(page.locator("#progress")).to_be_empty()
+    # The same again, but now something else is looked at.
+    page.locator("#value-friction").fill("0.5")
+    page.keyboard.press("Tab")
+    expect(lines).to_have_count(2)
+    page.get_by_role("button", name="Everything").click()
+    shown(page)
+    expect(lines.first).to_contain_text("something else is looked at")
+    expect(page.locator("#notice")).to_be_empty()
+    states = {job["status"] for job in asked(service, "/jobs")["jobs"]}
+    assert states == {"dismissed"}
+
+
+def test_a_service_that_starts_again_is_waited_for(page, service, browser):
+    entered(page, service, f"{MOTION}&choice=time-stepping")  # a job of some seconds
+    looking = browser.new_page()
+    entered(looking, service, MOTION)
+    shown(looking)
+    expect(page.locator("#jobs li")).to_contain_text("%")
+    service.kill()
+    looking.locator("#value-friction").fill("0.6")
+    looking.keyboard.press("Tab")
+    said = looking.locator("#notice p")
+    expect(said).to_have_text("The service does not answer. Asking again ...")
+    expect(page.locator("#progress")).to_contain_text("The service does not answer")
+    service.start()
+    shown(looking)
+    expect(said).to_have_count(0)
+    assert "p.friction=0.6" in looking.url
+    looking.close()
+    shown(page)
+    assert page.locator("#jobs li").count() >= 1
