@@ -44,7 +44,10 @@ MOTION = (
     "/#question=speed&kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
     "&x=amplitude:0.0001:0.001&y=beta:5:60&p.frequency=50&p.friction={friction}"
 )
-FINISHED = """() => document.getElementById("progress").textContent.startsWith("Shown after")"""
+FINISHED = """() =>
+  document.getElementById("progress")?.textContent.startsWith("Shown after") &&
+  document.getElementById("picture").getAttribute("aria-busy") === "false"
+"""
 
 
 def finished(page: Any) -> None:
@@ -54,6 +57,7 @@ def finished(page: Any) -> None:
 
 def dragged(page: Any, address: str, *, steps: int = 150) -> tuple[float, tuple[int, int]]:
     """Return frames a second with new data while a slider is dragged, and the size of the map."""
+    page.goto("about:blank")
     page.goto(address + CLOSED)
     finished(page)
     slider = page.get_by_label("Drive azimuth, slider")
@@ -81,6 +85,7 @@ def dragged(page: Any, address: str, *, steps: int = 150) -> tuple[float, tuple[
 
 def moved(page: Any, address: str, friction: float) -> tuple[float, tuple[int, int]]:
     """Return seconds from a typed friction to the finished map of motion, and its size."""
+    page.goto("about:blank")
     page.goto(address + MOTION.format(friction=0.3))
     finished(page)
     page.evaluate(

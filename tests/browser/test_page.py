@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
-import random
 import re
-import string
-import urllib.parse
 import urllib.request
 from pathlib import Path
 
@@ -166,40 +163,6 @@ def test_friction_is_chosen_from_published_values_with_its_range(page, address):
     assert page.locator("#value-friction").input_value() == "0.29"
     page.locator("#picture .u-over").hover()
     assert re.search(r"\(.* to .*\)", told(page))
-
-
-def hostile(random_):
-    """Return a link: of this page, an old one, or one that means harm."""
-    names = ["question", "kind", "scene", "output", "x", "y", "p.beta", "band", "point", "figure"]
-    values = [
-        "<img src=x onerror=alert(1)>",
-        "javascript:alert(1)",
-        "__proto__",
-        "constructor",
-        "1e999",
-        "-1",
-        "NaN",
-        "amplitude:1:0",
-        "beta:0:90",
-        "speed",
-        "sweep",
-        "rectangle-on-plane",
-        "".join(random_.choice(string.printable) for _ in range(20)),
-        "x" * 300,
-    ]
-    chosen = random_.sample(names, random_.randint(1, 5))
-    return "#" + urllib.parse.urlencode({name: random_.choice(values) for name in chosen})
-
-
-def test_hostile_links_leave_a_working_page(page, address):
-    random_ = random.Random(1)
-    page.on("dialog", lambda dialog: pytest.fail("something of a link was run"))
-    for _ in range(12):  # `benchmarks` has 500
-        page.goto("about:blank")
-        page.goto(f"{address}/{hostile(random_)}")
-        page.locator("#controls select").first.wait_for()
-        page.locator("#picture svg, #picture canvas").first.wait_for(state="attached")
-        assert page.locator("#notice p").count() <= 1
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -1,4 +1,4 @@
-"""Random links of the page: as it makes them, as an older page made them, and as somebody means harm."""
+"""Random links of the page: such as it makes, such as an older one made, and such as mean harm."""
 
 from __future__ import annotations
 
@@ -7,17 +7,34 @@ import string
 import urllib.parse
 from typing import Any
 
-SHORT = ("rectangle-on-plane", "cylinder-on-plane", "rectangle-on-track")  # whose motion is soon known
+SHORT = (
+    "rectangle-on-plane",
+    "cylinder-on-plane",
+    "rectangle-on-track",
+)  # whose motion is soon known
 SCRIPTS = [
     "<img src=x onerror=window.harmed=1>",
     "<script>window.harmed=1</script>",
     "javascript:window.harmed=1",
-    "\"><svg onload=window.harmed=1>",
+    '"><svg onload=window.harmed=1>',
     "${window.harmed=1}",
     "'-(window.harmed=1)-'",
 ]
 NAMES = ["__proto__", "constructor", "prototype", "toString", "hasOwnProperty", "valueOf", "length"]
-NUMBERS = ["1e999", "-1e308", "1e308", "NaN", "Infinity", "-0", "0x10", "1_000", "", " ", "١٢", "5,3"]
+NUMBERS = [
+    "1e999",
+    "-1e308",
+    "1e308",
+    "NaN",
+    "Infinity",
+    "-0",
+    "0x10",
+    "1_000",
+    "",
+    " ",
+    "١٢",
+    "5,3",
+]
 TEXTS = ["🦆" * 8, "\u202eabc", "\x00", "%00", "a\nb", "ﷺ", "null", "undefined", "[object Object]"]
 
 
@@ -34,7 +51,12 @@ def valid(random_: random.Random, scenes: dict[str, Any]) -> dict[str, str]:
         "choice": "",
         "output": output["name"],
     }
-    ranges = [("amplitude", 1e-4, 7e-4), ("beta", 5, 60), ("frequency", 20, 100), ("friction", 0.1, 0.9)]
+    ranges = [
+        ("amplitude", 1e-4, 7e-4),
+        ("beta", 5, 60),
+        ("frequency", 20, 100),
+        ("friction", 0.1, 0.9),
+    ]
     known = [one for one in ranges if one[0] in output["asks"]]
     random_.shuffle(known)
     for place, (name, low, high) in zip("xy", known, strict=False):
@@ -46,7 +68,7 @@ def valid(random_: random.Random, scenes: dict[str, Any]) -> dict[str, str]:
 
 
 def old(random_: random.Random, scenes: dict[str, Any]) -> dict[str, str]:
-    """Return a link with parts left out, renamed, or of another form, and at least one that is wrong."""
+    """Return a link with parts left out, and at least one that is renamed or of another form."""
     link = valid(random_, scenes)
     for name in random_.sample(list(link), random_.randint(0, 2)):
         if name not in ("kind", "scene"):
@@ -70,7 +92,9 @@ def old(random_: random.Random, scenes: dict[str, Any]) -> dict[str, str]:
 def hostile(random_: random.Random, scenes: dict[str, Any]) -> dict[str, str]:
     """Return a link that means harm in one or some of its parts."""
     link = valid(random_, scenes)
-    bad = random_.choice([SCRIPTS, NAMES, NUMBERS, TEXTS, ["x" * random_.choice([300, 3000, 30_000])]])
+    bad = random_.choice(
+        [SCRIPTS, NAMES, NUMBERS, TEXTS, ["x" * random_.choice([300, 3000, 30_000])]]
+    )
 
     def word() -> str:
         if random_.random() < 0.2:
@@ -92,7 +116,7 @@ def hostile(random_: random.Random, scenes: dict[str, Any]) -> dict[str, str]:
 
 
 def soon(link: dict[str, str]) -> dict[str, str]:
-    """Return a link whose picture does not take long: of the kind it names, or that it falls back to."""
+    """Return a link whose picture is soon there, also where the page falls back to another kind."""
     if link.get("kind") not in ("sweep", "simulate") and link.get("scene") not in SHORT:
         link["question"] = "all"
     return link

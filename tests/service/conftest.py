@@ -10,6 +10,7 @@ import pytest
 
 from services import Service, absent, services
 
+
 @pytest.fixture(scope="session")
 def find_tool() -> Callable[[str | Path, str], str]:
     """Return a function that finds a program, or skips with a reason."""

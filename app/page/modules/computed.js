@@ -94,6 +94,11 @@ function fromSlice(found, view) {
   };
 }
 
+// The motion of a grid of parts with so many values of an axis; of a line there are as many as it has.
+async function motion(view, num, how) {
+  return (await carryOut("simulate", studyOf(view, num), how)).dataset;
+}
+
 // What a view shows. `dragged` is the name of a parameter whose slider is being moved: the service
 // then has a sweep along it, too, and every place of the slider is a slice of one and the same.
 export class Source {
@@ -101,7 +106,8 @@ export class Source {
     this.sweeps = new Map(); // study as text -> promise of its identifier
     this.slices = new Map(); // study and place as text -> promise of the slice
     this.underWay = 0;
-    this.fineness = FINE.simulate; // values of an axis of a map of motion
+    this.fineness = FINE.simulate; // values of an axis of the map of motion that is shown
+    this.next = FINE.simulate; // of the next one
   }
 
   // The study of what is shown, as fine as it is shown.
@@ -111,19 +117,29 @@ export class Source {
 
   async compute(view, { dragged = null, signal, tell } = {}) {
     if (view.kind === "sweep") return this.sliced(view, dragged, signal);
-    const num = dragged ? COARSE : this.fineness;
-    const { dataset } = await carryOut("simulate", studyOf(view, num), { signal, tell });
-    return fromDataset(dataset, view);
+    if (dragged) return fromDataset(await motion(view, COARSE, { signal, tell }), view);
+    return this.moved(view, this.next, { signal, tell });
   }
 
   // A coarse picture to begin with, where a fine one may take long.
-  async coarse(view, { signal, tell } = {}) {
-    const study = studyOf(view, COARSE);
-    const { dataset } = await carryOut("simulate", study, { signal, tell });
-    const seconds = Math.max(1e-3, dataset.attributes.elapsed_seconds ?? 0);
-    const more = Math.sqrt(PATIENCE / seconds);
-    this.fineness = Math.round(Math.max(COARSE, Math.min(FINE.simulate, COARSE * more)));
+  coarse(view, { signal, tell } = {}) {
+    return this.moved(view, COARSE, { signal, tell });
+  }
+
+  async moved(view, num, how) {
+    const dataset = await motion(view, num, how);
+    if (view.y) {
+      const seconds = Math.max(1e-3, dataset.attributes.elapsed_seconds ?? 0);
+      const next = Math.round(num * Math.sqrt(PATIENCE / seconds));
+      this.next = Math.max(COARSE, Math.min(FINE.simulate, next));
+      this.fineness = num;
+    }
     return fromDataset(dataset, view);
+  }
+
+  // Whether a finer map would be worth while: the first one may have waited for code to be loaded.
+  isWorthMore(view) {
+    return view.kind === "simulate" && Boolean(view.y) && this.next > 1.5 * this.fineness;
   }
 
   // The same at both ends, and between, of what is not known exactly: least and largest of each.
@@ -133,8 +149,11 @@ export class Source {
     for (const step of BAND) {
       const values = { ...view.values, [name]: view.values[name] * (1 + step * share) };
       const one = { ...view, values, band: null };
-      const isMap = view.kind === "simulate" && view.y;
-      found.push(isMap ? await this.coarse(one, { signal }) : await this.compute(one, { signal }));
+      found.push(
+        view.kind === "sweep"
+          ? await this.sliced(one, null, signal)
+          : fromDataset(await motion(one, COARSE, { signal }), one),
+      );
     }
     const ends = (pick) => (i, j) => {
       const values = found.map(({ z }) => z.at(i, j)).filter(Number.isFinite);

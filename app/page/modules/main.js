@@ -39,9 +39,6 @@ class Page {
     this.isComputing = false;
     this.waiting = null; // what is to be computed next
     this.turn = 0; // of views that were opened: the last one counts
-    window.addEventListener("hashchange", () => {
-      if (location.hash !== this.link) this.restore();
-    });
     byId("skip").addEventListener("click", (event) => {
       event.preventDefault(); // the address is that of the view
       byId("headline").focus();
@@ -56,6 +53,9 @@ class Page {
     this.optimum = new Optimum(byId("optimum"), { onfound: (marks) => this.picture.mark(marks), tell });
     this.away = new TakeAway(byId("away"), { study, picture: () => this.picture.drawing, tell });
     this.accuracy = new Accuracy(byId("accuracy"), { study, tell });
+    window.addEventListener("hashchange", () => {
+      if (location.hash !== this.link) this.restore();
+    });
     await this.restore();
   }
 
@@ -215,9 +215,12 @@ class Page {
         signal.throwIfAborted();
         this.picture.show(coarse);
       }
-      const found = await this.notice.persist(() => this.source.compute(view, { dragged, signal, tell }));
-      signal.throwIfAborted();
-      this.picture.show(found, { isMoving: dragged !== null });
+      let found;
+      do {
+        found = await this.notice.persist(() => this.source.compute(view, { dragged, signal, tell }));
+        signal.throwIfAborted();
+        this.picture.show(found, { isMoving: dragged !== null });
+      } while (!dragged && this.source.isWorthMore(view));
       this.controls.clear();
       if (!isFirst) this.notice.tell(); // a word about a link stays
       if (view.band && !dragged) {

@@ -1,0 +1,57 @@
+"""The page in Debian's Firefox: from the empty page to a drawn map and a file."""
+
+from __future__ import annotations
+
+import asyncio
+import csv
+import shutil
+
+from bidi import firefox
+from services import absent
+
+LINK = (
+    "#question=speed&kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
+    "&x=amplitude:0.0001:0.0007&y=beta:5:60&p.frequency=50&p.friction=0.4"
+)
+SHOWN = """document.getElementById("progress")?.textContent.startsWith("Shown after")"""
+MIDDLE = """(() => {
+  const box = document.querySelector("#picture .map").getBoundingClientRect();
+  return `${box.x + box.width / 2} ${box.y + box.height / 2}`;
+})()"""
+PAINTED = """(() => {
+  const { width, height } = document.querySelector("#picture canvas");
+  const { data } = document.querySelector("#picture canvas").getContext("2d")
+    .getImageData(0, 0, width, height);
+  return `${width} x ${height}, ${new Set(new Uint32Array(data.buffer)).size > 20}`;
+})()"""
+SAVE = """[...document.querySelectorAll("#away button")].find((b) => b.textContent === "CSV").click()"""
+
+
+async def carried_out(program, address, folder):
+    async with firefox(program, folder) as tab:
+        await tab.go(f"{address}/{LINK}")
+        await tab.until(SHOWN)
+        painted = await tab.evaluate(PAINTED)
+        await tab.click(*map(float, (await tab.evaluate(MIDDLE)).split()))
+        await tab.until("""document.querySelector("#detail .panels polyline")""")
+        said = await tab.evaluate("""document.querySelector("#detail .said").textContent""")
+        await tab.evaluate(SAVE)
+        await tab.until("""document.getElementById("away").textContent.includes("is saved")""")
+        async with asyncio.timeout(60):
+            while not (files := [path for path in (folder / "saved").glob("*.csv")]) or not (
+                text := files[0].read_text()
+            ):
+                await asyncio.sleep(0.05)
+        return painted, said, text, tab
+
+
+def test_from_the_empty_page_to_a_file(address, tmp_path):
+    program = shutil.which("firefox-esr") or shutil.which("firefox") or absent("no firefox here")
+    painted, said, text, tab = asyncio.run(carried_out(program, address, tmp_path))
+    assert painted == "100 x 100, true"
+    assert "Mean speed" in said
+    rows = list(csv.DictReader(text.splitlines()))
+    assert len(rows) == 100 * 100
+    assert {"amplitude [m]", "beta [degree]", "conveying_velocity [m s-1]"} <= set(rows[0])
+    assert tab.told == []
+    assert all(one.startswith((address, "data:", "blob:")) for one in tab.asked), tab.asked
