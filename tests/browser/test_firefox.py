@@ -24,7 +24,8 @@ PAINTED = """(() => {
     .getImageData(0, 0, width, height);
   return `${width} x ${height}, ${new Set(new Uint32Array(data.buffer)).size > 20}`;
 })()"""
-SAVE = """[...document.querySelectorAll("#away button")].find((b) => b.textContent === "CSV").click()"""
+SAVE = """[...document.querySelectorAll("#away button")]
+  .find((one) => one.textContent === "CSV").click()"""
 
 
 async def carried_out(program, address, folder):
@@ -37,10 +38,10 @@ async def carried_out(program, address, folder):
         said = await tab.evaluate("""document.querySelector("#detail .said").textContent""")
         await tab.evaluate(SAVE)
         await tab.until("""document.getElementById("away").textContent.includes("is saved")""")
+        text = ""
         async with asyncio.timeout(60):
-            while not (files := [path for path in (folder / "saved").glob("*.csv")]) or not (
-                text := files[0].read_text()
-            ):
+            while not text:
+                text = "".join(path.read_text() for path in (folder / "saved").glob("*.csv"))
                 await asyncio.sleep(0.05)
         return painted, said, text, tab
 

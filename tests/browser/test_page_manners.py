@@ -18,12 +18,24 @@ MOTION = (
     "&x=amplitude:0.0001:0.0007&y=beta:5:60&p.frequency=50&p.friction=0.4"
 )
 SLOW = f"{MOTION}&choice=reference"  # half a minute
+STUDY = {
+    "kind": "simulate",
+    "scene": "rectangle-on-plane",
+    "outputs": ["conveying_velocity"],
+    "parameters": {
+        "frequency": 50,
+        "friction": 0.4,
+        "amplitude": {"start": 1e-4, "stop": 7e-4, "num": 40},
+        "beta": {"start": 5, "stop": 60, "num": 40},
+    },
+}
 
 
 @pytest.fixture(scope="module")
 def service(tmp_path_factory):
     with services(tmp_path_factory) as start:
-        yield start(workers=1, api_key_hashes=json.dumps([HASH]))
+        hashes = json.dumps([HASH])
+        yield start(workers=1, api_key_hashes=hashes, max_synchronous_seconds=0.3)
 
 
 def entered(page, service, link=""):
@@ -38,9 +50,10 @@ def shown(page):
     expect(page.locator("#picture")).to_have_attribute("aria-busy", "false", timeout=20_000)
 
 
-def asked(service, path):
-    request = urllib.request.Request(service.address + path)
-    request.add_header("Authorization", f"Bearer {KEY}")
+def asked(service, path, study=None, method=None):
+    headers = {"Authorization": f"Bearer {KEY}", "Content-Type": "application/json"}
+    body = study and json.dumps(study).encode()
+    request = urllib.request.Request(service.address + path, body, headers, method=method)
     with urllib.request.urlopen(request, timeout=20) as reply:
         return json.load(reply)
 
@@ -91,21 +104,26 @@ def test_a_job_is_cancelled_and_one_that_is_left_is_dismissed(page, service):
 
 
 def test_a_service_that_starts_again_is_waited_for(page, service, browser):
-    entered(page, service, f"{MOTION}&choice=time-stepping")  # a job of some seconds
+    # The job of the page waits behind a long one, until that is dismissed.
+    path = "/processes/simulate/execution"
+    before = asked(service, path, {**STUDY, "method": "reference"})["jobID"]
+    lines = MOTION.replace("y=beta:5:60", "y=&p.beta=30")
+    entered(page, service, f"{lines}&choice=time-stepping")
     looking = browser.new_page()
     entered(looking, service, MOTION)
     shown(looking)
-    expect(page.locator("#jobs li")).to_contain_text("%")
+    expect(page.locator("#jobs li button")).to_have_text("Cancel")
     service.kill()
     looking.locator("#value-friction").fill("0.6")
     looking.keyboard.press("Tab")
     said = looking.locator("#notice p")
     expect(said).to_have_text("The service does not answer. Asking again ...")
-    expect(page.locator("#progress")).to_contain_text("The service does not answer")
+    expect(page.locator("#progress")).to_contain_text("The service does not answer; asking again.")
     service.start()
     shown(looking)
     expect(said).to_have_count(0)
     assert "p.friction=0.6" in looking.url
     looking.close()
+    asked(service, f"/jobs/{before}", method="DELETE")
     shown(page)
-    assert page.locator("#jobs li").count() >= 1
+    assert "are ready" in page.locator("#jobs li").inner_text()

@@ -114,7 +114,8 @@ async def firefox(program: str, folder: Path) -> AsyncIterator[Tab]:
         )
     (profile / "user.js").write_text("\n".join(lines))
     process = await asyncio.create_subprocess_exec(
-        program, "--headless", "--no-remote", "--profile", str(profile), "--remote-debugging-port", "0",
+        program, "--headless", "--no-remote", "--profile", str(profile),
+        "--remote-debugging-port", "0",
         stdout=asyncio.subprocess.DEVNULL,
         stderr=asyncio.subprocess.PIPE,
         env={"HOME": str(folder), "PATH": "/usr/bin:/bin"},

@@ -127,10 +127,9 @@ export class Source {
   }
 
   async moved(view, num, how) {
-    const dataset = await motion(view, num, how);
+    const { dataset, seconds } = await carryOut("simulate", studyOf(view, num), how);
     if (view.y) {
-      const seconds = Math.max(1e-3, dataset.attributes.elapsed_seconds ?? 0);
-      const next = Math.round(num * Math.sqrt(PATIENCE / seconds));
+      const next = seconds ? Math.round(num * Math.sqrt(PATIENCE / seconds)) : num;
       this.next = Math.max(COARSE, Math.min(FINE.simulate, next));
       this.fineness = num;
     }

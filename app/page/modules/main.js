@@ -46,8 +46,9 @@ class Page {
   }
 
   async start() {
-    this.scenes = await this.ask("/scenes");
-    this.controls.frictions = (await this.ask("/friction")).pairs;
+    const [scenes, friction] = await Promise.all([this.ask("/scenes"), this.ask("/friction")]);
+    this.scenes = scenes;
+    this.controls.frictions = friction.pairs;
     const study = () => this.source.study(this.view);
     const tell = (job) => this.jobs.note(job);
     this.optimum = new Optimum(byId("optimum"), { onfound: (marks) => this.picture.mark(marks), tell });

@@ -1,10 +1,9 @@
 // What the page says at its top: what is wrong, that the service is waited for, that it asks for a key.
 
 import { element, fill } from "./elements.js";
-import { Away, Refusal, key } from "./service.js";
+import { Away, Refusal, isPassing, key } from "./service.js";
 
 const RETRY = 2000; // ms
-const PASSING = [429, 502, 503, 504]; // of a service, or of the proxy before it
 const KEY = /^[\x21-\x7e]+$/; // what a header can carry
 
 const asksForKey = (error) => error.status === 401 || error.type.endsWith(":wrong-keys");
@@ -40,10 +39,9 @@ export class Notice {
         if (this.waiting && !this.asking) this.wait(null);
         return found;
       } catch (error) {
-        const isPassing = error instanceof Away || PASSING.includes(error.status);
         if (error instanceof Refusal && asksForKey(error)) {
           await (this.asking ??= this.askForKey(error));
-        } else if (isPassing) {
+        } else if (isPassing(error)) {
           const told = error instanceof Away ? "The service does not answer." : error.message;
           if (!this.asking) this.wait(element("p", {}, `${told} Asking again ...`));
           await new Promise((done) => setTimeout(done, RETRY));

@@ -18,6 +18,11 @@ export class Away extends Error {
   }
 }
 
+// Whether to ask again: the service is away, busy or starting, or a proxy says so.
+export function isPassing(error) {
+  return error instanceof Away || [429, 502, 503, 504].includes(error.status);
+}
+
 export const key = {
   get: () => sessionStorage.getItem(KEY) ?? "",
   set: (text) => sessionStorage.setItem(KEY, text),
@@ -102,14 +107,17 @@ export async function slice(id, output, axes, fixed, signal) {
 }
 
 // Carry out a study: at once if the service does so, else as a job whose state `tell` hears.
-// Returns the dataset as JSON.
+// Returns the dataset as JSON, and the seconds that it took, or null if it was there before.
 export async function carryOut(process, study, { tell = () => {}, signal } = {}) {
   const { status, content } = await put(`/processes/${process}/execution`, study, { signal });
-  if (status !== 201) return { dataset: content, job: null };
+  if (status !== 201) {
+    return { dataset: content, job: null, seconds: content.attributes.elapsed_seconds ?? null };
+  }
   try {
     const job = await follow(content, tell, signal);
     const dataset = await get(`/jobs/${job.jobID}/results/dataset`, { signal });
-    return { dataset, job };
+    const seconds = (Date.parse(job.finished) - Date.parse(job.started)) / 1000;
+    return { dataset, job, seconds: seconds > 0 ? seconds : null };
   } catch (error) {
     if (error.name === "AbortError") await leave(content, tell); // something else is looked at
     throw error;
@@ -133,7 +141,8 @@ export async function follow(job, tell, signal) {
     try {
       job = await lastEvent(job, tell, signal);
     } catch (error) {
-      if (!(error instanceof Away) && !(error instanceof TypeError)) throw error;
+      const isBroken = error instanceof TypeError; // of the stream
+      if (!isPassing(error) && !isBroken) throw error;
       tell({ ...job, message: "The service does not answer; asking again." });
       await new Promise((done) => setTimeout(done, PAUSE));
     }
