@@ -61,7 +61,9 @@ export class Controls {
   what(scenes) {
     const { view, scene } = this;
     const choice = view.kind === "sweep" ? "variants" : "methods";
-    const choices = scenes.find((one) => one.name === view.scene)?.[choice] ?? [];
+    const system = scenes.find((one) => one.name === view.scene);
+    const choices = system?.[choice] ?? [];
+    const byDefault = view.kind === "sweep" ? system?.default_variant : choices[0];
     return element(
       "fieldset",
       {},
@@ -87,7 +89,7 @@ export class Controls {
         ? this.select(
             view.kind === "sweep" ? "Variant" : "Method",
             choices.map((name) => [name, capital(words(name))]),
-            view.choice,
+            view.choice || byDefault,
             (name) => this.change({ choice: name }),
           )
         : null,
