@@ -31,6 +31,7 @@ from app.web.metrics import Metrics, watch_jobs
 from app.web.observe import Observe
 from app.web.outgoing import Outgoing, Unsent
 from app.web.routes import (
+    convert,
     figures,
     friction,
     health,
@@ -111,7 +112,8 @@ def create_app(settings: Settings) -> FastAPI:
         runner.course.witnesses.append(spans)
         desk.posted = spans.posted
     problems.install(app)
-    for part in (health, scenes, figures, friction, sweeps, zarr, processes, jobs, results):
+    studies = (scenes, figures, friction, convert, sweeps)
+    for part in (health, *studies, zarr, processes, jobs, results):
         app.include_router(part.router)
     page.install(app)
     openapi.install(app)

@@ -9,6 +9,7 @@ from core.optimise.methods import METHODS
 from core.plan.plan import find_scene, scene_parameters
 from core.quantities import QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE
+from core.quantities.pictures import LEVELS, colour_of
 from core.scenes import ALIASES, SCENES, Equation, Scene
 from core.scenes.graph import behind
 from core.study.models import STUDIES
@@ -66,6 +67,7 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
                 "value": REGIMES[regime].value,
                 "description": REGIMES[regime].description,
                 "valid": REGIMES[regime].valid,
+                "colour": colour_of(regime),
             }
             for regime in scene_regimes(scene, chosen)
         ],
@@ -177,12 +179,15 @@ def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]
 
 def _describe_output(scene: Scene, variant: str, equation: Equation) -> dict[str, Any]:
     quantity = QUANTITIES[equation.gives]
+    level, begins = LEVELS.get(equation.gives, (None, ""))
     return {
         "name": equation.gives,
         "label": quantity.label,
         "symbol": quantity.symbol,
         "unit": quantity.unit,
         "description": quantity.description,
+        "level": level,
+        "begins": begins,
         "equation": equation.summary,
         "source": equation.source,
         "variant": scene.variant_of(variant, equation.gives),

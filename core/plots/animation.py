@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from core.plots.film import Film
 from core.plots.heading import finish
-from core.plots.regimes import FILLS
 from core.plots.style import RGB, Style, mix
 from core.plots.text import number, with_unit
+from core.quantities.pictures import FILLS
 
 SIZE = (6.4, 4.0)  # inches
 MARGIN = 0.06  # of the view's width, left and right

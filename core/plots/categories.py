@@ -8,9 +8,10 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from core.plots.regimes import FILLS, Look
+from core.plots.regimes import Look
 from core.plots.style import Style
 from core.plots.text import words
+from core.quantities.pictures import FILLS
 
 MOST = 8  # categories of a picture; more are drawn as numbers
 NO_VALUE = -1

@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from core.plots.exact import LEVELS
 from core.plots.islands import without_specks
 from core.plots.names import add_names, gives_way
 from core.plots.parts import add_colour_bar, say_nothing_is_finite, set_log
@@ -22,6 +21,7 @@ from core.plots.scale import Scale, scale_of
 from core.plots.selection import Selection, thin
 from core.plots.style import Style
 from core.plots.text import number
+from core.quantities.pictures import LEVELS
 
 MOST_POINTS = 1000  # of an axis; a picture shows no more
 

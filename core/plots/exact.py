@@ -6,9 +6,6 @@ import xarray
 
 from core.scenes import EXACT, SCENES
 
-LEVELS = {"throw_number": (1.0, "lift-off")}
-"""A value of an output that is marked, and what begins there."""
-
 
 def is_exact(dataset: xarray.Dataset, output: str) -> bool:
     """Return whether no condition of a scene makes the values of an output doubtful."""

@@ -15,13 +15,13 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from core.plots.exact import LEVELS
 from core.plots.parts import add_room, cell_edges, say_nothing_is_finite, set_log
 from core.plots.regimes import HATCH_WIDTH, MOTION, PLAIN, Look, swatch
 from core.plots.scale import value_range
 from core.plots.selection import FEW, Axis, Selection, thin
 from core.plots.style import Style, mix
 from core.plots.text import axis_label, number, short_label, with_unit
+from core.quantities.pictures import LEVELS
 
 MOST_CURVES = FEW
 MOST_MARKED = 12  # points of a curve that are marked: between them nothing was computed

@@ -18,6 +18,7 @@ from core.plots.problem import PlotError
 from core.plots.style import LIGHT, RGB, Style, mix
 from core.plots.text import words
 from core.quantities import REGIMES
+from core.quantities.pictures import FILLS, INKS
 
 VEIL_STRENGTH = 0.45
 TINT_VEIL = 0.68
@@ -25,77 +26,53 @@ HATCH_WIDTH = 0.7
 HATCH_STRENGTH = 0.3  # the values below are to be read
 LINE_STRENGTH = 0.3  # beside contours, which are lines too
 
-# Hatch, colour of hatches and borders, width of a line. Where values hold, regimes of closed forms
+# Hatch, width of a line, and the colour of both. Where values hold, regimes of closed forms
 # are told apart by sparse dots or by nothing and those of motion by sparse lines, elsewhere by
 # dense hatches.
 LOOKS = {
-    "not_assessed": ("", "#8a8a8a", 1.8),
-    "contact": ("", "#4d9221", 1.8),
-    "stick": ("..", "#2166ac", 0.9),
-    "slip": ("", "#4d9221", 1.8),
-    "roll": ("oo", "#01665e", 3.2),
-    "flight": ("///", "#4a4a4a", 1.3),
-    "wall_lost": ("\\\\\\", "#b3560f", 1.3),
-    "flight_and_wall_lost": ("xxx", "#5e2d91", 1.3),
-    "no_motion": ("..", "#2166ac", 0.9),
-    "stopped": ("o", "#5e3c99", 0.9),
-    "outside_cone": ("---", "#9b1b5a", 1.3),
-    "invalid_geometry": ("++", "#6b5d00", 1.3),
-    "tipping": ("|||", "#8b1a1a", 1.3),
-    "faster_than_track": ("|||", "#00696b", 1.3),
-    "unbounded": ("..", "#777777", 1.8),
-    "separation": ("", "#8a7a1f", 1.8),
-    "sliding": ("", "#4d9221", 1.8),
-    "two_solutions": ("xxx", "#5e2d91", 1.3),
-    "no_solution": ("---", "#9b1b5a", 1.3),
-    "apart": ("", "#8a8a8a", 1.8),
-    "overlap": ("xxx", "#6b5d00", 1.3),
-    "no_impact": ("..", "#2166ac", 0.9),
-    "impact_stick": ("..", "#01665e", 0.9),
-    "impact_slip": ("", "#4d9221", 1.8),
-    "simultaneous": ("|||", "#8b1a1a", 1.3),
-    "impact": ("", "#b3560f", 1.8),
-    "singular": ("---", "#9b1b5a", 1.3),
-    # --- motion in time
-    "stick_slip": (".", "#01806a", 1.8),
-    "hopping": ("/", "#8a7a1f", 1.8),
-    "hop_after_hop": ("//", "#b3560f", 1.8),
-    "period_doubled": ("\\", "#a8325e", 1.8),
-    "aperiodic": ("x", "#5a4580", 1.8),
-    "runaway": ("xxx", "#8b1a1a", 1.3),
-    "unresolved": ("---", "#4a4a4a", 1.3),
-    "rests": ("", "#2166ac", 1.8),
-    "tumbles": ("/", "#b3560f", 1.8),
+    name: (hatch, INKS[name], width)
+    for name, hatch, width in (
+        ("not_assessed", "", 1.8),
+        ("contact", "", 1.8),
+        ("stick", "..", 0.9),
+        ("slip", "", 1.8),
+        ("roll", "oo", 3.2),
+        ("flight", "///", 1.3),
+        ("wall_lost", "\\\\\\", 1.3),
+        ("flight_and_wall_lost", "xxx", 1.3),
+        ("no_motion", "..", 0.9),
+        ("stopped", "o", 0.9),
+        ("outside_cone", "---", 1.3),
+        ("invalid_geometry", "++", 1.3),
+        ("tipping", "|||", 1.3),
+        ("faster_than_track", "|||", 1.3),
+        ("unbounded", "..", 1.8),
+        ("separation", "", 1.8),
+        ("sliding", "", 1.8),
+        ("two_solutions", "xxx", 1.3),
+        ("no_solution", "---", 1.3),
+        ("apart", "", 1.8),
+        ("overlap", "xxx", 1.3),
+        ("no_impact", "..", 0.9),
+        ("impact_stick", "..", 0.9),
+        ("impact_slip", "", 1.8),
+        ("simultaneous", "|||", 1.3),
+        ("impact", "", 1.8),
+        ("singular", "---", 1.3),
+        # --- motion in time
+        ("stick_slip", ".", 1.8),
+        ("hopping", "/", 1.8),
+        ("hop_after_hop", "//", 1.8),
+        ("period_doubled", "\\", 1.8),
+        ("aperiodic", "x", 1.8),
+        ("runaway", "xxx", 1.3),
+        ("unresolved", "---", 1.3),
+        ("rests", "", 1.8),
+        ("tumbles", "/", 1.8),
+    )
 }
 PLAIN = ("", "#8a8a8a", 1.8)
 
-# Fills of a map, chosen by measurement: the least distance (CAM02-UCS) of two that may stand side
-# by side is above 12 in every kind of colour vision, and black text is read on all of them. Regimes
-# that share one do not occur in one scene. Where values do not hold, a map is pale and hatched.
-FILLS = {
-    "stick": "#9ccbff",
-    "no_motion": "#a05ce6",
-    "no_impact": "#9ccbff",
-    "slip": "#a3c02c",
-    "sliding": "#a3c02c",
-    "impact_slip": "#a3c02c",
-    "roll": "#3f8a70",
-    "stick_slip": "#3f8a70",
-    "impact_stick": "#3f8a70",
-    "hopping": "#ffd98f",
-    "separation": "#ffd98f",
-    "hop_after_hop": "#c66a2c",
-    "impact": "#c66a2c",
-    "period_doubled": "#ee7fa6",
-    "stopped": "#ee7fa6",
-    "aperiodic": "#a05ce6",
-    "rests": "#9ccbff",
-    "tumbles": "#c66a2c",
-    "contact": "#ffffff",
-    "apart": "#d6d6d6",
-    "not_assessed": "#dddddd",
-    "unbounded": "#d6d6d6",
-}
 ON_FILL = "#000000"  # what is written on a fill
 MOTION = ("stick_slip", "hopping", "hop_after_hop", "period_doubled", "aperiodic")
 

@@ -19,11 +19,12 @@ from core.motion.waves import ALONG, NORMAL, TURN, Wave, place, speed
 from core.plots.fixed import fixed_positions
 from core.plots.parts import add_room
 from core.plots.problem import PlotError
-from core.plots.regimes import FILLS, HATCH_WIDTH
+from core.plots.regimes import HATCH_WIDTH
 from core.plots.selection import held_fixed
 from core.plots.style import RGB, Style, mix
 from core.plots.text import number, shown_in, with_unit, words
 from core.quantities import QUANTITIES
+from core.quantities.pictures import FILLS
 from core.study.shown import ShownUnits
 
 TIME = "cycle_time"

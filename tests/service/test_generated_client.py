@@ -82,6 +82,9 @@ assert call("conformance").conforms_to
 processes = call("list_processes").processes
 assert call("describe_process", processes[0].id).title == processes[0].title
 
+study = models.SimulateStudy.from_dict(motion.to_dict())
+assert call("convert", body=study, to="python").startswith("import vibrafeed")
+
 posted = call("post_sweep", body=sweep)
 assert call("post_sweep", body=sweep).to_dict() == posted.to_dict()
 assert call("get_sweep", posted.id).cells == 4
@@ -129,6 +132,7 @@ PARSED = {
     "list_scenes": "SceneLine",
     "list_figures": "Figure",
     "list_friction": "FrictionTable",
+    "convert": "str",
     "landing_page": "LandingPage",
     "conformance": "Conformance",
     "list_processes": "ProcessList",

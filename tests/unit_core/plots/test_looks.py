@@ -12,9 +12,10 @@ from matplotlib.colors import to_rgb
 from core.motion.systems import SYSTEMS
 from core.plots.categories import looks_of_categories
 from core.plots.regime_map import share_entries
-from core.plots.regimes import FILLS, LOOKS, ON_FILL
+from core.plots.regimes import LOOKS, ON_FILL
 from core.plots.style import Style
 from core.quantities import REGIMES
+from core.quantities.pictures import FILLS
 from core.scenes import SCENES
 
 

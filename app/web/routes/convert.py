@@ -1,0 +1,58 @@
+"""A study in another form: TOML, JSON, a line for curl, a call in Python."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, cast
+
+from fastapi import APIRouter, Query
+from fastapi.responses import Response
+
+from app.web.dependencies import BaseOf, Body, once
+from app.web.execution import PROCESSES, AnyStudy
+from app.web.replies import component, problems
+from core.kinds import prepare_content
+from core.study.forms import FORMS, to_curl
+from core.study.load import read_json
+
+router = APIRouter(tags=["processes"])
+
+TEXT = "text/plain"
+
+
+@router.post(
+    "/convert",
+    summary="Write a study in another form",
+    response_class=Response,
+    responses={
+        200: {"content": {TEXT: {"schema": {"type": "string"}}}, "description": "The study"},
+        **problems(
+            s413="The body is too large",
+            s422="The study cannot be carried out, or there is no such form",
+        ),
+    },
+    openapi_extra={
+        "requestBody": {
+            "required": True,
+            "content": {
+                "application/json": {
+                    "schema": component(AnyStudy.__name__),
+                    "example": PROCESSES["simulate"].example,
+                }
+            },
+        }
+    },
+    dependencies=[once()],
+)
+def convert(
+    body: Body,
+    base: BaseOf,
+    to: Annotated[
+        Literal["toml", "json", "curl", "python"],
+        Query(description="toml, json, curl (a command) or python (a program)."),
+    ],
+) -> Response:
+    """Check a study, and return it as `vibrafeed convert` writes it; curl asks this service."""
+    content = cast(dict[str, Any], read_json(body))
+    prepare_content(content)
+    text = to_curl(content, base) if to == "curl" else FORMS[to](content)
+    return Response(text, media_type=TEXT)
