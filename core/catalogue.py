@@ -9,7 +9,7 @@ from core.optimise.methods import METHODS
 from core.plan.plan import find_scene, scene_parameters
 from core.quantities import QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE
-from core.quantities.pictures import LEVELS, colour_of
+from core.quantities.pictures import INKS, LEVELS, colour_of
 from core.scenes import ALIASES, SCENES, Equation, Scene
 from core.scenes.graph import behind
 from core.study.models import STUDIES
@@ -68,6 +68,7 @@ def describe(name: str, variant: str | None = None, *, method: str | None = None
                 "description": REGIMES[regime].description,
                 "valid": REGIMES[regime].valid,
                 "colour": colour_of(regime),
+                "ink": INKS[regime],
             }
             for regime in scene_regimes(scene, chosen)
         ],

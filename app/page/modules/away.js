@@ -1,84 +1,79 @@
 // What can be taken away: the numbers, the picture, the study, a link.
 
 import { element, fill } from "./elements.js";
-import { address, file, follow, put } from "./service.js";
+import { file, follow, put, text } from "./service.js";
 import { save } from "./saving.js";
 
-// A study as TOML: its values are numbers, texts, lists and small tables only.
-export function toToml(study) {
-  const lines = [];
-  const one = (value) => {
-    if (Array.isArray(value)) return `[${value.map(one).join(", ")}]`;
-    if (value !== null && typeof value === "object") {
-      return `{ ${Object.entries(value).map(([name, inner]) => `${name} = ${one(inner)}`).join(", ")} }`;
-    }
-    // JSON's texts and numbers are TOML's as well.
-    return JSON.stringify(value);
-  };
-  const tables = [];
-  for (const [name, value] of Object.entries(study)) {
-    const isTable = value !== null && typeof value === "object" && !Array.isArray(value);
-    if (isTable) tables.push([name, value]);
-    else lines.push(`${name} = ${one(value)}`);
-  }
-  for (const [name, value] of tables) {
-    lines.push("", `[${name}]`);
-    for (const [key, inner] of Object.entries(value)) lines.push(`${key} = ${one(inner)}`);
-  }
-  return `${lines.join("\n")}\n`;
-}
-
-export function toCurl(study) {
-  const text = JSON.stringify(study).replaceAll("'", "'\\''");
-  return `curl -H 'Content-Type: application/json' -d '${text}' '${address(`/processes/${study.kind}/execution`)}'\n`;
-}
-
-export function toPython(study) {
-  const { kind, parameters, ...rest } = study;
-  const one = (value) => {
-    if (value === true) return "True";
-    if (value === false) return "False";
-    if (value === null) return "None";
-    if (Array.isArray(value)) return `[${value.map(one).join(", ")}]`;
-    if (typeof value === "object") {
-      return `{${Object.entries(value).map(([name, inner]) => `${JSON.stringify(name)}: ${one(inner)}`).join(", ")}}`;
-    }
-    return JSON.stringify(value);
-  };
-  const given = Object.entries({ ...rest, ...parameters });
-  const lines = given.map(([name, value]) => `    ${name}=${one(value)},`);
-  return `import vibrafeed\n\ndataset = vibrafeed.${kind}(\n${lines.join("\n")}\n)\n`;
-}
-
+// Files of numbers, and texts of a study as the service writes them.
 const FORMS = {
   nc: ["NetCDF", "application/x-netcdf"],
   csv: ["CSV", "text/csv"],
   xlsx: ["XLSX", "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"],
 };
 
+const TEXTS = {
+  toml: ["Study (TOML)", "study.toml"],
+  curl: ["curl", "study.sh"],
+  python: ["Python", "study.py"],
+};
+
 export class Away {
-  constructor(host, { study, picture, tell }) {
-    this.of = { study, picture, tell };
+  // `study()` is that of the picture, `best()` that of the best; `picture(what)` what is drawn of it.
+  constructor(host, { study, best, picture, tell }) {
+    this.of = { picture, best, values: study, tell };
+    this.what = element(
+      "select",
+      { id: "away-what" },
+      element("option", { value: "values" }, "The picture"),
+      element("option", { value: "best" }, "The best"),
+    );
+    this.choice = element(
+      "div",
+      { class: "field", hidden: true },
+      element("label", { for: "away-what" }, "Of"),
+      this.what,
+    );
     this.said = element("p", { role: "status" });
     this.text = element("pre", { hidden: true, tabindex: "0" });
     const button = (title, onclick) => element("button", { type: "button", onclick }, title);
     fill(
       host,
       element("h2", {}, "Take away"),
+      this.choice,
       element(
         "div",
         { class: "buttons" },
         ...Object.entries(FORMS).map(([suffix, [title]]) => button(title, () => this.numbers(suffix))),
         button("SVG", () => this.svg()),
         button("PNG", () => this.png()),
-        button("Study (TOML)", () => this.show("study.toml", toToml(study()))),
-        button("curl", () => this.show("study.sh", toCurl(study()))),
-        button("Python", () => this.show("study.py", toPython(study()))),
+        ...Object.entries(TEXTS).map(([form, [title, name]]) => button(title, () => this.study(form, name))),
         button("Link", () => this.link()),
       ),
       this.said,
       this.text,
     );
+  }
+
+  // Whether there is a best that can be taken away, too.
+  offer(hasBest) {
+    this.choice.hidden = !hasBest;
+    this.what.value = "values";
+  }
+
+  picture() {
+    return this.of.picture(this.what.value);
+  }
+
+  chosen() {
+    return this.of[this.what.value]();
+  }
+
+  async study(form, name) {
+    try {
+      this.show(name, await text(`/convert?to=${form}`, this.chosen()));
+    } catch (error) {
+      this.said.textContent = [error.message, ...(error.errors ?? []).map((one) => one.message)].join(" ");
+    }
   }
 
   async link() {
@@ -102,7 +97,7 @@ export class Away {
     this.said.textContent = "The file is being made ...";
     const [, type] = FORMS[suffix];
     try {
-      const study = this.of.study();
+      const study = this.chosen();
       const { content } = await put(`/processes/${study.kind}/execution`, study, {
         headers: { Prefer: "respond-async" },
       });
@@ -122,7 +117,7 @@ export class Away {
       .filter((sheet) => sheet.href?.endsWith("page.css"))
       .flatMap((sheet) => [...sheet.cssRules].map((rule) => rule.cssText))
       .join("\n");
-    return this.of.picture().svgText?.(style);
+    return this.picture().svgText?.(style);
   }
 
   async svg() {
@@ -132,7 +127,7 @@ export class Away {
   }
 
   async png() {
-    const picture = this.of.picture();
+    const picture = this.picture();
     if (picture.image) {
       picture.image().toBlob((blob) => save(blob, "vibrafeed.png"));
       return;

@@ -1,4 +1,4 @@
-// Colour scales: one for magnitudes, one for values of both signs; regimes.
+// Colour scales: one for magnitudes, one for values of both signs.
 
 // Viridis and a blue-white-red scale, at nine places each.
 const ONE_SIGN = [
@@ -65,9 +65,3 @@ export function colourOf(scale, value) {
   const i = 3 * Math.max(0, Math.min(scale.steps - 1, Math.round(at)));
   return `rgb(${scale.lut[i]} ${scale.lut[i + 1]} ${scale.lut[i + 2]})`;
 }
-
-// Regimes by number of place in the list that occurs: told apart by hue and lightness, also by
-// those who do not tell red from green (Okabe and Ito's colours).
-export const REGIME_COLOURS = [
-  "#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#f0e442", "#666666",
-];

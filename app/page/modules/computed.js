@@ -88,7 +88,6 @@ function fromSlice(found, view) {
       ? {
           at: reader(found.regime, found.regimeDims),
           names: Object.fromEntries(regimes.map(([name, one]) => [one.value, name])),
-          meanings: Object.fromEntries(regimes.map(([name, one]) => [name, one.description])),
         }
       : null,
   };

@@ -1,6 +1,7 @@
 // The fields of a view: parameters with sliders, which of them run across and up, what is shown.
 
 import { element, fill } from "./elements.js";
+import { choiceField } from "./fields.js";
 import { capital, label, shown, words } from "./words.js";
 import { places } from "./computed.js";
 import { furtherParameters, shownParameters, typical, usual } from "./view.js";
@@ -103,15 +104,7 @@ export class Controls {
   }
 
   select(text, options, value, chosen) {
-    const id = `choose-${text.toLowerCase().replaceAll(" ", "-")}`;
-    const made = element(
-      "select",
-      { id, onchange: () => chosen(made.value) },
-      ...options.map(([name, title]) =>
-        element("option", { value: name, selected: name === value }, title),
-      ),
-    );
-    return element("div", { class: "field" }, element("label", { for: id }, text), made);
+    return choiceField(`choose-${text.toLowerCase().replaceAll(" ", "-")}`, text, options, value, chosen);
   }
 
   axis(place, text, parameters) {

@@ -94,7 +94,7 @@ export class Course {
       this.legend,
       ...present.map((mode) => {
         const [colour, text] = MODES[mode] ?? MODES.unknown;
-        const swatch = element("span", { class: "swatch" });
+        const swatch = element("span", { class: "swatch line" });
         swatch.style.borderColor = colour;
         return element("li", {}, swatch, capital(text));
       }),

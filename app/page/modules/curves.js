@@ -12,8 +12,10 @@ function ink(host) {
 }
 
 export class Curves {
-  constructor(host, { onpick = () => {} } = {}) {
+  constructor(host, { onpick = () => {}, onpoint = () => {} } = {}) {
     this.onpick = onpick;
+    this.onpoint = onpoint;
+    this.marks = {}; // by who sets them
     this.box = element("div", { class: "curves" });
     this.said = element("p", { class: "said", "aria-live": "polite" });
     this.legend = element("ul", { class: "legend", "aria-label": "Regimes" });
@@ -23,10 +25,10 @@ export class Curves {
     new ResizeObserver(() => this.resize()).observe(this.box);
   }
 
-  // data: {x: {name, unit, values}, lines: [{name, unit, values, low, high}], regime or null}
+  // data: {x: {name, unit, values}, lines: [{name, unit, values, low, high}], regime or null, look}
   show(data) {
     this.data = data;
-    this.regimes = occurring(data.regime, data.x);
+    this.regimes = occurring(data, data.look);
     const [xFactor] = shown(data.x.unit);
     const [yFactor] = shown(data.lines[0].unit);
     const columns = [Array.from(data.x.values, (value) => value * xFactor)];
@@ -67,7 +69,7 @@ export class Curves {
         cursor: { drag: { x: false, y: false } },
         hooks: {
           setCursor: [(plot) => this.say(plot.cursor.idx)],
-          draw: [(plot) => this.strip(plot)],
+          draw: [(plot) => this.strip(plot), (plot) => this.drawMarks(plot)],
         },
       },
       columns,
@@ -109,6 +111,33 @@ export class Curves {
     }
   }
 
+  // Set somebody's marks, of {x, text, isSmall}.
+  mark(marks, whose) {
+    this.marks[whose] = marks;
+    this.plot?.redraw();
+  }
+
+  drawMarks(plot) {
+    const { ctx, bbox } = plot;
+    const [factor] = shown(this.data.x.unit);
+    const ratio = window.devicePixelRatio || 1;
+    ctx.save();
+    ctx.strokeStyle = ctx.fillStyle = ink(this.box);
+    ctx.font = `600 ${12 * ratio}px system-ui, sans-serif`;
+    for (const { x, text, isSmall } of Object.values(this.marks).flat()) {
+      const at = plot.valToPos(x * factor, "x", true);
+      ctx.lineWidth = (isSmall ? 1 : 2) * ratio;
+      ctx.beginPath();
+      ctx.moveTo(at, isSmall ? bbox.top + bbox.height - 3 * STRIP * ratio : bbox.top);
+      ctx.lineTo(at, bbox.top + bbox.height - STRIP * ratio);
+      ctx.stroke();
+      const isRight = at > bbox.left + 0.7 * bbox.width;
+      ctx.textAlign = isRight ? "right" : "left";
+      ctx.fillText(text, at + (isRight ? -6 : 6) * ratio, bbox.top + 14 * ratio);
+    }
+    ctx.restore();
+  }
+
   say(i) {
     if (i === null || i === undefined) {
       this.said.textContent = "";
@@ -123,6 +152,7 @@ export class Curves {
       parts.push(`${words(line.label ?? line.name)} ${withUnit(line.values[i], line.unit)}${band}`);
     }
     if (regime) parts.push(words(regime.names[regime.at(i)] ?? ""));
+    this.onpoint({ x: x.values[i] });
     this.said.textContent = capital(parts.filter(Boolean).join(", "));
   }
 

@@ -99,15 +99,15 @@ export function bordersDrawn({ data, x, y, clipId }, regimes) {
   const group = drawn("g", { class: "borders", "clip-path": `url(#${clipId})` });
   const nx = data.x.values.length;
   const ny = data.y.values.length;
-  for (const { value, colour } of regimes.slice(1)) {
+  for (const { value, ink } of regimes.slice(1)) {
     const inside = new Float64Array(nx * ny);
     for (let j = 0; j < ny; j++) {
       for (let i = 0; i < nx; i++) inside[j * nx + i] = data.regime.at(i, j) === value ? 1 : 0;
     }
     const [area] = contours().size([nx, ny]).smooth(true).thresholds([0.5])(inside);
-    group.append(
-      drawn("path", { d: path(area.coordinates, data, x, y), class: "border", stroke: colour }),
-    );
+    const d = path(area.coordinates, data, x, y);
+    // A pale line below it: dark colours are seen on dark ones, too.
+    group.append(drawn("path", { d, class: "halo" }), drawn("path", { d, class: "border", stroke: ink }));
   }
   return group;
 }

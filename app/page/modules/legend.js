@@ -1,7 +1,7 @@
 // What the colours of a picture mean: the scale of a quantity, and the regimes that occur.
 
-import { REGIME_COLOURS } from "./colours.js";
-import { element } from "./elements.js";
+import { drawn, element } from "./elements.js";
+import { markerDrawn } from "./markers.js";
 import { capital, label, number, shown, words } from "./words.js";
 
 // A bar of the colours of a scale, between the values at its ends.
@@ -27,8 +27,8 @@ export function scaleTold(range, { name, unit }) {
   ];
 }
 
-// The regimes that occur over axes, the most frequent first: {value, name, share, colour, meaning}.
-export function occurring(regime, x, y = null) {
+// The regimes that occur in what is shown, the most frequent first: {value, name, share} and its look.
+export function occurring({ regime, x, y }, look) {
   if (!regime) return [];
   const counts = new Map();
   const rows = y ? y.values.length : 1;
@@ -47,25 +47,21 @@ export function occurring(regime, x, y = null) {
     }
   }
   note();
+  const all = rows * x.values.length;
   return [...counts]
     .sort((a, b) => b[1] - a[1])
-    .map(([value, count], place) => {
+    .map(([value, count]) => {
       const name = regime.names[value] ?? "";
-      return {
-        value,
-        name,
-        share: count / (rows * x.values.length),
-        colour: REGIME_COLOURS[place % REGIME_COLOURS.length],
-        meaning: regime.meanings?.[name],
-      };
+      return { value, name, share: count / all, ...look(name) };
     });
 }
 
 // Lines of a legend in words.
 export function legendOf(found) {
-  return found.map(({ name, share, colour, meaning }) => {
-    const swatch = element("span", { class: "swatch" });
-    swatch.style.borderColor = colour;
+  return found.map((one) => {
+    const { name, share, meaning } = one;
+    const swatch = drawn("svg", { class: "swatch", viewBox: "-8 -8 16 16", "aria-hidden": "true" });
+    swatch.append(markerDrawn(one, 0, 0, 5, { class: "marker" }));
     return element(
       "li",
       { title: meaning },

@@ -5,23 +5,17 @@ import { Away as TakeAway } from "./away.js";
 import { Source, courseAt } from "./computed.js";
 import { Controls } from "./controls.js";
 import { Course, courseOf } from "./course.js";
-import { byId, element, fill } from "./elements.js";
+import { byId } from "./elements.js";
 import { tellFigures, viewOf } from "./figures.js";
 import { Jobs } from "./jobs.js";
 import { Notice } from "./notice.js";
 import { begun, complete } from "./opening.js";
 import { Optimum } from "./optimum.js";
 import { Picture } from "./picture.js";
+import { tellQuestions } from "./questions.js";
 import { Refusal, get } from "./service.js";
 import { fromLink, toLink } from "./view.js";
 import { duration, learn } from "./words.js";
-
-const TITLES = {
-  speed: "How fast does my part travel?",
-  drive: "Which drive is best?",
-  thesis: "What did the thesis draw?",
-  all: "Everything",
-};
 
 // For screen readers, and whoever waits for the picture.
 function busy(isBusy) {
@@ -35,7 +29,10 @@ class Page {
     this.notice = new Notice(byId("notice"));
     this.jobs = new Jobs(byId("jobs"));
     this.controls = new Controls(byId("controls"), (view, how) => this.changed(view, how));
-    this.picture = new Picture({ onpick: (point) => this.pick(point) });
+    this.picture = new Picture({
+      onpick: (point) => this.pick(point),
+      onpoint: (point) => this.optimum.pointed(point),
+    });
     this.isComputing = false;
     this.waiting = null; // what is to be computed next
     this.turn = 0; // of views that were opened: the last one counts
@@ -51,8 +48,17 @@ class Page {
     this.controls.frictions = friction.pairs;
     const study = () => this.source.study(this.view);
     const tell = (job) => this.jobs.note(job);
-    this.optimum = new Optimum(byId("optimum"), { onfound: (marks) => this.picture.mark(marks), tell });
-    this.away = new TakeAway(byId("away"), { study, picture: () => this.picture.drawing, tell });
+    this.optimum = new Optimum(byId("optimum"), {
+      beside: byId("beside"),
+      onmark: (marks) => this.picture.mark(marks, "best"),
+      onchoose: (at) => this.choose(at),
+      onwish: () => this.keep(this.view),
+      steps: () => this.picture.steps(),
+      tell,
+    });
+    const best = () => this.optimum.study();
+    const picture = (what) => (what === "best" && this.optimum.front) || this.picture.drawing;
+    this.away = new TakeAway(byId("away"), { study, best, picture, tell });
     this.accuracy = new Accuracy(byId("accuracy"), { study, tell });
     window.addEventListener("hashchange", () => {
       if (location.hash !== this.link) this.restore();
@@ -131,45 +137,35 @@ class Page {
     complaints.push(...made.complaints, ...(isSwitching ? [] : made.foreign));
     this.view = view;
     this.seen = scene;
-    this.tellQuestions();
+    tellQuestions(byId("questions"), view.question, (question) =>
+      question === "thesis" ? this.openFigure(null) : this.open(begun(question)),
+    );
     this.controls.show(view, this.scenes, scene);
-    await this.tellQuestion();
-    if (isLeft()) return;
-    this.notice.tell(complaints.slice(0, 1));
     this.picture.begin(view, scene);
+    if (isSwitching && view.best) view.best.isFound = false;
+    const left = await this.tellQuestion();
+    if (isLeft()) return;
+    if (!isSwitching) complaints.push(...left);
+    this.notice.tell(complaints.slice(0, 1));
     const drawn = this.compute({ isFirst: true });
     if (view.point) await this.pick(view.point);
     else byId("detail").hidden = true;
     await drawn;
   }
 
-  // What a question has besides the picture and its fields.
+  // What a question has besides the picture and its fields. Returns what makes no sense in it.
   async tellQuestion() {
     const { question, figure } = this.view;
     byId("figures").hidden = question !== "thesis";
     byId("optimum").hidden = question !== "drive";
-    if (question === "drive") this.optimum.show(this.view, this.seen);
+    this.away.offer(question === "drive");
+    if (question === "drive") return this.optimum.show(this.view, this.seen);
+    this.optimum.forget();
     if (question === "thesis") {
       this.figures ??= await this.ask("/figures");
       tellFigures(byId("figures"), this.figures, figure, (chosen) => this.openFigure(chosen));
     }
-  }
-
-  tellQuestions() {
-    fill(
-      byId("questions"),
-      ...Object.entries(TITLES).map(([question, title]) =>
-        element(
-          "button",
-          {
-            type: "button",
-            "aria-current": question === this.view.question ? "true" : "false",
-            onclick: () => (question === "thesis" ? this.openFigure(null) : this.open(begun(question))),
-          },
-          title,
-        ),
-      ),
-    );
+    return [];
   }
 
   async changed(view, { dragged, isNew = false }) {
@@ -239,6 +235,7 @@ class Page {
       const rest = this.controls.complain(error.errors);
       this.notice.tell(error.errors.length ? rest.slice(0, 1) : [error.message]);
     }
+    if (view.question === "drive") this.optimum.grown();
     if (!dragged) this.keep(view);
   }
 
@@ -254,6 +251,18 @@ class Page {
     byId("progress").textContent = `${job.message} ${job.progress} %${left}`;
   }
 
+  // Show a drive as a whole: its point, and the values that are no axes.
+  async choose(at) {
+    const { view } = this;
+    const moved = Object.keys(at).filter((name) => name in view.values && view.values[name] !== at[name]);
+    for (const name of moved) view.values[name] = at[name];
+    if (moved.length) {
+      this.controls.show(view, this.scenes, this.seen);
+      await this.compute({});
+    }
+    await this.pick({ x: at[view.x.name], y: view.y ? at[view.y.name] : null });
+  }
+
   async pick(point) {
     const { view } = this;
     if (!this.scene(view.scene)?.methods.length) return;
@@ -264,7 +273,7 @@ class Page {
       byId("detail").hidden = false;
       this.course ??= new Course(byId("course"));
       this.course.show(courseOf(dataset));
-      this.picture.mark(view.y ? [{ x: point.x, y: point.y, text: "" }] : []);
+      this.picture.mark([{ ...point, text: "" }], "chosen");
     } catch (error) {
       if (error instanceof Refusal) {
         this.notice.tell([error.errors[0]?.message ?? error.message]);

@@ -5,14 +5,18 @@ import { scaleOf } from "./colours.js";
 import { drawn, element, fill } from "./elements.js";
 import { bordersDrawn, clipDrawn, contoursDrawn, paint, thinned } from "./layers.js";
 import { legendOf, occurring, scaleTold } from "./legend.js";
+import { markerDrawn } from "./markers.js";
 import { capital, withUnit, words } from "./words.js";
 
+const SMALL = 3.5; // px
 let maps = 0;
 
 export class HeatMap {
-  // `onpick` is called with {x, y} when a point is clicked, or Enter is pressed at the cursor.
-  constructor(host, { onpick = () => {}, title = "Map" } = {}) {
+  // `onpick` is called with {x, y} when a point is clicked, or Enter is pressed at the cursor;
+  // `onpoint` with that of the cursor wherever it moves.
+  constructor(host, { onpick = () => {}, onpoint = () => {}, title = "Map" } = {}) {
     this.onpick = onpick;
+    this.onpoint = onpoint;
     this.clipId = `inside-${(maps += 1)}`;
     this.canvas = element("canvas", { "aria-hidden": "true" });
     this.svg = drawn("svg", { "aria-hidden": "true" });
@@ -37,12 +41,13 @@ export class HeatMap {
     fill(host, this.box, this.said, this.scale, this.legend);
     this.data = null;
     this.cursor = null;
-    this.marks = [];
+    this.marks = {}; // by who sets them
     new ResizeObserver(() => this.resize()).observe(this.box);
   }
 
-  // data: {x, y: {name, unit, values}, z: {name, unit, at(i, j)}, regime: {at(i, j), names} or null}
-  // While it `isMoving`, lines are drawn of fewer values: they take most of the time.
+  // data: {x, y: {name, unit, values}, z: {name, unit, at(i, j)}, regime: {at(i, j), names} or null,
+  // look(name) of a regime}. While it `isMoving`, lines are drawn of fewer values: they take most of
+  // the time.
   show(data, { isMoving = false } = {}) {
     this.data = data;
     this.isMoving = isMoving;
@@ -53,16 +58,18 @@ export class HeatMap {
       for (let i = 0; i < nx; i++) this.flat[j * nx + i] = data.z.at(i, j) ?? NaN;
     }
     this.range = scaleOf(this.flat);
-    this.regimes = occurring(data.regime, data.x, data.y);
+    this.regimes = occurring(data, data.look);
     this.draw();
     fill(this.scale, ...scaleTold(this.range, data.z));
     fill(this.legend, ...legendOf(this.regimes));
     if (this.cursor) this.say();
   }
 
-  mark(marks) {
-    this.marks = marks; // of {x, y, text}
-    this.draw();
+  // Set somebody's marks, of {x, y, text}; with `isSmall` and a `regime` it is one of many.
+  mark(marks, whose) {
+    this.marks[whose] = marks;
+    if (!this.x) return;
+    this.svg.querySelector(".marks")?.replaceWith(this.marksDrawn());
   }
 
   resize() {
@@ -95,7 +102,7 @@ export class HeatMap {
       contoursDrawn(ground),
       bordersDrawn(ground, this.regimes),
       this.axesDrawn(width, height),
-      ...this.marks.map((mark) => this.markDrawn(mark)),
+      this.marksDrawn(),
       this.cursorDrawn(),
     );
   }
@@ -110,17 +117,25 @@ export class HeatMap {
     return this.axes.group;
   }
 
-  markDrawn({ x, y, text }) {
+  marksDrawn() {
+    const all = Object.values(this.marks).flat();
+    return drawn("g", { class: "marks" }, ...all.map((mark) => this.markDrawn(mark)));
+  }
+
+  markDrawn({ x, y, text, regime, isSmall }) {
     const cx = this.x.place(x);
     const cy = this.y.place(y);
+    if (isSmall) return markerDrawn(this.data.look(regime), cx, cy, SMALL, { class: "marker" });
     const isRight = cx > this.box.clientWidth * 0.7;
+    const isHigh = cy < 2 * FRAME.top + 14;
     return drawn(
       "g",
       { class: "mark" },
-      drawn("circle", { cx, cy, r: 6 }),
+      drawn("circle", { cx, cy, r: 7, class: "halo" }),
+      drawn("circle", { cx, cy, r: 7 }),
       drawn(
         "text",
-        { x: cx + (isRight ? -10 : 10), y: cy - 8, "text-anchor": isRight ? "end" : "start" },
+        { x: cx + (isRight ? -11 : 11), y: cy + (isHigh ? 18 : -8), "text-anchor": isRight ? "end" : "start" },
         text,
       ),
     );
@@ -165,6 +180,7 @@ export class HeatMap {
     const lines = this.cursorDrawn();
     if (lines) this.svg.append(lines);
     this.say();
+    this.onpoint(this.chosen());
   }
 
   leave() {

@@ -1,226 +1,213 @@
-// The best drive: a criterion and its limits, what may be chosen, and where the best lies.
+// The best drive: wishes, the study, what was found, and the pictures of it, linked to each other.
 
+import { designsOf } from "./answer.js";
+import { bandOf, neighboursOf } from "./around.js";
+import { bestStudy, completeBest, variablesOf } from "./best.js";
 import { element, fill } from "./elements.js";
+import { Front } from "./front.js";
+import { designTold, marginsTold, ratesTold, statusTold } from "./margin.js";
+import { bandTold, neighboursDrawn, neighboursTold } from "./neighbours.js";
+import { Parallel } from "./parallel.js";
 import { carryOut } from "./service.js";
-import { capital, label, number, shown, withUnit, words } from "./words.js";
+import { Wishes } from "./wishes.js";
+import { words } from "./words.js";
 
-const CRITERIA = {
-  maximise: "As large as possible",
-  minimise: "As small as possible",
-  weighted: "Large, little of another output (weighted)",
-  limit: "Large, another output below a limit",
-  pareto: "The whole trade-off with another output",
-};
-const NEEDS_OTHER = new Set(["weighted", "limit", "pareto"]);
-
-// The study of the best choice of what runs across and up in a view.
-export function optimumOf(view, criterion) {
-  const variables = {};
-  for (const axis of [view.x, view.y]) {
-    if (axis) variables[axis.name] = { lower: axis.from, upper: axis.to };
-  }
-  const study = {
-    kind: "optimise",
-    scene: view.scene,
-    criterion: { kind: criterion.kind, output: view.output },
-    variables,
-    parameters: { ...view.values },
-  };
-  if (view.kind === "sweep" && view.choice) study.variant = view.choice;
-  if (NEEDS_OTHER.has(criterion.kind)) study.criterion.against = criterion.against;
-  if (criterion.kind === "limit") study.criterion.limit = criterion.limit;
-  if (criterion.kind === "weighted") study.criterion.weight = criterion.weight;
-  if (criterion.kind === "pareto") study.criterion.points = 60;
-  if (criterion.staysOnFloor) study.constraints = [{ output: "throw_number", upper: 1 }];
-  return study;
-}
+const NEAR = 0.06; // of an axis of the picture
 
 export class Optimum {
-  constructor(host, { onfound, tell }) {
-    this.host = host;
-    this.tellJob = tell;
-    this.onfound = onfound;
-    this.criterion = { kind: "maximise", against: "", limit: 1, weight: 1, staysOnFloor: false };
+  // `onmark(marks)` shows points in the picture, `onchoose(at)` a drive as a whole, `onwish()` hears
+  // that the view changed, `steps()` gives how far the values of the picture lie apart.
+  // A trade-off is drawn in `beside`, next to the picture.
+  constructor(host, { beside, onmark, onchoose, onwish, steps, tell }) {
+    Object.assign(this, { host, beside, onmark, onchoose, onwish, steps, tellJob: tell });
+    this.form = element("div", { class: "wishes" });
+    this.wishes = new Wishes(this.form, () => this.wished());
     this.said = element("div", { role: "status" });
-    this.front = element("div", { class: "front" });
+    this.answer = element("div", { class: "answer" });
+    this.find_ = element("button", { type: "button", onclick: () => this.find() }, "Find the best");
+    fill(host, element("h2", {}, "The best of this picture"), this.form, this.find_, this.said, this.answer);
+    this.designs = [];
   }
 
+  // Show what is wished for of another view. Returns a sentence about each part that makes no sense.
   show(view, scene) {
     this.view = view;
     this.scene = scene;
-    const { criterion } = this;
-    const others = scene.outputs.filter(({ name }) => name !== view.output);
-    if (!others.some(({ name }) => name === criterion.against)) {
-      criterion.against =
-        others.find(({ name }) => name === "acceleration_y")?.name ?? others[0]?.name ?? "";
-    }
-    const choose = (id, text, options, value, key) => {
-      const made = element(
-        "select",
-        {
-          id,
-          onchange: () => {
-            criterion[key] = made.value;
-            this.show(view, scene);
-          },
-        },
-        ...options.map(([name, title]) =>
-          element("option", { value: name, selected: name === value }, title),
-        ),
-      );
-      return element("div", { class: "field" }, element("label", { for: id }, text), made);
-    };
-    const isOther = NEEDS_OTHER.has(criterion.kind);
-    const against = scene.outputs.find(({ name }) => name === criterion.against);
-    const [factor, unit] = shown(criterion.kind === "weighted" ? "1" : (against?.unit ?? "1"));
-    const key = criterion.kind === "weighted" ? "weight" : "limit";
-    const figure = element("input", {
-      id: "criterion-figure",
-      type: "number",
-      step: "any",
-      min: "0",
-      value: criterion[key] * factor,
-      onchange: () => {
-        criterion[key] = Number(figure.value) / factor;
-      },
-    });
-    const hasThrow = scene.outputs.some(({ name }) => name === "throw_number");
-    const stays = element("input", {
-      id: "stays",
-      type: "checkbox",
-      checked: criterion.staysOnFloor,
-      onchange: () => {
-        criterion.staysOnFloor = stays.checked;
-      },
-    });
-    fill(
-      this.host,
-      element("h2", {}, "The best of this picture"),
-      choose("criterion", words(view.output), Object.entries(CRITERIA), criterion.kind, "kind"),
-      isOther
-        ? choose("against", "The other output", others.map((o) => [o.name, label(o.name, o.unit)]), criterion.against, "against")
-        : null,
-      criterion.kind === "limit" || criterion.kind === "weighted"
-        ? element(
-            "div",
-            { class: "field" },
-            element("label", { for: "criterion-figure" }, `${capital(key)}${unit ? ` (${unit})` : ""}`),
-            figure,
-          )
-        : null,
-      hasThrow
-        ? element("p", {}, stays, element("label", { for: "stays" }, " The part has to stay on the track"))
-        : null,
-      element("button", { type: "button", onclick: () => this.find() }, "Find the best"),
-      this.said,
-      this.front,
-    );
+    const complaints = completeBest(view, scene);
+    this.wishes.show(view, scene);
+    this.forget();
+    this.abort?.abort();
+    if (view.best.isFound) this.find();
+    return complaints;
+  }
+
+  units(name) {
+    return this.scene.parameters.find((one) => one.name === name)?.unit ?? "1";
+  }
+
+  study() {
+    return bestStudy(this.view, this.scene);
+  }
+
+  forget() {
+    this.designs = [];
+    this.found = null;
+    this.front = null;
+    this.beside.hidden = true;
+    this.onmark([]);
+    fill(this.said);
+    fill(this.answer);
+  }
+
+  wished() {
+    completeBest(this.view, this.scene);
+    this.grown();
+    this.onwish();
+  }
+
+  // What was found is of other values than those that are shown now.
+  grown() {
+    if (!this.found || this.found === JSON.stringify(this.study())) return;
+    this.view.best.isFound = false;
+    this.forget();
+    this.said.textContent = "The best is of other values: find it again.";
   }
 
   async find() {
+    const { view } = this;
+    const study = this.study();
+    this.abort?.abort();
+    this.abort = new AbortController();
+    const { signal } = this.abort;
+    this.forget();
+    this.wishes.clear();
     this.said.textContent = "Looking for the best ...";
-    fill(this.front);
     try {
-      const { dataset } = await carryOut("optimise", optimumOf(this.view, this.criterion), {
-        tell: (job) => {
-          this.tellJob(job);
-          this.said.textContent = `${job.message} ${job.progress} %`;
-        },
-      });
-      this.tell(dataset);
+      const tell = (job) => {
+        this.tellJob(job);
+        this.said.textContent = `${job.message} ${job.progress} %`;
+      };
+      const { dataset } = await carryOut("optimise", study, { tell, signal });
+      this.found = JSON.stringify(study);
+      view.best.isFound = true;
+      this.onwish();
+      await this.tell(dataset, signal);
     } catch (error) {
-      fill(this.said, element("p", { class: "wrong" }, error.message), ...(error.errors ?? []).map((e) =>
-        element("p", { class: "wrong" }, `${capital(e.message)}. ${e.fix}.`)));
+      if (error.name === "AbortError") return;
+      if (!error.errors) throw error;
+      const rest = this.wishes.complain(error.errors);
+      const told = error.errors.length ? rest : [error.message];
+      fill(this.said, ...told.map((text) => element("p", { class: "wrong" }, text)));
+      if (!told.length) this.said.textContent = "Some of what is asked for cannot be: see above.";
     }
   }
 
-  tell(dataset) {
-    const { variables } = dataset;
-    const names = [this.view.x, this.view.y].filter(Boolean).map(({ name }) => name);
-    const value = (name) => variables[name]?.data;
-    const best = Object.fromEntries(names.map((name) => [name, value(`best_${name}`)]));
-    if (Array.isArray(best[names[0]])) {
-      this.tellFront(dataset, names);
+  async tell(dataset, signal) {
+    const names = variablesOf(this.view);
+    const all = designsOf(dataset, names);
+    this.designs = all.filter(({ isThere }) => isThere);
+    if (!this.designs.length) {
+      this.said.textContent = `There is no best. ${statusTold(all[0]?.status)}`;
       return;
     }
-    const status = Object.entries(variables.optimum_status?.flags ?? {}).find(
-      ([, number_]) => number_ === value("optimum_status"),
-    )?.[0];
-    if (best[names[0]] === null || best[names[0]] === undefined) {
-      this.said.textContent = `There is no best: ${words(status ?? "no solution")}.`;
-      return;
-    }
-    const outputs = Object.entries(variables).filter(
-      ([name, variable]) => typeof variable.data === "number" && !variable.flags && !names.includes(name),
-    );
+    if (this.view.best.kind === "pareto") this.tellFront(names);
+    else await this.tellOne(this.designs[0], signal);
+  }
+
+  markOf({ at }, text, more = {}) {
+    return { x: at[this.view.x.name], y: this.view.y ? at[this.view.y.name] : null, text, ...more };
+  }
+
+  async tellOne(design, signal) {
+    const { view, scene } = this;
+    const units = (name) => this.units(name);
+    this.said.textContent = statusTold(design.status);
+    const around = element("div", {}, element("p", { class: "unit" }, "Looking around it ..."));
     fill(
-      this.said,
-      element(
-        "table",
-        {},
-        ...outputs.map(([name, variable]) =>
-          element(
-            "tr",
-            {},
-            element("th", { scope: "row" }, variable.long_name ?? capital(words(name))),
-            element("td", {}, withUnit(variable.data, variable.units ?? "1")),
-          ),
-        ),
-      ),
-      element("p", {}, status ? `It is ${words(status)}.` : ""),
+      this.answer,
+      designTold(design, scene, units, view.output),
+      element("button", { type: "button", onclick: () => this.onchoose(design.at) }, "Show this drive"),
+      element("h3", {}, "How far from its limits"),
+      element("ul", {}, ...marginsTold(design, scene).map((text) => element("li", {}, text))),
+      ratesTold(design),
+      element("h3", {}, "Next to it"),
+      around,
     );
-    this.onfound([{ x: best[this.view.x.name], y: this.view.y ? best[this.view.y.name] : null, text: "best" }]);
+    this.onmark([this.markOf(design, "best")]);
+    const found = await neighboursOf(view, design.at, this.steps(), { signal });
+    fill(
+      around,
+      ...neighboursTold(view, found, units).map((text) => element("p", {}, text)),
+      neighboursDrawn(view, scene, found),
+    );
+    if (!view.band || view.band.name in design.at) return;
+    const band = await bandOf(view, design.at, { signal });
+    around.append(...bandTold(band, units(band.name)));
   }
 
-  // The trade-off as points of both outputs; one of them is shown in the map when it is chosen.
-  tellFront(dataset, names) {
-    const { variables } = dataset;
-    const { output } = this.view;
-    const { against } = this.criterion;
-    const data = (name) => (variables[name] ?? variables[`best_${name}`])?.data ?? [];
-    const points = data(output).map((value, i) => ({
-      value,
-      other: Math.abs(data(against)[i]),
-      at: Object.fromEntries(names.map((name) => [name, variables[`best_${name}`].data[i]])),
-    })).filter(({ value, other }) => value !== null && Number.isFinite(other));
-    this.said.textContent = `${points.length} drives that nothing beats in both. Choose one.`;
-    const unitOf = (name) => variables[name]?.units ?? "1";
-    const table = element(
-      "table",
-      {},
-      element(
-        "tr",
-        {},
-        ...[output, against, ...names].map((name) =>
-          element("th", { scope: "col" }, label(name, unitOf(names.includes(name) ? `best_${name}` : name))),
-        ),
-        element("th", {}),
-      ),
-      ...points.filter((_, i) => i % Math.ceil(points.length / 12) === 0).map((point) =>
-        element(
-          "tr",
-          {},
-          element("td", {}, number(point.value * shown(unitOf(output))[0])),
-          element("td", {}, number(point.other * shown(unitOf(against))[0])),
-          ...names.map((name) =>
-            element("td", {}, number(point.at[name] * shown(unitOf(`best_${name}`))[0])),
-          ),
-          element(
-            "td",
-            {},
-            element(
-              "button",
-              {
-                type: "button",
-                onclick: () =>
-                  this.onfound([{ x: point.at[names[0]], y: names[1] ? point.at[names[1]] : null, text: "chosen" }]),
-              },
-              "Show",
-            ),
-          ),
-        ),
-      ),
+  tellFront(names) {
+    const { view, scene, designs } = this;
+    const { against } = view.best;
+    const units = (name) => this.units(name);
+    const others = view.best.vary.map(({ name }) => words(name)).join(" and ");
+    this.said.textContent =
+      `${designs.length} drives that nothing beats in both outputs. Point at one to see where it lies in the ` +
+      "picture; a click or Enter shows it." +
+      (others ? ` The picture is that of one ${others} only: it is drawn anew for the drive that is shown.` : "");
+    const plots = [element("div", {}), element("div", {})];
+    this.beside.hidden = false;
+    fill(this.beside, element("h3", {}, "The trade-off"), plots[0]);
+    this.details = element("div", { class: "details" });
+    fill(
+      this.answer,
+      element("h3", {}, "All of it side by side"),
+      element("p", { class: "unit" }, "Drag along an axis, or move its handles, to leave the other drives out."),
+      plots[1],
+      this.details,
     );
-    fill(this.front, table);
+    const onpoint = (index) => this.look(index);
+    const onpick = (index) => this.onchoose(designs[index].at);
+    this.front = new Front(plots[0], { onpoint, onpick });
+    this.front.show(designs, { output: view.output, against, scene, names, units });
+    this.parallel = new Parallel(plots[1], { onpoint, onpick, onbrush: (out) => this.front.dim(out) });
+    const columns = [
+      ...names.map((name) => ({ name, unit: units(name), values: designs.map(({ at }) => at[name]) })),
+      ...[view.output, against].map((name) => ({
+        name,
+        unit: designs[0].values[name].unit,
+        values: designs.map(({ values }) => values[name].value),
+      })),
+    ];
+    this.parallel.show(designs, columns, scene);
+    this.look(Math.max(0, designs.findIndex(({ isKnee }) => isKnee)));
+  }
+
+  // One drive of the trade-off is looked at: in all pictures.
+  look(index) {
+    if (!this.front || this.front.at === index) return;
+    const { designs } = this;
+    this.front.highlight(index);
+    this.parallel.highlight(index);
+    fill(
+      this.details,
+      element("h3", {}, "How far from its limits"),
+      element("ul", {}, ...marginsTold(designs[index], this.scene).map((text) => element("li", {}, text))),
+    );
+    this.onmark([
+      ...designs.map((design) => this.markOf(design, "", { regime: design.regime.name, isSmall: true })),
+      this.markOf(designs[index], designs[index].isKnee ? "knee" : "chosen"),
+    ]);
+  }
+
+  // A point of the picture is looked at: the drive of the trade-off that lies near it.
+  pointed({ x, y }) {
+    const { view, designs } = this;
+    if (!this.front || this.host.hidden) return;
+    const axes = [[view.x, x], [view.y, y]].filter(([axis]) => axis);
+    const distances = designs.map(({ at }) =>
+      Math.hypot(...axes.map(([axis, value]) => (at[axis.name] - value) / (axis.to - axis.from))),
+    );
+    const least = Math.min(...distances);
+    if (least < NEAR) this.look(distances.indexOf(least));
   }
 }

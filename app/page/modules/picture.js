@@ -4,12 +4,15 @@ import { Curves } from "./curves.js";
 import { byId, element, fill } from "./elements.js";
 import { occurring } from "./legend.js";
 import { HeatMap } from "./map.js";
+import { lookOf } from "./markers.js";
 import { capital, number, words } from "./words.js";
 
 export class Picture {
-  constructor({ onpick }) {
+  constructor({ onpick, onpoint }) {
     this.onpick = onpick;
+    this.onpoint = onpoint;
     this.drawing = null; // a map or lines
+    this.marks = {}; // by who sets them
   }
 
   // Begin anew: what was drawn is of another view.
@@ -17,6 +20,7 @@ export class Picture {
     this.view = view;
     this.scene = scene;
     this.kind = null;
+    this.marks = {};
     byId("headline").textContent = capital(words(view.output));
     byId("worst").hidden = true;
   }
@@ -25,23 +29,21 @@ export class Picture {
   show(found, { isMoving = false } = {}) {
     const kind = found.y ? "map" : "curves";
     if (this.kind !== kind) {
-      const options = { onpick: this.onpick, title: words(this.view.output) };
+      const options = { onpick: this.onpick, onpoint: this.onpoint, title: words(this.view.output) };
       const host = byId("host");
       this.drawing = kind === "map" ? new HeatMap(host, options) : new Curves(host, options);
       this.kind = kind;
+      for (const [whose, marks] of Object.entries(this.marks)) this.mark(marks, whose);
     }
-    if (found.regime) {
-      found.regime.meanings ??= Object.fromEntries(
-        this.scene.regimes.map(({ name, description }) => [name, description]),
-      );
-    }
-    if (kind === "map") this.drawing.show(found, { isMoving });
+    const look = (name) => lookOf(this.scene, name);
+    if (kind === "map") this.drawing.show({ ...found, look }, { isMoving });
     else {
       const values = Array.from(found.x.values, (_, i) => found.z.at(i));
       this.drawing.show({
         x: found.x,
         lines: [{ name: found.z.name, unit: found.z.unit, values }],
         regime: found.regime,
+        look,
       });
     }
     this.tellValidity(found);
@@ -64,12 +66,22 @@ export class Picture {
       x: found.x,
       lines: [{ ...found.z, values: along(found.z.at), low: along(low), high: along(high) }],
       regime: found.regime,
+      look: (one) => lookOf(this.scene, one),
     });
   }
 
-  // Points to be marked, of {x, y, text}. Lines have no marks.
-  mark(marks) {
-    this.drawing?.mark?.(marks);
+  // Points to be marked, of {x, y, text}, by whoever sets them. Lines have no marks.
+  mark(marks, whose) {
+    this.marks[whose] = marks;
+    this.drawing?.mark?.(marks, whose);
+  }
+
+  // How far values lie apart along the axes.
+  steps() {
+    const apart = (axis, values) =>
+      values?.length > 1 ? Math.abs(values[1] - values[0]) : axis && (axis.to - axis.from) / 100;
+    const { x, y } = this.drawing?.data ?? {};
+    return { x: apart(this.view.x, x?.values), y: apart(this.view.y, y?.values) };
   }
 
   // How much of the picture does not describe a real part.
@@ -79,7 +91,7 @@ export class Picture {
       byId("note").textContent = "";
       return;
     }
-    const beyond = occurring(found.regime, found.x, found.y)
+    const beyond = occurring(found, (name) => lookOf(this.scene, name))
       .filter(({ value }) => invalid.has(value))
       .reduce((sum, { share }) => sum + share, 0);
     byId("note").textContent = beyond

@@ -73,6 +73,11 @@ export async function put(path, body, options = {}) {
   return { status: reply.status, content: await reply.json() };
 }
 
+// The text that a body is answered with.
+export async function text(path, body) {
+  return (await ask(path, { method: "POST", body, headers: { Accept: "text/plain" } })).text();
+}
+
 export async function remove(path) {
   await ask(path, { method: "DELETE" });
 }

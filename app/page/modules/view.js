@@ -1,6 +1,8 @@
 // What is shown: a plain object, and the link that restores it. A link is somebody's text: nothing
 // of it is believed before it is compared with what the service says there is.
 
+import { bestFromQuery, bestToQuery } from "./criterion.js";
+
 const MOST_CHARACTERS = 4000;
 
 export const QUESTIONS = ["speed", "drive", "thesis", "all"];
@@ -23,6 +25,7 @@ export function toLink(view) {
   if (view.band) query.set("band", `${view.band.name}:${view.band.share}`);
   if (view.figure) query.set("figure", view.figure);
   if (view.point) query.set("point", `${view.point.x}:${view.point.y ?? ""}`);
+  if (view.question === "drive" && view.best) bestToQuery(view.best, query);
   return `#${query}`;
 }
 
@@ -79,6 +82,8 @@ export function fromLink(hash) {
     if (Number.isFinite(x) && (y === null || Number.isFinite(y))) wanted.point = { x, y };
     else complaints.push("The link gives a point that is none of a picture.");
   }
+  const best = bestFromQuery(query, complaints);
+  if (best) wanted.best = best;
   return { wanted, complaints: [...new Set(complaints)] };
 }
 

@@ -5,6 +5,7 @@ const UNITS = {
   m: [1e3, "mm"],
   "m s-1": [1e3, "mm/s"],
   "m s-2": [1, "m/s²"],
+  "m s-3": [1, "m/s³"],
   degree: [1, "°"],
   kg: [1e3, "g"],
   s: [1, "s"],
@@ -13,6 +14,7 @@ const UNITS = {
   "min-1": [1, "parts/min"],
   "W kg-1": [1, "W/kg"],
   "J kg-1 m-1": [1, "J/(kg m)"],
+  "J m-1": [1, "J/m"],
 };
 
 // The factor to the unit that is shown, and that unit.

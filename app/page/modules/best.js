@@ -1,0 +1,125 @@
+// The best of a view: made whole, and as a study.
+
+import { FIGURES, NEEDS_OTHER, usualBest } from "./criterion.js";
+import { givenValues, shownParameters, typical } from "./view.js";
+import { capital, words } from "./words.js";
+
+// Make the best of a view whole in its place. Returns a sentence about each part that makes no sense.
+export function completeBest(view, scene) {
+  const best = (view.best ??= usualBest());
+  const complaints = [];
+  const outputs = new Set(scene.outputs.map(({ name }) => name));
+  const parameters = new Set(scene.parameters.map(({ name }) => name));
+  const axes = [view.x.name, view.y?.name];
+  const keep = (list, isKnown, told) =>
+    list.filter((one) => {
+      if (!isKnown(one)) complaints.push(told(one));
+      return isKnown(one);
+    });
+  const others = scene.outputs.filter(({ name }) => name !== view.output);
+  if (!others.some(({ name }) => name === best.against)) {
+    if (best.against) complaints.push(`There is no output ${words(best.against).slice(0, 60)} to weigh.`);
+    best.against = others.find(({ name }) => name === "acceleration_y")?.name ?? others[0]?.name ?? "";
+  }
+  best.limits = keep(
+    best.limits,
+    ({ output }) => outputs.has(output),
+    ({ output }) => `There is no output ${words(output).slice(0, 60)} to limit.`,
+  );
+  best.vary = keep(
+    best.vary,
+    ({ name }) => parameters.has(name) && (axes.includes(name) || name in view.values),
+    ({ name }) => `${capital(words(name).slice(0, 60))} cannot be chosen here.`,
+  ).filter(({ name }) => !axes.includes(name));
+  const further = furtherOf(view, scene).map(({ name }) => name);
+  best.given = Object.fromEntries(further.map((name) => [name, best.given[name]]));
+  for (const parameter of furtherOf(view, scene)) best.given[parameter.name] ??= typical(parameter);
+  return complaints;
+}
+
+// The names that a view gives values or ranges, and those that these stand for.
+function givenBy(view, scene) {
+  const names = new Set([view.x.name, view.y?.name, ...Object.keys(view.values)]);
+  for (const { name, instead_of: instead } of scene.parameters) {
+    if (names.has(name)) for (const one of instead ?? []) names.add(one);
+  }
+  return names;
+}
+
+// The outputs that a study tells besides its criterion: those where something begins at a level.
+export function levelled(view, scene) {
+  const known = givenBy(view, scene);
+  return scene.outputs.filter(
+    ({ name, level, required }) =>
+      Number.isFinite(level) && name !== view.output && required.every((one) => known.has(one)),
+  );
+}
+
+// Parameters that the other outputs need, and the view has not.
+export function furtherOf(view, scene) {
+  const { best } = view;
+  const named = [...(NEEDS_OTHER.has(best.kind) ? [best.against] : []), ...best.limits.map(({ output }) => output)];
+  const known = givenBy(view, scene);
+  const found = new Map();
+  for (const output of named) {
+    const required = scene.outputs.find(({ name }) => name === output)?.required ?? [];
+    const missing = new Set(required.filter((name) => !known.has(name)));
+    for (const parameter of shownParameters(scene, output)) {
+      const { name, instead_of: instead } = parameter;
+      if ([name, ...(instead ?? [])].some((one) => missing.has(one))) found.set(name, parameter);
+    }
+  }
+  return [...found.values()];
+}
+
+// The names of what is chosen, those of the axes first.
+export function variablesOf(view) {
+  return [view.x.name, view.y?.name, ...view.best.vary.map(({ name }) => name)].filter(Boolean);
+}
+
+// The study of the best of a view.
+export function bestStudy(view, scene) {
+  const { best } = view;
+  const variables = {};
+  for (const axis of [view.x, view.y, ...best.vary]) {
+    if (axis) variables[axis.name] = { lower: axis.from, upper: axis.to };
+  }
+  const study = {
+    kind: "optimise",
+    scene: view.scene,
+    criterion: { kind: best.kind, output: view.output },
+    variables,
+    parameters: {},
+  };
+  for (const [name, value] of Object.entries({ ...givenValues(view), ...best.given })) {
+    if (!(name in variables)) study.parameters[name] = value;
+  }
+  if (view.kind === "sweep" && view.choice) study.variant = view.choice;
+  if (NEEDS_OTHER.has(best.kind)) study.criterion.against = best.against;
+  const figure = FIGURES[best.kind];
+  if (figure) study.criterion[figure] = best[figure];
+  const outputs = levelled(view, scene).map(({ name }) => name).filter((name) => name !== study.criterion.against);
+  if (outputs.length) study.outputs = outputs;
+  if (view.kind === "sweep" && !best.isInContact) {
+    study.floor_contact = false;
+    study.wall_contact = false;
+  }
+  const limits = best.limits.filter(({ lower, upper }) => lower !== null || upper !== null);
+  if (limits.length) {
+    study.constraints = limits.map(({ output, lower, upper, absolute }) => ({
+      output,
+      ...(lower === null ? {} : { lower }),
+      ...(upper === null ? {} : { upper }),
+      ...(absolute ? { absolute } : {}),
+    }));
+  }
+  if (best.isRobust && view.band && !(view.band.name in variables)) {
+    const { name, share } = view.band;
+    const middle = view.values[name];
+    const ends = [middle * (1 - share), middle * (1 + share)].sort((a, b) => a - b);
+    study.uncertain = { [name]: { lower: ends[0], upper: ends[1] } };
+    study.robust = "worst";
+    delete study.parameters[name];
+  } else if (best.kind !== "pareto") study.sensitivities = true;
+  return study;
+}

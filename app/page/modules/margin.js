@@ -1,0 +1,81 @@
+// What the service found, in words: the drive, how far it is from each limit, what a little more would do.
+
+import { element } from "./elements.js";
+import { lookOf } from "./markers.js";
+import { capital, number, withUnit, words } from "./words.js";
+
+const STATUSES = {
+  optimal: "No other choice within the bounds does better.",
+  flat: "The choice does not matter here.",
+  no_motion: "No choice moves the part forwards.",
+  not_attained: "Static friction still holds the part there; next to it the output jumps to this value.",
+  infeasible: "No choice keeps the limits and contacts: loosen one of them.",
+  suboptimal: "A grid has a better point, which the search missed.",
+  no_value: "The output has no value anywhere within the bounds.",
+};
+
+export function statusTold(status) {
+  return STATUSES[status] ?? (status ? `${capital(words(status))}.` : "");
+}
+
+function row(head, text) {
+  return element("tr", {}, element("th", { scope: "row" }, head), element("td", {}, text));
+}
+
+// The table of a design: what was chosen, and the outputs there.
+export function designTold(design, scene, units, output) {
+  const rows = Object.entries(design.at).map(([name, value]) => {
+    const { end } = design.ends.find((one) => one.name === name) ?? {};
+    const told = end ? `, at the ${end === "lower" ? "lower" : "upper"} end of its range` : "";
+    return row(`Best ${words(name)}`, `${withUnit(value, units(name))}${told}`);
+  });
+  const outputs = new Set(scene.outputs.map(({ name }) => name));
+  for (const [name, { value, unit, long }] of Object.entries(design.values)) {
+    const isOwn = name === "objective" && Math.abs(value - design.values[output].value) > 1e-9 * Math.abs(value);
+    if (outputs.has(name) || isOwn) rows.push(row(long ?? capital(words(name)), withUnit(value, unit)));
+  }
+  return element("table", {}, ...rows);
+}
+
+// How far the part is from leaving floor or wall, and from each limit.
+export function marginsTold(design, scene) {
+  const found = [];
+  const look = lookOf(scene, design.regime.name);
+  const meaning = look.meaning || words(design.regime.name);
+  if (meaning) found.push(`There ${meaning}${look.valid ? "" : ": these values do not describe a real part"}.`);
+  for (const { name, level, begins } of scene.outputs) {
+    const value = design.values[name]?.value;
+    if (!Number.isFinite(level) || !Number.isFinite(value)) continue;
+    const share = Math.abs(value - level) / Math.abs(level || 1);
+    const told = `${capital(words(name))} is ${number(value)}`;
+    if (share < 1e-6) found.push(`${told}, at ${begins}: a little more and it comes.`);
+    else found.push(`${told}: ${number(100 * share, 3)} % ${value > level ? "beyond" : "below"} ${begins}, which comes at ${number(level)}.`);
+  }
+  for (const { name, value, unit, binds } of design.margins) {
+    if (!Number.isFinite(value)) continue;
+    const told = capital(limitTold(name, scene));
+    found.push(
+      binds ? `${told} has no room left: it decides what is best.` : `${told} has ${withUnit(value, unit)} of room.`,
+    );
+  }
+  return found;
+}
+
+// A limit by its name in the dataset: that of an output, of the criterion, or a contact.
+function limitTold(name, scene) {
+  const [, output, end] = name.match(/^(.*)_(lower|upper)$/) ?? [];
+  if (scene.outputs.some((one) => one.name === output)) return `the ${end} limit of the ${words(output)}`;
+  return name === "limit" ? "the limit of the other output" : `the ${words(name)}`;
+}
+
+// What one per cent more of each parameter does to the criterion.
+export function ratesTold(design) {
+  const rows = design.rates.map(({ name, value }) => {
+    const isNone = Math.abs(value) < 1e-6;
+    const change = isNone ? "no change" : `${value > 0 ? "+" : ""}${number(value, 2)} %`;
+    const told = Number.isFinite(value) ? change : "it jumps there, or has a kink";
+    return row(capital(words(name)), told);
+  });
+  if (!rows.length) return null;
+  return element("details", {}, element("summary", {}, "What 1 % more of a parameter does to it"), element("table", {}, ...rows));
+}

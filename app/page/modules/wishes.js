@@ -1,0 +1,270 @@
+// The fields of the best: criterion, limits of outputs, what may be chosen.
+
+import { furtherOf } from "./best.js";
+import { CRITERIA, FIGURES, NEEDS_OTHER } from "./criterion.js";
+import { element, fill } from "./elements.js";
+import { button, choiceField, numberInput, tick } from "./fields.js";
+import { usual } from "./view.js";
+import { capital, label, number, shown, words } from "./words.js";
+
+const MOST_LIMITS = 20;
+const MOST_POINTS = 200;
+
+export class Wishes {
+  // `onchange()` hears that something is wished for otherwise; the view holds what.
+  constructor(host, onchange) {
+    this.host = host;
+    this.onchange = onchange;
+  }
+
+  show(view, scene) {
+    this.view = view;
+    this.scene = scene;
+    const { best } = view;
+    fill(
+      this.host,
+      this.criterion(best),
+      this.limits(best),
+      this.choices(best),
+      ...this.further(best),
+    );
+  }
+
+  // Something changed that other fields depend on.
+  changed(id = null) {
+    this.view.best.isFound = false;
+    this.onchange();
+    this.show(this.view, this.scene);
+    if (id) document.getElementById(id)?.focus();
+  }
+
+  figure(text, value, unit, set, more = {}) {
+    const heard = (typed) => {
+      set(typed);
+      this.view.best.isFound = false;
+      this.onchange();
+    };
+    return numberInput(text, value, unit, heard, more);
+  }
+
+  complaint(place) {
+    return element("span", { class: "wrong", "data-place": place });
+  }
+
+  criterion(best) {
+    const { view, scene } = this;
+    const others = scene.outputs.filter(({ name }) => name !== view.output);
+    const name = FIGURES[best.kind];
+    const against = scene.outputs.find((one) => one.name === best.against);
+    const unit = name === "limit" ? (against?.unit ?? "1") : "1";
+    const told = { limit: "Limit of its size", weight: "Weight", points: "Points of the trade-off" }[name];
+    const [, unitShown] = shown(unit);
+    const isPoints = name === "points";
+    return element(
+      "fieldset",
+      {},
+      element("legend", {}, "What is best"),
+      choiceField("criterion", capital(words(view.output)), Object.entries(CRITERIA), best.kind, (kind) => {
+        best.kind = kind;
+        this.changed("criterion");
+      }),
+      NEEDS_OTHER.has(best.kind)
+        ? choiceField("against", "The other output", others.map((one) => [one.name, label(one.name, one.unit)]), best.against, (chosen) => {
+            best.against = chosen;
+            this.changed("against");
+          })
+        : null,
+      name
+        ? element(
+            "div",
+            { class: "field" },
+            element("label", { for: "criterion-figure" }, `${told}${unitShown ? ` (${unitShown})` : ""}`),
+            this.figure(
+              told,
+              best[name],
+              unit,
+              (value) => {
+                const least = isPoints ? 2 : 0;
+                best[name] = Math.max(least, isPoints ? Math.min(MOST_POINTS, Math.round(value ?? 2)) : (value ?? 0));
+              },
+              { id: "criterion-figure", min: isPoints ? 2 : 0, "aria-label": null },
+            ),
+          )
+        : null,
+      this.complaint("criterion"),
+      view.band && best.kind !== "pareto" ? this.robust(best) : null,
+    );
+  }
+
+  robust(best) {
+    const { name } = this.view.band;
+    return tick("robust", `The worst case counts, of the ${words(name)} within its band`, best.isRobust, (isSet) => {
+      best.isRobust = isSet;
+      this.changed("robust");
+    });
+  }
+
+  // Bounds that outputs have to keep: a row each.
+  limits(best) {
+    const { view, scene } = this;
+    const add = (row, id) => {
+      best.limits.push({ lower: null, upper: null, absolute: false, ...row });
+      this.changed(id);
+    };
+    const next = `limit-${best.limits.length}`;
+    const outputs = scene.outputs.map((one) => [one.name, label(one.name, one.unit)]);
+    const levels = scene.outputs.filter(
+      ({ name, level }) =>
+        Number.isFinite(level) && !best.limits.some(({ output, upper }) => output === name && upper === level),
+    );
+    return element(
+      "fieldset",
+      {},
+      element("legend", {}, "Within these limits"),
+      ...best.limits.map((row, place) => this.limit(row, place, outputs)),
+      element(
+        "div",
+        { class: "buttons" },
+        best.limits.length < MOST_LIMITS
+          ? button("Add a limit", () => add({ output: view.output }, next), { id: "add-limit" })
+          : null,
+        ...levels.map(({ name, level, begins }) =>
+          button(`No ${begins}: ${words(name)} at most ${number(level)}`, () => add({ output: name, upper: level }, next)),
+        ),
+      ),
+      view.kind === "sweep"
+        ? tick("contact", "The part keeps its contacts with floor and wall", best.isInContact, (isSet) => {
+            best.isInContact = isSet;
+            this.changed("contact");
+          })
+        : null,
+    );
+  }
+
+  limit(row, place, outputs) {
+    const { best } = this.view;
+    const { unit } = this.scene.outputs.find(({ name }) => name === row.output);
+    const [, unitShown] = shown(unit);
+    const told = words(row.output);
+    const field = choiceField(`limit-${place}`, `Limit ${place + 1}`, outputs, row.output, (name) => {
+      Object.assign(row, { output: name, lower: null, upper: null });
+      this.changed(`limit-${place}`);
+    });
+    field.append(
+      element(
+        "div",
+        { class: "ends" },
+        "from",
+        this.figure(`Least ${told}`, row.lower, unit, (value) => (row.lower = value)),
+        "to",
+        this.figure(`Largest ${told}`, row.upper, unit, (value) => (row.upper = value)),
+        unitShown,
+      ),
+      element(
+        "div",
+        { class: "ends" },
+        tick(`size-${place}`, "of its size, whatever its sign", row.absolute, (isSet) => {
+          row.absolute = isSet;
+          this.changed(`size-${place}`);
+        }),
+        button(
+          "Remove",
+          () => {
+            best.limits.splice(place, 1);
+            this.changed("add-limit");
+          },
+          { "aria-label": `Remove limit ${place + 1}` },
+        ),
+      ),
+      this.complaint(`constraints.${place}`),
+    );
+    return field;
+  }
+
+  // What may be chosen: the axes of the picture, and more.
+  choices(best) {
+    const { view, scene } = this;
+    const axes = [view.x, view.y].filter(Boolean);
+    const parameter = (name) => scene.parameters.find((one) => one.name === name);
+    const left = Object.keys(view.values).filter((name) => !best.vary.some((row) => row.name === name));
+    return element(
+      "fieldset",
+      {},
+      element("legend", {}, "What may be chosen"),
+      element("p", { class: "unit" }, `${capital(axes.map(({ name }) => words(name)).join(" and "))}, within the axes of the picture.`),
+      ...best.vary.map((row, place) => {
+        const { unit } = parameter(row.name);
+        const [, unitShown] = shown(unit);
+        return element(
+          "div",
+          { class: "field" },
+          element("span", {}, label(row.name, unit)),
+          button(
+            "Remove",
+            () => {
+              best.vary.splice(place, 1);
+              this.changed("vary");
+            },
+            { "aria-label": `Remove ${words(row.name)}` },
+          ),
+          element(
+            "div",
+            { class: "ends" },
+            this.figure(`Least ${words(row.name)}`, row.from, unit, (value) => (row.from = value ?? 0)),
+            "to",
+            this.figure(`Largest ${words(row.name)}`, row.to, unit, (value) => (row.to = value ?? 0)),
+            unitShown,
+          ),
+          this.complaint(`variables.${row.name}`),
+        );
+      }),
+      left.length
+        ? choiceField(
+            "vary",
+            "One more",
+            [["", "Choose ..."], ...left.map((name) => [name, label(name, parameter(name).unit)])],
+            "",
+            (name) => {
+              if (!name) return;
+              const [from, to] = usual(parameter(name));
+              best.vary.push({ name, from, to });
+              this.changed("vary");
+            },
+          )
+        : null,
+    );
+  }
+
+  // Values that the other outputs need.
+  further(best) {
+    return furtherOf(this.view, this.scene).map(({ name, unit, description }) => {
+      const id = `given-${name}`;
+      return element(
+        "div",
+        { class: "field", title: description },
+        element("label", { for: id }, label(name, unit)),
+        this.figure("", best.given[name], unit, (value) => (best.given[name] = value ?? 0), { id, "aria-label": null }),
+        this.complaint(`parameters.${name}`),
+      );
+    });
+  }
+
+  // Sentences of the service beside the fields that they concern; returns those that concern none.
+  complain(errors) {
+    this.clear();
+    const rest = [];
+    for (const { place, message, fix } of errors) {
+      const text = `${capital(message)}. ${fix}.`.replace("..", ".");
+      const slot = [...this.host.querySelectorAll(".wrong")].find(({ dataset }) =>
+        `${place}.`.startsWith(`${dataset.place}.`),
+      );
+      if (slot) slot.textContent = text;
+      else rest.push(text);
+    }
+    return rest;
+  }
+
+  clear() {
+    for (const slot of this.host.querySelectorAll(".wrong")) slot.textContent = "";
+  }
+}
