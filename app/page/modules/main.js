@@ -2,6 +2,7 @@
 
 import { Accuracy } from "./accuracy.js";
 import { Away as TakeAway } from "./away.js";
+import { Catalogue } from "./catalogue.js";
 import { Source, courseAt } from "./computed.js";
 import { Controls } from "./controls.js";
 import { Course, courseOf } from "./course.js";
@@ -15,7 +16,7 @@ import { Picture } from "./picture.js";
 import { tellQuestions } from "./questions.js";
 import { Refusal, get } from "./service.js";
 import { fromLink, toLink } from "./view.js";
-import { duration, learn } from "./words.js";
+import { duration } from "./words.js";
 
 // For screen readers, and whoever waits for the picture.
 function busy(isBusy) {
@@ -25,8 +26,8 @@ function busy(isBusy) {
 class Page {
   constructor() {
     this.source = new Source();
-    this.described = new Map(); // path -> scene
     this.notice = new Notice(byId("notice"));
+    this.catalogue = new Catalogue((path) => this.notice.persist(() => get(path)));
     this.jobs = new Jobs(byId("jobs"));
     this.controls = new Controls(byId("controls"), (view, how) => this.changed(view, how));
     this.picture = new Picture({
@@ -43,8 +44,7 @@ class Page {
   }
 
   async start() {
-    const [scenes, friction] = await Promise.all([this.ask("/scenes"), this.ask("/friction")]);
-    this.scenes = scenes;
+    const [friction] = await Promise.all([this.catalogue.ask("/friction"), this.catalogue.load()]);
     this.controls.frictions = friction.pairs;
     const study = () => this.source.study(this.view);
     const tell = (job) => this.jobs.note(job);
@@ -54,6 +54,7 @@ class Page {
       onchoose: (at) => this.choose(at),
       onwish: () => this.keep(this.view),
       steps: () => this.picture.steps(),
+      persist: (task) => this.notice.persist(task),
       tell,
     });
     const best = () => this.optimum.study();
@@ -66,33 +67,6 @@ class Page {
     await this.restore();
   }
 
-  ask(path) {
-    return this.notice.persist(() => get(path));
-  }
-
-  scene(name) {
-    return this.scenes.find((scene) => scene.name === name);
-  }
-
-  async describe(view) {
-    const query = new URLSearchParams(
-      view.kind === "sweep"
-        ? view.choice && { variant: view.choice }
-        : { method: view.choice || this.methodOf(view.scene) },
-    );
-    const path = `/scenes/${encodeURIComponent(view.scene)}?${query}`;
-    if (!this.described.has(path)) {
-      const scene = await this.ask(path);
-      learn(scene);
-      this.described.set(path, scene);
-    }
-    return this.described.get(path);
-  }
-
-  methodOf(name) {
-    return this.scene(name)?.methods[0] ?? "events";
-  }
-
   async restore() {
     busy(true);
     const { wanted, complaints } = fromLink(location.hash);
@@ -101,20 +75,20 @@ class Page {
       await this.openFigure(null, complaints);
       return;
     }
-    const known = this.scene(wanted.scene);
+    const known = this.catalogue.scene(wanted.scene);
     if (wanted.scene && !known) complaints.push("The link names a system that there is not.");
     const begin = begun(question);
     // What a question begins with need not be there in another system, or the other way to look.
     const isOther = ["scene", "kind"].some((name) => name in wanted && wanted[name] !== begin[name]);
     if (isOther) begin.output = "";
     const view = { ...begin, ...wanted, question, scene: known ? wanted.scene : begin.scene };
-    if (view.kind === "simulate" && !this.scene(view.scene).methods.length) view.kind = "sweep";
+    if (view.kind === "simulate" && !this.catalogue.scene(view.scene).methods.length) view.kind = "sweep";
     await this.open(view, { complaints });
   }
 
   async openFigure(figure, complaints = []) {
-    this.figures ??= await this.ask("/figures");
-    const chosen = figure ?? this.figures.find(({ name }) => name === "fig-5-1") ?? this.figures[0];
+    const figures = await this.catalogue.figures();
+    const chosen = figure ?? figures.find(({ name }) => name === "fig-5-1") ?? figures[0];
     await this.open(viewOf(chosen), { complaints });
   }
 
@@ -125,12 +99,12 @@ class Page {
     busy(true);
     let scene;
     try {
-      scene = await this.describe(view);
+      scene = await this.catalogue.describe(view);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
       complaints.push(`There is no ${view.kind === "sweep" ? "variant" : "method"} of that name here.`);
       view.choice = "";
-      scene = await this.describe(view);
+      scene = await this.catalogue.describe(view);
     }
     if (isLeft()) return;
     const made = complete(view, scene);
@@ -140,7 +114,7 @@ class Page {
     tellQuestions(byId("questions"), view.question, (question) =>
       question === "thesis" ? this.openFigure(null) : this.open(begun(question)),
     );
-    this.controls.show(view, this.scenes, scene);
+    this.controls.show(view, this.catalogue.scenes, scene);
     this.picture.begin(view, scene);
     if (isSwitching && view.best) view.best.isFound = false;
     const left = await this.tellQuestion();
@@ -151,6 +125,7 @@ class Page {
     if (view.point) await this.pick(view.point);
     else byId("detail").hidden = true;
     await drawn;
+    if (!isLeft() && view.question === "drive" && view.best.isFound) await this.optimum.find();
   }
 
   // What a question has besides the picture and its fields. Returns what makes no sense in it.
@@ -162,8 +137,8 @@ class Page {
     if (question === "drive") return this.optimum.show(this.view, this.seen);
     this.optimum.forget();
     if (question === "thesis") {
-      this.figures ??= await this.ask("/figures");
-      tellFigures(byId("figures"), this.figures, figure, (chosen) => this.openFigure(chosen));
+      const figures = await this.catalogue.figures();
+      tellFigures(byId("figures"), figures, figure, (chosen) => this.openFigure(chosen));
     }
     return [];
   }
@@ -257,7 +232,7 @@ class Page {
     const moved = Object.keys(at).filter((name) => name in view.values && view.values[name] !== at[name]);
     for (const name of moved) view.values[name] = at[name];
     if (moved.length) {
-      this.controls.show(view, this.scenes, this.seen);
+      this.controls.show(view, this.catalogue.scenes, this.seen);
       await this.compute({});
     }
     await this.pick({ x: at[view.x.name], y: view.y ? at[view.y.name] : null });
@@ -265,7 +240,7 @@ class Page {
 
   async pick(point) {
     const { view } = this;
-    if (!this.scene(view.scene)?.methods.length) return;
+    if (!this.catalogue.scene(view.scene)?.methods.length) return;
     view.point = point;
     this.keep(view);
     try {

@@ -16,10 +16,11 @@ const NEAR = 0.06; // of an axis of the picture
 
 export class Optimum {
   // `onmark(marks)` shows points in the picture, `onchoose(at)` a drive as a whole, `onwish()` hears
-  // that the view changed, `steps()` gives how far the values of the picture lie apart.
+  // that the view changed, `steps()` gives how far the values of the picture lie apart,
+  // `persist(task)` asks until the service answers.
   // A trade-off is drawn in `beside`, next to the picture.
-  constructor(host, { beside, onmark, onchoose, onwish, steps, tell }) {
-    Object.assign(this, { host, beside, onmark, onchoose, onwish, steps, tellJob: tell });
+  constructor(host, { beside, onmark, onchoose, onwish, steps, persist, tell }) {
+    Object.assign(this, { host, beside, onmark, onchoose, onwish, steps, persist, tellJob: tell });
     this.form = element("div", { class: "wishes" });
     this.wishes = new Wishes(this.form, () => this.wished());
     this.said = element("div", { role: "status" });
@@ -37,7 +38,6 @@ export class Optimum {
     this.wishes.show(view, scene);
     this.forget();
     this.abort?.abort();
-    if (view.best.isFound) this.find();
     return complaints;
   }
 
@@ -87,8 +87,10 @@ export class Optimum {
         this.tellJob(job);
         this.said.textContent = `${job.message} ${job.progress} %`;
       };
-      const { dataset } = await carryOut("optimise", study, { tell, signal });
+      const { dataset } = await this.persist(() => carryOut("optimise", study, { tell, signal }));
       this.found = JSON.stringify(study);
+      this.grown(); // meanwhile
+      if (!this.found) return;
       view.best.isFound = true;
       this.onwish();
       await this.tell(dataset, signal);
@@ -134,14 +136,14 @@ export class Optimum {
       around,
     );
     this.onmark([this.markOf(design, "best")]);
-    const found = await neighboursOf(view, design.at, this.steps(), { signal });
+    const found = await this.persist(() => neighboursOf(view, design.at, this.steps(), { signal }));
     fill(
       around,
       ...neighboursTold(view, found, units).map((text) => element("p", {}, text)),
       neighboursDrawn(view, scene, found),
     );
     if (!view.band || view.band.name in design.at) return;
-    const band = await bandOf(view, design.at, { signal });
+    const band = await this.persist(() => bandOf(view, design.at, { signal }));
     around.append(...bandTold(band, units(band.name)));
   }
 
