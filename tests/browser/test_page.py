@@ -6,12 +6,11 @@ import csv
 import json
 import re
 import urllib.request
-from pathlib import Path
 
-import axe_playwright_python
 import pytest
 
-AXE = Path(axe_playwright_python.__file__).parent / "axe.min.js"
+from audit import audited
+
 TRACK = (
     "#question=speed&kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
     "&x=amplitude:0.0001:0.0007&y=beta:5:60&p.frequency=50&p.friction=0.4"
@@ -176,20 +175,3 @@ def test_nothing_stands_in_the_way_of_anybody(page, address, scheme):
     assert found == []
     page.set_viewport_size({"width": 390, "height": 800})
     assert audited(page) == []
-
-
-def audited(page):
-    """Return what axe-core finds wrong."""
-    # The page's policy lets no text become a script: axe comes by the browser's own door.
-    session = page.context.new_cdp_session(page)
-    session.send("Runtime.evaluate", {"expression": AXE.read_text()})
-    answer = session.send(
-        "Runtime.evaluate",
-        {
-            "expression": "axe.run().then(r => JSON.stringify(r.violations.map("
-            "v => [v.id, v.nodes.map(n => n.html.slice(0, 120))])))",
-            "awaitPromise": True,
-        },
-    )
-    session.detach()
-    return json.loads(answer["result"]["value"])

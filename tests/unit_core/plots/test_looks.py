@@ -9,6 +9,7 @@ import pytest
 from colorspacious import cspace_convert
 from matplotlib.colors import to_rgb
 
+from core.catalogue import describe
 from core.motion.systems import SYSTEMS
 from core.plots.categories import looks_of_categories
 from core.plots.regime_map import share_entries
@@ -93,3 +94,13 @@ def test_the_legend_of_categories_has_the_shares_of_their_cells():
     entries = share_entries(np.array([[1, 2], [2, 2]]), looks, [look.fill for look in looks])
     labels = [str(entry.get_label()).replace("\N{NO-BREAK SPACE}", " ") for entry in entries]
     assert labels == ["forwards, 25 %", "backwards, 75 %"]
+
+
+def test_the_catalogue_tells_the_colours_of_pictures_and_marked_levels():
+    scene = describe("rectangle-on-plane")
+    found = {one["name"]: (one["colour"], one["ink"]) for one in scene["regimes"]}
+    assert found["slip"] == (FILLS["slip"], LOOKS["slip"][1])
+    assert found["flight"] == (LOOKS["flight"][1],) * 2  # its values do not hold: it has no fill
+    levels = {one["name"]: (one["level"], one["begins"]) for one in scene["outputs"]}
+    assert levels["throw_number"] == (1.0, "lift-off")
+    assert levels["acceleration_x"] == (None, "")

@@ -1,0 +1,50 @@
+"""POST /convert: a study in other forms, as the command writes it."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+
+import pytest
+
+from app.main import create_app
+from app.settings import Settings
+from core.study.forms import FORMS
+from local_client import local_client
+
+STUDY = {
+    "kind": "simulate",
+    "scene": "rectangle-on-plane",
+    "parameters": {"frequency": "50 Hz", "amplitude": "0.3 mm", "beta": 20, "friction": 0.3},
+}
+
+
+@pytest.fixture
+def client(tmp_path):
+    return local_client(create_app(Settings(data_directory=tmp_path)))
+
+
+def test_each_form_is_that_of_the_command(client):
+    for form, write in FORMS.items():
+        reply = client.post(f"/convert?to={form}", json=STUDY)
+        assert reply.status_code == 200
+        assert reply.headers["content-type"] == "text/plain; charset=utf-8"
+        if form != "curl":
+            assert reply.text == write(STUDY)
+    assert tomllib.loads(client.post("/convert?to=toml", json=STUDY).text) == STUDY
+    # The line asks the service that wrote it.
+    line = client.post("/convert?to=curl", json=STUDY).text
+    assert line.endswith(f" {str(client.base_url).rstrip('/')}/processes/simulate/execution\n")
+
+
+def test_what_is_wrong_is_told_as_where_it_is_carried_out(client):
+    wrong = {**STUDY, "parameters": {**STUDY["parameters"], "friction": -1}}
+    reply = client.post("/convert?to=toml", json=wrong)
+    assert reply.status_code == 422
+    asked = client.post("/processes/simulate/execution", json=wrong).json()
+    assert reply.json()["errors"] == asked["errors"]
+    assert client.post("/convert?to=word", json=STUDY).status_code == 422
+    assert client.post("/convert?to=toml", content=json.dumps([1])).status_code == 422
+    # A file of the service's machine is nobody's to name.
+    named = {**STUDY, "drive": {"file": "/etc/hostname"}}
+    assert client.post("/convert?to=curl", json=named).status_code == 422
