@@ -22,6 +22,9 @@ def browser():
         if os.environ.get("VIBRAFEED_REQUIRE_TOOLS") == "1":
             pytest.fail("chromium is not installed")
         pytest.skip("chromium is not installed")
+    from playwright.sync_api import expect
+
+    expect.set_options(timeout=60_000)  # ms; a busy machine takes its time
     with browsed() as context:
         yield context
 

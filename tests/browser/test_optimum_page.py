@@ -115,6 +115,9 @@ def test_a_trade_off_is_one_thing_in_all_its_pictures(page, address):
     expect(front.locator(".marker")).to_have_count(9)
     is_told(knee)
     assert "vibrafeed.optimise(" in taken(page, "Python")
+    drawn = taken(page, "SVG")
+    assert drawn.startswith("<svg")
+    assert drawn.count("<path") == 9
 
 
 def test_the_best_tells_its_margins_its_neighbours_and_its_band(page, address):
@@ -145,6 +148,7 @@ def test_the_best_tells_its_margins_its_neighbours_and_its_band(page, address):
     assert "more drive elevation: breaks throw number" in label(around)
     expect(page.locator("#optimum .band li")).to_have_count(5)
     expect(page.locator("#picture .mark")).to_have_count(1)
+    assert taken(page, "SVG").count('class="mark"') == 1
     row = next(csv.DictReader(taken(page, "CSV").splitlines()))
     assert float(row["acceleration_x [m s-2]"]) == pytest.approx(answer["acceleration_x"])
     # A changed value: the best is of another drive, and is no longer told.

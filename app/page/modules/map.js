@@ -250,7 +250,7 @@ export class HeatMap {
         width: width - left - right,
         height: height - top - bottom,
         preserveAspectRatio: "none",
-        style: "image-rendering: pixelated",
+        "image-rendering": "pixelated",
         href: this.canvas.toDataURL(),
       }),
     );
