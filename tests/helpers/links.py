@@ -20,6 +20,7 @@ SCRIPTS = [
     "${window.harmed=1}",
     "'-(window.harmed=1)-'",
 ]
+CRITERIA = ["maximise", "minimise", "weighted", "limit", "pareto"]
 NAMES = ["__proto__", "constructor", "prototype", "toString", "hasOwnProperty", "valueOf", "length"]
 NUMBERS = [
     "1e999",
@@ -64,6 +65,12 @@ def valid(random_: random.Random, scenes: dict[str, Any]) -> dict[str, str]:
     if len(known) > 2 and random_.random() < 0.5:
         name, low, high = known[2]
         link[f"p.{name}"] = str(random_.uniform(low, high))
+        if link["question"] == "drive":
+            link["vary"] = f"{name}:{low}:{high}"
+    if link["question"] == "drive":
+        others = [one["name"] for one in scene["outputs"] if one != output]
+        link |= {"best": random_.choice(CRITERIA), "keep": f"{output['name']}:-1::size"}
+        link |= {"against": random_.choice(others)} if others else {}
     return link
 
 
@@ -103,13 +110,16 @@ def hostile(random_: random.Random, scenes: dict[str, Any]) -> dict[str, str]:
 
     places = ["question", "kind", "scene", "choice", "output", "x", "y", "band", "point"]
     for _ in range(random_.randint(1, 3)):
-        match random_.randrange(4):
+        match random_.randrange(5):
             case 0:
                 link[random_.choice(places)] = word()
             case 1:
                 link[f"p.{word()}"] = random_.choice([word(), "1"])
             case 2:
                 link[random_.choice("xy")] = f"{word()}:{random_.choice([word(), '0'])}:1"
+            case 3:
+                name = random_.choice(["best", "limit", "keep", "vary", "given"])
+                link |= {"question": "drive", "best": "limit", name: word()}
             case _:
                 link["band"] = f"{word()}:{random_.choice(['0.5', word()])}"
     return soon(link)

@@ -75,7 +75,8 @@ export function bestFromQuery(query, complaints) {
   }
   for (const text of query.getAll("given")) {
     const [name, value] = text.split(":");
-    if (Number.isFinite(numeric(value))) best.given[name] = Number(value);
+    if (value && Number.isFinite(Number(value))) best.given[name] = Number(value);
+    else complaints.push("The link gives what an output needs a value that is no number.");
   }
   best.isInContact = query.get("contact") !== "0";
   best.isRobust = query.get("robust") === "1";
