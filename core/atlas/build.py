@@ -1,0 +1,228 @@
+"""The table of an atlas: exact values at every node, and what interpolation between them leaves."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+import core
+from core.atlas.cells import BITS, REGIMES_FOUND, Cells, exact, regime_of
+from core.atlas.nodes import Axes, choose_nodes
+from core.atlas.numbers import AXES, Numbers
+from core.atlas.practice import PRACTICAL
+from core.dataset.table import (
+    CONVENTIONS,
+    REFERENCES,
+    Table,
+    Variable,
+    quantity_attributes,
+    regime_attributes,
+)
+from core.errors import StoppedError
+from core.motion.result import SHARES
+from core.watch import Watch
+
+ATLAS_VERSION: Final = 1
+"""Of what stands in the file; raised when numbers, variables or the error model change."""
+
+RESOLUTIONS: Final = {"coarse": 30_000, "full": 6_000_000}
+"""Nodes of an atlas, by the name of its resolution."""
+
+VELOCITY_DIGITS: Final = 6  # decimals of a velocity number
+SHARE_DIGITS: Final = 5
+ERROR_DIGITS: Final = 6  # errors are rounded up
+SAFETY: Final = 2.0
+"""What errors are multiplied by when they are stated: curvature is known at nodes only."""
+
+SHARE_SAFETY: Final = 3.0
+"""The same for shares of the period, which begin like a square root."""
+
+SLAB: Final = 200_000  # nodes computed at a time: a bound on memory
+
+ERROR_MODEL = (
+    "Between nodes of one pattern: the sum over the four numbers of 4 t (1 - t) times the largest "
+    "error_<number> of the corners, t the place between two nodes, 0 to 1, times "
+    f"{SAFETY}, plus {2 * 10.0**-VELOCITY_DIGITS:g} for rounding; in the unit of the velocity "
+    "number. error_<number> is the second difference along that number, for linear interpolation."
+)
+UNIT = (
+    "A0 w sqrt(cos(beta)^2 + (friction_kinetic sin(beta))^2), the drive's speed as friction sees it"
+)
+LIMITS = (
+    "A part that moves in the plane of the track and its normal, under a plain sine along a line, "
+    "without restitution; it starts at rest on the floor (theory 13)."
+)
+
+
+def build(resolution: str = "full", watch: Watch | None = None) -> Table:
+    """Return the table of an atlas.
+
+    Parameters
+    ----------
+    resolution : str
+        One of `RESOLUTIONS`.
+    watch : Watch, optional
+        May stop it.
+
+    Raises
+    ------
+    StoppedError
+        If it was stopped: part of an atlas is none.
+    """
+    watch = watch or Watch()
+    axes = choose_nodes(RESOLUTIONS[resolution], watch)
+    cells = _rounded(_computed(axes, watch))
+    errors = {name: _rounded_up(e) for name, e in zip(AXES, _errors(cells, axes), strict=True)}
+    return _labelled(resolution, axes, cells, errors, _rounded_up(_share_error(cells, axes)))
+
+
+def _computed(axes: Axes, watch: Watch) -> Cells:
+    """Return the cells of all nodes, slab by slab."""
+    shape = tuple(one.size for one in axes)
+    rows = max(1, SLAB // int(np.prod(shape[1:])))
+    parts = []
+    for start in range(0, shape[0], rows):
+        slab = (axes[0][start : start + rows], *axes[1:])
+        share = slab[0].size / shape[0]
+        parts.append(exact(Numbers(*np.meshgrid(*slab, indexing="ij")), watch.part(share)))
+        if watch.stopped():
+            raise StoppedError("it was stopped before the atlas was whole")
+    return Cells(*(np.concatenate(fields) for fields in zip(*parts, strict=True)))
+
+
+def _rounded(cells: Cells) -> Cells:
+    """Return cells with as many digits as are kept, the same on every processor."""
+    shares = [np.round(getattr(cells, name), SHARE_DIGITS) for name in SHARES]
+    return Cells(np.round(cells.velocity, VELOCITY_DIGITS), *shares, cells.pattern)
+
+
+def _rounded_up(error: NDArray[np.float64]) -> NDArray[np.float64]:
+    # A second difference of rounded values is a number of few digits and a rounding.
+    scale = 10.0**ERROR_DIGITS
+    return np.asarray(np.ceil(np.round(error * scale, 3)) / scale)
+
+
+def _errors(cells: Cells, axes: Axes) -> list[NDArray[np.float64]]:
+    """Return for each axis the largest error of linear interpolation beside each node."""
+    return [_bend(cells.velocity, cells.pattern, axes[k], k) for k in range(len(axes))]
+
+
+def _share_error(cells: Cells, axes: Axes) -> NDArray[np.float64]:
+    """Return the largest error of any share beside each node, over all axes together."""
+    largest = np.zeros(cells.pattern.shape)
+    for name in SHARES:
+        values = getattr(cells, name)
+        bends = [_bend(values, cells.pattern, axes[k], k) for k in range(len(axes))]
+        np.maximum(largest, sum(bends[1:], bends[0]), out=largest)
+    return largest
+
+
+def _bend(
+    values: NDArray[np.float64], pattern: NDArray[np.int8], nodes: NDArray[np.float64], axis: int
+) -> NDArray[np.float64]:
+    """Return |f[x-, x, x+]| h^2/4 at each node, h the larger gap beside it.
+
+    A node that has no neighbours of its pattern on both sides takes what a neighbour of its pattern
+    has; NaN where there is none.
+    """
+    f, same = np.moveaxis(values, axis, 0), np.moveaxis(pattern, axis, 0)
+    gap = np.diff(nodes).reshape(-1, *[1] * (values.ndim - 1))
+    follows = (same[1:] == same[:-1]) & (same[1:] > 0)
+    slope = np.diff(f, axis=0) / gap
+    bend = np.full(f.shape, np.nan)
+    inner = np.abs(np.diff(slope, axis=0)) / (gap[1:] + gap[:-1])
+    bend[1:-1] = np.where(follows[1:] & follows[:-1], inner, np.nan)
+    after, before = np.full(f.shape, np.nan), np.full(f.shape, np.nan)
+    after[:-1] = np.where(follows, bend[1:], np.nan)
+    before[1:] = np.where(follows, bend[:-1], np.nan)
+    bend = np.where(np.isnan(bend), np.fmax(after, before), bend)
+    wide = np.zeros((nodes.size, *gap.shape[1:]))
+    wide[:-1], wide[1:] = gap, np.maximum(wide[1:], gap)
+    return np.asarray(np.moveaxis(bend * np.square(wide) / 4.0, 0, axis))
+
+
+def _labelled(
+    resolution: str,
+    axes: Axes,
+    cells: Cells,
+    errors: dict[str, NDArray[np.float64]],
+    share_error: NDArray[np.float64],
+) -> Table:
+    dims = tuple(AXES)
+
+    def stored(values: NDArray[Any], **attributes: Any) -> Variable:
+        kept = values.astype(np.float32) if values.dtype.kind == "f" else values
+        return Variable(dims, kept, attributes)
+
+    coordinates = {
+        name: Variable((name,), nodes, axis.attributes())
+        for (name, axis), nodes in zip(AXES.items(), axes, strict=True)
+    }
+    variables = {
+        "velocity_number": stored(
+            cells.velocity,
+            units="1",
+            long_name="Conveying velocity over the drive's speed",
+            comment=f"Mean velocity in units of {UNIT}; rounded to {VELOCITY_DIGITS} decimals.",
+        ),
+        **{
+            f"error_{name}": stored(
+                error,
+                units="1",
+                long_name=f"Error of interpolation over the {AXES[name].label.lower()}",
+                comment="Of the velocity number, halfway between two nodes; NaN where no two "
+                "neighbours tell it.",
+            )
+            for name, error in errors.items()
+        },
+        **{
+            f"{name}_fraction": stored(
+                getattr(cells, name), **quantity_attributes(f"{name}_fraction")
+            )
+            for name in SHARES
+        },
+        "share_error": stored(
+            share_error,
+            units="1",
+            long_name="Error of interpolation of the shares",
+            comment="The largest of the four; sum over the four numbers.",
+        ),
+        "pattern": stored(
+            cells.pattern,
+            long_name="Ways of moving that have a share",
+            comment="Sum of "
+            + ", ".join(f"{bit} ({name})" for name, bit in BITS.items())
+            + "; 0: no answer.",
+        ),
+        "regime": stored(regime_of(cells.pattern), **regime_attributes(REGIMES_FOUND)),
+    }
+    study = json.dumps(
+        {
+            "kind": "atlas",
+            "resolution": resolution,
+            "scene": "rectangle-on-plane",
+            "method": "events",
+            "restitution": 0,
+            "practical": PRACTICAL,
+        },
+        separators=(",", ":"),
+    )
+    attributes = {
+        "Conventions": CONVENTIONS,
+        "title": "Atlas of planar motion without restitution",
+        "source": f"vibrafeed {core.__version__}, motion in time, method events",
+        "references": REFERENCES,
+        "comment": LIMITS,
+        "atlas_version": ATLAS_VERSION,
+        "resolution": resolution,
+        "numbers": "; ".join(f"{name}: {axis.definition}" for name, axis in AXES.items()),
+        "velocity_unit": UNIT,
+        "error_model": ERROR_MODEL,
+        "study": study,
+        "study_sha256": hashlib.sha256(study.encode()).hexdigest(),
+    }
+    return Table(coordinates, variables, attributes)

@@ -1,0 +1,84 @@
+"""What is exact at some numbers: the events kernel, in the units of the atlas."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.atlas.numbers import Numbers, groups_at
+from core.mechanics.arrays import Array
+from core.motion.methods.events import EVENTS, planar_motion
+from core.motion.result import SHARES, STATUS, Motion
+from core.quantities import REGIMES
+from core.watch import Watch
+
+BITS = {name: 1 << position for position, name in enumerate(SHARES)}
+"""The ways of moving as bits of a pattern; 0 where there is no answer."""
+
+
+class Cells(NamedTuple):
+    """Exact values of cells, arrays of one shape.
+
+    Attributes
+    ----------
+    velocity : ndarray
+        Mean velocity, in the unit of `numbers_of`; NaN where there is none.
+    stick, forward, backward, flight : ndarray
+        Shares of the period.
+    pattern : ndarray of int8
+        The ways of moving that have a share, as bits; 0 where there is no answer.
+    """
+
+    velocity: Array
+    stick: Array
+    forward: Array
+    backward: Array
+    flight: Array
+    pattern: NDArray[np.int8]
+
+
+def follow(numbers: Numbers, watch: Watch | None = None) -> Motion:
+    """Return the exact motion of parts with these numbers."""
+    return planar_motion(groups_at(numbers), **EVENTS.defaults, watch=watch)
+
+
+def exact(numbers: Numbers, watch: Watch | None = None) -> Cells:
+    """Return the exact values at some numbers."""
+    motion = follow(numbers, watch)
+    unit = np.hypot(numbers.throw_number, numbers.throw_number / numbers.angle_number)
+    shares = [getattr(motion, name) for name in SHARES]
+    return Cells(motion.velocity / unit, *shares, pattern_of(motion))
+
+
+def pattern_of(motion: Motion) -> NDArray[np.int8]:
+    """Return the pattern of motions: a motion that repeats each period, or rests, has one."""
+    bits = sum(np.where(getattr(motion, name) > 0, bit, 0) for name, bit in BITS.items())
+    sound = np.isin(motion.status, [STATUS["periodic"], STATUS["at_rest"]])
+    found: NDArray[np.int8] = np.where(sound & (motion.multiple == 1), bits, 0).astype(np.int8)
+    return found
+
+
+def _regime(pattern: int) -> int:
+    name = "slip"
+    if pattern == 0:
+        name = "unresolved"
+    elif pattern == BITS["stick"]:
+        name = "stick"
+    elif pattern & BITS["flight"]:
+        name = "hop_after_hop" if pattern == BITS["flight"] else "hopping"
+    elif pattern & BITS["stick"]:
+        name = "stick_slip"
+    return REGIMES[name].value
+
+
+_OF_PATTERN = np.array([_regime(pattern) for pattern in range(1 << len(BITS))], dtype=np.int8)
+
+REGIMES_FOUND = ("stick", "slip", "stick_slip", "hopping", "hop_after_hop", "unresolved")
+"""The regimes that an atlas can hold."""
+
+
+def regime_of(pattern: NDArray[np.int8]) -> NDArray[np.int8]:
+    """Return the regime of patterns, as simulations name it."""
+    return np.asarray(_OF_PATTERN[pattern])

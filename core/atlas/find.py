@@ -1,0 +1,152 @@
+"""Interpolation in an atlas: within one pattern of motion, with an error, or not at all.
+
+It is linear over the four numbers. A corner without weight counts for nothing: a part on a level
+track with one coefficient of friction, whose numbers are nodes, has four corners and not sixteen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import product
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.atlas.build import SAFETY, SHARE_DIGITS, SHARE_SAFETY, VELOCITY_DIGITS
+from core.atlas.cells import BITS
+from core.atlas.numbers import AXES, Numbers, out_of_range, rests
+from core.atlas.read import ERRORS, VALUES, Atlas
+from core.mechanics.arrays import Array
+from core.motion.result import SHARES
+from core.quantities import Flag
+
+PIECE: Final = 8192  # cells at a time: their corners stay in the cache
+
+LOOKUP_STATUSES: Mapping[str, Flag] = {
+    "answered": Flag(0, "interpolated inside a regime, with a stated error"),
+    "near_border": Flag(
+        1, "so near the border of a regime that the atlas does not answer: simulate", valid=False
+    ),
+    "out_of_range": Flag(2, "outside the range of the atlas: simulate", valid=False),
+    "simulated": Flag(3, "the atlas did not answer, and the part was followed exactly"),
+}
+STATUS: Mapping[str, int] = {name: flag.value for name, flag in LOOKUP_STATUSES.items()}
+
+
+class Found(NamedTuple):
+    """What an atlas says of some cells, arrays of shape (n,).
+
+    Attributes
+    ----------
+    velocity, error : ndarray
+        Velocity number and its stated error; NaN where the atlas does not answer.
+    stick, forward, backward, flight : ndarray
+        Shares of the period.
+    share_error : ndarray
+        Stated error of each share.
+    pattern : ndarray of int8
+        The ways of moving; 0 where the atlas does not answer.
+    status : ndarray of int8
+        Value of a `LOOKUP_STATUSES` entry.
+    """
+
+    velocity: Array
+    error: Array
+    stick: Array
+    forward: Array
+    backward: Array
+    flight: Array
+    share_error: Array
+    pattern: NDArray[np.int8]
+    status: NDArray[np.int8]
+
+
+def find(atlas: Atlas, numbers: Numbers) -> Found:
+    """Return what an atlas says at some numbers, arrays of shape (n,)."""
+    pieces = [
+        _piece(atlas, Numbers(*(one[start : start + PIECE] for one in numbers)))
+        for start in range(0, max(1, numbers.throw_number.size), PIECE)
+    ]
+    return Found(*(np.concatenate(fields) for fields in zip(*pieces, strict=True)))
+
+
+def _piece(atlas: Atlas, numbers: Numbers) -> Found:
+    count = numbers.throw_number.size
+    outside = np.logical_or.reduce(list(out_of_range(numbers).values()))
+    base = np.zeros(count, dtype=np.intp)
+    nearest = np.zeros(count, dtype=np.intp)
+    places, steps = [], []
+    for axis, (nodes, values) in enumerate(zip(atlas.axes, numbers, strict=True)):
+        inside = np.where(outside, nodes[0], values)
+        below = np.clip(np.searchsorted(nodes, inside, side="right") - 1, 0, nodes.size - 2)
+        place = (inside - nodes[below]) / (nodes[below + 1] - nodes[below])
+        step = int(np.prod(atlas.shape[axis + 1 :], dtype=np.intp))
+        base += below * step
+        nearest += (below + (place > 0.5)) * step
+        places.append(place)
+        steps.append(step)
+    values, errors, sound = _corners(atlas, base, places, steps, atlas.patterns[nearest])
+    between = np.stack([4.0 * place * (1.0 - place) for place in places], axis=-1)
+    # What no neighbour tells is infinite, and counts where the number is no node.
+    bends = np.where(between > 0, errors[:, : len(AXES)], 0.0) * between
+    error = SAFETY * bends.sum(axis=-1) + 2.0 * 10.0**-VELOCITY_DIGITS
+    sound &= np.isfinite(error)
+    bend = np.where(between.max(axis=-1) > 0, np.minimum(errors[:, -1], 1.0), 0.0)
+    share_error = np.minimum(SHARE_SAFETY * bend + 10.0**-SHARE_DIGITS, 1.0)
+    return _with_status(numbers, outside, sound, values, error, share_error, atlas, nearest)
+
+
+def _corners(
+    atlas: Atlas,
+    base: NDArray[np.intp],
+    places: list[NDArray[np.float64]],
+    steps: list[int],
+    pattern: NDArray[np.int8],
+) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.bool_]]:
+    """Return the interpolated values, the largest errors of corners, and where patterns agree."""
+    count = base.size
+    values = np.zeros((count, len(VALUES)))
+    errors = np.zeros((count, len(ERRORS)), dtype=np.float32)
+    sound = pattern > 0
+    for corner in product((0, 1), repeat=len(steps)):
+        weight = np.ones(count)
+        for upper, place in zip(corner, places, strict=True):
+            weight *= place if upper else 1.0 - place
+        weighs = weight > 0
+        if not weighs.any():
+            continue
+        at = base + sum(step for upper, step in zip(corner, steps, strict=True) if upper)
+        if not weighs.all():  # an unused corner may lie beyond the last node
+            at = np.where(weighs, at, base)
+        record = atlas.records[at]
+        sound &= ~weighs | (atlas.patterns[at] == pattern)
+        values += weight[:, None] * record[:, : len(VALUES)]
+        found = record[:, len(VALUES) :]
+        np.maximum(errors, np.where(weighs[:, None], found, 0.0), out=errors)
+    return values, errors, sound
+
+
+def _with_status(
+    numbers: Numbers,
+    outside: NDArray[np.bool_],
+    sound: NDArray[np.bool_],
+    values: NDArray[np.float64],
+    error: Array,
+    share_error: Array,
+    atlas: Atlas,
+    nearest: NDArray[np.intp],
+) -> Found:
+    """Return what was found, with nothing that is no answer, and rest where friction tells it."""
+    status = np.where(outside, STATUS["out_of_range"], STATUS["near_border"])
+    held = rests(numbers) & ~outside
+    answered = held | (sound & ~outside)
+    status = np.where(answered, STATUS["answered"], status).astype(np.int8)
+    at_rest = np.array([0.0, *(float(name == "stick") for name in SHARES)])
+    values = np.where(held[:, None], at_rest, values)
+    values = np.where(answered[:, None], values, np.nan)
+    pattern = np.where(held, BITS["stick"], atlas.patterns[nearest])
+    exactly = np.where(held, 0.0, error), np.where(held, 0.0, share_error)
+    error, share_error = (np.where(answered, one, np.nan) for one in exactly)
+    pattern = np.where(answered, pattern, 0).astype(np.int8)
+    return Found(values[:, 0], error, *values[:, 1:].T, share_error, pattern, status)

@@ -1,0 +1,306 @@
+"""Look-ups as a user writes them: parameters with units in, labelled speeds and shares out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+import core
+from core.atlas.cells import regime_of
+from core.atlas.find import LOOKUP_STATUSES, STATUS, Found, find
+from core.atlas.numbers import AXES, numbers_of
+from core.atlas.read import Atlas
+from core.dataset.table import (
+    CONVENTIONS,
+    REFERENCES,
+    Table,
+    Variable,
+    quantity_attributes,
+    regime_attributes,
+)
+from core.errors import Problem, StudyError
+from core.mechanics.arrays import Array
+from core.motion.drives import shape_of
+from core.motion.groups import Groups, groups_of, table
+from core.motion.methods.events import EVENTS, planar_motion
+from core.motion.prepare import Simulation, prepare
+from core.motion.result import SHARES
+from core.plan.equations import regimes_of
+from core.plan.grid import parameter_to_si
+from core.plan.labels import coordinates_of
+from core.study import SimulateStudy
+from core.study.load import parse_study
+from core.study.units import UnitError
+from core.study.values import Fixed, read_values
+from core.watch import Watch
+
+SCENE: Final = "rectangle-on-plane"
+OUTPUTS: Final = ("conveying_velocity", "conveying_velocity_error", "regime")
+ROW: Final = "row"
+
+Known = dict[str, Any]
+
+
+def lookup_grid(atlas: Atlas, parameters: Mapping[str, Any], *, simulate: bool = False) -> Table:
+    """Return what an atlas says over the grid of some parameters.
+
+    Parameters
+    ----------
+    atlas : Atlas
+        The atlas.
+    parameters : mapping
+        As in a study of motion: numbers, texts with units, lists, ranges.
+    simulate : bool
+        Whether what the atlas does not answer is followed exactly.
+
+    Raises
+    ------
+    StudyError
+        With every problem of the parameters.
+    """
+    prepared = _prepared(parameters)
+    known = _before_motion(prepared, prepared.grid.si())
+    shape = tuple(prepared.grid.shape.values())
+    coordinates = coordinates_of(prepared.plan, prepared.grid)
+    return _looked_up(
+        atlas, prepared, known, tuple(prepared.grid.axes), shape, coordinates, simulate
+    )
+
+
+def lookup_rows(
+    atlas: Atlas, columns: Mapping[str, Iterable[float]], *, simulate: bool = False
+) -> Table:
+    """Return what an atlas says of rows, each a part and a drive of its own.
+
+    Parameters
+    ----------
+    atlas : Atlas
+        The atlas.
+    columns : mapping of str to iterable of float
+        The parameters, in the units of studies, all of one length and not empty.
+    simulate : bool
+        Whether what the atlas does not answer is followed exactly.
+
+    Raises
+    ------
+    StudyError
+        With every problem of the parameters.
+    """
+    arrays = {name: np.asarray(tuple(values), dtype=np.float64) for name, values in columns.items()}
+    _refuse(_of_values(arrays))
+    # Every row has the same plan: the first one's.
+    prepared = _prepared({name: float(values[0]) for name, values in arrays.items()})
+    rows = next(iter(arrays.values())).size
+    si = {name: parameter_to_si(name, values) for name, values in arrays.items()}
+    known = _before_motion(prepared, si)
+    about = {"long_name": "Row", "units": "1"}
+    coordinates = {ROW: Variable((ROW,), np.arange(1, rows + 1), about)}
+    given = {
+        name: Variable((ROW,), values, quantity_attributes(name)) for name, values in arrays.items()
+    }
+    found = _looked_up(atlas, prepared, known, (ROW,), (rows,), coordinates, simulate)
+    return Table(found.coordinates, {**given, **found.variables}, found.attributes)
+
+
+def advice(looked_up: Table) -> list[str]:
+    """Return in words what the atlas did not answer, and what to do; nothing if it did."""
+    status = looked_up.variables["lookup_status"].values
+    lines = []
+    near = int((status == STATUS["near_border"]).sum())
+    if near:
+        lines.append(
+            f"{_cells(near)} near the border of a regime, where the atlas does not interpolate."
+        )
+    outside = status == STATUS["out_of_range"]
+    for name, axis in AXES.items():
+        values = looked_up.variables[name].values[outside]
+        beyond = values[~((values >= axis.least) & (values <= axis.largest))]
+        if beyond.size:
+            lines.append(
+                f"{_cells(beyond.size)} outside the atlas: the {name} {_span(beyond)} is not from "
+                f"{axis.least:g} to {axis.largest:g} ({axis.definition}). It follows from "
+                f"{axis.level}."
+            )
+    if lines:
+        lines.append(
+            "Follow them exactly: add --simulate (in Python simulate=True), or run a study of kind "
+            "simulate."
+        )
+    return lines
+
+
+def _cells(count: int) -> str:
+    return "1 cell is" if count == 1 else f"{count:,} cells are"
+
+
+def _span(values: NDArray[np.float64]) -> str:
+    least, largest = f"{values.min():.4g}", f"{values.max():.4g}"
+    return least if least == largest else f"{least} to {largest}"
+
+
+def _prepared(parameters: Mapping[str, Any]) -> Simulation:
+    """Return the simulation of some parameters; raise `StudyError` for what no atlas answers."""
+    content = {
+        "kind": "simulate",
+        "scene": SCENE,
+        "method": "events",
+        "outputs": [*OUTPUTS[:2], *(f"{name}_fraction" for name in SHARES)],
+        "parameters": dict(parameters),
+    }
+    problems = _of_values(_readable(parameters, ("restitution", "alpha")))
+    try:
+        study = parse_study(content)
+    except StudyError as error:
+        raise StudyError([*error.problems, *problems]) from None
+    assert isinstance(study, SimulateStudy)
+    shape, _ = shape_of(study.values())
+    if shape is not None:
+        message = "an atlas holds for the plain sine along a line"
+        fix = "Give frequency, amplitude and beta, or simulate this drive"
+        problems.append(Problem("parameters", message, fix))
+    try:
+        prepared = prepare(study)
+    except StudyError as error:
+        raise StudyError([*error.problems, *problems]) from None
+    _refuse(problems)
+    return prepared
+
+
+def _readable(
+    parameters: Mapping[str, Any], names: Iterable[str]
+) -> dict[str, NDArray[np.float64]]:
+    """Return the values of the named parameters, of those that are sound."""
+    found = {}
+    for name in names:
+        with suppress(UnitError):
+            if name in parameters:
+                values = read_values(name, parameters[name])
+                found[name] = np.array(
+                    values.value if isinstance(values, Fixed) else values.array()
+                )
+    return found
+
+
+def _of_values(arrays: Mapping[str, NDArray[np.float64]]) -> list[Problem]:
+    """Return what an atlas does not hold for, whatever the other parameters are."""
+    problems = []
+    if np.any(arrays.get("restitution", 0.0)):
+        message = "an atlas holds for parts that do not rebound: restitution 0"
+        fix = "Leave it out, or simulate a part that rebounds"
+        problems.append(Problem("parameters.restitution", message, fix))
+    if np.any(arrays.get("alpha", 0.0)):
+        message = "an atlas holds for motion in the plane of the track: alpha 0"
+        fix = "Leave it out, or simulate a part that is pushed across the track"
+        problems.append(Problem("parameters.alpha", message, fix))
+    return problems
+
+
+def _refuse(problems: list[Problem]) -> None:
+    if problems:
+        raise StudyError(problems)
+
+
+def _before_motion(prepared: Simulation, given: Mapping[str, Array]) -> Known:
+    """Return what a plan knows without following the part."""
+    known: Known = {name: np.asarray(value) for name, value in prepared.plan.defaults.items()}
+    known |= {name: given[name] for name in prepared.plan.parameters}
+    for equation in prepared.plan.equations:
+        if not equation.takes_long and all(name in known for name in equation.inputs):
+            known[equation.gives] = equation.function(
+                **{name: known[name] for name in equation.inputs}
+            )
+    return known
+
+
+def _looked_up(
+    atlas: Atlas,
+    prepared: Simulation,
+    known: Known,
+    dims: tuple[str, ...],
+    shape: tuple[int, ...],
+    coordinates: Mapping[str, Variable],
+    simulate: bool,
+) -> Table:
+    """Return the table of a look-up over cells of some shape."""
+    groups: Groups = known["groups"]
+    rows, _ = table((*groups.numbers, np.zeros(shape)))
+    flat, _ = groups_of(rows[:, :-1], waved=False)
+    numbers, unit = numbers_of(flat)
+    found = _in_way(find(atlas, numbers), unit)
+    velocity, error = found.velocity * np.abs(unit), found.error * np.abs(unit)
+    regime, status = regime_of(found.pattern), found.status
+    shares = {name: getattr(found, name) for name in SHARES}
+    left = np.flatnonzero(status != STATUS["answered"]) if simulate else np.array([], dtype=int)
+    if left.size:
+        some, _ = groups_of(rows[left, :-1], waved=False)
+        motion = planar_motion(some, **EVENTS.defaults, watch=Watch())
+        velocity[left], error[left] = motion.velocity, motion.error
+        regime[left] = regimes_of(
+            prepared.plan.conditions, prepared.plan.otherwise, {"motion": motion}
+        )
+        status[left] = STATUS["simulated"]
+        found.share_error[left] = 0.0
+        for name in SHARES:
+            shares[name][left] = getattr(motion, name)
+    scale = np.broadcast_to(known["velocity_scale"], shape).ravel()
+
+    def laid_out(values: NDArray[Any], attributes: Mapping[str, Any]) -> Variable:
+        return Variable(dims, values.reshape(shape), attributes)
+
+    variables = {
+        "conveying_velocity": laid_out(velocity * scale, quantity_attributes("conveying_velocity")),
+        "conveying_velocity_error": laid_out(
+            error * scale, quantity_attributes("conveying_velocity_error")
+        ),
+        "regime": laid_out(regime, regime_attributes(prepared.plan.regimes)),
+        "lookup_status": laid_out(status, _status_attributes()),
+        **{
+            f"{name}_fraction": laid_out(values, quantity_attributes(f"{name}_fraction"))
+            for name, values in shares.items()
+        },
+        "share_error": laid_out(
+            found.share_error, {"units": "1", "long_name": "Stated error of each share"}
+        ),
+        **{
+            name: laid_out(values, AXES[name].attributes())
+            for name, values in zip(AXES, numbers, strict=True)
+        },
+    }
+    return Table(coordinates, variables, _attributes(atlas))
+
+
+def _in_way(found: Found, unit: Array) -> Found:
+    """Return what was found in the axes of the track: the mirror image is turned back."""
+    back = unit < 0
+    return found._replace(
+        velocity=np.where(back, -found.velocity, found.velocity) + 0.0,
+        forward=np.where(back, found.backward, found.forward),
+        backward=np.where(back, found.forward, found.backward),
+    )
+
+
+def _status_attributes() -> dict[str, Any]:
+    return {
+        "long_name": "Status of the look-up",
+        "standard_name": "status_flag",
+        "flag_values": np.array([flag.value for flag in LOOKUP_STATUSES.values()], dtype=np.int8),
+        "flag_meanings": " ".join(LOOKUP_STATUSES),
+        "comment": "; ".join(f"{n}: {flag.description}" for n, flag in LOOKUP_STATUSES.items()),
+    }
+
+
+def _attributes(atlas: Atlas) -> dict[str, Any]:
+    made = atlas.attributes
+    return {
+        "Conventions": CONVENTIONS,
+        "title": "Look-up in an atlas of planar motion without restitution",
+        "source": f"vibrafeed {core.__version__}, look-up in an atlas",
+        "references": REFERENCES,
+        "comment": made["comment"],
+        "atlas": f"{made['resolution']}, version {made['atlas_version']}, {made['source']}",
+        "error_model": made["error_model"],
+    }

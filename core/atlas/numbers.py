@@ -1,0 +1,126 @@
+"""The four numbers that planar motion without restitution depends on (theory 13.8, 13.10).
+
+The equation along the track is u' = c sin(tau) - g_s -+ mu N(tau), and N, the load on the floor,
+knows nothing of the motion along it. Divided by mu times the mean load, friction is gone but for
+the ratio of its two coefficients. So equal numbers move alike, with velocities in units of
+
+    A0 w sqrt(cos(beta)^2 + (mu_k sin(beta))^2),
+
+the drive's speed as friction sees it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.mechanics.arrays import Array, Mask
+from core.motion.groups import Groups
+
+
+class Numbers(NamedTuple):
+    """The four numbers; fields broadcast."""
+
+    throw_number: Array
+    angle_number: Array
+    slope_number: Array
+    friction_ratio: Array
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One of the numbers: what it is, and from where to where the atlas knows it."""
+
+    label: str
+    definition: str
+    least: float
+    largest: float
+    level: str
+    """What a user changes to get back into the range."""
+
+    def attributes(self) -> dict[str, Any]:
+        """Return its attributes in a dataset."""
+        return {"units": "1", "long_name": self.label, "comment": self.definition}
+
+
+AXES: Mapping[str, Axis] = {
+    "throw_number": Axis(
+        "Throw number",
+        "A0 w^2 sin(beta) / (g cos(gamma)), with a hold-down added to g cos(gamma)",
+        0.02, 3.72, "amplitude, frequency or beta",
+    ),
+    "angle_number": Axis(
+        "Friction times tan(beta)", "friction_kinetic tan(beta)", 0.008, 5.0, "beta or friction"
+    ),
+    "slope_number": Axis(
+        "Slope over friction",
+        "tan(gamma) / friction_kinetic, less if a hold-down presses the part on", -0.9, 0.9,
+        "gamma or friction",
+    ),
+    "friction_ratio": Axis(
+        "Static over kinetic friction", "friction_static / friction_kinetic", 1.0, 1.6,
+        "friction_static or friction_kinetic",
+    ),
+}  # fmt: skip
+
+HOP = 1.0
+"""Throw number above which the part leaves the floor."""
+
+HOP_AFTER_HOP = float(np.hypot(1.0, np.pi))
+"""Throw number above which it takes off where it lands (theory 13.7)."""
+
+
+def numbers_of(groups: Groups) -> tuple[Numbers, Array]:
+    """Return the numbers of parts, and the unit of their velocities in g/w.
+
+    The unit is below 0 where the drive points back: that is the mirror image, in which forward and
+    backward are exchanged. Where the numbers have no value they are infinite or NaN.
+    """
+    c, s = np.asarray(groups.drive_number_along), np.asarray(groups.drive_number_normal)
+    slope, load = np.asarray(groups.gravity_number_along), groups.gravity_number_normal
+    # A drive that points down pushes up half a turn later.
+    turn = np.where(s < 0, -1.0, 1.0)
+    c, s = c * turn, s * turn
+    way = np.where(c < 0, -1.0, 1.0)
+    friction = np.asarray(groups.friction_kinetic)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        numbers = Numbers(
+            s / load,
+            friction * s / np.abs(c),
+            way * slope / (friction * load),
+            groups.friction_static / friction,
+        )
+    return numbers, way * np.hypot(c, friction * s)
+
+
+def groups_at(numbers: Numbers) -> Groups:
+    """Return groups of a part with these numbers: unit load, unit kinetic friction."""
+    throw, angle, slope, ratio = numbers
+    return Groups(
+        drive_number_along=throw / angle,
+        drive_number_normal=throw,
+        gravity_number_along=slope,
+        gravity_number_normal=1.0,
+        friction_static=ratio,
+        friction_kinetic=1.0,
+    )
+
+
+def rests(numbers: Numbers) -> Mask:
+    """Return where friction holds the part all the time (theory 13.8 iv)."""
+    throw, angle, slope, ratio = numbers
+    along = throw / angle
+    up, down = along + ratio * throw <= ratio + slope, along - ratio * throw <= ratio - slope
+    return np.asarray((throw <= HOP) & up & down)
+
+
+def out_of_range(numbers: Numbers) -> dict[str, NDArray[np.bool_]]:
+    """Return for each number where it lies outside the atlas."""
+    return {
+        name: ~((values >= axis.least) & (values <= axis.largest))
+        for (name, axis), values in zip(AXES.items(), numbers, strict=True)
+    }

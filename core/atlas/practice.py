@@ -1,0 +1,58 @@
+"""The practical range: the parts and drives that an atlas is made for, and random ones of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.atlas.numbers import Numbers, out_of_range
+
+PRACTICAL: Mapping[str, tuple[float, float]] = {
+    "friction_kinetic": (0.1, 1.0),
+    "beta": (5.0, 75.0),  # degrees
+    "gamma": (-10.0, 10.0),  # degrees
+    "friction_ratio": (1.0, 1.6),
+    "throw_number": (0.1, 3.7),
+}
+"""Ends of what is found in practice."""
+
+LEVEL = 0.25
+"""Share of the cells whose track is level: most are."""
+
+ONE_FRICTION = 0.5
+"""Share of the cells with one coefficient of friction: who knows no two gives one."""
+
+
+def practical(shares: NDArray[np.float64]) -> Numbers:
+    """Return numbers of the practical range, those that the atlas covers.
+
+    Parameters
+    ----------
+    shares : ndarray, shape (n, 7)
+        Of each quantity of `PRACTICAL` how far it is from its least to its largest value, 0 to 1;
+        then what decides whether the track is level, and whether there is one friction.
+    """
+    ends = np.array(list(PRACTICAL.values()))
+    friction, beta, gamma, ratio, throw = (ends[:, 0] + shares[:, :5] * np.ptp(ends, axis=1)).T
+    gamma = np.where(shares[:, 5] < LEVEL, 0.0, gamma)
+    ratio = np.where(shares[:, 6] < ONE_FRICTION, 1.0, ratio)
+    found = Numbers(
+        throw,
+        friction * np.tan(np.deg2rad(beta)),
+        np.tan(np.deg2rad(gamma)) / friction,
+        ratio,
+    )
+    inside = ~np.logical_or.reduce(list(out_of_range(found).values()))
+    return Numbers(*(values[inside] for values in found))
+
+
+def spread_out(count: int) -> NDArray[np.float64]:
+    """Return points of the unit cube in seven dimensions, evenly spread, shape (count, 7)."""
+    dims = 7
+    root = 1.0
+    for _ in range(60):  # x^(dims + 1) = x + 1
+        root = (1.0 + root) ** (1.0 / (dims + 1))
+    steps = root ** -np.arange(1.0, dims + 1)
+    return np.asarray((np.arange(1, count + 1)[:, None] * steps) % 1.0)
