@@ -10,11 +10,13 @@ from typing import Annotated
 import typer
 
 from app.cli import (
+    atlas,
     convert,
     drive,
     export,
     friction,
     key,
+    lookup,
     new,
     parts,
     plot,
@@ -58,8 +60,8 @@ def _all_commands(
 
 for _command in (
     new.new, run.run, convert.convert, export.export, parts.join, plot.plot, drive.drive,
-    report.report, scenes.scenes, friction.friction, schema.schema, serve.serve, scrub.scrub,
-    warm.warm,
+    report.report, atlas.atlas, lookup.lookup, scenes.scenes, friction.friction, schema.schema,
+    serve.serve, scrub.scrub, warm.warm,
 ):  # fmt: skip
     app.command()(_command)
 app.add_typer(key.key, name="key")

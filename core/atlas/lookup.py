@@ -72,7 +72,11 @@ def lookup_grid(atlas: Atlas, parameters: Mapping[str, Any], *, simulate: bool =
 
 
 def lookup_rows(
-    atlas: Atlas, columns: Mapping[str, Iterable[float]], *, simulate: bool = False
+    atlas: Atlas,
+    columns: Mapping[str, Iterable[float]],
+    parameters: Mapping[str, Any] | None = None,
+    *,
+    simulate: bool = False,
 ) -> Table:
     """Return what an atlas says of rows, each a part and a drive of its own.
 
@@ -81,7 +85,9 @@ def lookup_rows(
     atlas : Atlas
         The atlas.
     columns : mapping of str to iterable of float
-        The parameters, in the units of studies, all of one length and not empty.
+        Parameters, in the units of studies, all of one length and not empty.
+    parameters : mapping, optional
+        Those that all rows share, one value each.
     simulate : bool
         Whether what the atlas does not answer is followed exactly.
 
@@ -91,11 +97,27 @@ def lookup_rows(
         With every problem of the parameters.
     """
     arrays = {name: np.asarray(tuple(values), dtype=np.float64) for name, values in columns.items()}
-    _refuse(_of_values(arrays))
+    shared = dict(parameters or {})
+    problems = [
+        Problem(f"parameters.{name}", "it is a column of the rows as well", "Give it once")
+        for name in shared
+        if name in arrays
+    ]
+    problems += _of_values(arrays)
     # Every row has the same plan: the first one's.
-    prepared = _prepared({name: float(values[0]) for name, values in arrays.items()})
+    first = {name: float(values[0]) for name, values in arrays.items() if values.size}
+    try:
+        prepared = _prepared({**shared, **first})
+    except StudyError as error:
+        raise StudyError([*problems, *error.problems]) from None
+        problems += [
+            Problem(f"parameters.{name}", "it has several values", "Make it a column of the rows")
+            for name in prepared.grid.axes
+        ]
+    _refuse(problems)
     rows = next(iter(arrays.values())).size
-    si = {name: parameter_to_si(name, values) for name, values in arrays.items()}
+    si = prepared.grid.si()
+    si |= {name: parameter_to_si(name, values) for name, values in arrays.items()}
     known = _before_motion(prepared, si)
     about = {"long_name": "Row", "units": "1"}
     coordinates = {ROW: Variable((ROW,), np.arange(1, rows + 1), about)}
@@ -122,7 +144,7 @@ def advice(looked_up: Table) -> list[str]:
         if beyond.size:
             lines.append(
                 f"{_cells(beyond.size)} outside the atlas: the {name} {_span(beyond)} is not from "
-                f"{axis.least:g} to {axis.largest:g} ({axis.definition}). It follows from "
+                f"{axis.least:g} to {axis.largest:g} ({axis.definition}). It depends on "
                 f"{axis.level}."
             )
     if lines:

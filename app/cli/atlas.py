@@ -1,0 +1,126 @@
+"""`vibrafeed atlas`: the atlas of planar motion without restitution, and its book of charts."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from app.cli.existing import REMOVE, REPLACE
+from app.cli.options import FAILED
+from app.cli.studies import interruption, refuse
+from core.errors import Problem, StoppedError
+
+if TYPE_CHECKING:
+    from core.watch import Watch
+
+SUFFIXES = (".nc", ".zarr")
+
+
+def atlas(
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="The atlas: .nc, or .zarr for a Zarr group."),
+    ] = None,
+    resolution: Annotated[
+        str,
+        typer.Option(help="full, or coarse: seconds, with larger errors and more that it refuses."),
+    ] = "full",
+    charts: Annotated[
+        Path | None, typer.Option(help="Also, or only, write the book of charts to this PDF.")
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace files that are there already.")
+    ] = False,
+) -> None:
+    """Write the atlas that `vibrafeed lookup` reads, or the book of charts, or both.
+
+    The atlas holds the speed, the regime, the shares of the period and an error over the four
+    numbers that the motion of a part in the plane depends on if it does not rebound. The charts are
+    computed exactly, not read from the atlas.
+    """
+    from app.cli import console
+
+    _refuse_wrong(output, charts, resolution, force=force)
+    if charts is not None:
+        try:
+            from core.plots.book import write_book
+        except ModuleNotFoundError as error:
+            console.fail(f"{error.name} is missing. Install it: pip install 'vibrafeed[plot]'.")
+            raise typer.Exit(FAILED) from None
+    if output is not None:
+        _carried_out(output, lambda watch: _write_atlas(output, resolution, watch))
+    if charts is not None:
+        _carried_out(charts, lambda watch: write_book(charts, watch=watch))
+
+
+def _refuse_wrong(
+    output: Path | None, charts: Path | None, resolution: str, *, force: bool
+) -> None:
+    """Exit with every problem of the options."""
+    from core.atlas.build import RESOLUTIONS
+    from core.dataset.shards import needed_for_zarr
+    from core.errors import MissingPackageError
+
+    problems = []
+    if output is None and charts is None:
+        fix = "Write -o atlas.nc, --charts book.pdf, or both"
+        problems.append(Problem("options", "neither an atlas nor charts are asked for", fix))
+    if resolution not in RESOLUTIONS:
+        fix = f"Write {' or '.join(RESOLUTIONS)}"
+        problems.append(Problem("resolution", f"'{resolution[:40]}' is not known", fix))
+    if output is not None and output.suffix.lower() not in SUFFIXES:
+        message = f"'{output.suffix}' is no format of an atlas"
+        problems.append(Problem("output", message, f"End it in {' or '.join(SUFFIXES)}"))
+    elif output is not None and output.suffix.lower() == ".zarr":
+        try:
+            needed_for_zarr()
+        except MissingPackageError as error:
+            problems.append(Problem("output", str(error), "Or end it in .nc"))
+    if charts is not None and charts.suffix.lower() != ".pdf":
+        problems.append(Problem("charts", "the book is a PDF", "End the name in .pdf"))
+    for place, path in (("output", output), ("charts", charts)):
+        if path is None or not path.exists():
+            continue
+        if path.is_dir() or not force:
+            fix = REMOVE if path.is_dir() else REPLACE
+            problems.append(Problem(place, f"{path} is there already", fix))
+    if problems:
+        refuse({Path("atlas"): problems})
+
+
+def _carried_out(target: Path, carry_out: Callable[[Watch], str]) -> None:
+    """Carry something out with a bar and Ctrl-C; say what came out, or exit."""
+    from app.cli import console
+    from core.watch import Watch
+
+    began = time.perf_counter()
+    try:
+        with console.progress(target.name) as advance, interruption() as interrupted:
+            told = carry_out(Watch(advance, interrupted))
+    except StoppedError as stopped:
+        console.fail(f"{target}: {stopped}; nothing is written.")
+        raise typer.Exit(FAILED) from None
+    except OSError as error:
+        console.fail(f"{target} cannot be written: {error.strerror or error}.")
+        raise typer.Exit(FAILED) from None
+    console.say(f"wrote {target}: {told}, {time.perf_counter() - began:.1f} s")
+
+
+def _write_atlas(target: Path, resolution: str, watch: Watch) -> str:
+    """Write an atlas; return how large it is, in words."""
+    from core.atlas.build import build
+    from core.dataset.group import write_zarr
+    from core.dataset.netcdf import write_netcdf
+
+    table = build(resolution, watch)
+    # Without a history: two atlases of one version are equal to the byte.
+    if target.suffix.lower() == ".zarr":
+        write_zarr(table, str(target))
+    else:
+        write_netcdf(table, target)
+    nodes = table.variables["velocity_number"].values.shape
+    return f"{' x '.join(map(str, nodes))} nodes"

@@ -1,0 +1,247 @@
+"""`vibrafeed lookup`: speeds read from an atlas."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from app.cli.options import FAILED, Json, Units
+from app.cli.studies import refuse
+from core.errors import Problem, StudyError, VibrafeedError
+
+if TYPE_CHECKING:
+    from core.dataset.table import Table
+
+MOST_SHOWN = 20  # rows on the screen
+WAYS = (
+    ("stick", "sticks"),
+    ("forward", "slides forward"),
+    ("backward", "slides backward"),
+    ("flight", "is in the air"),
+)
+
+
+def lookup(
+    given: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[NAME=VALUE]...",
+            help='Parameters as in a study: frequency="50 Hz" amplitude="0.4 mm" beta=25 '
+            "friction=0.3.",
+        ),
+    ] = None,
+    atlas: Annotated[Path, typer.Option("--atlas", help="What `vibrafeed atlas` wrote.")] = Path(
+        "atlas.nc"
+    ),
+    rows: Annotated[
+        Path | None,
+        typer.Option(
+            help="CSV with a parameter a column and a case a row; a heading may name a unit, as in "
+            "amplitude [mm]. NAME=VALUE is then for all rows."
+        ),
+    ] = None,
+    simulate: Annotated[
+        bool,
+        typer.Option("--simulate", help="Follow exactly what the atlas does not answer."),
+    ] = False,
+    output: Annotated[
+        str | None,
+        typer.Option("-o", "--output", help="Write the answers: .csv, .nc or any other format."),
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace a file that is there already.")
+    ] = False,
+    units: Units = None,
+    as_json: Json = False,
+) -> None:
+    """Read speed, regime and shares from an atlas, each with its error.
+
+    The atlas answers inside a regime and in its range, and says where it does not. Exit code 1
+    means that it did not answer everything, 2 that a parameter or a file is wrong.
+    """
+    from app.cli import console
+    from app.cli.units import units_asked
+
+    shown = units_asked(units)
+    found = _found(atlas, given or [], rows, simulate=simulate)
+    if output is not None:
+        _write(found, output, force=force)
+    from core.atlas.lookup import advice
+
+    lines = advice(found)
+    if as_json:
+        console.document(_document(found) | {"advice": lines})
+    else:
+        if found.variables["lookup_status"].values.size == 1:
+            _show_one(found, shown)
+        elif output is None:
+            _show_many(found, shown)
+        for line in lines:
+            console.tell(f"  {line}")
+    if output is not None:
+        typer.echo(f"wrote {output}", err=as_json)
+    if lines:
+        raise typer.Exit(FAILED)
+
+
+def _found(path: Path, given: list[str], rows: Path | None, *, simulate: bool) -> Table:
+    """Return what the atlas says; report every problem and exit."""
+    from app.cli import console
+    from core.atlas.lookup import lookup_grid, lookup_rows
+    from core.atlas.read import MAKE, open_atlas
+    from core.atlas.rows import read_rows
+
+    source = rows or Path("lookup")
+    wrong: dict[Path, list[Problem]] = {}
+    parameters, problems = _named(given)
+    if problems:
+        wrong[Path("lookup")] = problems
+    columns: Mapping[str, tuple[float, ...]] = {}
+    try:
+        if rows is not None:
+            columns = read_rows(rows)
+    except StudyError as error:
+        wrong[source] = [*wrong.get(source, []), *error.problems]
+    except OSError as error:
+        message = f"it cannot be read: {error.strerror or error}"
+        wrong[source] = [Problem("rows", message, "Name a CSV")]
+    try:
+        opened = open_atlas(path)
+    except FileNotFoundError:
+        wrong[path] = [Problem("atlas", "there is no such file", MAKE)]
+    except OSError as error:
+        message = f"it cannot be read: {error.strerror or error}"
+        wrong[path] = [Problem("atlas", message, MAKE)]
+    except VibrafeedError as error:
+        wrong[path] = [Problem("atlas", str(error).rstrip("."), MAKE)]
+    if wrong:
+        refuse(wrong)
+    try:
+        if rows is None:
+            return lookup_grid(opened, parameters, simulate=simulate)
+        return lookup_rows(opened, columns, parameters, simulate=simulate)
+    except StudyError as error:
+        refuse({source: error.problems})
+    except VibrafeedError as error:
+        console.fail(str(error))
+        raise typer.Exit(FAILED) from None
+
+
+def _named(given: list[str]) -> tuple[dict[str, str | float], list[Problem]]:
+    """Return parameters by name, numbers as numbers, and what is wrong with their form."""
+    found: dict[str, str | float] = {}
+    problems = []
+    for text in given:
+        name, sign, value = (part.strip() for part in text.partition("="))
+        if not sign:
+            problems.append(Problem(text[:60], "it has no value", "Write name=value"))
+        elif name in found:
+            problems.append(Problem(name[:60], "it is given twice", "Give it once"))
+        else:
+            found[name] = value
+    return found, problems
+
+
+def _write(found: Table, output: str, *, force: bool) -> None:
+    from datetime import UTC, datetime
+
+    from app.cli.existing import refuse_existing
+    from app.cli.targets import check_suffix, make_folder_of, write_or_exit
+
+    check_suffix(output)
+    refuse_existing("lookup", output, force=force)
+    make_folder_of(output)
+    history = f"{datetime.now(UTC).isoformat(timespec='seconds')} vibrafeed lookup"
+    write_or_exit(Path("lookup"), found, output, history)
+
+
+def _words(found: Table, name: str) -> list[str]:
+    from core.dataset.frame import Column
+
+    return [str(word) for word in Column(name, found.variables[name]).values.ravel()]
+
+
+def _show_one(found: Table, shown: Any) -> None:
+    """Print the answer for one part."""
+    from app.cli import console
+    from app.cli.units import number
+
+    def value(name: str) -> float:
+        return float(found.variables[name].values.ravel()[0])
+
+    status = _words(found, "lookup_status")[0]
+    if status in ("answered", "simulated"):
+        speed, error = value("conveying_velocity"), value("conveying_velocity_error")
+        unit = shown.of("m s-1", abs(speed))
+        how = "by simulation" if status == "simulated" else "from the atlas"
+        console.say(
+            f"  speed   {number(unit.factor * speed)} {unit.unit}, "
+            f"stated error {number(unit.factor * error, 2)} {unit.unit}, {how}"
+        )
+        console.say(f"  regime  {_words(found, 'regime')[0].replace('_', ' ')}")
+        shares = [
+            f"{word} {100 * value(f'{name}_fraction'):.1f} %"
+            for name, word in WAYS
+            if value(f"{name}_fraction") > 0
+        ]
+        console.tell(f"  shares  {', '.join(shares)} of the period")
+    else:
+        console.say(f"  no speed: {status.replace('_', ' ')}")
+    from core.atlas.numbers import AXES
+
+    console.tell(f"  numbers {', '.join(f'{name} {number(value(name))}' for name in AXES)}")
+
+
+def _show_many(found: Table, shown: Any) -> None:
+    """Print the first rows of many."""
+    import numpy as np
+
+    from app.cli import console
+    from app.cli.units import number
+    from core.dataset.frame import Frame
+
+    speeds = found.variables["conveying_velocity"].values
+    unit = shown.of("m s-1", float(np.nanmax(np.abs(speeds), initial=0.0)))
+    frame = Frame.of(found)
+    names = [c.name for c in frame.columns if c.variable.dims and c.name in _given(found)]
+    answers = ("conveying_velocity", "conveying_velocity_error", "regime", "lookup_status")
+    columns = {
+        c.name: frame.piece(c, 0, MOST_SHOWN) for c in frame.columns if c.name in (*names, *answers)
+    }
+    told = [bool(np.isfinite(speed)) for speed in columns[answers[0]]]
+    rows = [
+        (
+            *(number(float(columns[name][k])) for name in names),
+            number(unit.factor * float(columns[answers[0]][k])),
+            number(unit.factor * float(columns[answers[1]][k]), 2),
+            str(columns["regime"][k]).replace("_", " ") if told[k] else "-",
+            str(columns["lookup_status"][k]).replace("_", " "),
+        )
+        for k in range(min(frame.rows, MOST_SHOWN))
+    ]
+    headings = (*names, f"speed [{unit.unit}]", "error", "regime", "status")
+    console.table(headings, rows, right=headings[:-2])
+    if frame.rows > MOST_SHOWN:
+        console.say(f"  and {frame.rows - MOST_SHOWN:,} more: write them all with -o speeds.csv")
+
+
+def _given(found: Table) -> list[str]:
+    """Return the columns that say which part a row is about."""
+    from core.atlas.lookup import ROW
+
+    if ROW in found.coordinates:
+        return [ROW]
+    return list(found.coordinates)
+
+
+def _document(found: Table) -> dict[str, Any]:
+    """Return the answers as a document, in the units of files."""
+    columns = {**found.coordinates, **found.variables}
+    plain = {
+        name: (_words(found, name) if "flag_values" in one.attributes else one.values.tolist())
+        for name, one in columns.items()
+    }
+    return {"atlas": found.attributes["atlas"], "values": plain}
