@@ -13,6 +13,7 @@ What there is:
 - `sweep`, `simulate`, `optimise` and `sensitivity` carry out a study and return an xarray dataset,
   which has an accessor: `dataset.vf` (`vibrafeed.accessor`); `open_lazily` opens a sweep of any
   size, and computes what is read of it;
+- `lookup` reads speeds from an atlas, which `open_atlas` opens;
 - `drive_error` tells how far the errors of a measured drive move a velocity;
 - `study` and `load_study` make a study without carrying it out; `plot` draws a dataset, and
   `animate` the motion of a part;
@@ -92,6 +93,8 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
+    from core.atlas.lookup import lookup
+    from core.atlas.read import open_atlas
     from core.errors import LimitError, Problem, StudyError, VibrafeedError
     from core.materials import friction
     from core.motion.drive_error import DriveError
@@ -102,6 +105,8 @@ if TYPE_CHECKING:
 __version__: str = core.__version__
 
 _ELSEWHERE = {
+    "core.atlas.lookup": ("lookup",),
+    "core.atlas.read": ("open_atlas",),
     "core.errors": ("LimitError", "Problem", "StudyError", "VibrafeedError"),
     "core.materials": ("friction",),
     "core.motion.drive_error": ("DriveError",),
@@ -131,6 +136,8 @@ __all__ = [
     "effective_distance",
     "friction",
     "load_study",
+    "lookup",
+    "open_atlas",
     "open_lazily",
     "optimise",
     "parts_per_minute",

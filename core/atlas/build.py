@@ -97,7 +97,7 @@ def _computed(axes: Axes, watch: Watch) -> Cells:
 def _rounded(cells: Cells) -> Cells:
     """Return cells with as many digits as are kept, the same on every processor."""
     shares = [np.round(getattr(cells, name), SHARE_DIGITS) for name in SHARES]
-    return Cells(np.round(cells.velocity, VELOCITY_DIGITS), *shares, cells.pattern)
+    return Cells._make((np.round(cells.velocity, VELOCITY_DIGITS), *shares, cells.pattern))
 
 
 def _rounded_up(error: NDArray[np.float64]) -> NDArray[np.float64]:

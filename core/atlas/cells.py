@@ -49,7 +49,7 @@ def exact(numbers: Numbers, watch: Watch | None = None) -> Cells:
     motion = follow(numbers, watch)
     unit = np.hypot(numbers.throw_number, numbers.throw_number / numbers.angle_number)
     shares = [getattr(motion, name) for name in SHARES]
-    return Cells(motion.velocity / unit, *shares, pattern_of(motion))
+    return Cells._make((motion.velocity / unit, *shares, pattern_of(motion)))
 
 
 def pattern_of(motion: Motion) -> NDArray[np.int8]:

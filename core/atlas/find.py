@@ -149,4 +149,4 @@ def _with_status(
     exactly = np.where(held, 0.0, error), np.where(held, 0.0, share_error)
     error, share_error = (np.where(answered, one, np.nan) for one in exactly)
     pattern = np.where(answered, pattern, 0).astype(np.int8)
-    return Found(values[:, 0], error, *values[:, 1:].T, share_error, pattern, status)
+    return Found._make((values[:, 0], error, *values[:, 1:].T, share_error, pattern, status))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from typing import Any, Final
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +15,8 @@ import core
 from core.atlas.cells import regime_of
 from core.atlas.find import LOOKUP_STATUSES, STATUS, Found, find
 from core.atlas.numbers import AXES, numbers_of
-from core.atlas.read import Atlas
+from core.atlas.read import Atlas, open_atlas
+from core.atlas.rows import read_rows
 from core.dataset.table import (
     CONVENTIONS,
     REFERENCES,
@@ -33,16 +36,84 @@ from core.plan.equations import regimes_of
 from core.plan.grid import parameter_to_si
 from core.plan.labels import coordinates_of
 from core.study import SimulateStudy
+from core.study.gather import plain
 from core.study.load import parse_study
 from core.study.units import UnitError
 from core.study.values import Fixed, read_values
 from core.watch import Watch
+
+if TYPE_CHECKING:
+    import xarray
 
 SCENE: Final = "rectangle-on-plane"
 OUTPUTS: Final = ("conveying_velocity", "conveying_velocity_error", "regime")
 ROW: Final = "row"
 
 Known = dict[str, Any]
+
+
+def lookup(
+    atlas: Atlas | str | os.PathLike[str],
+    /,
+    *,
+    rows: str | os.PathLike[str] | Mapping[str, Any] | None = None,
+    simulate: bool = False,
+    **parameters: Any,
+) -> xarray.Dataset:
+    """Return what an atlas says of parts and drives: speeds, regimes and shares, with errors.
+
+    The atlas holds for a block that moves in the plane of the track and does not rebound. What it
+    does not answer, near the border of a regime or outside its range, has no speed (NaN) and a
+    `lookup_status` that says so.
+
+    Parameters
+    ----------
+    atlas : Atlas or path
+        What `vibrafeed atlas` wrote, or `open_atlas` returned: to read it once for many look-ups.
+    rows : path or mapping, optional
+        A CSV file with a parameter a column, or columns as arrays in the units of studies: each row
+        is a case of its own. Keywords are then for all rows.
+    simulate : bool
+        Whether what the atlas does not answer is followed exactly.
+    **parameters
+        As in a study of motion: numbers, texts with units, lists, ranges.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the axes of the parameters, or over `row`.
+
+    Raises
+    ------
+    StudyError
+        With every problem of the parameters.
+    VibrafeedError
+        If the file is no atlas.
+
+    Examples
+    --------
+    >>> import os, subprocess, sys, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = os.path.join(folder, "atlas.nc")
+    ...     command = [sys.executable, "-m", "vibrafeed", "atlas", "--resolution", "coarse"]
+    ...     _ = subprocess.run([*command, "-o", file], check=True, capture_output=True)
+    ...     atlas = vibrafeed.open_atlas(file)
+    >>> found = vibrafeed.lookup(
+    ...     atlas, frequency="50 Hz", amplitude="0.4 mm", beta=25, friction=[0.3, 0.4]
+    ... )
+    >>> [round(float(speed), 3) for speed in found.conveying_velocity]
+    [0.044, 0.05]
+    """
+    opened = atlas if isinstance(atlas, Atlas) else open_atlas(atlas)
+    given = {name: plain(value, f"parameters.{name}") for name, value in parameters.items()}
+    if rows is None:
+        return lookup_grid(opened, given, simulate=simulate).to_xarray()
+    columns = (
+        {str(name): plain(value, f"rows.{name}") for name, value in rows.items()}
+        if isinstance(rows, Mapping)
+        else read_rows(Path(rows))
+    )
+    return lookup_rows(opened, columns, given, simulate=simulate).to_xarray()
 
 
 def lookup_grid(atlas: Atlas, parameters: Mapping[str, Any], *, simulate: bool = False) -> Table:

@@ -91,5 +91,13 @@ def open_atlas(path: str | os.PathLike[str]) -> Atlas:
         If it is no atlas, or one of another version.
     OSError
         If it cannot be read.
+
+    Examples
+    --------
+    >>> try:
+    ...     vibrafeed.open_atlas("README.md")
+    ... except vibrafeed.VibrafeedError as error:
+    ...     print("no atlas")
+    no atlas
     """
     return of_table(read_result(os.fspath(path)))

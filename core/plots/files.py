@@ -18,7 +18,7 @@ from core.plots.problem import PlotError
 
 DPI = 150
 FORMATS = {".png": "png", ".svg": "svg", ".pdf": "pdf"}
-METADATA = {
+METADATA: Mapping[str, dict[str, str | None]] = {
     "png": {"Software": "vibrafeed"},
     "svg": {"Creator": "vibrafeed", "Date": None},
     "pdf": {"Creator": "vibrafeed", "CreationDate": None},

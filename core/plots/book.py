@@ -1,0 +1,70 @@
+"""The book of charts: the classic diagrams of vibratory conveying, computed exactly, as a PDF."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from matplotlib.backends.backend_pdf import PdfPages
+
+from core.dataset.files import whole
+from core.errors import StoppedError
+from core.plots.book_intro import draw_introduction
+from core.plots.book_page import Chart, draw_page
+from core.plots.files import METADATA
+from core.watch import Watch
+
+FRICTIONS: Final = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
+SLOPES: Final = (-5.0, -2.0, 0.0, 2.0, 4.0, 6.0)  # degrees
+TITLE: Final = "Charts of vibratory conveying"
+
+
+def write_book(
+    target: Path,
+    *,
+    frictions: Sequence[float] = FRICTIONS,
+    slopes: Sequence[float] = SLOPES,
+    watch: Watch | None = None,
+) -> str:
+    """Write the book; return in words how large it is.
+
+    Two books of one version are equal to the byte: there is no date in them.
+
+    Parameters
+    ----------
+    target : Path
+        The PDF; an existing one is replaced, all of it or nothing.
+    frictions, slopes : sequence of float
+        Coefficients of friction, and angles of the track in degrees: a page for each pair
+        that is not steeper than friction.
+    watch : Watch, optional
+        May stop it.
+
+    Raises
+    ------
+    StoppedError
+        If it was stopped; nothing is written.
+    OSError
+        If it cannot be written.
+    """
+    watch = watch or Watch()
+    wanted = [
+        (friction, slope)
+        for friction in frictions
+        for slope in slopes
+        if abs(math.tan(math.radians(slope))) < friction
+    ]
+    book = io.BytesIO()
+    with PdfPages(book, metadata=METADATA["pdf"] | {"Title": TITLE}) as pdf:
+        pdf.savefig(draw_introduction())
+        for friction, slope in wanted:
+            if watch.stopped():
+                raise StoppedError("it was stopped before the book was whole")
+            pdf.savefig(draw_page(Chart.of(friction, slope)))
+            watch.advance(1.0 / len(wanted))
+    with whole(target) as temporary:
+        temporary.write_bytes(book.getvalue())
+    return f"{len(wanted) + 1} pages"
