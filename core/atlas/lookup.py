@@ -37,6 +37,7 @@ from core.plan.grid import parameter_to_si
 from core.plan.labels import coordinates_of
 from core.study import SimulateStudy
 from core.study.gather import plain
+from core.study.grid_study import PARAMETERS
 from core.study.load import parse_study
 from core.study.units import UnitError
 from core.study.values import Fixed, read_values
@@ -174,6 +175,11 @@ def lookup_rows(
         for name in shared
         if name in arrays
     ]
+    problems += [
+        Problem(f"parameters.{name}", "it has several values", "Make it a column of the rows")
+        for name, values in _readable(shared, shared).items()
+        if values.ndim
+    ]
     problems += _of_values(arrays)
     # Every row has the same plan: the first one's.
     first = {name: float(values[0]) for name, values in arrays.items() if values.size}
@@ -181,10 +187,6 @@ def lookup_rows(
         prepared = _prepared({**shared, **first})
     except StudyError as error:
         raise StudyError([*problems, *error.problems]) from None
-        problems += [
-            Problem(f"parameters.{name}", "it has several values", "Make it a column of the rows")
-            for name in prepared.grid.axes
-        ]
     _refuse(problems)
     rows = next(iter(arrays.values())).size
     si = prepared.grid.si()
@@ -270,7 +272,7 @@ def _readable(
     found = {}
     for name in names:
         with suppress(UnitError):
-            if name in parameters:
+            if name in parameters and name in PARAMETERS:
                 values = read_values(name, parameters[name])
                 found[name] = np.array(
                     values.value if isinstance(values, Fixed) else values.array()

@@ -15,7 +15,7 @@ from core.atlas.numbers import AXES, HOP, HOP_AFTER_HOP, Numbers
 from core.atlas.practice import practical, spread_out
 from core.watch import Watch
 
-PROBES = 256  # lines along each axis
+PROBES = 128  # lines along each axis
 POPULATION = 20_000  # points that tell how often an interval is asked for
 ASIDE = 1e-6  # of a throw number at which the normal motion changes: a node on either side
 BORDER = 0.02  # what an interval that crosses a border costs, as an error
@@ -30,20 +30,30 @@ def choose_nodes(most: int, watch: Watch | None = None) -> Axes:
     axes = list(_first())
     lines = practical(spread_out(PROBES))
     asked = practical(spread_out(POPULATION))
-    scores = [_score(axis, axes, lines, asked) for axis in range(len(axes))]
+    costs = [_costs(axis, nodes[:-1], nodes[1:], lines) for axis, nodes in enumerate(axes)]
     while True:
         watch.check()
-        halved = [scores[axis] >= 0.5 * scores[axis].max() for axis in range(len(axes))]
+        scores = [
+            np.round(cost * _often(asked[axis], axes[axis]), DIGITS)
+            for axis, cost in enumerate(costs)
+        ]
+        halved = [score >= 0.5 * score.max() for score in scores]
         gains = [
-            float(scores[axis][worst].sum()) / np.log1p(worst.sum() / axes[axis].size)
-            for axis, worst in enumerate(halved)
+            float(score[worst].sum()) / np.log1p(worst.sum() / nodes.size)
+            for score, worst, nodes in zip(scores, halved, axes, strict=True)
         ]
         axis = int(np.argmax(np.round(gains, DIGITS)))
-        finer = np.sort(np.append(axes[axis], _middles(axis, axes[axis])[halved[axis]]))
+        nodes, worst = axes[axis], halved[axis]
+        middles = _middles(axis, nodes[:-1], nodes[1:])[worst]
+        lower, upper = nodes[:-1][worst], nodes[1:][worst]
+        finer = np.sort(np.append(nodes, middles))
         if finer.size * np.prod([one.size for at, one in enumerate(axes) if at != axis]) > most:
             return tuple(axes)
-        axes[axis] = finer
-        scores[axis] = _score(axis, axes, lines, asked)
+        first = np.searchsorted(finer, lower)
+        left, right = (_costs(axis, *ends, lines) for ends in ((lower, middles), (middles, upper)))
+        cost = np.repeat(costs[axis], 1 + worst)
+        cost[first], cost[first + 1] = left, right
+        axes[axis], costs[axis] = finer, cost
 
 
 def _first() -> Axes:
@@ -61,28 +71,32 @@ def _first() -> Axes:
     )
 
 
-def _middles(axis: int, nodes: NDArray[np.float64]) -> NDArray[np.float64]:
+def _middles(
+    axis: int, lower: NDArray[np.float64], upper: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """Return where intervals are halved: the angle number spans decades."""
-    lower, upper = nodes[:-1], nodes[1:]
     if list(AXES)[axis] == "angle_number":
         return np.asarray(np.sqrt(lower * upper))
     return np.asarray((lower + upper) / 2.0)
 
 
-def _score(
-    axis: int, axes: list[NDArray[np.float64]], lines: Numbers, asked: Numbers
+def _costs(
+    axis: int, lower: NDArray[np.float64], upper: NDArray[np.float64], lines: Numbers
 ) -> NDArray[np.float64]:
-    """Return what each interval of an axis costs: its error, as often as it is asked for."""
-    nodes, middles = axes[axis], _middles(axis, axes[axis])
-    stops = np.stack([nodes[:-1], middles, nodes[1:]], axis=-1)
+    """Return what intervals of an axis cost a look-up there: an error, or a border for one."""
+    middle = _middles(axis, lower, upper)
+    stops = np.stack([lower, middle, upper], axis=-1)
     fields = [np.broadcast_to(one[:, None, None], (one.size, *stops.shape)) for one in lines]
     fields[axis] = np.broadcast_to(stops, fields[axis].shape)
     found = exact(Numbers(*fields))
-    lower, middle, upper = np.moveaxis(found.velocity, -1, 0)
-    share = (middles - nodes[:-1]) / np.diff(nodes)
-    error = np.abs(middle - (lower + share * (upper - lower)))
+    below, between, above = np.moveaxis(found.velocity, -1, 0)
+    share = (middle - lower) / (upper - lower)
+    error = np.abs(between - (below + share * (above - below)))
     same = (found.pattern == found.pattern[..., :1]).all(axis=-1) & (found.pattern[..., 0] > 0)
     cost = np.where(same, error, BORDER).mean(axis=0)
-    often = np.histogram(asked[axis], nodes)[0] / asked[axis].size
-    narrow = np.diff(nodes) <= 3 * ASIDE
-    return np.where(narrow, 0.0, np.round(cost * often, DIGITS))
+    return np.where(upper - lower <= 3 * ASIDE, 0.0, cost)
+
+
+def _often(asked: NDArray[np.float64], nodes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the share of look-ups that fall between the nodes of an axis."""
+    return np.asarray(np.histogram(asked, nodes)[0] / asked.size)

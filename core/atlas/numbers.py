@@ -111,10 +111,14 @@ def groups_at(numbers: Numbers) -> Groups:
 
 
 def rests(numbers: Numbers) -> Mask:
-    """Return where friction holds the part all the time (theory 13.8 iv)."""
+    """Return where friction holds the part all the time (theory 13.8 iv).
+
+    Push and load are linear in sin(tau): the ends, where it is 1 and -1, decide.
+    """
     throw, angle, slope, ratio = numbers
     along = throw / angle
-    up, down = along + ratio * throw <= ratio + slope, along - ratio * throw <= ratio - slope
+    up = along + ratio * throw <= ratio + slope
+    down = np.abs(along - ratio * throw) <= ratio - slope
     return np.asarray((throw <= HOP) & up & down)
 
 

@@ -59,12 +59,12 @@ def write_book(
     ]
     book = io.BytesIO()
     with PdfPages(book, metadata=METADATA["pdf"] | {"Title": TITLE}) as pdf:
-        pdf.savefig(draw_introduction())
-        for friction, slope in wanted:
+        for number in range(len(wanted) + 1):
             if watch.stopped():
                 raise StoppedError("it was stopped before the book was whole")
-            pdf.savefig(draw_page(Chart.of(friction, slope)))
-            watch.advance(1.0 / len(wanted))
+            chart = Chart.of(*wanted[number - 1]) if number else None
+            pdf.savefig(draw_page(chart) if chart else draw_introduction())
+            watch.advance(1.0 / (len(wanted) + 1))
     with whole(target) as temporary:
         temporary.write_bytes(book.getvalue())
     return f"{len(wanted) + 1} pages"
