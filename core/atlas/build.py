@@ -29,8 +29,8 @@ from core.watch import Watch
 ATLAS_VERSION: Final = 1
 """Of what stands in the file; raised when numbers, variables or the error model change."""
 
-RESOLUTIONS: Final = {"coarse": 30_000, "full": 6_000_000}
-"""Nodes of an atlas, by the name of its resolution."""
+RESOLUTIONS: Final = {"coarse": (30_000, 64), "full": (6_000_000, 256)}
+"""Most nodes of an atlas, and lines on which it is measured where they are to lie."""
 
 VELOCITY_DIGITS: Final = 6  # decimals of a velocity number
 SHARE_DIGITS: Final = 5
@@ -74,7 +74,7 @@ def build(resolution: str = "full", watch: Watch | None = None) -> Table:
         If it was stopped: part of an atlas is none.
     """
     watch = watch or Watch()
-    axes = choose_nodes(RESOLUTIONS[resolution], watch)
+    axes = choose_nodes(*RESOLUTIONS[resolution], watch)
     cells = _rounded(_computed(axes, watch))
     errors = {name: _rounded_up(e) for name, e in zip(AXES, _errors(cells, axes), strict=True)}
     return _labelled(resolution, axes, cells, errors, _rounded_up(_share_error(cells, axes)))

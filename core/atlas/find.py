@@ -119,11 +119,13 @@ def _corners(
         at = base + sum(step for upper, step in zip(corner, steps, strict=True) if upper)
         if not weighs.all():  # an unused corner may lie beyond the last node
             at = np.where(weighs, at, base)
-        record = atlas.records[at]
-        sound &= ~weighs | (atlas.patterns[at] == pattern)
+        record = atlas.records.take(at, axis=0)
+        sound &= ~weighs | (atlas.patterns.take(at) == pattern)
         values += weight[:, None] * record[:, : len(VALUES)]
         found = record[:, len(VALUES) :]
-        np.maximum(errors, np.where(weighs[:, None], found, 0.0), out=errors)
+        if not weighs.all():
+            found[~weighs] = 0.0
+        np.maximum(errors, found, out=errors)
     return values, errors, sound
 
 

@@ -15,7 +15,6 @@ from core.atlas.numbers import AXES, HOP, HOP_AFTER_HOP, Numbers
 from core.atlas.practice import practical, spread_out
 from core.watch import Watch
 
-PROBES = 128  # lines along each axis
 POPULATION = 20_000  # points that tell how often an interval is asked for
 ASIDE = 1e-6  # of a throw number at which the normal motion changes: a node on either side
 BORDER = 0.02  # what an interval that crosses a border costs, as an error
@@ -24,11 +23,15 @@ DIGITS = 10  # of a score: what is beyond differs from one processor to the next
 Axes = tuple[NDArray[np.float64], ...]
 
 
-def choose_nodes(most: int, watch: Watch | None = None) -> Axes:
-    """Return the nodes of the four axes, of a grid of about `most` nodes."""
+def choose_nodes(most: int, probes: int, watch: Watch | None = None) -> Axes:
+    """Return the nodes of the four axes, of a grid of `most` nodes or somewhat fewer.
+
+    `probes` is the number of lines along each axis on which it is measured what interpolation
+    leaves.
+    """
     watch = watch or Watch()
     axes = list(_first())
-    lines = practical(spread_out(PROBES))
+    lines = practical(spread_out(probes))
     asked = practical(spread_out(POPULATION))
     costs = [_costs(axis, nodes[:-1], nodes[1:], lines) for axis, nodes in enumerate(axes)]
     while True:

@@ -10,7 +10,6 @@ from typer.testing import CliRunner
 
 from app.cli import app
 
-pytestmark = pytest.mark.slow
 PART = ("frequency=50 Hz", "amplitude=0.4 mm", "beta=25", "friction=0.3")
 
 

@@ -21,7 +21,6 @@ from core.motion.methods.events import planar_motion
 from core.motion.result import SHARES
 from core.watch import Watch
 
-pytestmark = pytest.mark.slow
 PART = {"frequency": "50 Hz", "amplitude": "0.4 mm", "beta": 25, "friction": 0.3}
 
 

@@ -15,8 +15,6 @@ from core.plots.book_page import BETAS, LARGEST, Chart, draw_page, stretches
 from core.quantities import REGIMES
 from core.watch import Watch
 
-pytestmark = pytest.mark.slow
-
 
 def test_it_has_a_page_for_each_pair_and_no_date(tmp_path):
     first, again = tmp_path / "first.pdf", tmp_path / "again.pdf"
