@@ -29,7 +29,7 @@ from core.watch import Watch
 ATLAS_VERSION: Final = 1
 """Of what stands in the file; raised when numbers, variables or the error model change."""
 
-RESOLUTIONS: Final = {"coarse": (30_000, 64), "full": (6_000_000, 256)}
+RESOLUTIONS: Final = {"coarse": (60_000, 128), "full": (6_000_000, 256)}
 """Most nodes of an atlas, and lines on which it is measured where they are to lie."""
 
 VELOCITY_DIGITS: Final = 6  # decimals of a velocity number

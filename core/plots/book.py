@@ -67,4 +67,4 @@ def write_book(
             watch.advance(1.0 / (len(wanted) + 1))
     with whole(target) as temporary:
         temporary.write_bytes(book.getvalue())
-    return f"{len(wanted) + 1} pages"
+    return f"{len(wanted) + 1} pages" if wanted else "1 page"

@@ -42,7 +42,7 @@ The curves are exact, not fitted: {steps} points each, from event to event (theo
 for a part that does not rebound, does not tip, and meets no air. A frequency or a size does not
 appear, since equal numbers move alike: the same chart serves 25 Hz and 100 Hz.
 A track that is steeper than friction has no page: there a part gains speed for ever.
-Static friction is kinetic friction here; `vibrafeed lookup` knows both, and all angles between."""
+Static friction is kinetic friction here; the command vibrafeed lookup knows both."""
 
 
 class Example(NamedTuple):
