@@ -29,7 +29,7 @@ class Case:
     gamma : float
         Incline of the track, degrees.
     velocity : float
-        Known mean velocity [m s-1], of tests/data.
+        Known mean velocity [m s-1], of core/validation.
     """
 
     name: str

@@ -1,7 +1,7 @@
 """Prints the error of the time stepping against the step, its order, and its speed.
 
 `python -m benchmarks.stepping_order`. Exact values: theory 13.8 (v), (vi), the worked means
-of tests/data, and the reference method in space.
+of core/validation, and the reference method in space.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Worked values, to which tests and benchmarks are held: the rows of tests/data/worked_values.toml.
+"""Worked values, to which tests and benchmarks are held: the rows of a file of `core.validation`.
 
-Where they come from stands there, and in the README beside them.
+Where they come from stands there.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any
 
 GRAVITY = 9.8  # m s-2, of the mean velocities
 TABLES = tomllib.loads(
-    (Path(__file__).parents[1] / "tests" / "data" / "worked_values.toml").read_text("utf-8")
+    (Path(__file__).parents[1] / "core" / "validation" / "worked_values.toml").read_text("utf-8")
 )
 
 

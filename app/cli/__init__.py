@@ -26,6 +26,7 @@ from app.cli import (
     schema,
     scrub,
     serve,
+    validate,
     warm,
 )
 
@@ -61,7 +62,7 @@ def _all_commands(
 for _command in (
     new.new, run.run, convert.convert, export.export, parts.join, plot.plot, drive.drive,
     report.report, atlas.atlas, lookup.lookup, scenes.scenes, friction.friction, schema.schema,
-    serve.serve, scrub.scrub, warm.warm,
+    serve.serve, scrub.scrub, validate.validate, warm.warm,
 ):  # fmt: skip
     app.command()(_command)
 app.add_typer(key.key, name="key")

@@ -47,11 +47,13 @@ def tell(text: str) -> None:
 
 
 def document(content: object) -> None:
-    """Print one JSON document on the output, also where lines and tables are muted.
+    """Print one JSON document on the output, also where lines and tables are muted."""
+    typer.echo(as_json(content))
 
-    What is no number, such as NaN, is null.
-    """
-    typer.echo(json.dumps(_without_nan(content), indent=2, ensure_ascii=False, allow_nan=False))
+
+def as_json(content: object) -> str:
+    """Return a JSON document; what is no number, such as NaN, is null."""
+    return json.dumps(_without_nan(content), indent=2, ensure_ascii=False, allow_nan=False)
 
 
 def table(columns: Sequence[str], rows: Rows, *, right: Collection[str] = ()) -> None:

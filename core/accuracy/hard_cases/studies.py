@@ -17,7 +17,7 @@ TRACK = {**DRIVE, "amplitude": 5e-5, "alpha": 1.0, "gamma": 1.0, "delta": 5.0, "
 K_INPUTS = ("frequency", "amplitude", "alpha", "beta", "gamma", "delta", "gravity", "friction")
 G = 9.80665
 W = 2 * math.pi * 50
-WORKED = "worked value, 14 digits (tests/data/worked_values.toml)"
+WORKED = "worked value, 14 digits (core/validation/worked_values.toml)"
 
 
 def sweep(scene: str, output: str, **parameters: Any) -> Content:

@@ -1,4 +1,4 @@
-"""Worked values of tests/data, computed independently of this code, digit by digit."""
+"""Worked values, computed independently of this code, digit by digit."""
 
 from __future__ import annotations
 

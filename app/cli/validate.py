@@ -1,0 +1,194 @@
+"""`vibrafeed validate`: what is known to be true, and what this program, or another, answers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NoReturn
+
+import typer
+
+from app.cli.options import FAILED
+from app.cli.studies import interruption, refuse
+from app.cli.texts import refuse_taken, write_text
+from core.errors import Problem, StudyError
+
+if TYPE_CHECKING:
+    from core.validation.answers import Answers
+    from core.validation.problem import KnownProblem
+    from core.validation.run import Outcome
+
+COMMAND = Path("validate")  # what problems are said to be of
+
+
+class Form(StrEnum):
+    """How outcomes are written."""
+
+    TEXT = "text"
+    JSON = "json"
+    MARKDOWN = "markdown"
+
+
+SUFFIXES = {".json": Form.JSON, ".md": Form.MARKDOWN}
+
+
+def validate(
+    family: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Letters of families, such as Q or Q,W; all if left out. Their problems are "
+            "listed one by one."
+        ),
+    ] = None,
+    form: Annotated[
+        Form | None,
+        typer.Option("--format", help="text, json or markdown; by the suffix of -o if left out."),
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="A file; the screen if left out.")
+    ] = None,
+    random: Annotated[
+        int,
+        typer.Option(min=0, max=10_000, help="So many members of each form with random inputs."),
+    ] = 20,
+    seed: Annotated[int, typer.Option(min=0, max=10**9 - 1, help="What they are drawn by.")] = 1,
+    problems: Annotated[
+        bool, typer.Option("--problems", help="Answer nothing: write the problems as JSON.")
+    ] = False,
+    answers: Annotated[
+        Path | None,
+        typer.Option(
+            help="Judge another program's answers, a JSON file, by the same tolerances.",
+            show_default=False,
+        ),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
+) -> None:
+    """Answer every problem whose answer is known, and say how far off that is.
+
+    Anchors from the literature, limits, laws that any drive keeps, a measured set, worked values:
+    docs/validation.md. Exit code 1 means that an answer is wrong, 2 that an option or a file is.
+    """
+    from app.cli import console
+    from core.validation import catalogue
+
+    if problems and (answers or form in (Form.TEXT, Form.MARKDOWN)):
+        fix = "Leave --answers and --format out"
+        _refuse([Problem("problems", "the problems themselves are JSON", fix)])
+    if output:
+        refuse_taken(output, "output", force=force)
+    try:
+        letters = catalogue.families_of(family or ())
+        given = _read(answers) if answers else None
+    except StudyError as error:
+        _refuse(error.problems, answers)
+    if problems:
+        found = catalogue.problems(letters, random, seed)
+        _write(catalogue.document(found), output)
+        if output:
+            console.say(f"wrote {output}: {len(found):,} problems")
+        return
+    if given is None:
+        outcomes, program = _own(catalogue.problems(letters, random, seed))
+    else:
+        outcomes, program = _others(given, letters)
+    form = form or (SUFFIXES.get(output.suffix.lower()) if output else None) or Form.TEXT
+    if form is Form.JSON:
+        from core.validation.shown import document
+
+        _write(document(outcomes, program), output)
+    elif form is Form.MARKDOWN or output:
+        from core.validation.shown import markdown
+
+        page = (markdown if form is Form.MARKDOWN else _text)(outcomes, program)
+        if output:
+            write_text(output, page)
+        else:
+            typer.echo(page, nl=False)
+    else:
+        _tell(outcomes, program, listed=bool(family))
+    if output:
+        from core.validation.shown import sentence
+
+        console.say(sentence(outcomes, program))
+        console.say(f"wrote {output}")
+    if not all(outcome.passed for outcome in outcomes):
+        raise typer.Exit(FAILED)
+
+
+def _read(path: Path) -> Answers:
+    from core.validation.answers import read_answers
+
+    return read_answers(path)
+
+
+def _own(problems: Sequence[KnownProblem]) -> tuple[list[Outcome], str]:
+    """Return this program's outcomes, and its name; exit if it was stopped."""
+    import core
+    from app.cli import console
+    from core.validation.run import solve
+    from core.watch import Watch
+
+    with console.progress("validate") as advance, interruption() as interrupted:
+        outcomes, _ = solve(problems, Watch(advance, interrupted))
+    if len(outcomes) < len(problems):
+        console.fail(f"It was stopped after {len(outcomes):,} of {len(problems):,} problems.")
+        raise typer.Exit(FAILED)
+    return outcomes, f"vibrafeed {core.__version__}"
+
+
+def _others(given: Answers, letters: Sequence[str]) -> tuple[list[Outcome], str]:
+    """Return the outcomes of another program in some families, and its name."""
+    from core.validation.run import judge
+
+    asked = [problem for problem in given.problems if problem.family in letters]
+    if not asked:
+        fix = f"Families that it answers: {', '.join(sorted({p.family for p in given.problems}))}"
+        _refuse([Problem("family", "it answers no problem of these", fix)])
+    return judge(asked, given.values), given.program
+
+
+def _tell(outcomes: Sequence[Outcome], program: str, *, listed: bool) -> None:
+    """Print outcomes: every problem, or a row a family and what is wrong."""
+    from app.cli import console
+    from core.validation.run import summaries
+    from core.validation.shown import COLUMNS, FAMILY_COLUMNS, family_rows, rows, sentence
+
+    wrong = [outcome for outcome in outcomes if not outcome.passed]
+    if listed:
+        console.table(COLUMNS, rows(outcomes))
+    else:
+        console.table(FAMILY_COLUMNS, family_rows(summaries(outcomes)))
+        if wrong:
+            console.table(COLUMNS, rows(wrong))
+    console.say(sentence(outcomes, program))
+    if not listed:
+        console.tell(
+            "--family Q lists the problems of a family; -o validation.md writes all of them."
+        )
+
+
+def _text(outcomes: Sequence[Outcome], program: str) -> str:
+    """Return a row a family, then every problem, as plain lines."""
+    from app.cli.layout import plain_lines
+    from core.validation.run import summaries
+    from core.validation.shown import COLUMNS, FAMILY_COLUMNS, family_rows, rows, sentence
+
+    families = plain_lines(FAMILY_COLUMNS, family_rows(summaries(outcomes)))
+    lines = [*families, "", *plain_lines(COLUMNS, rows(outcomes)), "", sentence(outcomes, program)]
+    return "\n".join(lines) + "\n"
+
+
+def _write(content: object, output: Path | None) -> None:
+    """Write a JSON document into a file, or on the output."""
+    from app.cli import console
+
+    if output is None:
+        console.document(content)
+    else:
+        write_text(output, console.as_json(content) + "\n")
+
+
+def _refuse(problems: Sequence[Problem], file: Path | None = None) -> NoReturn:
+    refuse({file or COMMAND: list(problems)})

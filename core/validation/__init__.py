@@ -1,0 +1,6 @@
+"""What is known to be true, as problems that any program may answer; `vibrafeed validate`.
+
+`problem` says what a problem is; `forms` makes them from formulas, `known` and `rail` from numbers
+that stand elsewhere; `catalogue` puts them together. `run` answers them by this program's own
+studies, `answers` reads another program's, and both are judged alike.
+"""
