@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from core.errors import MOST_PROBLEMS, Problem, StudyError, suggestion
-from core.validation.catalogue import problems
+from core.validation.catalogue import FAMILIES, problems
 from core.validation.forms import forms
 from core.validation.problem import KnownProblem
 
@@ -108,23 +108,27 @@ def _is_answer(value: Any) -> bool:
 
 def _asked(names: Collection[str]) -> tuple[tuple[KnownProblem, ...], list[Problem]]:
     """Return the problems of some names, and what is wrong with names that are of none."""
-    known = {problem.id: problem for problem in problems()}
+    letters = {name.partition("-")[0] for name in names}
+    known = {problem.id: problem for problem in problems(letters & set(FAMILIES) or {"Q"})}
     wrong: list[Problem] = []
     most: dict[tuple[str, int], int] = {}
     for name in names:
         found = _RANDOM.fullmatch(name)
-        if found and found[1] in forms():
-            key, number = (found[1], int(found[2])), int(found[3])
+        if not (found and found[1] in forms()):
+            continue
+        key, number = (found[1], int(found[2])), int(found[3])
+        seeds = {seed for _, seed in most} | {key[1]}
+        if number > MOST_RANDOM or len(seeds) > MOST_SEEDS:
+            fix = f"Take numbers up to {MOST_RANDOM:,}, and at most {MOST_SEEDS} seeds"
+            wrong.append(Problem(f"answers.{name}", "it is too far out", fix))
+        else:
             most[key] = max(most.get(key, 0), number)
-            if number > MOST_RANDOM or len({seed for _, seed in most}) > MOST_SEEDS:
-                fix = f"Take numbers up to {MOST_RANDOM:,} and at most {MOST_SEEDS} seeds"
-                wrong.append(Problem(f"answers.{name}", "it is too far out", fix))
-                most[key] = min(most[key], MOST_RANDOM)
-    if not wrong:
-        for (form, seed), count in most.items():
-            known |= {problem.id: problem for problem in forms()[form].random(count, seed)}
-        wrong = [
-            Problem(f"answers.{name}"[:80], "there is no such problem", suggestion(name, known))
-            for name in [name for name in names if name not in known][:MOST_PROBLEMS]
-        ]
+    for (form, seed), count in most.items():
+        known |= {problem.id: problem for problem in forms()[form].random(count, seed)}
+    told = {problem.place for problem in wrong}
+    unknown = [name for name in names if name not in known and f"answers.{name}" not in told]
+    wrong += [
+        Problem(f"answers.{name}"[:80], "there is no such problem", suggestion(name, known))
+        for name in unknown[:MOST_PROBLEMS]
+    ]
     return tuple(problem for name, problem in known.items() if name in names), wrong

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from types import MappingProxyType
 from typing import Any
 
@@ -15,10 +15,10 @@ from core.validation.problem import RELATIONS, TRUTHS, KnownProblem
 FORMAT = "vibrafeed-validation-1"
 
 ABOUT = (
-    "Problems of vibratory feeding whose answer is known. The terms of an answer say how it is made "
-    "of outputs of vibrafeed's studies, in SI units and degrees: times * output - minus, summed, or "
-    "the root of their mean square. Any program that computes the same number may answer; "
-    "`vibrafeed validate --answers` judges it."
+    "Problems of vibratory feeding whose answer is known; g is 9.81 m/s2 unless a study says "
+    "otherwise. The terms of an answer say how it is made of outputs of vibrafeed's studies, in SI "
+    "units and degrees: times * output - minus, summed, or the root of their mean square. Any "
+    "program that computes the same number may answer; `vibrafeed validate --answers` judges it."
 )
 
 FAMILIES: Mapping[str, str] = MappingProxyType(
@@ -38,7 +38,7 @@ FAMILIES: Mapping[str, str] = MappingProxyType(
 )
 """Families by their letters, in the order in which they are shown."""
 
-ELSEWHERE: Mapping[str, tuple[Callable[[], Iterator[KnownProblem]], ...]] = MappingProxyType(
+ELSEWHERE: Mapping[str, tuple[Callable[[], Iterable[KnownProblem]], ...]] = MappingProxyType(
     {
         "Y": (rail.problems,),
         "V": (known.mean_velocities, known.reference_speeds, known.hops, known.closed_forms,

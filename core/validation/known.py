@@ -197,15 +197,14 @@ def limiting_friction() -> Iterator[KnownProblem]:
 # --- hard cases
 
 
-def hard_cases() -> Iterator[KnownProblem]:
-    """Yield the hard cases that a closed form answers."""
-    for case in HARD_CASES:
-        problem = _of_hard_case(case)
-        if problem is not None:
-            yield problem
+@cache
+def hard_cases() -> tuple[KnownProblem, ...]:
+    """Return the hard cases that a closed form answers; their answers take a second."""
+    found = map(of_hard_case, HARD_CASES)
+    return tuple(problem for problem in found if problem is not None)
 
 
-def _of_hard_case(case: HardCase) -> KnownProblem | None:
+def of_hard_case(case: HardCase) -> KnownProblem | None:
     """Return a hard case as a problem; None if another run is its reference, or if none is."""
     if case.answer is None or case.attempt is not None or case.says:
         return None

@@ -183,7 +183,7 @@ def stick_terms(given: Given) -> tuple[Term, ...]:
     return (Term(simulation("stick_fraction", _sine(given)), "stick_fraction"),)
 
 
-def _turn(given: Given) -> float:
+def turning_phase(given: Given) -> float:
     """Return the phase at which the slip turns, cos(theta) = pi mu g/(2 A w^2)."""
     return math.acos(math.pi * given["friction_kinetic"] / 2 / given["push"])
 
@@ -191,7 +191,7 @@ def _turn(given: Given) -> float:
 def turn_terms(given: Given) -> tuple[Term, ...]:
     """Return the velocity of slip a little later than it turns, over A w."""
     w = 2 * math.pi * given["frequency"]
-    later = (_turn(given) + LATER) / w
+    later = (turning_phase(given) + LATER) / w
     study = simulation("conveying_velocity", _sine(given), trajectory=[later])
     scale = w / (given["push"] * GRAVITY)
     return (Term(study, "relative_velocity_along", "first", times=scale),)
@@ -199,7 +199,7 @@ def turn_terms(given: Given) -> tuple[Term, ...]:
 
 def turned(given: Given) -> float:
     """Return that velocity: the part is braked by mu g from the speed of the track at the turn."""
-    theta = _turn(given)
+    theta = turning_phase(given)
     braked = math.cos(theta) - given["friction_kinetic"] / given["push"] * LATER
     return braked - math.cos(theta + LATER)
 

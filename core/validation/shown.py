@@ -16,15 +16,16 @@ FAMILY_COLUMNS = ("family", "problems", "right", "nearest to its tolerance", "fo
 COLUMNS = ("problem", "what", "found", "expected", "unit", "off by", "may be", "is")
 
 
-def number(value: float, tolerance: float) -> str:
-    """Return a value with as many digits as its tolerance tells, and one more."""
+def number(value: float, tolerance: float, most: int = 15) -> str:
+    """Return a value with as many digits as its tolerance tells, and one more, or so at most."""
     if not math.isfinite(value):
         return "none"
     if value == 0:
         return "0"
-    share = tolerance / abs(value)
-    digits = 17 if share <= 0 else 2 - math.floor(math.log10(share))
-    return f"{value:.{min(max(digits, 3), 15)}g}"
+    if tolerance == 0:
+        return f"{value:.3g}"
+    digits = 2 - math.floor(math.log10(tolerance / abs(value)))
+    return f"{value:.{min(max(digits, 3), most)}g}"
 
 
 def expected(problem: KnownProblem) -> str:

@@ -1,0 +1,254 @@
+"""General physics engines on problems of `vibrafeed validate`: error against run time.
+
+`python -m benchmarks.validation_engines` runs those that are installed beside this project;
+`--python siconos=/usr/bin/python3` names the Python in which another one is. It writes
+docs/generated/validation-engines.json and .png, which `python -m benchmarks.validation_page` shows.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.best_wave import motions
+from benchmarks.engine_drivers import BLOCKS
+from core.motion.systems import SYSTEMS
+from core.motion.waves import ALONG, NORMAL, speed
+from core.plan.equations import run_equations
+from core.plan.plan import plan_scene
+from core.validation.catalogue import problems
+from core.validation.formulas import GRAVITY
+from core.validation.laws import LATER, turning_phase
+from core.validation.problem import KnownProblem
+from core.validation.run import outputs_of
+
+GENERATED = Path(__file__).parents[1] / "docs" / "generated"
+RESULTS, PICTURE = GENERATED / "validation-engines.json", GENERATED / "validation-engines.png"
+DRIVERS = Path(__file__).with_name("engine_drivers.py")
+STEPS = (20, 100, 500, 2000)  # a period
+DURING = 20  # periods that are averaged
+NAMES = {
+    "mujoco": "MuJoCo", "pybullet": "PyBullet", "pymunk": "pymunk", "dart": "DART",
+    "siconos": "Siconos",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Case:
+    """A problem that engines can answer, with one coefficient of friction.
+
+    Attributes
+    ----------
+    id, title : str
+        The problem, and what it is.
+    before : int
+        Periods until the motion repeats.
+    truth : float
+        The answer to all digits, in the unit of the problem.
+    """
+
+    id: str
+    title: str
+    before: int
+    truth: float
+
+
+def cases() -> list[Case]:
+    """Return the problems that are run."""
+    found = {problem.id: problem for problem in problems()}
+    return [
+        Case("Q-two-levels-3", "Two-level wave", 10, _truth(found["Q-two-levels-3"])),
+        Case("W-winkler-1", "Winkler's wave", 10, _truth(found["W-winkler-1"])),
+        Case("W-winkler-2", "Winkler's wave, load near 0", 10, _truth(found["W-winkler-2"])),
+        Case("M-ellipse-4", "Fast ellipse", 80, _truth(found["M-ellipse-4"])),
+        Case("Z-turn-1", "Level sine: where slip turns", 10, _truth(found["Z-turn-1"])),
+    ]
+
+
+def _truth(problem: KnownProblem) -> float:
+    """Return all digits of an answer: those of `events`, which the problem holds to its own."""
+    found = problem.answer(outputs_of(problem.terms))
+    assert problem.holds(found)
+    return found
+
+
+def jobs(problem: KnownProblem, before: int) -> list[dict[str, Any]]:
+    """Return what the drivers are told of a problem, one job a number of steps."""
+    given = _parameters(problem)
+    frequency = given["frequency"]
+    found = []
+    for steps in STEPS:
+        phases = np.linspace(0.0, 2 * math.pi, steps + 1)
+        along, normal = _track(given, phases)
+        step = 1 / (frequency * steps)
+        gravity = np.stack([-np.diff(along), -np.diff(normal)], axis=1) / step
+        gravity[:, 1] -= GRAVITY
+        found.append(
+            {
+                "step": step,
+                "friction": given.get("friction", given.get("friction_kinetic")),
+                "gravities": gravity.tolist(),
+                "before": before,
+                "during": DURING,
+            }
+        )
+    return found
+
+
+def _parameters(problem: KnownProblem) -> dict[str, float]:
+    return dict(problem.terms[0].study["parameters"])
+
+
+def _track(given: Mapping[str, float], phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the velocity of the track along and normal to itself, at phases of the drive."""
+    w = 2 * math.pi * given["frequency"]
+    if "amplitude" in given:
+        along = given["amplitude"] * w * np.cos(phases)
+        return along, np.zeros_like(along)
+    numbers = {name: np.asarray(value) for name, value in given.items()}
+    known = motions(("conveying_velocity",), numbers)
+    scale = GRAVITY / w
+    found = []
+    for axis in (ALONG, NORMAL):
+        velocity = np.asarray(speed(known["wave"], axis, phases)) * scale
+        velocity[-1] = velocity[0]  # the phase is 0 again
+        found.append(velocity)
+    return found[0], found[1]
+
+
+def answer(problem: KnownProblem, steps: int, told: Mapping[str, Any]) -> float:
+    """Return an engine's answer to a problem, in its unit."""
+    (term,) = problem.terms
+    if term.output == "conveying_velocity":
+        return term.times * told["mean"] - term.minus
+    at = (
+        (turning_phase(problem.given) + LATER) / (2 * math.pi) * steps
+    )  # speeds are at ends of steps
+    return term.times * float(np.interp(at, range(1, steps + 1), told["speeds"]))
+
+
+def ours(problem: KnownProblem) -> float:
+    """Return the seconds of processor time that a cell takes `events`: 2,000 cells at once."""
+    given, cells = _parameters(problem), 2000
+    arrays = {name: np.full(cells, value) for name, value in given.items()}
+    arrays["gravity"] = GRAVITY * (1 + 1e-9 * np.arange(cells))  # equal cells are computed once
+    outputs = ("conveying_velocity",)
+
+    def run() -> None:
+        if "amplitude" in given:
+            plan = plan_scene(SYSTEMS["rectangle-on-plane"], "events", outputs, tuple(arrays))
+            run_equations(plan, {name: arrays[name] for name in plan.parameters if name in arrays}
+                          | {n: np.asarray(v) for n, v in plan.defaults.items()})  # fmt: skip
+        else:
+            motions(outputs, arrays)
+
+    run()
+    started = time.process_time()
+    run()
+    return (time.process_time() - started) / cells
+
+
+def rows(pythons: Mapping[str, str]) -> Iterator[dict[str, Any]]:
+    """Yield a row for each engine, problem and step."""
+    known = {problem.id: problem for problem in problems()}
+    asked = cases()
+    for case in asked:
+        yield {
+            "engine": "vibrafeed", "version": "", "problem": case.id, "steps": 0,
+            "found": case.truth, "error": 0.0, "seconds": ours(known[case.id]),
+        }  # fmt: skip
+    for name in BLOCKS:
+        told = _run(name, pythons.get(name, sys.executable), known, asked)
+        if told is None:
+            continue
+        answers = iter(told["answers"])
+        for case in asked:
+            for steps in STEPS:
+                one = next(answers)
+                found = answer(known[case.id], steps, one)
+                periods = (case.before + DURING) / DURING
+                yield {
+                    "engine": name, "version": told["version"], "problem": case.id,
+                    "steps": steps, "found": found, "error": abs(found / case.truth - 1),
+                    "seconds": one["seconds"] * DURING * periods,
+                }  # fmt: skip
+
+
+def _run(
+    name: str, python: str, known: Mapping[str, KnownProblem], asked: list[Case]
+) -> dict[str, Any] | None:
+    """Return what an engine found; None, and a line, where it is not installed."""
+    work = [job for case in asked for job in jobs(known[case.id], case.before)]
+    done = subprocess.run(
+        [python, DRIVERS, name], input=json.dumps(work), capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        print(f"{name}: {done.stderr[-300:]}")
+        return None
+    told = json.loads(done.stdout[done.stdout.index('{"') :])  # engines may greet before
+    if "missing" in told:
+        print(f"{name} is not installed: {told['missing']}")
+        return None
+    print(f"{name} {told['version']}", flush=True)
+    return told
+
+
+def draw(found: list[dict[str, Any]]) -> None:
+    """Draw the error of each engine over its run time, a panel a problem."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    asked = cases()
+    figure = Figure(figsize=(11.0, 6.6), layout="constrained")
+    FigureCanvasAgg(figure)
+    panels = figure.subplots(2, 3, sharex=True, sharey=True).ravel()
+    looks = dict(zip(NAMES, ("osD^v"), strict=True))
+    for panel, case in zip(panels, asked, strict=False):
+        mine = [row for row in found if row["problem"] == case.id]
+        for number, (name, look) in enumerate(looks.items()):
+            line = [row for row in mine if row["engine"] == name]
+            panel.loglog(
+                [row["seconds"] for row in line], [max(row["error"], 1e-6) for row in line],
+                f"{look}-", color=f"C{number}", label=NAMES[name], markersize=4, linewidth=1.2,
+            )  # fmt: skip
+        (own,) = [row for row in mine if row["engine"] == "vibrafeed"]
+        panel.axvline(own["seconds"], color="k", linewidth=1.0, label="vibrafeed, exact")
+        panel.set_title(f"{case.title} ({case.id})", fontsize=9)
+        panel.grid(visible=True, which="major", linewidth=0.4, color="0.85")
+        panel.xaxis.set_tick_params(labelbottom=True)
+    panels[5].axis("off")
+    panels[5].legend(*panels[0].get_legend_handles_labels(), loc="center", frameon=False)
+    for panel in panels[[0, 3]]:
+        panel.set_ylabel("error of the answer, as a share of it")
+    for panel in panels[[2, 3, 4]]:
+        panel.set_xlabel("seconds for the answer")
+    panels[2].set_ylim(5e-7, 3)
+    figure.savefig(PICTURE, dpi=100)
+
+
+def main() -> None:
+    """Run the engines, write and draw what they found."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--python", action="append", default=[], metavar="ENGINE=PYTHON")
+    parser.add_argument("--draw", action="store_true", help="draw what is there already")
+    given = parser.parse_args()
+    if not given.draw:
+        found = list(rows(dict(text.split("=", 1) for text in given.python)))
+        RESULTS.write_text(
+            "[\n" + ",\n".join(json.dumps(row) for row in found) + "\n]\n", encoding="utf-8"
+        )
+    draw(json.loads(RESULTS.read_text(encoding="utf-8")))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,265 @@
+"""`python -m benchmarks.validation_page` writes docs/validation.md: problems, answers, engines.
+
+Answers are computed anew; what engines found is read from docs/generated/validation-engines.json,
+which `python -m benchmarks.validation_engines` writes.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from benchmarks.validation_engines import NAMES, PICTURE, RESULTS, STEPS, cases
+from core.validation import rail
+from core.validation.catalogue import FAMILIES, NOT_CLAIMED, problems
+from core.validation.forms import Form, forms
+from core.validation.problem import RELATIONS, TRUTHS
+from core.validation.run import Outcome, solve
+from core.validation.shown import expected, number, table
+
+DOCS = Path(__file__).parents[1] / "docs"
+PAGE = DOCS / "validation.md"
+DIGITS = 10  # of what is found: all processors agree on them
+
+HEAD = """\
+# Validation
+
+What is known to be true about parts on vibrating tracks, and what vibrafeed answers: exact
+solutions from the literature and our own, limits, laws that every drive keeps, a measured set,
+worked values, and general physics engines on the same problems. Written by `python -m
+benchmarks.validation_page`.
+
+```
+vibrafeed validate                        # a row a family; exit code 1 if an answer is wrong
+vibrafeed validate --family Q,W           # every problem of these families
+vibrafeed validate --random 1000 --seed 7 # more members of each family, with random inputs
+vibrafeed validate -o validation.md       # all as a page; .json for programs, .txt as lines
+```
+
+Each family is a formula over its inputs. A few members are listed with the digits of their
+source; any number of others is drawn at random, with climbs, forces that hold the part down and
+static above kinetic friction where the formula has them."""
+
+ENTER = """\
+## Enter your own program
+
+`vibrafeed validate --problems -o problems.json` writes every problem in words and numbers: what
+happens, the inputs with their units, the source, the expected value with its tolerance and the
+reason for it, and the studies of vibrafeed that answer it. Answer as many as you like, each by
+its name, and `null` where your program tried and has none:
+
+```json
+{"format": "vibrafeed-answers-1", "program": "Another 1.2",
+ "answers": {"Q-two-levels-1": 15.8828, "W-winkler-1": 3.3269, "M-ellipse-r7.12": -0.2811}}
+```
+
+`vibrafeed validate --answers answers.json` judges them by the same tolerances, and says how far
+off each is. The name of a member with random inputs tells its seed and its place:
+`M-ellipse-r7.12` is the twelfth of `vibrafeed validate --problems --seed 7 --random 12`."""
+
+ENGINES = """\
+## Physics engines on the same problems
+
+Five engines on five of these problems, with one coefficient of friction, which is all that they
+know. The track stands still, and before each step gravity is set to what a part on a vibrating
+track feels, less the mean acceleration of the track over that step: no engine has to move a
+plate, and the drive is exact at any step. The block cannot turn. MuJoCo's contacts are as stiff
+as its step allows; nothing else was tuned. Siconos is asked for the law of friction to 1e-12.
+`fast ellipse` is set beside the exact answer for mu g/(A_x w^2) = 0.05. Errors are shares of the
+answer."""
+
+AFTER = """\
+The time is processor time, of one answer: the periods until the motion repeats, and {during}
+more. vibrafeed is exact to rounding; its time is that of a cell among many. Errors of engines
+fall with the step at first order, those of MuJoCo more slowly, since its contacts give way.
+`python -m benchmarks.validation_engines` runs what is installed: `pip install
+'vibrafeed[engines]'` brings MuJoCo, PyBullet and pymunk, `pip install dartpy` DART, Debian's
+package `python3-siconos` Siconos, for Debian's own Python (`--python siconos=/usr/bin/python3`).
+Times depend on the machine, and these are of two shared cores.
+[motion.md](motion.md#speed-and-accuracy) has the same engines with a plate that moves."""
+
+
+def page() -> str:
+    """Return the page."""
+    outcomes, _ = solve(problems())
+    lines = [HEAD, "", *_kinds(), "", "## Anchors", ""]
+    for form in forms().values():
+        mine = [one for one in outcomes if one.problem.form == form.name]
+        lines += [*_form(form, mine), ""]
+    lines += [*_measured(outcomes), "", *_worked(outcomes), "", *_thesis(), "", ENTER, ""]
+    lines += [*_engines(), "", *_not_claimed()]
+    return "\n".join(lines) + "\n"
+
+
+def _kinds() -> Iterator[str]:
+    yield "| kind of truth | |"
+    yield "| --- | --- |"
+    for name, words in TRUTHS.items():
+        yield f"| {name} | {words} |"
+
+
+def _form(form: Form, outcomes: list[Outcome]) -> Iterator[str]:
+    """Yield a form in words, with its listed problems."""
+    yield f"### {form.title} ({form.name})"
+    yield ""
+    yield f"{form.words}"
+    yield ""
+    inputs = "; ".join(f"`{name}` [{meaning}]" for name, meaning in form.inputs.items())
+    share = "of the answer" if form.relative else f"[{form.unit}]"
+    yield f"- Inputs: {inputs.replace('; 1/T]', ']')}"
+    yield f"- Answer: [{form.unit}], {form.truth}. Source: {form.source}."
+    yield f"- Random members: within {form.tolerance:g} {share}; {form.why}."
+    if outcomes:
+        yield ""
+        yield from table(
+            ("problem", "inputs", "expected", "found", "may be off by", "is"),
+            [_row(outcome) for outcome in outcomes],
+        )
+
+
+def _row(outcome: Outcome) -> tuple[str, ...]:
+    problem = outcome.problem
+    given = ", ".join(f"{name} {value:g}" for name, value in problem.given.items())
+    return (
+        problem.id,
+        given,
+        expected(problem),
+        number(outcome.found, problem.tolerance, DIGITS),
+        f"{problem.tolerance:.1g}: {problem.why}",
+        "right" if outcome.passed else "**wrong**",
+    )
+
+
+def _measured(outcomes: list[Outcome]) -> Iterator[str]:
+    """Yield the measured set."""
+    mine = [one for one in outcomes if one.problem.family == "Y"]
+    (scatter,) = (one for one in mine if one.judged)
+    yield "## Measured: a rail of cast iron"
+    yield ""
+    yield f"{rail.WORDS} Source: {rail.SOURCE} (`configs/{rail.FILE.name}`)."
+    yield ""
+    yield (
+        f"What is left is {scatter.found:.2f} mm/s as a root of the mean square, "
+        f"{scatter.problem.digits} being expected. The moving mass is not settled by these data: "
+        "only mu_k/m counts, "
+        "and with 0.358 kg and the printed mu_k of 0.34 three times as much is left. Below 38 N "
+        "the authors lose contact of the plane; those runs are shown and not judged."
+    )
+    yield ""
+    rows = [
+        (
+            f"{run['frequency']:g}", f"{run['a_s']:g}", f"{run['a_m']:g}", f"{run['force']:g}",
+            f"{run['speed']:.2f}", f"{one.found:.2f}", f"{one.found - run['speed']:+.2f}",
+            "" if run["force"] >= rail.CONTACT else "contact lost",
+        )
+        for run, one in zip(rail.runs(), mine, strict=False)
+    ]  # fmt: skip
+    columns = ("f [Hz]", "a_s [g]", "a_m [g]", "F [N]", "measured [mm/s]", "formula [mm/s]",
+               "difference", "")  # fmt: skip
+    yield from table(columns, rows)
+
+
+def _worked(outcomes: list[Outcome]) -> Iterator[str]:
+    """Yield worked values, figures with one number, and what is said of hard cases."""
+    yield "## Worked values"
+    yield ""
+    yield (
+        "Numbers that were worked out without this program, by closed forms and by another method "
+        "of events (`core/validation/worked_values.toml`), and figures of the thesis that show one "
+        "number."
+    )
+    yield ""
+    rows = []
+    for outcome in outcomes:
+        problem = outcome.problem
+        if problem.family in "VF":
+            unit = "" if problem.unit == "1" else problem.unit
+            said = problem.digits or number(problem.expected, problem.tolerance, DIGITS)
+            rows.append(
+                (
+                    problem.id, problem.title, RELATIONS[problem.relation] + said,
+                    number(outcome.found, problem.tolerance, DIGITS), unit,
+                    "right" if outcome.passed else "**wrong**",
+                )
+            )  # fmt: skip
+    yield from table(("problem", "what", "expected", "found", "unit", "is"), rows)
+    hard = [outcome for outcome in outcomes if outcome.problem.family == "H"]
+    right = sum(outcome.passed for outcome in hard)
+    yield ""
+    yield (
+        "Of the hard cases in [generated/accuracy.md](generated/accuracy.md) those that a closed "
+        "form answers are family H: "
+        f"{right} of {len(hard)} are right."
+    )
+
+
+def _thesis() -> Iterator[str]:
+    """Yield how many claims about figures of the thesis came to which verdict."""
+    text = (DOCS / "thesis.md").read_text(encoding="utf-8").partition("### Figures 5.1")[2]
+    verdicts = ("holds", "reproduced", "artefact beyond lift-off", "not reproduced",
+                "cannot be reproduced")  # fmt: skip
+    counts = {name: len(re.findall(rf"^\| [^|]+ \| {name} \|", text, re.M)) for name in verdicts}
+    told = ", ".join(f"{count} {name}" for name, count in counts.items())
+    yield "## Figures of the thesis"
+    yield ""
+    yield (
+        f"Of {sum(counts.values())} claims about the figures of chapter 5: {told}. "
+        "[thesis.md](thesis.md#figures-of-chapter-5) has each with its numbers."
+    )
+
+
+def _engines() -> Iterator[str]:
+    found: list[dict[str, Any]] = json.loads(RESULTS.read_text(encoding="utf-8"))
+    yield ENGINES
+    yield ""
+    yield f"![Error of each engine over the time of an answer](generated/{PICTURE.name})"
+    yield ""
+    asked = cases()
+    columns = ["engine", "steps a period"]
+    columns += [text for case in asked for text in (f"{case.title} ({case.id})", "time")]
+    rows = []
+    versions = {row["engine"]: row["version"] for row in found}
+    for name in [name for name in NAMES if name in versions]:
+        for steps in STEPS:
+            cells = [f"{NAMES[name]} {versions[name]}", f"{steps:,}"]
+            for case in asked:
+                row = _only(found, name, case.id, steps)
+                cells += [f"{100 * row['error']:.2g} %", _seconds(row["seconds"])]
+            rows.append(cells)
+    own = ["vibrafeed, events", ""]
+    for case in asked:
+        own += ["rounding", _seconds(_only(found, "vibrafeed", case.id, 0)["seconds"])]
+    yield from table(columns, [*rows, own])
+    yield ""
+    yield AFTER.format(during=20)
+
+
+def _only(found: list[dict[str, Any]], name: str, problem: str, steps: int) -> dict[str, Any]:
+    (row,) = (
+        row
+        for row in found
+        if (row["engine"], row["problem"], row["steps"]) == (name, problem, steps)
+    )
+    return row
+
+
+def _seconds(seconds: float) -> str:
+    return f"{seconds:.2g} s" if seconds >= 1e-3 else f"{1e6 * seconds:.2g} µs"
+
+
+def _not_claimed() -> Iterator[str]:
+    yield "## What is known, and no claim of this program"
+    yield ""
+    for name, words in NOT_CLAIMED.items():
+        yield f"- {name}: {words}"
+    letters = ", ".join(f"{letter} {title.lower()}" for letter, title in FAMILIES.items())
+    yield ""
+    yield f"Families by their letters: {letters}."
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
+    print(f"wrote {PAGE.name}")
