@@ -214,7 +214,7 @@ def version(name: str) -> str:
 
 
 def follow(name: str, job: dict[str, Any]) -> dict[str, Any]:
-    """Return mean speed [m s-1] after some periods, speeds of the last one, and seconds of processor time."""
+    """Return the mean speed [m s-1] of some periods, speeds in one more, and processor time [s]."""
     block = BLOCKS[name](job["step"], job["friction"])
     gravities = [tuple(row) for row in job["gravities"]]
     for _ in range(job["before"]):

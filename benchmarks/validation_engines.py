@@ -26,6 +26,7 @@ from core.motion.systems import SYSTEMS
 from core.motion.waves import ALONG, NORMAL, speed
 from core.plan.equations import run_equations
 from core.plan.plan import plan_scene
+from core.quantities import QUANTITIES
 from core.validation.catalogue import problems
 from core.validation.formulas import GRAVITY
 from core.validation.laws import LATER, turning_phase
@@ -106,7 +107,12 @@ def jobs(problem: KnownProblem, before: int) -> list[dict[str, Any]]:
 
 
 def _parameters(problem: KnownProblem) -> dict[str, float]:
-    return dict(problem.terms[0].study["parameters"])
+    """Return the parameters of a problem's study, in SI units and radians."""
+    given = problem.terms[0].study["parameters"]
+    return {
+        name: math.radians(value) if QUANTITIES[name].is_angle else value
+        for name, value in given.items()
+    }
 
 
 def _track(given: Mapping[str, float], phases: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

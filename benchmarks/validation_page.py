@@ -84,7 +84,7 @@ Times depend on the machine, and these are of two shared cores.
 
 def page() -> str:
     """Return the page."""
-    outcomes, _ = solve(problems())
+    outcomes = solve(problems())
     lines = [HEAD, "", *_kinds(), "", "## Anchors", ""]
     for form in forms().values():
         mine = [one for one in outcomes if one.problem.form == form.name]

@@ -131,7 +131,7 @@ def _own(problems: Sequence[KnownProblem]) -> tuple[list[Outcome], str]:
     from core.watch import Watch
 
     with console.progress("validate") as advance, interruption() as interrupted:
-        outcomes, _ = solve(problems, Watch(advance, interrupted))
+        outcomes = solve(problems, Watch(advance, interrupted))
     if len(outcomes) < len(problems):
         console.fail(f"It was stopped after {len(outcomes):,} of {len(problems):,} problems.")
         raise typer.Exit(FAILED)

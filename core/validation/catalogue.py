@@ -30,9 +30,10 @@ FAMILIES: Mapping[str, str] = MappingProxyType(
         "S": "Symmetries of the waveform",
         "B": "Balances of any drive",
         "Z": "Level sine",
+        "R": "On which side a part comes to rest",
         "Y": "A rail of cast iron, measured",
         "V": "Worked values",
-        "F": "Figures of the thesis with one number",
+        "F": "Figures of the thesis",
         "H": "Hard cases with a closed form",
     }
 )
@@ -51,8 +52,6 @@ ELSEWHERE: Mapping[str, tuple[Callable[[], Iterable[KnownProblem]], ...]] = Mapp
 
 NOT_CLAIMED: Mapping[str, str] = MappingProxyType(
     {
-        "R": "On which side a part comes to rest, by solid angles: a part tumbles in one plane "
-        "here, and no output is a probability.",
         "C": "Rows of parts: every study follows one part. That n equal parts in contact move as "
         "one is why it may; unequal friction in a row is not computed.",
         "bulk": "v = 3.81 N S of bulk conveyors, and rates that rise by 20 to 30 % with 10 % of "

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -52,31 +51,24 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Summary:
-    """How many problems of a family were right, how far the worst was off, and how long it took."""
+    """How many problems of a family were judged and right, and the one nearest to its tolerance."""
 
     family: str
     judged: int
     passed: int
     worst: Outcome | None
-    seconds: float
 
 
-def solve(
-    problems: Sequence[KnownProblem], watch: Watch | None = None
-) -> tuple[list[Outcome], dict[str, float]]:
-    """Return this program's own outcomes, and the seconds of each family; `watch` may stop it."""
+def solve(problems: Sequence[KnownProblem], watch: Watch | None = None) -> list[Outcome]:
+    """Return this program's own outcomes, in order; `watch` may stop it early."""
     watch = watch or Watch()
     outcomes: list[Outcome] = []
-    seconds: dict[str, float] = {}
     for problem in problems:
         if watch.stopped():
             break
-        started = time.perf_counter()
         outcomes.append(_solved(problem))
-        took = time.perf_counter() - started
-        seconds[problem.family] = seconds.get(problem.family, 0.0) + took
         watch.advance(1 / len(problems))
-    return outcomes, seconds
+    return outcomes
 
 
 def _solved(problem: KnownProblem) -> Outcome:
@@ -134,17 +126,14 @@ def judge(problems: Iterable[KnownProblem], answers: Mapping[str, float | None])
     ]
 
 
-def summaries(
-    outcomes: Sequence[Outcome], seconds: Mapping[str, float] | None = None
-) -> list[Summary]:
+def summaries(outcomes: Sequence[Outcome]) -> list[Summary]:
     """Return a summary of each family, in the order of the outcomes."""
     found = []
     for family in dict.fromkeys(outcome.problem.family for outcome in outcomes):
         judged = [o for o in outcomes if o.problem.family == family and o.judged]
         worst = max(judged, key=_share, default=None)
         passed = sum(outcome.passed for outcome in judged)
-        took = (seconds or {}).get(family, math.nan)
-        found.append(Summary(family, len(judged), passed, worst, took))
+        found.append(Summary(family, len(judged), passed, worst))
     return found
 
 

@@ -11,9 +11,9 @@ from core.validation.problem import RELATIONS, KnownProblem
 from core.validation.run import Outcome, Summary, summaries
 
 FORMAT = "vibrafeed-outcomes-1"
-FAMILY_COLUMNS = ("family", "problems", "right", "nearest to its tolerance", "found", "expected",
-                  "off by", "may be")  # fmt: skip
-COLUMNS = ("problem", "what", "found", "expected", "unit", "off by", "may be", "is")
+FAMILY_COLUMNS = ("family", "problems", "right", "closest call", "found", "expected",
+                  "off by", "allowed")  # fmt: skip
+COLUMNS = ("problem", "what", "found", "expected", "unit", "off by", "allowed", "is")
 
 
 def number(value: float, tolerance: float, most: int = 15) -> str:

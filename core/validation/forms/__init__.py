@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from core.validation import best_wave, fast_drives, formulas, laws
+from core.validation import best_wave, fast_drives, formulas, laws, resting
 from core.validation.formulas import Formula
 from core.validation.problem import KnownProblem, half_unit
 
@@ -25,6 +25,7 @@ FORMULAS: Mapping[str, Formula] = {
     **best_wave.FORMULAS,
     **fast_drives.FORMULAS,
     **laws.FORMULAS,
+    **resting.FORMULAS,
 }
 
 

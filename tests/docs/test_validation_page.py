@@ -1,0 +1,26 @@
+"""The page of known answers is up to date, and the engines' driver finds what is known."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.engine_drivers import follow
+from benchmarks.validation_engines import PICTURE, RESULTS, answer, cases, jobs
+from benchmarks.validation_page import PAGE, page
+from core.validation.catalogue import problems
+
+
+def test_the_page_is_up_to_date():
+    assert page() == PAGE.read_text(encoding="utf-8"), "python -m benchmarks.validation_page"
+    assert RESULTS.exists()
+    assert PICTURE.exists()
+    assert "**wrong**" not in PAGE.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("case", cases(), ids=lambda case: case.id)
+def test_an_engine_comes_near(case):
+    problem = next(one for one in problems(["Q", "W", "M", "Z"]) if one.id == case.id)
+    # 100 steps a period tell a mean, 500 a speed at one phase.
+    job = jobs(problem, case.before)[2 if problem.family == "Z" else 1]
+    found = answer(problem, len(job["gravities"]), follow("pymunk", job))
+    assert found == pytest.approx(case.truth, rel=0.04)
