@@ -73,6 +73,8 @@ def pybullet_block(step: float, friction: float) -> Block:
     import pybullet
 
     unit = 100.0
+    if pybullet.isConnected():  # calls go to the first world that is open
+        pybullet.disconnect()
     pybullet.connect(pybullet.DIRECT)
     pybullet.setTimeStep(step)
     half = [1e5, 10.0, 5.0]

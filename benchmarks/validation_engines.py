@@ -71,7 +71,7 @@ def cases() -> list[Case]:
         Case("Q-two-levels-3", "Two-level wave", 10, _truth(found["Q-two-levels-3"])),
         Case("W-winkler-1", "Winkler's wave", 10, _truth(found["W-winkler-1"])),
         Case("W-winkler-2", "Winkler's wave, load near 0", 10, _truth(found["W-winkler-2"])),
-        Case("M-ellipse-4", "Fast ellipse", 80, _truth(found["M-ellipse-4"])),
+        Case("M-ellipse-4", "Fast ellipse", 40, _truth(found["M-ellipse-4"])),
         Case("Z-turn-1", "Level sine: where slip turns", 10, _truth(found["Z-turn-1"])),
     ]
 
