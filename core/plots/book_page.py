@@ -18,10 +18,10 @@ from core.atlas.numbers import HOP, HOP_AFTER_HOP
 from core.mechanics.arrays import Array
 from core.motion.groups import Groups
 from core.motion.methods.events import EVENTS, planar_motion
-from core.plots.regimes import FILLS
 from core.plots.style import LIGHT, mix
 from core.plots.text import number
 from core.quantities import REGIMES
+from core.quantities.pictures import FILLS
 
 BETAS: Final = (10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0)  # degrees
 MARKERS: Final = "os^Dv<>ph"
