@@ -121,7 +121,8 @@ def study(
     quantiles: Sequence[float] | None = None,
     samples: int | None = None,
     seed: int | None = None,
-    robust: Literal["worst", "mean"] | None = None,
+    robust: Literal["worst", "mean", "quantile"] | None = None,
+    quantile: float | None = None,
     floor_contact: bool | None = None,
     wall_contact: bool | None = None,
     sensitivities: bool | None = None,
@@ -778,7 +779,8 @@ def optimise(
     duration: Values | None = None,
     drop_height: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
-    robust: Literal["worst", "mean"] | None = None,
+    robust: Literal["worst", "mean", "quantile"] | None = None,
+    quantile: float | None = None,
     floor_contact: bool | None = None,
     wall_contact: bool | None = None,
     sensitivities: bool | None = None,
@@ -992,10 +994,13 @@ def optimise(
         Height of the part's lowest corner above the plane at the start. In m, 0 or more, for
         example "10 mm".
     uncertain : mapping of str to mapping, optional
-        One parameter that is known within an interval only, such as friction.
-    robust : {"worst", "mean"}, optional
-        What is looked for over that interval: the best worst case (where left out), or the best
-        mean.
+        Parameters that are not known exactly, such as friction: their bounds, or their
+        distributions.
+    robust : {"worst", "mean", "quantile"}, optional
+        What is looked for under them: the best worst case (where left out), the best mean, or the
+        best quantile.
+    quantile : float, optional
+        The share of the parts below which the value of the output is to be best.
     floor_contact : bool, optional
         Whether the part is to stay on the floor, where the scene has one.
     wall_contact : bool, optional

@@ -82,8 +82,7 @@ def _top(
 ) -> tuple[Any, Array, Array]:
     """Return the place of the best of points (variables, cells, n), its violation and value."""
     cells = unit.shape[1]
-    nodes = 1 if problem.uncertain is None else problem.nodes()[0].size
-    step = max(1, BLOCK // (unit.shape[2] * nodes))
+    step = max(1, BLOCK // (unit.shape[2] * problem.nodes))
     place = np.zeros(cells, dtype=np.intp)
     beyond, value = np.empty(cells), np.empty(cells)
     span = (problem.upper - problem.lower)[:, None, None]

@@ -20,11 +20,12 @@ from core.optimise.optimisation import Optimisation
 from core.optimise.problem import Problem
 from core.optimise.slopes import sensitive
 from core.optimise.verify import accuracy, verified
-from core.plan.grid import from_si
 from core.plan.labels import coordinates_of, global_attributes
 from core.plan.pieces import Computed
 from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
+from core.study.distributions import Distribution, nominal, tolerance
 from core.study.optimise_study import Limited, Pareto, Weighted
+from core.study.values import Between
 from core.watch import Watch
 
 BINDS = {
@@ -58,12 +59,19 @@ def criterion_in_words(problem: Problem) -> str:
 def _over_interval(problem: Problem) -> str:
     if problem.uncertain is None:
         return ""
-    name = problem.uncertain.name
-    ends = (problem.uncertain.lower, problem.uncertain.upper)
-    lower, upper = (float(from_si(name, np.asarray(end))) for end in ends)
-    how = "in the worst case" if problem.robust == "worst" else "on average"
-    unit = QUANTITIES[name].unit
-    return f", {how} over {name} from {lower:g} to {upper:g}{'' if unit == '1' else f' {unit}'}"
+    how = {"worst": "in the worst case", "mean": "on average"}.get(problem.uncertain.how)
+    how = how or f"of the {problem.uncertain.quantile:g} quantile"
+    told = (_known(name, one) for name, one in problem.uncertain.distributions.items())
+    return f", {how} over {', '.join(told)}"
+
+
+def _known(name: str, one: Distribution) -> str:
+    """Return how well a parameter is known, in words."""
+    unit = "" if QUANTITIES[name].unit == "1" else f" {QUANTITIES[name].unit}"
+    if isinstance(one, Between):
+        return f"{name} from {one.lower:g} to {one.upper:g}{unit}"
+    lower, upper = tolerance(name, one)
+    return f"{name} about {nominal(one):g} ({lower:.4g} to {upper:.4g}){unit}"
 
 
 def _looked_for(problem: Problem) -> str:

@@ -9,6 +9,7 @@ from core.motion.method import Method
 from core.motion.prepare import other_method, price_of
 from core.motion.systems import methods_of
 from core.optimise.problem import Problem
+from core.optimise.robust import NODES
 from core.optimise.scipy_methods import search_budget
 from core.optimise.slopes import sensitive
 from core.plan.grid import Grid
@@ -77,10 +78,13 @@ class Optimisation(Prepared):
         """Seconds of a design as is likely, and at most."""
         if not self.problem.is_motion:
             seconds = QUICK_SECONDS if self.method in QUICK else OTHER_SECONDS
+            seconds *= max(1.0, self.problem.nodes / NODES)
             return seconds, seconds
         method = methods_of(self.plan.scene.name)[self.plan.variant]
         likely, most = self._priced_by(method)
-        motions = search_budget(len(self.problem.names))
+        # One interval of nine nodes is in the price of a search; more nodes cost as much more.
+        more = max(1.0, self.problem.nodes / NODES)
+        motions = more * search_budget(len(self.problem.names))
         return MOTION_SECONDS + motions * likely, MOTION_SECONDS + motions * most
 
     def _priced_by(self, method: Method) -> tuple[float, float]:

@@ -14,6 +14,7 @@ from core.mechanics.arrays import Array
 from core.optimise.codes import STATUS
 from core.optimise.found import Found
 from core.optimise.problem import Problem, cells_of, chosen_cells, columns
+from core.optimise.robust import NODES
 from core.optimise.single import spread
 from core.watch import Watch
 
@@ -34,9 +35,10 @@ def by_population(
     What keeps the constraints beats what does not; of two that do not, the smaller violation wins.
     """
     cells = cells_of(design)
+    step = max(1, CELLS * NODES // max(NODES, problem.nodes))
     pieces = [
         _evolve(problem, chosen_cells(design, piece), chosen_cells(scales, piece), watch, cells)
-        for piece in (slice(start, start + CELLS) for start in range(0, cells, CELLS))
+        for piece in (slice(start, start + step) for start in range(0, cells, step))
     ]
     return Found(
         np.concatenate([piece.x for piece in pieces], axis=1),

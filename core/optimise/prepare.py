@@ -15,6 +15,7 @@ from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS, default_method, refusal
 from core.optimise.optimisation import Optimisation
 from core.optimise.problem import CONTACTS, LIMIT, Kept, Problem, Variable
+from core.optimise.robust import uncertain_of
 from core.optimise.search import MOST_VARIABLES
 from core.optimise.slopes import MOST_SENSITIVE
 from core.optimise.wrong import (
@@ -30,6 +31,7 @@ from core.plan.plan import choose_scene, scene_parameters
 from core.plan.prepared import Chosen, further_problems, plan_study
 from core.scenes import Scene
 from core.scenes.graph import behind
+from core.study.distributions import nominal, tolerance
 from core.study.optimise_study import Limited, OptimiseStudy, Pareto
 from core.study.values import Between, Fixed, Span, Values
 
@@ -75,11 +77,9 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         message = f"there are {len(bounds)} of them"
         problems.append(Wrong("variables", message, f"Choose at most {MOST_VARIABLES}"))
     problems += wrong_intervals(study, intervals, values, bounds)
-    spans = {
-        name: Span(one.lower, one.upper, 2)
-        for name, one in {**bounds, **intervals}.items()
-        if name not in values
-    }
+    ends = {name: (one.lower, one.upper) for name, one in bounds.items()}
+    ends |= {name: tolerance(name, one) for name, one in intervals.items()}
+    spans = {name: Span(*pair, 2) for name, pair in ends.items() if name not in values}
     try:
         plan, _ = plan_study(study, outputs, chosen, spans)
     except StudyError as error:
@@ -91,16 +91,16 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     if problems:
         raise StudyError(dict.fromkeys(problems))
     variables = tuple(_variable(name, between) for name, between in bounds.items())
-    unsure = [_variable(name, between) for name, between in intervals.items()]
+    how = study.robust or "worst"
+    unsure = uncertain_of(intervals, how, study.quantile) if intervals else None
     problem = Problem(
         plan,
         variables,
         study.criterion,
         kept,
-        unsure[0] if unsure else None,
-        study.robust or "worst",
+        unsure,
     )
-    middles = {n: Fixed((one.lower + one.upper) / 2) for n, one in intervals.items()}
+    middles = {name: Fixed(nominal(one)) for name, one in intervals.items()}
     designs = Grid.of({**values, **middles})
     if study.sensitivities and designs.cells > MOST_SENSITIVE:
         message = f"each of {designs.cells:,} designs would be derived singly"

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.motion.result import Motion
-from core.optimise.robust import nodes_over, over_nodes
+from core.optimise.robust import Uncertain
 from core.plan.equations import regimes, run_equations
 from core.plan.grid import from_si
 from core.plan.plan import Plan
@@ -83,10 +83,11 @@ class Problem:
     variables: tuple[Variable, ...]
     criterion: Criterion
     kept: tuple[Kept, ...]
-    uncertain: Variable | None = None
-    """A parameter known within an interval only; its value in a design is the middle."""
-    robust: str = "worst"
-    """What counts over that interval: the worst case, or the mean; constraints hold all over it."""
+    uncertain: Uncertain | None = None
+    """Parameters that are not known exactly, and what counts of an objective under them.
+
+    Their values in a design are those that are meant; constraints hold at all nodes.
+    """
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -205,14 +206,13 @@ class Problem:
 
         That is the error of the objective where a motion does not repeat, 0 where it does, and
         `UNKNOWN` where the output is another than the mean velocity, whose error alone is known. Of
-        an uncertain parameter the largest error counts.
+        uncertain parameters the largest error counts.
         """
         if self.uncertain is None:
             return self._judged(x, design, scales, watch)
         values, beyond, doubt = self._judged(x, self.over(design, x), scales, watch)
-        weights = self.nodes()[1]
         lost = np.isinf(values).any(axis=0)
-        value = over_nodes(np.where(lost, 0.0, values), weights)
+        value = self.uncertain.counts(np.where(lost, 0.0, values), self.sign)
         return np.where(lost, -np.inf, value), beyond.max(axis=0), doubt.max(axis=0)
 
     @property
@@ -241,27 +241,28 @@ class Problem:
         error = known["motion"].error * known["velocity_scale"]
         return np.asarray(from_si(self.criterion.output, error))
 
-    def nodes(self) -> tuple[Array, Array | None]:
-        """Return nodes over the interval of the uncertain parameter, and weights of a mean."""
-        assert self.uncertain is not None
-        return nodes_over((self.uncertain.lower, self.uncertain.upper), self.robust)
+    @property
+    def nodes(self) -> int:
+        """The values of uncertain parameters at which a candidate is judged."""
+        return 1 if self.uncertain is None else self.uncertain.size
 
     def over(self, design: Mapping[str, Array], x: Array) -> dict[str, Array]:
-        """Return designs over the interval of the uncertain parameter, along a first axis more.
+        """Return designs at the nodes of the uncertain parameters, along a first axis more.
 
-        What candidates x give without that parameter then is computed once.
+        What candidates x give without these parameters then is computed once.
         """
         assert self.uncertain is not None
         axes = max(x.ndim - 1, *(values.ndim for values in design.values()))
-        return {**design, self.uncertain.name: self.nodes()[0].reshape(-1, *(1,) * axes)}
+        nodes = self.uncertain.values.items()
+        return {**design, **{name: one.reshape(-1, *(1,) * axes) for name, one in nodes}}
 
     def safe_margin(self, kept: Kept, x: Array, design: Mapping[str, Array]) -> Array:
-        """Return the least margin over the interval of the uncertain parameter, if there is one."""
+        """Return the least margin over the nodes of the uncertain parameters, if there are any."""
         if self.uncertain is None:
             return self.margin(kept, self.known(x, design), design)
         over = self.over(design, x)
         margins = self.margin(kept, self.known(x, over), over)
-        depends = margins.ndim == over[self.uncertain.name].ndim
+        depends = margins.ndim == over[next(iter(self.uncertain.values))].ndim
         return np.asarray(margins.min(axis=0) if depends else margins)
 
     def _judged(

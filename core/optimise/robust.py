@@ -1,16 +1,29 @@
-"""Values under what is not known: the worst case or the mean over an interval (theory 12.4)."""
+"""Values under what is not known: the worst case, the mean or a quantile (theory 12.4)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from itertools import product
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from core.mechanics.arrays import Array
+from core.plan.draws import points as drawn_points
+from core.plan.draws import values_at
+from core.plan.grid import parameter_to_si
+from core.study.distributions import Distribution, tolerance
+from core.study.values import Between
 
 NODES = 9  # over the interval of an uncertain parameter
+DRAWN = 64  # points drawn from several distributions, or from one that is not uniform
+LEVELS = {1: NODES, 2: 5, 3: 3}
+"""Nodes of each of so many parameters, all with all, for the worst case; of more the two ends."""
+MOST_UNCERTAIN = 6
+
+How = Literal["worst", "mean", "quantile"]
 
 UncertainEvaluate = Callable[[Array, Array], Array]
 """Takes points (n, d) and a value of the uncertain parameter for each (n,), returns values (n,)."""
@@ -75,3 +88,80 @@ def over_nodes(values: Array, weights: Array | None) -> Array:
     if weights is None:
         return np.asarray(values.min(axis=0))
     return np.asarray(np.tensordot(weights, values, axes=1))
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """Parameters that are not known exactly, at the nodes at which candidates are judged.
+
+    Attributes
+    ----------
+    distributions : mapping of str to Distribution
+        Of each parameter.
+    values : mapping of str to ndarray
+        The parameters at the nodes, shape (nodes,), SI units.
+    how : {"worst", "mean", "quantile"}
+        What counts over the nodes.
+    weights : ndarray, optional
+        Of a mean that is no plain one.
+    quantile : float
+        Which quantile counts.
+    """
+
+    distributions: Mapping[str, Distribution]
+    values: Mapping[str, Array]
+    how: How
+    weights: Array | None = None
+    quantile: float = 0.5
+
+    @property
+    def size(self) -> int:
+        """The number of nodes."""
+        return next(iter(self.values.values())).size
+
+    def counts(self, values: Array, sign: float) -> Array:
+        """Return what counts of values over the nodes, which are the first axis.
+
+        `sign` is -1 where they are those of an output with the sign turned.
+        """
+        if self.how == "quantile":
+            share = self.quantile if sign > 0 else 1 - self.quantile
+            return np.asarray(np.quantile(values, share, axis=0))
+        if self.how == "mean" and self.weights is None:
+            return np.asarray(values.mean(axis=0))
+        return over_nodes(values, self.weights)
+
+
+def uncertain_of(
+    distributions: Mapping[str, Distribution], how: How, quantile: float | None
+) -> Uncertain:
+    """Return the nodes at which candidates are judged under some distributions.
+
+    The worst case and the mean over the interval of one parameter are those of `nodes_over`. Else
+    the worst case is that of nodes all over the box of the tolerances, ends included, and mean and
+    quantile are those of points that are drawn once for all candidates.
+    """
+    (name, one), *others = distributions.items()
+    if not others and isinstance(one, Between) and how != "quantile":
+        lower, upper = (float(parameter_to_si(name, np.asarray(e))) for e in (one.lower, one.upper))
+        places, weights = nodes_over((lower, upper), how)
+        return Uncertain(distributions, {name: places}, how, weights)
+    if how == "worst":
+        values = _box(distributions)
+    else:
+        values = values_at(distributions, drawn_points(len(distributions), DRAWN, 0)[:, 0])
+    return Uncertain(distributions, values, how, None, 0.5 if quantile is None else quantile)
+
+
+def _box(distributions: Mapping[str, Distribution]) -> dict[str, Array]:
+    """Return nodes over the box of the tolerances, the middle among them."""
+    count = len(distributions)
+    shares = np.linspace(0.0, 1.0, LEVELS.get(count, 2))
+    nodes = np.array(list(product(shares, repeat=count)))
+    if shares.size == 2:
+        nodes = np.concatenate([nodes, np.full((1, count), 0.5)])
+    found = {}
+    for (name, one), share in zip(distributions.items(), nodes.T, strict=True):
+        lower, upper = tolerance(name, one)
+        found[name] = parameter_to_si(name, lower + (upper - lower) * share)
+    return found

@@ -6,7 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from core.errors import Problem as Wrong
+from core.optimise.robust import MOST_UNCERTAIN
 from core.scenes import SCENES, Scene
+from core.study.distributions import Distribution
 from core.study.optimise_study import Limited, OptimiseStudy, OutputLimit, Pareto
 from core.study.values import Between, Values
 
@@ -49,19 +51,24 @@ def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Wr
 
 def wrong_intervals(
     study: OptimiseStudy,
-    intervals: Mapping[str, Between],
+    intervals: Mapping[str, Distribution],
     values: Mapping[str, Values],
     bounds: Mapping[str, Between],
 ) -> Iterable[Wrong]:
-    """Yield what is wrong with the uncertain parameter."""
+    """Yield what is wrong with the uncertain parameters."""
     for name in intervals:
         if name in values or name in bounds:
             section = "parameters" if name in values else "variables"
             fix = f"Remove it there, or under {section}.{name}"
             yield Wrong(f"uncertain.{name}", f"it is also under {section}", fix)
-    if len(intervals) > 1:
-        fix = "Keep the one that matters most"
-        yield Wrong("uncertain", f"there are {len(intervals)} of them, and one is taken", fix)
+    if len(intervals) > MOST_UNCERTAIN:
+        fix = f'Keep the {MOST_UNCERTAIN} that matter most: kind = "sensitivity" tells which'
+        yield Wrong("uncertain", f"there are {len(intervals)} of them", fix)
+    if study.robust == "quantile" and study.quantile is None:
+        fix = "Add quantile = 0.05 for what all but a twentieth of the parts do better than"
+        yield Wrong("quantile", "it is missing", fix)
+    if study.quantile is not None and study.robust != "quantile":
+        yield Wrong("quantile", "nothing asks for it", 'Remove it, or set robust = "quantile"')
     if study.robust is not None and not intervals:
         fix = "Add [uncertain], for example friction = { lower = 0.2, upper = 0.4 }"
         yield Wrong("robust", "nothing is uncertain", fix)

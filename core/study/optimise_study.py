@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from core.study.distributions import Distribution
 from core.study.grid_study import (
     MOST_OUTPUTS,
     PARAMETERS,
@@ -16,6 +17,7 @@ from core.study.grid_study import (
     Variables,
 )
 from core.study.levels import Level, OpenLevel, at_most
+from core.study.uncertain import Uncertain, distributions_of
 from core.study.values import Between
 
 
@@ -110,14 +112,21 @@ class OptimiseStudy(DrivenStudy):
     wall_contact: bool = Field(
         True, description="Whether the part is to stay on the wall, where the scene has one."
     )
-    uncertain: Variables | None = Field(
+    uncertain: Uncertain | None = Field(
         None,
-        description="One parameter that is known within an interval only, such as friction.",
+        description="Parameters that are not known exactly, such as friction: their bounds, or "
+        "their distributions.",
     )
-    robust: Literal["worst", "mean"] | None = Field(
+    robust: Literal["worst", "mean", "quantile"] | None = Field(
         None,
-        description="What is looked for over that interval: the best worst case (where left out), "
-        "or the best mean.",
+        description="What is looked for under them: the best worst case (where left out), the "
+        "best mean, or the best quantile.",
+    )
+    quantile: float | None = Field(
+        None,
+        description="The share of the parts below which the value of the output is to be best.",
+        gt=0,
+        lt=1,
     )
     sensitivities: bool = Field(
         False,
@@ -128,12 +137,9 @@ class OptimiseStudy(DrivenStudy):
         (), description="Further outputs to tell at the optimum.", max_length=MOST_OUTPUTS
     )
 
-    def intervals(self) -> dict[str, Between]:
-        """Return the uncertain parameters and their intervals."""
-        if self.uncertain is None:
-            return {}
-        given = self.uncertain.model_fields_set
-        return {name: getattr(self.uncertain, name) for name in PARAMETERS if name in given}
+    def intervals(self) -> dict[str, Distribution]:
+        """Return the uncertain parameters and their distributions."""
+        return distributions_of(self.uncertain)
 
     def bounds(self) -> dict[str, Between]:
         """Return the given variables and their bounds, in the order of the declaration."""

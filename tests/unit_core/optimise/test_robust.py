@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from core.optimise.robust import robust_value
+from core.optimise.robust import robust_value, uncertain_of
+from core.study.distributions import read_distribution
 
 
 def hill(points, friction):
@@ -59,3 +60,20 @@ def test_a_node_without_a_value_takes_the_value_away(how):
 def test_wrong_requests_are_refused(interval, how, nodes):
     with pytest.raises(ValueError, match=r"interval|nodes|how"):
         robust_value(hill, interval, how=how, nodes=nodes)
+
+
+def test_the_quantile_of_what_is_to_be_least_is_that_of_the_output_itself():
+    law = {"friction": read_distribution("friction", {"mean": 0.4, "deviation": 0.03})}
+    nodes = uncertain_of(law, "quantile", 0.9)
+    output = nodes.values["friction"][:, None]
+    assert nodes.counts(output, 1.0) == pytest.approx([0.4 + 1.2816 * 0.03], rel=5e-3)
+    assert nodes.counts(-output, -1.0) == pytest.approx(-nodes.counts(output, 1.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_the_worst_case_knows_every_corner_and_the_middle(count):
+    names = ("friction", "amplitude", "frequency", "gravity")[:count]
+    law = {name: read_distribution(name, {"lower": 1.0, "upper": 2.0}) for name in names}
+    found = np.array([*uncertain_of(law, "worst", None).values.values()])
+    assert {tuple(one) for one in found.T} >= {(1.0,) * count, (2.0,) * count, (1.5,) * count}
+    assert found.shape[1] == {1: 9, 2: 25, 3: 27, 4: 17}[count]
