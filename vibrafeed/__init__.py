@@ -217,7 +217,7 @@ def plot(
         middle one if left out.
     kind : str, optional
         contour, surface, line, map, levels, thresholds, parallel, trajectory, front or landscape;
-        what fits if left out.
+        of uncertain parameters distribution, indices, effects or tornado; what fits if left out.
     title : str, optional
         The name of the picture; that of what it shows if left out.
     units : str or sequence of str, optional

@@ -45,7 +45,8 @@ def plot(
             "--kind",
             "-k",
             help="contour, surface, line, map, levels, thresholds, parallel, trajectory, "
-            "animation, front or landscape.",
+            "animation, front or landscape; of uncertain parameters distribution, indices, effects "
+            "or tornado.",
         ),
     ] = None,
     slow: Annotated[

@@ -26,6 +26,8 @@ from core.plots.thresholds import draw_thresholds
 from core.plots.together import draw_together
 from core.plots.trajectory import TIME, check_trajectory, draw_trajectory, read_trajectory
 from core.plots.tumbling import draw_tumbling, read_tumbling
+from core.plots.uncertain import PAINTERS as UNCERTAIN
+from core.plots.uncertain import draw_uncertain, kind_of
 
 NOT_DESCRIBED = "the closed forms do not describe a part there"
 Painter = Callable[[Figure, Selection, Sequence[Look], Style], tuple[Axes, list[Artist]]]
@@ -82,9 +84,10 @@ def draw(
     at : mapping of str to float, optional
         Values of other dimensions, in the unit of the dataset; the middle one if left out.
     kind : str, optional
-        contour, surface, line, map, levels, thresholds, parallel, trajectory, front or landscape.
-        If left out: contour over two
-        axes, line over one, trajectory where the dataset holds a motion over a cycle. A line with
+        contour, surface, line, map, levels, thresholds, parallel, trajectory, front or landscape;
+        of uncertain parameters distribution, indices, effects or tornado. If left out: contour
+        over two axes, line over one, trajectory where the dataset holds a motion over a cycle, the
+        first of the last four where it tells of uncertain parameters. A line with
         two axes is a family of curves, at most seven, and what is drawn where an axis has no more
         values than that. A map shows the regimes, or an output whose numbers stand for words.
     title : str, optional
@@ -134,6 +137,12 @@ def draw(
     if kind == "animation":
         fix = "Call vibrafeed.animate, or end the name in .gif or .mp4"
         raise PlotError("kind", "an animation is a file, not a figure", fix)
+    if kind is None and (variable, axes) == (None, None):
+        kind = kind_of(dataset)
+    if kind in UNCERTAIN:
+        return draw_uncertain(
+            kind, dataset, style, shown, variable=variable, at=at, nearest=nearest, title=title
+        )
     if kind in ("front", "landscape") or (kind is None and not axes and "knee" in dataset):
         from core.plots.front import draw_front  # loads the optimiser
         from core.plots.landscape import draw_landscape

@@ -21,7 +21,7 @@ from core.study.shown import ShownUnits
 
 KINDS = (
     "contour", "surface", "line", "map", "levels", "thresholds", "parallel", "trajectory",
-    "animation", "front", "landscape",
+    "animation", "front", "landscape", "distribution", "indices", "effects", "tornado",
 )  # fmt: skip
 LOG_TOLERANCE = 1e-6
 FEW = 7  # values of an axis between which nothing is drawn: curves, not contours

@@ -443,13 +443,17 @@ class TestRobust:
 
     def test_a_quantile_is_that_of_the_quantile_of_one_parameter(self):
         normal = {"friction": {"mean": 0.4, "deviation": 0.03}}
-        robust = solved(**uncertain(uncertain=normal, robust="quantile", quantile=0.05))
-        parameters = {**DATA, "friction": 0.4 + 1.6448536 * 0.03}
-        known = solved(criterion={"kind": "maximise"}, parameters=parameters, method="population")
+        beta = {"variables": {"beta": {"lower": 0, "upper": 90}}}
+        straight = {**uncertain()["parameters"], "alpha": 0}
+        asked = {**uncertain(uncertain=normal, parameters=straight), **beta}
+        robust = solved(**asked, robust="quantile", quantile=0.05)
+        parameters = {**straight, "friction": 0.4 + 1.6448536 * 0.03}
+        known = solved(criterion={"kind": "maximise"}, parameters=parameters, **beta)
         # More friction, less acceleration. Of 64 points the quantile is off by a part of a gap.
         assert float(robust.objective) == pytest.approx(float(known.objective), rel=5e-3)
-        mean = solved(**uncertain(uncertain=normal, robust="mean"))
-        at_middle = solved(criterion={"kind": "maximise"}, parameters={**DATA, "friction": 0.4})
+        mean = solved(**asked, robust="mean")
+        middle = {**straight, "friction": 0.4}
+        at_middle = solved(criterion={"kind": "maximise"}, parameters=middle, **beta)
         assert float(mean.objective) == pytest.approx(float(at_middle.objective), rel=1e-3)
         assert "friction about 0.4" in mean.attrs["criterion"]
 

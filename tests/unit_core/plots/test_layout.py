@@ -9,6 +9,7 @@ import pytest
 import xarray
 
 import vibrafeed
+from core.plots import PlotError
 from layout import boxes, judge
 
 LOOKS = ({}, {"dark": True, "small": True})
@@ -106,6 +107,37 @@ def test_one_part_and_optima(
         frequency="60 Hz", amplitude="0.1 mm", friction=[0.3, 0.5],
     )  # fmt: skip
     judge(vibrafeed.plot(fronts, **look))
+
+
+@pytest.mark.parametrize("look", LOOKS, ids=["light", "small and dark"])
+def test_what_is_uncertain(look: dict[str, bool]):
+    told = vibrafeed.sensitivity(
+        scene="rectangle-on-plane", outputs=["acceleration_x", "throw_number"], frequency=50,
+        beta=20, gamma=[0, 2], samples=256,
+        analyses=["distribution", "sobol", "morris", "budget"],
+        uncertain={"amplitude": {"mean": "0.1 mm", "deviation": "1 um"},
+                   "friction": {"lower": 0.2, "most_likely": 0.3, "upper": 0.35}},
+        demands=[{"output": "acceleration_x", "at_least": 1.5, "at_most": 3}],
+    )  # fmt: skip
+    for kind, name in (
+        (None, "Distribution of the acceleration along the track"),
+        ("indices", "Where the variance of the"),
+        ("effects", "Which parameters the"),
+        ("tornado", "What each tolerance does to the"),
+    ):
+        figure = vibrafeed.plot(told, kind=kind, at={"gamma": 0}, **look)
+        assert name.split()[0] in figure.get_suptitle()
+        judge(figure)
+    lines = vibrafeed.plot(told, variable="acceleration_x_mean", axes=("gamma",), **look)
+    judge(lines)
+    without = told.drop_vars("acceleration_x_total")
+    for dataset, asked in (
+        (without, {"kind": "indices"}),
+        (told, {"kind": "tornado", "variable": "speed"}),
+        (told.drop_attrs(), {"kind": "effects"}),
+    ):
+        with pytest.raises(PlotError):
+            vibrafeed.plot(dataset, **asked, **look)
 
 
 @pytest.mark.parametrize("look", LOOKS, ids=["light", "small and dark"])

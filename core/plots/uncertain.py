@@ -1,0 +1,344 @@
+"""Pictures of a study of uncertain parameters: distribution, indices, effects, tolerances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from core.errors import suggestion
+from core.plots.fixed import fixed_positions
+from core.plots.heading import finish, source_of
+from core.plots.problem import PlotError
+from core.plots.selection import held_at, held_fixed
+from core.plots.style import Style, mix
+from core.plots.text import in_brackets, number, with_unit, words
+from core.quantities import QUANTITIES
+from core.sensitivity.answers import LEVEL, QUANTILE, UNCERTAIN
+from core.study.shown import Shown, ShownUnits
+
+NEEDED = {
+    "distribution": "distribution",
+    "indices": "total",
+    "effects": "effect",
+    "tornado": "at_upper",
+}
+"""The variable, by the last part of its name, that a kind of picture is of."""
+ANALYSIS = {
+    "distribution": "distribution",
+    "indices": "sobol",
+    "effects": "morris",
+    "tornado": "budget",
+}
+LEFT_OUT = "_left_out"
+BINS = 32
+HEIGHT = 0.36  # of a bar, over the room of its parameter
+ABOVE = 1.2
+ROOM = 0.08  # beyond the largest value
+
+
+@dataclass(frozen=True)
+class Told:
+    """What is known of one output at one design, in the unit in which it is read.
+
+    Attributes
+    ----------
+    output : str
+        Its name.
+    shown : Shown
+        How its values are read.
+    design : xarray.Dataset
+        The result at that design.
+    facts : tuple of str
+        What is held fixed, in words.
+    """
+
+    output: str
+    shown: Shown
+    design: xarray.Dataset
+    facts: tuple[str, ...]
+
+    @property
+    def names(self) -> list[str]:
+        """The uncertain parameters."""
+        return str(self.design[UNCERTAIN].attrs["flag_meanings"]).split()
+
+    @property
+    def label(self) -> str:
+        """The name of the output."""
+        return QUANTITIES[self.output].label
+
+    @property
+    def axis(self) -> str:
+        """The label of an axis of its values."""
+        return " ".join(filter(None, (self.label, in_brackets(self.shown.unit))))
+
+    def values(self, part: str) -> NDArray[np.float64]:
+        """Return what is told under a name, in the unit in which the output is read."""
+        return np.asarray(self.shown.factor * self.shares(part))
+
+    def shares(self, part: str) -> NDArray[np.float64]:
+        """Return the same of a number without a unit."""
+        return np.asarray(self.design[f"{self.output}_{part}"].values, dtype=np.float64)
+
+    def has(self, part: str) -> bool:
+        """Return whether something is told under a name."""
+        return f"{self.output}_{part}" in self.design
+
+    def read(self, value: float) -> str:
+        """Return a value as a person reads it."""
+        return with_unit(number(value, 4), self.shown.unit)
+
+
+def kind_of(dataset: xarray.Dataset) -> str | None:
+    """Return the kind of picture of a study of uncertain parameters; None of any other result."""
+    if "uncertain_parameters" not in dataset.attrs:
+        return None
+    names = [str(name) for name in dataset.data_vars]
+    for kind, part in NEEDED.items():
+        if any(name.endswith(f"_{part}") for name in names):
+            return kind
+    return None
+
+
+def draw_uncertain(
+    kind: str,
+    dataset: xarray.Dataset,
+    style: Style,
+    units: ShownUnits,
+    *,
+    variable: str | None = None,
+    at: Mapping[str, float] | None = None,
+    nearest: bool = False,
+    title: str | None = None,
+) -> Figure:
+    """Return one of the pictures of a study of uncertain parameters, of one design.
+
+    Raises
+    ------
+    PlotError
+        If the dataset does not hold what is asked for.
+    """
+    told = _told(kind, dataset, variable, at or {}, units, nearest=nearest)
+    figure = style.sheet(height=5.0)
+    axes = figure.add_subplot()
+    name, entries, note = PAINTERS[kind](axes, told, style)
+    return finish(
+        figure, axes, style, name=title or name, facts=told.facts, source=source_of(dataset),
+        entries=entries, note=note,
+    )  # fmt: skip
+
+
+def _told(
+    kind: str,
+    dataset: xarray.Dataset,
+    variable: str | None,
+    at: Mapping[str, float],
+    units: ShownUnits,
+    *,
+    nearest: bool,
+) -> Told:
+    outputs = [str(n).removesuffix(LEFT_OUT) for n in dataset.data_vars if n.endswith(LEFT_OUT)]
+    if not outputs or "uncertain_parameters" not in dataset.attrs:
+        fix = "Draw what `vibrafeed run` wrote of a study of kind 'sensitivity'"
+        raise PlotError("dataset", "it tells of no uncertain parameters", fix)
+    output = variable or outputs[0]
+    if output not in outputs:
+        raise PlotError("variable", f"'{output[:60]}' is no output", suggestion(output, outputs))
+    whole = f"{output}_{NEEDED[kind]}"
+    if whole not in dataset:
+        fix = f'Add "{ANALYSIS[kind]}" to the analyses of the study'
+        raise PlotError("dataset", f"it holds no {words(whole)}", fix)
+    loose = [str(d) for d in dataset.dims if d not in (UNCERTAIN, QUANTILE, LEVEL)]
+    positions = fixed_positions(dataset, at, loose, (), nearest=nearest)
+    facts = [held_at(dataset[name], units, position) for name, position in positions.items()]
+    parameters = dataset.drop_vars([d for d in (UNCERTAIN, QUANTILE, LEVEL) if d in dataset.coords])
+    facts += held_fixed(parameters, units)
+    unit = QUANTITIES[output].unit
+    design = dataset.isel(positions)
+    own = [
+        np.abs(np.asarray(one.values, dtype=np.float64)).ravel()
+        for name, one in design.data_vars.items()
+        if str(name).startswith(f"{output}_") and one.attrs.get("units") == unit
+    ]
+    sizes = np.concatenate([*own, [0.0]])
+    shown = units.of(unit, float(sizes[np.isfinite(sizes)].max()))
+    told = Told(output, shown, design, tuple(facts))
+    if not np.isfinite(told.shares(NEEDED[kind])).any():
+        message = f"no point of {words(output)} has a sound value here"
+        raise PlotError("dataset", message, "Draw another design, with at, or another output")
+    return told
+
+
+Drawn = tuple[str, Sequence[Artist], str]
+"""The name of a picture, the entries of its legend, and a note."""
+
+
+def _draw_distribution(axes: Axes, told: Told, style: Style) -> Drawn:
+    """Draw how the values spread, with quantiles, and the bounds of demands."""
+    levels = np.asarray(told.design[LEVEL].values, dtype=np.float64)
+    values = told.values("distribution")
+    low, high = float(values[0]), float(values[-1])
+    edges = np.linspace(low, high if high > low else low + 1.0, BINS + 1)
+    # The share below each edge, by the quantiles: where many are equal it jumps.
+    below = (
+        np.interp(edges, *_rising(values, levels)) if high > low else np.linspace(1, 1, BINS + 1)
+    )
+    below[0], below[-1] = 0.0, 1.0
+    axes.bar(
+        edges[:-1], 100 * np.diff(below), np.diff(edges), align="edge",
+        color=mix(style.ground, style.curve, 0.45), edgecolor=style.ground, linewidth=0.6,
+    )  # fmt: skip
+    entries: list[Artist] = [
+        Patch(color=mix(style.ground, style.curve, 0.45), label="Share of the parts")
+    ]
+    for share, value in zip(told.design[QUANTILE].values, told.values(QUANTILE), strict=True):
+        axes.axvline(value, color=style.ink, linewidth=style.width(1.0), linestyle="--")
+        axes.annotate(
+            with_unit(number(100 * share, 3), "%"), (value, 1.0), (-2, -3), va="top", ha="right",
+            xycoords=("data", "axes fraction"), textcoords="offset points", color=style.ink,
+            fontsize=style.text(8.5), rotation=90,
+        )  # fmt: skip
+    entries.append(Line2D([], [], color=style.ink, linestyle="--", label="Quantiles"))
+    facts = []
+    for name, one in told.design.data_vars.items():
+        if one.attrs.get("output") != told.output or str(name).endswith("_error"):
+            continue
+        error = float(told.design[f"{name}_error"])
+        ends = [one.attrs[key] for key in ("at_least", "at_most") if key in one.attrs]
+        bounds = [float(end) * told.shown.factor for end in ends]
+        for bound in bounds:
+            axes.axvline(bound, color=style.accent, linewidth=style.width(2.0))
+        words_ = [
+            f"{key.replace('_', ' ')} {told.read(bound)}"
+            for key, bound in zip(
+                [k for k in ("at_least", "at_most") if k in one.attrs], bounds, strict=True
+            )
+        ]
+        facts.append(f"{' and '.join(words_)}: {_percent(float(one))} ± {_percent(error)}")
+        entries.append(Line2D([], [], color=style.accent, linewidth=2.0, label=facts[-1]))
+    axes.set(xlabel=told.axis, ylabel="Share of the parts (%)")
+    axes.margins(x=0.03)
+    axes.set_ylim(top=axes.get_ylim()[1] * ABOVE)  # room for the names of quantiles
+    style.add_grid(axes)
+    left = float(told.design[f"{told.output}{LEFT_OUT}"])
+    note = f"{_percent(left)} of the points have no sound value" if left > 0 else ""
+    return f"Distribution of the {_lower(told.label)}", entries, note
+
+
+def _rising(
+    values: NDArray[np.float64], levels: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return each value once, with the largest level that it has."""
+    last = np.append(np.diff(values) > 0, True)
+    return values[last], levels[last]
+
+
+def _draw_indices(axes: Axes, told: Told, style: Style) -> Drawn:
+    """Draw first and total indices as bars with their intervals, the largest on top."""
+    total = told.shares("total")
+    order = np.argsort(total)
+    names = [told.names[k] for k in order]
+    rows = np.arange(len(names), dtype=float)
+    colours = {"first": style.curve, "total": style.other}
+    entries: list[Artist] = []
+    for away, part in ((HEIGHT / 2, "first"), (-HEIGHT / 2, "total")):
+        axes.barh(
+            rows + away, 100 * told.shares(part)[order], HEIGHT, color=colours[part],
+            xerr=100 * told.shares(f"{part}_error")[order], ecolor=style.ink, capsize=3,
+        )  # fmt: skip
+        label = f"{part.capitalize()} index"
+        entries.append(Patch(color=colours[part], label=label))
+    _set_rows(axes, names, style)
+    axes.set(xlabel=f"Share of the variance of the {_lower(told.label)} (%)")
+    axes.set_xlim(left=min(0.0, axes.get_xlim()[0]))
+    note = "Lines across the ends are 95 % intervals of the sampling"
+    return f"Where the variance of the {_lower(told.label)} comes from", entries, note
+
+
+def _draw_effects(axes: Axes, told: Told, style: Style) -> Drawn:
+    """Draw Morris's plane: how much a parameter does, and how much that varies."""
+    size, deviation = told.values("effect"), told.values("effect_deviation")
+    most = float(np.nanmax(size)) * (1 + 2 * ROOM)
+    high = float(np.nanmax(deviation)) * (1 + 3 * ROOM)
+    most, high = most or 1.0, max(high, most / 6)
+    axes.plot([0, most], [0, most], color=style.quiet, linestyle=":", linewidth=style.width(1.0))
+    axes.plot(size, deviation, "o", color=style.curve, markersize=style.width(8))
+    for name, x, y in zip(told.names, size, deviation, strict=True):
+        right = x > most / 2
+        axes.annotate(
+            _name(name), (x, y), (-8 if right else 8, 5), textcoords="offset points",
+            ha="right" if right else "left", color=style.ink, fontsize=style.text(9.5),
+        )  # fmt: skip
+    unit = in_brackets(told.shown.unit)
+    axes.set(xlim=(0, most), ylim=(0, high))
+    axes.set_xlabel(f"Mean effect on the {_lower(told.label)}, mu* {unit}".rstrip())
+    axes.set_ylabel(f"Deviation of the effect, sigma {unit}".rstrip())
+    style.add_grid(axes)
+    entries = [
+        Line2D([], [], color=style.quiet, linestyle=":", label="Deviation as large as the effect")
+    ]
+    note = "High up: the effect depends on the place, by bends or by other parameters"
+    return f"Which parameters the {_lower(told.label)} depends on", entries, note
+
+
+def _draw_tornado(axes: Axes, told: Told, style: Style) -> Drawn:
+    """Draw what each tolerance does by itself, the widest on top, and the worst cases of all."""
+    lower, upper = told.values("at_lower"), told.values("at_upper")
+    middle = float(told.values("nominal"))
+    order = np.argsort(np.nan_to_num(np.maximum(np.abs(lower - middle), np.abs(upper - middle))))
+    names = [told.names[k] for k in order]
+    rows = np.arange(len(names), dtype=float)
+    ends = (("lower", lower, style.other), ("upper", upper, style.curve))
+    entries: list[Artist] = []
+    for end, values, colour in ends:
+        axes.barh(rows, values[order] - middle, 2 * HEIGHT, left=middle, color=colour)
+        entries.append(Patch(color=colour, label=f"At the {end} end"))
+    axes.axvline(middle, color=style.ink, linewidth=style.width(1.2))
+    entries.append(Line2D([], [], color=style.ink, label=f"Nominal: {told.read(middle)}"))
+    worst = [float(told.values(part)) for part in ("least", "largest")]
+    for value in worst:
+        axes.axvline(value, color=style.accent, linewidth=style.width(1.6), linestyle="--")
+    label = f"All together: {told.read(worst[0])} to {told.read(worst[1])}"
+    entries.append(Line2D([], [], color=style.accent, linestyle="--", label=label))
+    _set_rows(axes, names, style)
+    axes.margins(x=ROOM)
+    axes.set(xlabel=told.axis)
+    return f"What each tolerance does to the {_lower(told.label)}", entries, ""
+
+
+def _set_rows(axes: Axes, names: Sequence[str], style: Style) -> None:
+    axes.set_yticks(range(len(names)), [_name(name) for name in names])
+    axes.set_ylim(-0.6, len(names) - 0.4)
+    axes.tick_params(axis="y", length=0)
+    style.add_grid(axes)
+    axes.grid(visible=False, axis="y")
+
+
+def _name(parameter: str) -> str:
+    return words(parameter)
+
+
+def _lower(label: str) -> str:
+    return label[:1].lower() + label[1:]
+
+
+def _percent(share: float) -> str:
+    return with_unit(number(100 * share, 3), "%")
+
+
+PAINTERS: dict[str, Callable[[Axes, Told, Style], Drawn]] = {
+    "distribution": _draw_distribution,
+    "indices": _draw_indices,
+    "effects": _draw_effects,
+    "tornado": _draw_tornado,
+}
+"""The pictures, by their kind."""
