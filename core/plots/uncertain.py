@@ -146,7 +146,8 @@ def _told(
     *,
     nearest: bool,
 ) -> Told:
-    outputs = [str(n).removesuffix(LEFT_OUT) for n in dataset.data_vars if n.endswith(LEFT_OUT)]
+    names = [str(name) for name in dataset.data_vars]
+    outputs = [name.removesuffix(LEFT_OUT) for name in names if name.endswith(LEFT_OUT)]
     if not outputs or "uncertain_parameters" not in dataset.attrs:
         fix = "Draw what `vibrafeed run` wrote of a study of kind 'sensitivity'"
         raise PlotError("dataset", "it tells of no uncertain parameters", fix)

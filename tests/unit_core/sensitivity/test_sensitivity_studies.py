@@ -11,12 +11,15 @@ from typer.testing import CliRunner
 
 import vibrafeed
 from app.cli import app
+from app.main import create_app
+from app.settings import Settings
 from core.errors import StoppedError, StudyError
 from core.kinds import KINDS, prepare_content, tabulate
 from core.plan.pieces import Cut, join
 from core.sensitivity.budget import Budget
 from core.study.distributions import quantiles, read_distribution
 from core.watch import Watch
+from local_client import local_client
 
 PLANE = {
     "scene": "rectangle-on-plane",
@@ -269,3 +272,20 @@ def test_the_command_line_tells_what_matters(tmp_path):
     plan = CliRunner().invoke(app, ["run", str(study), "--dry-run"])
     assert plan.exit_code == 0, plan.output
     assert "acceleration_x_total" in plan.output
+
+
+def test_the_service_carries_it_out_and_does_not_measure_its_accuracy(tmp_path):
+    study = {**PLANE, "demands": [{"output": "acceleration_x", "at_least": "2 m/s^2"}]}
+    with local_client(create_app(Settings(data_directory=tmp_path))) as client:
+        reply = client.post("/processes/sensitivity/execution", json=study)
+        assert reply.status_code == 200, reply.text
+        asked = {"kind": "sensitivity", **study}
+        refused = client.post("/processes/accuracy/execution", json=asked)
+    told = reply.json()["variables"]
+    called = sensitive(study)
+    for name in ("probability_acceleration_x_at_least", "acceleration_x_mean"):
+        assert told[name]["data"] == float(called[name])
+    assert told["acceleration_x_total"]["dims"] == ["uncertain"]
+    assert reply.json()["coordinates"]["uncertain"]["flags"] == {"friction": 0}
+    assert refused.status_code == 422
+    assert "is not measured" in refused.text
