@@ -16,6 +16,7 @@ from core.errors import Problem, StudyError
 from core.motion.systems import SYSTEMS
 from core.plan.pieces import Computed, carry_out
 from core.plan.plan import scene_parameters
+from core.plan.posteriors import with_posteriors
 from core.plan.prepared import Prepared
 from core.plan.sample import FAILED, LEFT_OUT
 from core.quantities import MOTION_STATUSES, OPTIMUM_STATUSES
@@ -134,20 +135,21 @@ def _parsed(content: object, problems: list[Problem]) -> Study:
 
 
 def _fitted(content: object, *, files: bool) -> tuple[object, list[Problem], Fit | None]:
-    """Return content with the numbers of its recording, what is wrong with that, and its fit.
+    """Return content with the numbers of the files it names, what is wrong, and a drive's fit.
 
     Content whose recording is no sound one has no drive.
     """
+    content, problems = with_posteriors(content, files=files)
     if not (isinstance(content, Mapping) and names_recording(content)):
-        return content, [], None
+        return content, problems, None
     from core.measured.study import with_drive  # few studies need its libraries
 
     try:
         content, fit = with_drive(content, files=files)
     except StudyError as error:
         without = {name: value for name, value in content.items() if name != "drive"}
-        return without, list(error.problems), None
-    return content, [], fit
+        return without, [*problems, *error.problems], None
+    return content, problems, fit
 
 
 @overload

@@ -34,6 +34,7 @@ def convert(
     all of its forms have the same key: the service computes equal studies once. Exit code 2 means
     that the study or an option is wrong, 1 that the file could not be written.
     """
+    from core.plan.posteriors import with_posteriors
     from core.study.forms import FORMS, SERVICE, placed, to_curl
 
     if to not in FORMS:
@@ -41,6 +42,8 @@ def convert(
             {file: [Problem("to", f"'{to[:40]}' is not a form of a study", suggestion(to, FORMS))]}
         )
     content = _checked(file)
+    if to == "curl":  # a service reads no files of ours
+        content = with_posteriors(content, files=True)[0]
     folder = output.parent if output is not None else Path()
     try:
         found = placed(content, to, folder)

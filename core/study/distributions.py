@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 OUTSIDE = 0.00135
 """Share beyond either end of the tolerance of a distribution without ends: three deviations."""
+CALIBRATION = "calibration"
+"""The key that names the result of a calibration in place of numbers."""
 MOST_TABULATED = 10_000
 FEWEST_TABULATED = 2
 
@@ -103,6 +105,9 @@ def read_distribution(name: str, raw: object) -> Distribution:
         return raw
     quantity = QUANTITIES[name]
     keys = frozenset(map(str, raw)) if isinstance(raw, Mapping) else frozenset()
+    if keys == {CALIBRATION}:
+        message = f"{name} is to come from a file, and only the command line and Python read files"
+        raise UnitError(message, "Give values and densities in its place")
     if not isinstance(raw, Mapping) or keys not in map(frozenset, FORMS.values()):
         raise UnitError(*_no_form(name, keys))
     if keys == frozenset(FORMS["uniform"]):

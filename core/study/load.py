@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from pydantic import ValidationError
 
 from core.errors import MOST_PROBLEMS, Problem, StudyError, Suggestions, nearest
+from core.study.distributions import CALIBRATION
 from core.study.drive import RecordedDrive
 from core.study.grid_study import PARAMETERS
 from core.study.models import STUDIES, Study
@@ -55,7 +56,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
 def read_content(path: Path) -> object:
     """Return what stands in the TOML or JSON file at `path`; raise `StudyError` if it cannot.
 
-    The file of a recording is named beside that of the study.
+    The files of a recording and of calibrations are named beside that of the study.
     """
     suffix = path.suffix.lower()
     if suffix in NO_STUDIES:
@@ -70,6 +71,10 @@ def read_content(path: Path) -> object:
     drive = content.get("drive") if isinstance(content, dict) else None
     if isinstance(drive, dict) and isinstance(drive.get("file"), str):
         drive["file"] = str(path.parent / drive["file"])
+    uncertain = content.get("uncertain") if isinstance(content, dict) else None
+    for one in uncertain.values() if isinstance(uncertain, dict) else ():
+        if isinstance(one, dict) and isinstance(one.get(CALIBRATION), str):
+            one[CALIBRATION] = str(path.parent / one[CALIBRATION])
     return content
 
 

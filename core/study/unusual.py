@@ -53,6 +53,8 @@ def _leaves(raw: object) -> Iterator[Any]:
 def _question(
     name: str, quantity: Quantity, usual: tuple[float, float], leaves: list[Any]
 ) -> str | None:
+    if not leaves:  # what is uncertain may come from a file
+        return None
     sizes = [abs(value) for value in read_numbers(name, quantity, leaves)]
     largest = max(sizes, default=0.0)
     low, high = usual

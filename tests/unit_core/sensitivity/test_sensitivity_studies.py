@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import threading
 
 import numpy as np
 import pytest
+import xarray
 from scipy import stats
 from typer.testing import CliRunner
 
@@ -289,3 +291,33 @@ def test_the_service_carries_it_out_and_does_not_measure_its_accuracy(tmp_path):
     assert reply.json()["coordinates"]["uncertain"]["flags"] == {"friction": 0}
     assert refused.status_code == 422
     assert "is not measured" in refused.text
+
+
+def test_a_calibration_gives_its_density_to_who_has_the_file(tmp_path):
+    friction = np.linspace(0.2, 0.4, 41)
+    density = stats.norm(0.3, 0.02).pdf(friction) * (abs(friction - 0.3) < 0.07)
+    result = xarray.Dataset(
+        {"density_friction": ("friction", density)}, {"friction": friction}, {"title": "posterior"}
+    )
+    result.to_netcdf(tmp_path / "told.nc")
+    study = tmp_path / "study.json"
+    for named in ("told.nc", str(tmp_path / "told.nc")):
+        content = {
+            **PLANE,
+            "kind": "sensitivity",
+            "uncertain": {"friction": {"calibration": named}},
+        }
+        study.write_text(json.dumps(content))
+        found = vibrafeed.sensitivity(study)
+        normal = sensitive()
+        for part, within in (("mean", 1e-3), ("deviation", 1e-2)):
+            name = f"acceleration_x_{part}"
+            assert float(found[name]) == pytest.approx(float(normal[name]), rel=within)
+    assert len(found.vf.study.content()["uncertain"]["friction"]["values"]) < 41
+    with pytest.raises(StudyError, match="only the command line and Python read files"):
+        prepare_content(content)
+    for wrong, says in (("none.nc", "cannot be read"), (3, "no path")):
+        with pytest.raises(StudyError, match=says):
+            sensitive(uncertain={"friction": {"calibration": wrong}})
+    with pytest.raises(StudyError, match="It has those of friction"):
+        sensitive(uncertain={"beta": {"calibration": named}})

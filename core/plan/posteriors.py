@@ -1,0 +1,69 @@
+"""Distributions that a calibration has left: from the file that a study names to their numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from core.errors import Problem
+from core.study.distributions import CALIBRATION
+
+MOST_BYTES = 200_000_000  # of a result
+DENSITY = "density_"
+"""With the name of a parameter, the variable that holds its density."""
+
+
+Content = TypeVar("Content")
+
+
+def with_posteriors(content: Content, *, files: bool) -> tuple[Content, list[Problem]]:
+    """Return content with the densities of its calibrations in their place, and what is wrong.
+
+    What is wrong is left out. Without `files`, as for what comes over the network, the content
+    stays as it is, and its reader refuses it.
+    """
+    uncertain = content.get("uncertain") if isinstance(content, Mapping) else None
+    if not files or not isinstance(content, Mapping) or not isinstance(uncertain, Mapping):
+        return content, []
+    found, problems = dict(uncertain), list[Problem]()
+    for name, raw in uncertain.items():
+        if isinstance(raw, Mapping) and set(raw) == {CALIBRATION}:
+            read = _density(str(name), raw[CALIBRATION])
+            if isinstance(read, Problem):
+                problems.append(read)
+                del found[name]
+            else:
+                found[name] = read
+    whole: Any = {**content, "uncertain": found}
+    return whole, problems
+
+
+def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
+    """Return values and densities of a parameter in a result, or why there are none."""
+    from core.dataset.read import read_netcdf
+
+    place = f"uncertain.{name}.{CALIBRATION}"
+    fix = "Name the NetCDF file that `vibrafeed run` wrote of a study of kind 'calibrate'"
+    if not isinstance(path, str):
+        return Problem(place, "it is no path", fix)
+    try:
+        table = read_netcdf(Path(path), most_bytes=MOST_BYTES)
+    except Exception as error:  # of a strange file the library raises of many kinds
+        return Problem(place, f"{path} cannot be read: {error}"[:300], fix)
+    told = table.variables.get(f"{DENSITY}{name}")
+    if told is None or told.dims != (name,) or name not in table.coordinates:
+        known = ", ".join(n.removeprefix(DENSITY) for n, one in table.variables.items()
+                          if n.startswith(DENSITY) and len(one.dims) == 1)  # fmt: skip
+        message = f"{path} has no density of {name}"
+        return Problem(place, message, f"It has those of {known}" if known else fix)
+    values = np.asarray(table.coordinates[name].values, dtype=np.float64)
+    densities = np.asarray(told.values, dtype=np.float64)
+    if not (np.isfinite(densities).all() and (densities > 0).any()):
+        return Problem(place, f"the density of {name} in {path} has no mass", "Calibrate it again")
+    # Nothing is lost beyond the first and the last 0 next to some mass.
+    some = np.flatnonzero(densities > 0)
+    kept = slice(max(some[0] - 1, 0), some[-1] + 2)
+    return {"values": values[kept].tolist(), "densities": densities[kept].tolist()}
