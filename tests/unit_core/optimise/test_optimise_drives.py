@@ -79,7 +79,8 @@ def test_the_worst_case_is_that_of_every_value_by_itself() -> None:
     ).reshape(-1, 1)
     found, beyond = problem.judged(x, design, problem.scales(design))
     alone = []
-    for friction in problem.nodes()[0]:
+    assert problem.uncertain is not None
+    for friction in problem.uncertain.values["friction"]:
         known = problem.known(x, {**design, "friction": np.array([friction])})
         alone.append(problem.objective(known))
     worst = np.min(alone, axis=0)
