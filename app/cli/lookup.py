@@ -89,10 +89,10 @@ def lookup(
 
 def _found(path: Path, given: list[str], rows: Path | None, *, simulate: bool) -> Table:
     """Return what the atlas says; report every problem and exit."""
-    from app.cli import console
     from core.atlas.lookup import lookup_grid, lookup_rows
     from core.atlas.read import MAKE, open_atlas
     from core.atlas.rows import read_rows
+    from core.study.unusual import questions
 
     source = rows or Path("lookup")
     wrong: dict[Path, list[Problem]] = {}
@@ -121,13 +121,14 @@ def _found(path: Path, given: list[str], rows: Path | None, *, simulate: bool) -
         refuse(wrong)
     try:
         if rows is None:
-            return lookup_grid(opened, parameters, simulate=simulate)
-        return lookup_rows(opened, columns, parameters, simulate=simulate)
+            looked_up = lookup_grid(opened, parameters, simulate=simulate)
+        else:
+            looked_up = lookup_rows(opened, columns, parameters, simulate=simulate)
     except StudyError as error:
         refuse({source: error.problems})
-    except VibrafeedError as error:
-        console.fail(str(error))
-        raise typer.Exit(FAILED) from None
+    for line in questions({"parameters": parameters}):
+        typer.echo(f"lookup: {line}", err=True)
+    return looked_up
 
 
 def _named(given: list[str]) -> tuple[dict[str, str | float], list[Problem]]:
@@ -141,7 +142,10 @@ def _named(given: list[str]) -> tuple[dict[str, str | float], list[Problem]]:
         elif name in found:
             problems.append(Problem(name[:60], "it is given twice", "Give it once"))
         else:
-            found[name] = value
+            try:
+                found[name] = float(value)
+            except ValueError:
+                found[name] = value
     return found, problems
 
 

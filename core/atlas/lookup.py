@@ -216,9 +216,8 @@ def advice(looked_up: Table) -> list[str]:
         beyond = values[~((values >= axis.least) & (values <= axis.largest))]
         if beyond.size:
             lines.append(
-                f"{_cells(beyond.size)} outside the atlas: the {name} {_span(beyond)} is not from "
-                f"{axis.least:g} to {axis.largest:g} ({axis.definition}). It depends on "
-                f"{axis.level}."
+                f"{_cells(beyond.size)} outside the atlas: the {name} {_span(beyond)}, and the "
+                f"atlas goes from {axis.least:g} to {axis.largest:g}. It is {axis.definition}."
             )
     if lines:
         lines.append(
@@ -233,8 +232,11 @@ def _cells(count: int) -> str:
 
 
 def _span(values: NDArray[np.float64]) -> str:
-    least, largest = f"{values.min():.4g}", f"{values.max():.4g}"
-    return least if least == largest else f"{least} to {largest}"
+    known = values[~np.isnan(values)]
+    if not known.size:
+        return "has no value"
+    least, largest = f"{known.min():.4g}", f"{known.max():.4g}"
+    return f"is {least}" if least == largest else f"is {least} to {largest}"
 
 
 def _prepared(parameters: Mapping[str, Any]) -> Simulation:

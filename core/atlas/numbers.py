@@ -39,8 +39,6 @@ class Axis:
     definition: str
     least: float
     largest: float
-    level: str
-    """What a user changes to get back into the range."""
 
     def attributes(self) -> dict[str, Any]:
         """Return its attributes in a dataset."""
@@ -51,19 +49,17 @@ AXES: Mapping[str, Axis] = {
     "throw_number": Axis(
         "Throw number",
         "A0 w^2 sin(beta) / (g cos(gamma)), with a hold-down added to g cos(gamma)",
-        0.02, 3.72, "amplitude, frequency or beta",
+        0.02, 3.72,
     ),
     "angle_number": Axis(
-        "Friction times tan(beta)", "friction_kinetic tan(beta)", 0.008, 5.0, "beta or friction"
+        "Friction times tan(beta)", "friction_kinetic tan(beta)", 0.008, 5.0
     ),
     "slope_number": Axis(
         "Slope over friction",
         "tan(gamma) / friction_kinetic, less if a hold-down presses the part on", -0.9, 0.9,
-        "gamma or friction",
     ),
     "friction_ratio": Axis(
         "Static over kinetic friction", "friction_static / friction_kinetic", 1.0, 1.6,
-        "friction_static or friction_kinetic",
     ),
 }  # fmt: skip
 
@@ -116,7 +112,8 @@ def rests(numbers: Numbers) -> Mask:
     Push and load are linear in sin(tau): the ends, where it is 1 and -1, decide.
     """
     throw, angle, slope, ratio = numbers
-    along = throw / angle
+    with np.errstate(divide="ignore", invalid="ignore"):
+        along = throw / angle
     up = along + ratio * throw <= ratio + slope
     down = np.abs(along - ratio * throw) <= ratio - slope
     return np.asarray((throw <= HOP) & up & down)

@@ -45,11 +45,18 @@ def test_no_answer_says_what_to_do(atlas):
     wild = ("frequency=50 Hz", "amplitude=4 mm", "beta=25", "friction=0.3", "--atlas", atlas)
     result = run("lookup", *wild)
     assert result.exit_code == 1
-    for words in ("no speed: out of range", "throw_number 17.01", "add --simulate"):
+    for words in ("no speed: out of range", "throw_number is 17.01", "add --simulate"):
         assert words in result.stdout
     result = run("lookup", *wild, "--simulate")
     assert result.exit_code == 0, result.output
     assert "by simulation" in result.stdout
+
+
+def test_a_number_that_is_hardly_meant_is_asked_about(atlas):
+    result = run(
+        "lookup", "frequency=50", "amplitude=0.4", "beta=25", "friction=0.3", "--atlas", atlas
+    )
+    assert "0.4 mm" in result.stderr
 
 
 def test_rows_and_documents(atlas, tmp_path):

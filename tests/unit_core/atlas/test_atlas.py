@@ -201,10 +201,13 @@ def test_what_is_not_answered_can_be_simulated(atlas):
 
 def test_advice_names_the_number_and_what_to_change(atlas):
     lines = advice(lookup_grid(atlas, {**PART, "amplitude": "4 mm"}))
-    assert "throw_number 17.01 is not from 0.02 to 3.72" in lines[0]
-    assert "amplitude, frequency or beta" in lines[0]
+    assert "the throw_number is 17.01, and the atlas goes from 0.02 to 3.72" in lines[0]
+    assert "A0 w^2 sin(beta)" in lines[0]
     assert "--simulate" in lines[-1]
     assert advice(lookup_grid(atlas, PART)) == []
+    nothing = advice(lookup_grid(atlas, {**PART, "beta": 0, "friction": 0}))
+    assert any("slope_number has no value" in line for line in nothing)
+    assert any("throw_number is 0," in line for line in nothing)
 
 
 def test_rows_are_cases_of_their_own(atlas, tmp_path):
