@@ -30,6 +30,7 @@ KINDS = {
     "simulate": ("simulate",),
     "optimise": ("optimise",),
     "sensitivity": ("sensitivity",),
+    "calibrate": ("calibrate",),
     "open_lazily": ("sweep",),
     "drive_error": ("simulate",),
 }
@@ -39,16 +40,18 @@ REGISTRIES: dict[str, tuple[Mapping[str, Scene], ...]] = {
     "simulate": (SYSTEMS,),
     "optimise": (SCENES, SYSTEMS),
     "sensitivity": (SCENES, SYSTEMS),
+    "calibrate": (SYSTEMS,),
 }
 """The scenes of each kind."""
-TOLD = ("sweep", "simulate", "optimise", "sensitivity")
+TOLD = ("sweep", "simulate", "optimise", "sensitivity", "calibrate")
 """Functions whose docstrings tell of each keyword."""
 OWN = ("study", "given", "draws", "seed")
 """Parameters of functions that are written by hand, unless their studies have such a key."""
 
 MAPPING = "Mapping[str, Any]"
+MAPPINGS = f"Mapping[str, {MAPPING}]"
 TYPES = {
-    "kind": 'Literal["sweep", "simulate", "optimise", "sensitivity"]',
+    "kind": 'Literal["sweep", "simulate", "optimise", "sensitivity", "calibrate"]',
     "scene": "{scenes}",
     "outputs": "{outputs} | Sequence[{outputs}]",
     "variant": 'Literal["thesis", "derived", "physical"] | str',
@@ -67,6 +70,15 @@ TYPES = {
     "floor_contact": "bool",
     "wall_contact": "bool",
     "sensitivities": "bool",
+    "observations": "str | Sequence[Mapping[str, Any]]",
+    "error": "float | str",
+    "unknowns": MAPPINGS,
+    "offsets": MAPPINGS,
+    "factors": MAPPINGS,
+    "candidates": "Mapping[str, Values]",
+    "discrepancy": "bool",
+    "doubt": "float",
+    "points": "int",
     "trajectory": "int | Sequence[float]",
     "drive": MAPPING,
     "tolerance": "float",
@@ -83,7 +95,10 @@ TYPES = {
     "parameters": "Mapping[str, Values]",
 }
 """How the keys of studies are written in Python, in the order in which functions take them."""
-FIRST = ("kind", "scene", "outputs", "variant", "method", "criterion", "variables", "constraints")
+FIRST = (
+    "kind", "scene", "outputs", "variant", "method", "criterion", "variables", "constraints",
+    "observations", "error", "unknowns",
+)  # fmt: skip
 """Keys that stand before the parameters."""
 
 
@@ -167,7 +182,8 @@ def annotations(function: str) -> dict[str, str]:
     own = keys(kinds)
     if function != "study":
         del own["kind"]  # the function says it
-    stem = {"sweep": "Swept", "simulate": "Simulated"}.get("".join(kinds), "")
+    stems = {"sweep": "Swept", "simulate": "Simulated", "calibrate": "Simulated"}
+    stem = stems.get("".join(kinds), "")
     words = {"scenes": f"{stem or 'Swept'}Scene", "outputs": f"{stem}Output"}
     written = {name: TYPES[name].format(**words) for name in own}
     first = {name: written.pop(name) for name in FIRST if name in written}

@@ -135,7 +135,7 @@ def study_schema() -> dict[str, Any]:
 def kind_schema(kind: str) -> dict[str, Any]:
     """Return the JSON Schema of one kind, with the names of scenes, variants and outputs."""
     schema = STUDIES[kind].model_json_schema()
-    known = SYSTEMS if kind == "simulate" else SCENES
+    known = SYSTEMS if kind in ("simulate", "calibrate") else SCENES
     scenes = known.values()
     giving = [*scenes, *SYSTEMS.values()] if kind in ("optimise", "sensitivity") else scenes
     outputs = {name for scene in giving for v in scene.variants for name in scene.outputs(v)}
@@ -143,7 +143,8 @@ def kind_schema(kind: str) -> dict[str, Any]:
     choice = next(iter(scenes)).choice
     properties = schema["properties"]
     properties["scene"] |= {"enum": list(known)}
-    properties["outputs"]["items"] = {"enum": [name for name in QUANTITIES if name in outputs]}
+    if "outputs" in properties:
+        properties["outputs"]["items"] = {"enum": [name for name in QUANTITIES if name in outputs]}
     properties[choice] = {
         "enum": [*sorted(variants), None],
         "default": None,

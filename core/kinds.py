@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
-from core import motion, optimise, sensitivity, sweep
+from core import calibrate, motion, optimise, sensitivity, sweep
 from core.dataset.table import Table
 from core.errors import Problem, StudyError
 from core.motion.systems import SYSTEMS
@@ -64,6 +64,7 @@ KINDS: dict[str, Kind] = {
     "sensitivity": Kind(
         sensitivity.prepare, sensitivity.further, sensitivity.compute, sensitivity.label
     ),
+    "calibrate": Kind(calibrate.prepare, calibrate.further, calibrate.compute, calibrate.label),
 }
 """Every kind of study, by the value of its key `kind`."""
 
@@ -73,6 +74,7 @@ PLACES: Mapping[str, tuple[Mapping[str, Scene], ...]] = {
     "simulate": (SYSTEMS,),
     "optimise": (SCENES, SYSTEMS),
     "sensitivity": (SCENES, SYSTEMS),
+    "calibrate": (SYSTEMS,),
 }
 """Where the scenes of each kind of study are found."""
 
@@ -137,9 +139,11 @@ def _parsed(content: object, problems: list[Problem]) -> Study:
 def _fitted(content: object, *, files: bool) -> tuple[object, list[Problem], Fit | None]:
     """Return content with the numbers of the files it names, what is wrong, and a drive's fit.
 
-    Content whose recording is no sound one has no drive.
+    Content whose recording is no sound one has no drive. Observations of a file stand in it.
     """
     content, problems = with_posteriors(content, files=files)
+    content, unread = _with_observations(content, files=files)
+    problems += unread
     if not (isinstance(content, Mapping) and names_recording(content)):
         return content, problems, None
     from core.measured.study import with_drive  # few studies need its libraries
@@ -150,6 +154,18 @@ def _fitted(content: object, *, files: bool) -> tuple[object, list[Problem], Fit
         without = {name: value for name, value in content.items() if name != "drive"}
         return without, [*problems, *error.problems], None
     return content, problems, fit
+
+
+def _with_observations(content: object, *, files: bool) -> tuple[object, list[Problem]]:
+    """Return content with the rows of the file that it names, and what is wrong with that."""
+    if not (isinstance(content, Mapping) and isinstance(content.get("observations"), str)):
+        return content, []
+    from core.study.observed_file import with_rows  # few studies need it
+
+    try:
+        return with_rows(content, files=files), []
+    except StudyError as error:
+        return {**content, "observations": [{"regime": "hops"}]}, list(error.problems)
 
 
 @overload

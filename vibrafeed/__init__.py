@@ -10,9 +10,9 @@ True
 What there is:
 
 - `scenes` tells the systems, their parameters, outputs and equations;
-- `sweep`, `simulate`, `optimise` and `sensitivity` carry out a study and return an xarray dataset,
-  which has an accessor: `dataset.vf` (`vibrafeed.accessor`); `open_lazily` opens a sweep of any
-  size, and computes what is read of it;
+- `sweep`, `simulate`, `optimise`, `sensitivity` and `calibrate` carry out a study and return an
+  xarray dataset, which has an accessor: `dataset.vf` (`vibrafeed.accessor`); `open_lazily` opens a
+  sweep of any size, and computes what is read of it;
 - `lookup` reads speeds from an atlas, which `open_atlas` opens;
 - `drive_error` tells how far the errors of a measured drive move a velocity;
 - `study` and `load_study` make a study without carrying it out; `plot` draws a dataset, and
@@ -35,13 +35,16 @@ beside each other; the value of a parameter is
   numpy, or a mapping such as ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``.
 
 ``help(vibrafeed.simulate)`` lists all keywords of a simulation in words. A study is a `SweepStudy`,
-a `SimulateStudy`, an `OptimiseStudy` or a `SensitivityStudy`; a `Study` is any of them.
+a `SimulateStudy`, an `OptimiseStudy`, a `SensitivityStudy` or a `CalibrateStudy`; a `Study` is any
+of them.
 
 >>> type(motion.vf.study) is vibrafeed.SimulateStudy
 True
 >>> {vibrafeed.SweepStudy, vibrafeed.OptimiseStudy, vibrafeed.SensitivityStudy} < {
 ...     *vibrafeed.Study.__args__
 ... }
+True
+>>> vibrafeed.CalibrateStudy in vibrafeed.Study.__args__
 True
 
 What is wrong with a study is a `StudyError`, whose `problems` say where, what, and what would be
@@ -75,6 +78,7 @@ claim("core")
 
 import core  # noqa: E402 - found only now
 from vibrafeed._studies import (  # noqa: E402
+    calibrate,
     drive_error,
     open_lazily,
     optimise,
@@ -100,7 +104,14 @@ if TYPE_CHECKING:
     from core.motion.drive_error import DriveError
     from core.motion.rates import effective_distance, parts_per_minute, velocity_for
     from core.quantities import QUANTITIES, REGIMES
-    from core.study import OptimiseStudy, SensitivityStudy, SimulateStudy, Study, SweepStudy
+    from core.study import (
+        CalibrateStudy,
+        OptimiseStudy,
+        SensitivityStudy,
+        SimulateStudy,
+        Study,
+        SweepStudy,
+    )
 
 __version__: str = core.__version__
 
@@ -112,13 +123,21 @@ _ELSEWHERE = {
     "core.motion.drive_error": ("DriveError",),
     "core.motion.rates": ("effective_distance", "parts_per_minute", "velocity_for"),
     "core.quantities": ("QUANTITIES", "REGIMES"),
-    "core.study": ("OptimiseStudy", "SensitivityStudy", "SimulateStudy", "Study", "SweepStudy"),
+    "core.study": (
+        "CalibrateStudy",
+        "OptimiseStudy",
+        "SensitivityStudy",
+        "SimulateStudy",
+        "Study",
+        "SweepStudy",
+    ),
 }
 _HOMES = {name: module for module, names in _ELSEWHERE.items() for name in names}
 
 __all__ = [
     "QUANTITIES",
     "REGIMES",
+    "CalibrateStudy",
     "DriveError",
     "ForeignPackageError",
     "LimitError",
@@ -132,6 +151,7 @@ __all__ = [
     "VibrafeedError",
     "__version__",
     "animate",
+    "calibrate",
     "drive_error",
     "effective_distance",
     "friction",

@@ -33,7 +33,7 @@ def study(
     given: Given | None = None,
     /,
     *,
-    kind: Literal["sweep", "simulate", "optimise", "sensitivity"] | None = None,
+    kind: Literal["sweep", "simulate", "optimise", "sensitivity", "calibrate"] | None = None,
     scene: SweptScene | None = None,
     outputs: Output | Sequence[Output] | None = None,
     variant: Literal["thesis", "derived", "physical"] | str | None = None,
@@ -41,6 +41,9 @@ def study(
     criterion: Mapping[str, Any] | None = None,
     variables: Mapping[str, Bounds] | None = None,
     constraints: Sequence[Mapping[str, Any]] | None = None,
+    observations: str | Sequence[Mapping[str, Any]] | None = None,
+    error: float | str | None = None,
+    unknowns: Mapping[str, Mapping[str, Any]] | None = None,
     frequency: Values | None = None,
     amplitude: Values | None = None,
     peak_to_peak: Values | None = None,
@@ -111,6 +114,7 @@ def study(
     mass_2: Values | None = None,
     contact_tolerance: Values | None = None,
     hold_down: Values | None = None,
+    hold_down_force: Values | None = None,
     part_gap: Values | None = None,
     occupancy: Values | None = None,
     duration: Values | None = None,
@@ -126,6 +130,12 @@ def study(
     floor_contact: bool | None = None,
     wall_contact: bool | None = None,
     sensitivities: bool | None = None,
+    offsets: Mapping[str, Mapping[str, Any]] | None = None,
+    factors: Mapping[str, Mapping[str, Any]] | None = None,
+    candidates: Mapping[str, Values] | None = None,
+    discrepancy: bool | None = None,
+    doubt: float | None = None,
+    points: int | None = None,
     trajectory: int | Sequence[float] | None = None,
     drive: Mapping[str, Any] | None = None,
     tolerance: float | None = None,
@@ -501,6 +511,7 @@ def simulate(
     velocity_along: Values | None = None,
     velocity_upward: Values | None = None,
     hold_down: Values | None = None,
+    hold_down_force: Values | None = None,
     part_gap: Values | None = None,
     occupancy: Values | None = None,
     duration: Values | None = None,
@@ -598,6 +609,9 @@ def simulate(
     hold_down : values, optional
         Force per mass that presses the part onto the floor, of a magnet or a vacuum. In m s-2, 0 or
         more, for example "20 m/s^2".
+    hold_down_force : values, optional
+        Force that presses the part onto the floor, of a magnet or a vacuum; with the mass of the
+        part it gives hold_down. In N, 0 or more, for example "0.5 N".
     part_gap : values, optional
         Free length between two parts on the track. In m, 0 or more, for example "5 mm".
     occupancy : values, optional
@@ -774,6 +788,7 @@ def optimise(
     mass_2: Values | None = None,
     contact_tolerance: Values | None = None,
     hold_down: Values | None = None,
+    hold_down_force: Values | None = None,
     part_gap: Values | None = None,
     occupancy: Values | None = None,
     duration: Values | None = None,
@@ -983,6 +998,9 @@ def optimise(
     hold_down : values, optional
         Force per mass that presses the part onto the floor, of a magnet or a vacuum. In m s-2, 0 or
         more, for example "20 m/s^2".
+    hold_down_force : values, optional
+        Force that presses the part onto the floor, of a magnet or a vacuum; with the mass of the
+        part it gives hold_down. In N, 0 or more, for example "0.5 N".
     part_gap : values, optional
         Free length between two parts on the track. In m, 0 or more, for example "5 mm".
     occupancy : values, optional
@@ -1158,6 +1176,7 @@ def sensitivity(
     mass_2: Values | None = None,
     contact_tolerance: Values | None = None,
     hold_down: Values | None = None,
+    hold_down_force: Values | None = None,
     part_gap: Values | None = None,
     occupancy: Values | None = None,
     duration: Values | None = None,
@@ -1359,6 +1378,9 @@ def sensitivity(
     hold_down : values, optional
         Force per mass that presses the part onto the floor, of a magnet or a vacuum. In m s-2, 0 or
         more, for example "20 m/s^2".
+    hold_down_force : values, optional
+        Force that presses the part onto the floor, of a magnet or a vacuum; with the mass of the
+        part it gives hold_down. In N, 0 or more, for example "0.5 N".
     part_gap : values, optional
         Free length between two parts on the track. In m, 0 or more, for example "5 mm".
     occupancy : values, optional
@@ -1457,6 +1479,261 @@ def sensitivity(
     True
     """
     return _carry_out("sensitivity", locals())
+
+
+def calibrate(
+    study: Given | None = None,
+    /,
+    *,
+    scene: SimulatedScene | None = None,
+    method: str | None = None,
+    observations: str | Sequence[Mapping[str, Any]] | None = None,
+    error: float | str | None = None,
+    unknowns: Mapping[str, Mapping[str, Any]] | None = None,
+    frequency: Values | None = None,
+    amplitude: Values | None = None,
+    peak_to_peak: Values | None = None,
+    alpha: Values | None = None,
+    beta: Values | None = None,
+    gamma: Values | None = None,
+    delta: Values | None = None,
+    radius: Values | None = None,
+    gravity: Values | None = None,
+    friction: Values | None = None,
+    friction_static: Values | None = None,
+    friction_kinetic: Values | None = None,
+    wall_friction: Values | None = None,
+    height: Values | None = None,
+    length: Values | None = None,
+    diameter: Values | None = None,
+    mass: Values | None = None,
+    restitution: Values | None = None,
+    wall_restitution: Values | None = None,
+    pitch: Values | None = None,
+    pitch_rate: Values | None = None,
+    velocity_along: Values | None = None,
+    velocity_upward: Values | None = None,
+    hold_down: Values | None = None,
+    hold_down_force: Values | None = None,
+    part_gap: Values | None = None,
+    occupancy: Values | None = None,
+    duration: Values | None = None,
+    drop_height: Values | None = None,
+    offsets: Mapping[str, Mapping[str, Any]] | None = None,
+    factors: Mapping[str, Mapping[str, Any]] | None = None,
+    candidates: Mapping[str, Values] | None = None,
+    discrepancy: bool | None = None,
+    doubt: float | None = None,
+    points: int | None = None,
+    drive: Mapping[str, Any] | None = None,
+    tolerance: float | None = None,
+    most_periods: int | None = None,
+    steps_per_period: int | None = None,
+    slip_speed: float | None = None,
+    contact_stiffness: float | None = None,
+    verify: int | None = None,
+    units: str | Sequence[str] | None = None,
+    title: str | None = None,
+    notes: str | None = None,
+    parameters: Mapping[str, Values] | None = None,
+    **numbered: Unpack[DriveNumbers],
+) -> xarray.Dataset:
+    """Return what measured speeds tell of unknown parameters.
+
+    `observations` are the runs, each with the parameters that are its own, what was measured and
+    its error; they may stand in a CSV or XLSX file. `unknowns`, `offsets` and `factors` are what is
+    looked for.
+
+    *Values* are a number in the unit that is named, or text with a unit such as ``"0.25 mm"``.
+    ``None`` is a keyword left out.
+
+    Parameters
+    ----------
+    study : Study, mapping or path, optional
+        The study, which keywords add to; its `kind` is ``"calibrate"``, and may be left out.
+    scene : str, optional
+        Name of a scene; `vibrafeed scenes` lists them.
+    method : str, optional
+        events (from event to event, exact), time-stepping, reference (of high order, slow) or
+        regularised (stiff, for comparison); where left out events on a plane with alpha = 0, else
+        time-stepping.
+    observations : str or sequence of mapping, optional
+        The runs: what differs between them, and what was measured; or the name of a CSV or XLSX
+        file beside the study.
+    error : float or str, optional
+        Standard deviation of what was measured, where a run does not say its own: a number, text
+        with a unit, or a share such as '5 %'.
+    unknowns : mapping of str to mapping, optional
+        Parameters that are looked for: { lower, upper }, or { mean, deviation }.
+    frequency : values, optional
+        Drive frequency. In Hz, 0 or more, for example "50 Hz" or "3000 rpm" or "3000 vpm".
+    amplitude : values, optional
+        Drive amplitude, zero to peak, along the drive direction. In m, 0 or more, for example "0.5
+        mm".
+    peak_to_peak : values, optional
+        Twice the drive amplitude. In m, 0 or more, for example "1 mm".
+    alpha : values, optional
+        Azimuth of the drive in the floor plane, from the track (+x) towards +y. In degrees, from
+        -180 to 180, for example "15 deg".
+    beta : values, optional
+        Elevation of the drive above the floor plane. In degrees, from -180 to 180, for example "20
+        deg".
+    gamma : values, optional
+        Climb angle of the track; +x goes uphill. In degrees, from -90 to 90, for example "3 deg".
+    delta : values, optional
+        Lean of the track; the part leans on the wall. In degrees, from -90 to 90, for example "2
+        deg".
+    radius : values, optional
+        Radius of the bowl's track wall. In m, above 0, for example "0.3 m".
+    gravity : values, optional
+        Acceleration of gravity. In m s-2, above 0, for example "9.80665 m/s^2".
+    friction : values, optional
+        Coulomb friction coefficient, static and kinetic alike. 0 or more, for example 0.3.
+    friction_static : values, optional
+        Coulomb friction coefficient at rest. 0 or more, for example 0.3.
+    friction_kinetic : values, optional
+        Coulomb friction coefficient in sliding. 0 or more, for example 0.3.
+    wall_friction : values, optional
+        Coulomb friction coefficient at the wall of the track; the floor's unless given. 0 or more,
+        for example 0.3.
+    height : values, optional
+        Height of the rectangular part. In m, above 0, for example "1.5 mm".
+    length : values, optional
+        Length of the part, along the track. In m, above 0, for example "50 mm".
+    diameter : values, optional
+        Diameter of the cylindrical part. In m, above 0, for example "8 mm".
+    mass : values, optional
+        Mass of the part. In kg, above 0, for example "5 g".
+    restitution : values, optional
+        Coefficient of restitution: 0 for no rebound, 1 for full rebound. From 0 to 1, for example
+        0.5.
+    wall_restitution : values, optional
+        Coefficient of restitution at the wall of the track; the floor's unless given. From 0 to 1,
+        for example 0.3.
+    pitch : values, optional
+        Turn of the part in its plane of motion, clockwise: its right corner dips. In degrees, from
+        -180 to 180, for example "20 deg".
+    pitch_rate : values, optional
+        Rate of the pitch, clockwise. In rad s-1, for example "2 rad/s" or "-90 deg/s".
+    velocity_along : values, optional
+        Velocity of the part's centre along the plane, to the right. In m s-1, for example "0.1
+        m/s".
+    velocity_upward : values, optional
+        Velocity of the part's centre off the plane. In m s-1, for example "-0.1 m/s".
+    hold_down : values, optional
+        Force per mass that presses the part onto the floor, of a magnet or a vacuum. In m s-2, 0 or
+        more, for example "20 m/s^2".
+    hold_down_force : values, optional
+        Force that presses the part onto the floor, of a magnet or a vacuum; with the mass of the
+        part it gives hold_down. In N, 0 or more, for example "0.5 N".
+    part_gap : values, optional
+        Free length between two parts on the track. In m, 0 or more, for example "5 mm".
+    occupancy : values, optional
+        Share of the track's length that parts cover, 1 where each touches the next; follows from
+        part_gap unless given. From 0 to 1, for example 0.6.
+    duration : values, optional
+        Time after which the run ends. In s, above 0, for example "2 s".
+    drop_height : values, optional
+        Height of the part's lowest corner above the plane at the start. In m, 0 or more, for
+        example "10 mm".
+    offsets : mapping of str to mapping, optional
+        Unknown offsets of parameters, such as the mounting error of an angle.
+    factors : mapping of str to mapping, optional
+        Unknown factors of parameters, such as that of all amplitudes.
+    candidates : mapping of str to values, optional
+        Drives that could be run next, as values or ranges; told is which of them tells most.
+    discrepancy : bool, optional
+        Whether speeds may scatter by more than their errors, for what no unknown explains.
+    doubt : float, optional
+        How likely a regime is to have been seen wrongly.
+    points : int, optional
+        Most points at which the unknowns are tried; each takes a motion a run.
+    drive : mapping, optional
+        A measured drive: the recording of an accelerometer. Its harmonics are parameters, as far as
+        the study does not give them itself.
+    tolerance : float, optional
+        Largest error of a periodic state, as a share of the drive.
+    most_periods : int, optional
+        Most periods of the drive that one point is followed for.
+    steps_per_period : int, optional
+        Time steps in a period, of time-stepping; steps times periods are 25 million at most.
+    slip_speed : float, optional
+        Speed below which regularised friction gives way, in g/w.
+    contact_stiffness : float, optional
+        Stiffness of the regularised floor, over m w^2.
+    verify : int, optional
+        Evaluate so many random cells again, with 50 digits or by another method, and tell the worst
+        of them.
+    units : str or sequence of str, optional
+        Units that screens and pictures show: trade (the default), si, or units such as m/min, each
+        for its kind. Files hold SI.
+    title : str, optional
+        Title of the dataset.
+    notes : str, optional
+        Remarks that go into the dataset.
+    parameters : mapping of str to values, optional
+        Fixed or ranged parameters.
+    drive_factor : values, optional
+        By how much every amplitude or acceleration of the drive is larger than given. 0 or more,
+        for example 1.2.
+    amplitude_along_1 to _10 : values, optional
+        Amplitude of the track's motion along the track at the drive frequency, zero to peak. In m,
+        0 or more, for example "0.1 mm".
+    amplitude_across_1 to _10 : values, optional
+        Amplitude of the track's motion across the track at the drive frequency, zero to peak. In m,
+        0 or more, for example "0.1 mm".
+    amplitude_normal_1 to _10 : values, optional
+        Amplitude of the track's motion off the floor at the drive frequency, zero to peak. In m, 0
+        or more, for example "0.1 mm".
+    phase_along_1 to _10 : values, optional
+        Lead of the track's motion along the track at the drive frequency: the displacement is A
+        sin( w t + phi). In degrees, from -720 to 720, for example "90 deg".
+    phase_across_1 to _10 : values, optional
+        Lead of the track's motion across the track at the drive frequency: the displacement is A
+        sin( w t + phi). In degrees, from -720 to 720, for example "90 deg".
+    phase_normal_1 to _10 : values, optional
+        Lead of the track's motion off the floor at the drive frequency: the displacement is A sin(
+        w t + phi). In degrees, from -720 to 720, for example "90 deg".
+    acceleration_along_1 to _12 : values, optional
+        Acceleration of the track along the track during step 1 of a period. In m s-2, for example
+        "4 m/s^2".
+    acceleration_across_1 to _12 : values, optional
+        Acceleration of the track across the track during step 1 of a period. In m s-2, for example
+        "4 m/s^2".
+    acceleration_normal_1 to _12 : values, optional
+        Acceleration of the track off the floor during step 1 of a period. In m s-2, for example "4
+        m/s^2".
+    duration_1 to _12 : values, optional
+        How long step 1 lasts; the durations of all steps share out the period. 0 or more, for
+        example 0.25.
+
+    Returns
+    -------
+    xarray.Dataset
+        Best values, means and intervals (`best_friction`, `lower_95_friction`, ...), the posterior
+        (`log_density`) over its axes, and what is predicted of each run; `findings` among its
+        attributes says it in words. See docs/calibrate.md.
+
+    Raises
+    ------
+    StudyError
+        With every problem of the study, each with its place, what is wrong, and what would be
+        right.
+
+    Examples
+    --------
+    >>> told = vibrafeed.calibrate(
+    ...     scene="rectangle-on-plane", frequency="50 Hz", beta=20,
+    ...     observations=[
+    ...         {"amplitude": "0.2 mm", "conveying_velocity": "13 mm/s", "error": "1 mm/s"},
+    ...         {"amplitude": "0.3 mm", "conveying_velocity": "33 mm/s", "error": "1 mm/s"},
+    ...     ],
+    ...     unknowns={"friction": {"lower": 0.1, "upper": 0.6}},
+    ... )
+    >>> bool(told.lower_95_friction < told.best_friction < told.upper_95_friction)
+    True
+    """
+    return _carry_out("calibrate", locals())
 
 
 def open_lazily(
@@ -1617,6 +1894,7 @@ def drive_error(
     velocity_along: Values | None = None,
     velocity_upward: Values | None = None,
     hold_down: Values | None = None,
+    hold_down_force: Values | None = None,
     part_gap: Values | None = None,
     occupancy: Values | None = None,
     duration: Values | None = None,

@@ -46,7 +46,7 @@ def plot(
             "-k",
             help="contour, surface, line, map, levels, thresholds, parallel, trajectory, "
             "animation, front or landscape; of uncertain parameters distribution, indices, effects "
-            "or tornado.",
+            "or tornado; of a calibration posterior, speeds or residuals.",
         ),
     ] = None,
     slow: Annotated[

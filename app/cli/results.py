@@ -51,6 +51,11 @@ def streamed_facts(
 def show_result(facts: Mapping[str, Any], result: Table, asked: str | None) -> None:
     """Print a short table of a result: values or ranges, regimes, what was verified."""
     units = units_asked(asked, str(result.attributes.get("shown_units", "")))
+    if "findings" in result.attributes:
+        from app.cli.findings import show_findings  # one kind of study alone has them
+
+        show_findings(result, units)
+        return
     outputs = facts["outputs"]
     if is_uncertain(result):
         outputs = {name: one for name, one in outputs.items() if is_short(name)}
@@ -125,7 +130,7 @@ def _facts(
         values = {"value": least} if one.values.size == 1 else {"least": least, "largest": largest}
         about = {"unit": str(one.attributes["units"]), "dimensions": [*one.dims]}
         facts["outputs"][name] = {**about, **values}
-    for name in ("criterion", "method", "message"):
+    for name in ("criterion", "method", "message", "findings"):
         if name in result.attributes:
             facts[name] = result.attributes[name]
     if "verified_worst" in result.attributes:

@@ -101,6 +101,7 @@ class Running:
         """Write one result; return whether it is sound, and whether Ctrl-C came; None without."""
         from app.cli.results import facts_of, show_result
         from core.kinds import is_whole, not_verified, tabulate
+        from core.plan.pieces import cells_of
         from core.sweep import Sweep
         from core.watch import Watch
 
@@ -122,7 +123,7 @@ class Running:
             "compiling": stopwatch.spent - compiled,
             "writing": time.perf_counter() - evaluated,
         }
-        facts = facts_of(path, target, table, prepared.cells) | {"seconds": seconds}
+        facts = facts_of(path, target, table, cells_of(prepared, table)) | {"seconds": seconds}
         self.facts.append(facts)
         console.say(f"{path} -> {target}")
         show_result(facts, table, self.units)

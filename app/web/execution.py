@@ -9,7 +9,13 @@ from typing import Annotated, Any
 from pydantic import BaseModel, Field, RootModel
 
 from core.errors import Problem, StudyError
-from core.study import OptimiseStudy, SensitivityStudy, SimulateStudy, SweepStudy
+from core.study import (
+    CalibrateStudy,
+    OptimiseStudy,
+    SensitivityStudy,
+    SimulateStudy,
+    SweepStudy,
+)
 
 ACCURACY = "accuracy"
 
@@ -96,6 +102,23 @@ PROCESSES: dict[str, Process] = {
             "outputs": ["acceleration_x"],
             "uncertain": {"friction": {"mean": 0.3, "deviation": 0.03}},
             "parameters": {"frequency": "50 Hz", "amplitude": "0.5 mm", "beta": 30},
+        },
+    ),
+    "calibrate": Process(
+        "Find parameters from measured speeds",
+        "Finds what measured speeds, or what was seen of parts, tell of friction and other "
+        "parameters that nobody knows, and which run would tell most.",
+        CalibrateStudy,
+        {
+            "kind": "calibrate",
+            "scene": "rectangle-on-plane",
+            "parameters": {"frequency": "50 Hz", "beta": 20},
+            "observations": [
+                {"amplitude": "0.2 mm", "conveying_velocity": "13 mm/s", "error": "1 mm/s"},
+                {"amplitude": "0.3 mm", "conveying_velocity": "33 mm/s", "error": "1 mm/s"},
+            ],
+            "unknowns": {"friction": {"lower": 0.1, "upper": 0.6}},
+            "points": 1_000,
         },
     ),
     ACCURACY: Process(

@@ -38,7 +38,7 @@ def with_drive(content: Mapping[str, Any], *, files: bool = False) -> tuple[dict
         With every problem of the recording.
     """
     record, fit = _measured(content["drive"], files=files)
-    places = ("parameters", "variables", "uncertain")
+    places = ("parameters", "variables", "uncertain", "unknowns")
     own = [given for name in places if isinstance(given := content.get(name), Mapping)]
     numbers = {n: v for n, v in record.numbers.items() if not any(n in given for given in own)}
     parameters = content.get("parameters", {})

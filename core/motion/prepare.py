@@ -143,7 +143,7 @@ def prepare(study: SimulateStudy) -> Simulation:
         asked += tuple(n for n in SCALES if n not in asked and n in scene.outputs(method))
     needed = {name for equation in scene.variants[method] for name in equation.inputs}
     problems = [
-        Problem(name, f"the method {method} does not use it", _who_uses(scene, name))
+        Problem(name, f"the method {method} does not use it", who_uses(scene, name))
         for name in settings
         if name not in needed
     ]
@@ -173,7 +173,7 @@ def _chosen(content: Mapping[str, Any]) -> Chosen:
     return choose_system(content["scene"], method if isinstance(method, str) else None, given)
 
 
-def _who_uses(scene: Scene, setting: str) -> str:
+def who_uses(scene: Scene, setting: str) -> str:
     """Return what to do with a setting that the method in force does not use."""
     users = [name for name in scene.variants if setting in scene.variant_defaults.get(name, {})]
     return f"Remove it, or set method to {' or '.join(users)}" if users else "Remove it"

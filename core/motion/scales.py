@@ -69,6 +69,11 @@ def acceleration_scale(*, gravity: Array) -> Array:
     return gravity
 
 
+def hold_down(*, hold_down_force: Array, mass: Array) -> Array:
+    """Return the force per mass that holds the part down [m s-2]."""
+    return hold_down_force / mass
+
+
 def hold_down_number(*, hold_down: Array, acceleration_scale: Array) -> Array:
     """Return the force per mass that holds the part down, over gravity [1]."""
     return hold_down / acceleration_scale

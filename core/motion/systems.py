@@ -137,6 +137,7 @@ PLANAR_SCALES = (
     Equation("gravity_number_along", scales.gravity_number_along, "theory 13.2"),
     Equation("gravity_number_normal", scales.gravity_number_normal, "theory 13.2"),
     Equation("acceleration_scale", scales.acceleration_scale, "theory 13.8"),
+    Equation("hold_down", scales.hold_down, "theory 13.1"),
     Equation("hold_down_number", scales.hold_down_number, "theory 13.1"),
     Equation("load_number", scales.load_number, "theory 13.1"),
     Equation("throw_number", scales.throw_number, "theory 13.10"),

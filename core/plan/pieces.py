@@ -22,6 +22,9 @@ from core.watch import Watch
 
 Study = TypeVar("Study", bound=Prepared)
 
+FOLLOWED = "motions_followed"
+"""The attribute of a result that tells its cells, where only computing it can."""
+
 
 @dataclass(frozen=True)
 class Computed:
@@ -54,7 +57,12 @@ def carry_out(
     computed = compute(prepared, watch.part(share))
     seconds = time.perf_counter() - started - (stopwatch.spent - compiling)
     table = label(prepared, computed, watch.part(1 - share))
-    return table.with_price(price(prepared.cells, seconds))
+    return table.with_price(price(cells_of(prepared, table), seconds))
+
+
+def cells_of(prepared: Prepared, table: Table) -> int:
+    """Return how many cells were computed for a result; fewer than it might have been, maybe."""
+    return int(table.attributes.get(FOLLOWED, prepared.cells))
 
 
 def price(cells: int, seconds: float) -> dict[str, float]:

@@ -220,8 +220,14 @@ class _Walk:
         if equation is not None and name in self.scene_defaults:
             # A default of a derived quantity: the equation runs only if the study speaks of it.
             spoken_of = name in self.outputs or set(equation.inputs) & set(self.given)
-            return equation if spoken_of else None
+            return equation if spoken_of or self._tells(equation.inputs) else None
         return equation
+
+    def _tells(self, names: Collection[str]) -> bool:
+        """Return whether the study gives one of some parameters by what it follows from."""
+        given = set(self.given)
+        followed = (self.producers.get(name) for name in names if QUANTITIES[name].parameter)
+        return any(one is not None and set(one.inputs) <= given for one in followed)
 
 
 def _unknown_output(scene: Scene, variant: str, name: str, suggest: Suggestions) -> Problem:
@@ -269,6 +275,7 @@ def _doubled(given: Collection[str]) -> list[Problem]:
         ("friction", ("friction_static", "friction_kinetic")),
         ("peak_to_peak", ("amplitude",)),
         ("occupancy", ("part_gap",)),
+        ("hold_down", ("hold_down_force",)),
     ):
         doubled = [other for other in others if name in given and other in given]
         if doubled:
@@ -279,6 +286,9 @@ def _doubled(given: Collection[str]) -> list[Problem]:
                     f"Give either {name} or {' and '.join(others)}",
                 )
             )
+    if "hold_down_force" in given and "mass" not in given:
+        message = "the mass of the part that it presses on is missing"
+        problems.append(Problem("parameters.hold_down_force", message, 'Add mass = "5 g"'))
     return problems
 
 

@@ -9,6 +9,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from core.plots.calibration import KINDS as CALIBRATION
+from core.plots.calibration import draw_calibration, is_calibration
 from core.plots.categories import looks_of_categories
 from core.plots.contour import draw_contour
 from core.plots.heading import finish, source_of
@@ -85,9 +87,10 @@ def draw(
         Values of other dimensions, in the unit of the dataset; the middle one if left out.
     kind : str, optional
         contour, surface, line, map, levels, thresholds, parallel, trajectory, front or landscape;
-        of uncertain parameters distribution, indices, effects or tornado. If left out: contour
-        over two axes, line over one, trajectory where the dataset holds a motion over a cycle, the
-        first of the last four where it tells of uncertain parameters. A line with
+        of uncertain parameters distribution, indices, effects or tornado; of a calibration
+        posterior, speeds or residuals. If left out: contour
+        over two axes, line over one, trajectory where the dataset holds a motion over a cycle, distribution
+        where it tells of uncertain parameters. A line with
         two axes is a family of curves, at most seven, and what is drawn where an axis has no more
         values than that. A map shows the regimes, or an output whose numbers stand for words.
     title : str, optional
@@ -137,6 +140,8 @@ def draw(
     if kind == "animation":
         fix = "Call vibrafeed.animate, or end the name in .gif or .mp4"
         raise PlotError("kind", "an animation is a file, not a figure", fix)
+    if kind in CALIBRATION or is_calibration(dataset):
+        return draw_calibration(dataset, kind, style, shown, title=title)
     if kind is None and (variable, axes) == (None, None):
         kind = kind_of(dataset)
     if kind in UNCERTAIN:

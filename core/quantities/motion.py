@@ -48,6 +48,12 @@ SCALES: dict[str, Quantity] = {
         "Force per mass that presses the part onto the floor, of a magnet or a vacuum.",
         0.0, parameter=True, examples=("20 m/s^2",),
     ),
+    "hold_down_force": Quantity(
+        "N", "F", "Hold-down force",
+        "Force that presses the part onto the floor, of a magnet or a vacuum; with the mass of the "
+        "part it gives hold_down.",
+        0.0, parameter=True, examples=("0.5 N",),
+    ),
     "hold_down_number": number(
         "F/(m g)", "Hold-down number", "Force that holds the part down, over its weight."
     ),

@@ -1,5 +1,6 @@
 """What a user writes: studies, their units and ranges, and reading them from TOML or JSON."""
 
+from core.study.calibrate_study import CalibrateStudy
 from core.study.grid_study import GridStudy
 from core.study.load import load_study, parse_json, parse_study, parse_toml
 from core.study.models import Study
@@ -10,6 +11,7 @@ from core.study.sweep_study import SweepStudy
 from core.study.values import Fixed, Points, Span, Values
 
 __all__ = [
+    "CalibrateStudy",
     "Fixed",
     "GridStudy",
     "OptimiseStudy",

@@ -30,7 +30,15 @@ def to_toml(content: Mapping[str, Any]) -> str:
     for name, value in sorted(content.items(), key=lambda item: _depth(item[1])):
         if value is None:  # which TOML cannot say, and which leaving out says as well
             continue
-        if name in ("parameters", "variables", "uncertain"):
+        if name in (
+            "parameters",
+            "variables",
+            "uncertain",
+            "unknowns",
+            "offsets",
+            "factors",
+            "candidates",
+        ):
             table = tomlkit.table()
             for parameter, written in value.items():
                 table.add(parameter, _in_line(written))
@@ -84,7 +92,7 @@ FORMS: Final[Mapping[str, Callable[[Mapping[str, Any]], str]]] = {
 
 
 def placed(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any]:
-    """Return content whose recording is found from where the form is used.
+    """Return content whose recording, or observations, are found from where the form is used.
 
     A file names it from its own `folder`; a program from the current one; a service, which reads no
     files of others, gets what stands in it.
@@ -94,6 +102,8 @@ def placed(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any
     StudyError
         If a recording that is to be sent cannot be read.
     """
+    if isinstance(content.get("observations"), str):
+        content = {**content, "observations": _observations(content, form, folder)}
     drive = content.get("drive")
     if not isinstance(drive, Mapping) or not isinstance(drive.get("file"), str):
         return dict(content)
@@ -108,6 +118,16 @@ def placed(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any
         return {**content, "drive": {**rest, "data": data}}
     found = file if form == "python" else Path(os.path.relpath(file, folder))
     return {**content, "drive": {**drive, "file": str(found)}}
+
+
+def _observations(content: Mapping[str, Any], form: str, folder: Path) -> Any:
+    """Return the file of observations, found from where the form is used, or what it holds."""
+    from core.study.observed_file import with_rows  # few studies need it
+
+    if form == "curl":
+        return with_rows(content, files=True)["observations"]
+    file = Path(content["observations"])
+    return str(file if form == "python" else Path(os.path.relpath(file, folder)))
 
 
 def _depth(value: object) -> int:

@@ -14,10 +14,12 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from pydantic import ValidationError
 
 from core.errors import MOST_PROBLEMS, Problem, StudyError, Suggestions, nearest
+from core.study.calibrate_study import TABLES
 from core.study.distributions import CALIBRATION
 from core.study.drive import RecordedDrive
 from core.study.grid_study import PARAMETERS
 from core.study.models import STUDIES, Study
+from core.study.observations import OBSERVED
 from core.study.optimise_study import CRITERIA
 from core.study.reduction import LevelSet, Reduction
 
@@ -56,7 +58,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
 def read_content(path: Path) -> object:
     """Return what stands in the TOML or JSON file at `path`; raise `StudyError` if it cannot.
 
-    The files of a recording and of calibrations are named beside that of the study.
+    The files of a recording, of observations and of calibrations are named beside that of the study.
     """
     suffix = path.suffix.lower()
     if suffix in NO_STUDIES:
@@ -75,6 +77,8 @@ def read_content(path: Path) -> object:
     for one in uncertain.values() if isinstance(uncertain, dict) else ():
         if isinstance(one, dict) and isinstance(one.get(CALIBRATION), str):
             one[CALIBRATION] = str(path.parent / one[CALIBRATION])
+    if isinstance(content, dict) and isinstance(content.get("observations"), str):
+        content["observations"] = str(path.parent / content["observations"])
     return content
 
 
@@ -217,7 +221,7 @@ def _problem(
         del path[1]  # which alternative it is, and no key
     if path and path[-1] == "[key]":
         del path[-1]  # it is the name that is wrong, and stands before
-    place = ".".join(str(part)[:60] for part in path) or "study"
+    place = _place_of(path)
     name = str(path[-1])[:60] if path else ""
     context: dict[str, Any] = error.get("ctx", {})
     if error["type"] == "value":
@@ -226,29 +230,7 @@ def _problem(
             fix = suggest.within(fix)
         return Problem(place, context["message"], fix)
     if error["type"] == "extra_forbidden":
-        within = path[0] if len(path) > 1 else ""
-        if within in ("parameters", "variables"):
-            if name in STUDIES[kind].model_fields:
-                message = f"'{name}' is a key of the study, and stands among the {within}"
-                return Problem(place, message, f"Move it above the line [{within}]")
-            fix = suggest(name, PARAMETERS, parameters)
-            return Problem(place, f"'{name}' is not a parameter", fix)
-        if within == "drive":
-            fix = suggest(name, RecordedDrive.model_fields)
-            return Problem(place, f"'{name}' is not a key of the drive", fix)
-        if within == "reduce":
-            part = LevelSet if len(path) > 2 else Reduction
-            fix = suggest(name, part.model_fields)
-            return Problem(place, f"'{name}' is not a key of reduce", fix)
-        if within:
-            which = f" '{error['loc'][1]}'" if within == "criterion" else ""
-            one = str(within).removesuffix("s")
-            return Problem(place, f"'{name}' is not a key of the {one}{which}", "Remove it")
-        if name == "drive":
-            message = "closed forms support only the plain sine of amplitude, alpha and beta"
-            return Problem(place, message, 'Write kind = "simulate", or give these')
-        known = tuple(STUDIES[kind].model_fields)
-        return Problem(place, f"'{name}' is not a key of kind '{kind}'", suggest(name, known))
+        return _stranger(kind, error, path, parameters, suggest)
     if error["type"] == "union_tag_invalid":
         tag = str(context["tag"])[:60]
         return Problem(f"{place}.kind", f"'{tag}' is not a criterion", suggest(tag, CRITERIA))
@@ -258,6 +240,58 @@ def _problem(
     if error["type"] == "missing":
         return Problem(place, "it is missing", f"Add {name}")
     return Problem(place, error["msg"].removesuffix("."), "Fix the value or its type")
+
+
+def _stranger(
+    kind: str,
+    error: ErrorDetails,
+    path: Sequence[Any],
+    parameters: Collection[str],
+    suggest: Suggestions,
+) -> Problem:
+    """Return what is wrong with a key that a study has not."""
+    place, name = _place_of(path), str(path[-1])[:60]
+    within = path[0] if len(path) > 1 else ""
+    if within == "observations":
+        return _unknown_column(place, name, parameters, suggest)
+    if within in ("parameters", "variables", "candidates", *TABLES):
+        if name in STUDIES[kind].model_fields:
+            message = f"'{name}' is a key of the study, and stands among the {within}"
+            return Problem(place, message, f"Move it above the line [{within}]")
+        fix = suggest(name, PARAMETERS, parameters)
+        return Problem(place, f"'{name}' is not a parameter", fix)
+    if within == "drive":
+        fix = suggest(name, RecordedDrive.model_fields)
+        return Problem(place, f"'{name}' is not a key of the drive", fix)
+    if within == "reduce":
+        part = LevelSet if len(path) > 2 else Reduction
+        fix = suggest(name, part.model_fields)
+        return Problem(place, f"'{name}' is not a key of reduce", fix)
+    if within:
+        which = f" '{error['loc'][1]}'" if within == "criterion" else ""
+        one = str(within).removesuffix("s")
+        return Problem(place, f"'{name}' is not a key of the {one}{which}", "Remove it")
+    if name == "drive":
+        message = "closed forms support only the plain sine of amplitude, alpha and beta"
+        return Problem(place, message, 'Write kind = "simulate", or give these')
+    known = tuple(STUDIES[kind].model_fields)
+    return Problem(place, f"'{name}' is not a key of kind '{kind}'", suggest(name, known))
+
+
+def _place_of(path: Sequence[Any]) -> str:
+    """Return where a problem is; rows of observations as people count them."""
+    if len(path) < 2 or path[0] != "observations":
+        return ".".join(str(part)[:60] for part in path) or "study"
+    return f"observations row {int(path[1]) + 1}" + "".join(f", {name}"[:60] for name in path[2:3])
+
+
+def _unknown_column(
+    place: str, name: str, parameters: Collection[str], suggest: Suggestions
+) -> Problem:
+    known = (*OBSERVED, "error", "regime", *PARAMETERS)
+    shown = (*OBSERVED, "error", "regime", *parameters)
+    message = f"'{name}' is no parameter, and not measured"
+    return Problem(place, message, suggest(name, known, shown))
 
 
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

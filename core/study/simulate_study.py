@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 from pydantic import Field, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from core.study.grid_study import MOST_OUTPUTS, DrivenStudy, OutputNames
+from core.study.grid_study import MOST_OUTPUTS, DrivenStudy, Frozen, OutputNames
 
 MOST_SAMPLES = 100_000
 LATEST = 1e6  # s, of a course in time: eleven days, and floats still tell a microsecond
@@ -53,10 +53,9 @@ MOST_PERIODS = 100_000  # half an hour at 50 Hz: what has not repeated by then d
 SETTINGS = ("tolerance", "most_periods", "steps_per_period", "slip_speed", "contact_stiffness")
 
 
-class SimulateStudy(DrivenStudy):
-    """Motion in time of one scene over a grid of parameters."""
+class FollowedStudy(DrivenStudy):
+    """What studies share that follow a part in time."""
 
-    kind: Literal["simulate"] = Field(description="The kind of study.")
     method: str | None = Field(
         None,
         description="events (from event to event, exact), time-stepping, reference (of high order, "
@@ -64,12 +63,11 @@ class SimulateStudy(DrivenStudy):
         "alpha = 0, else time-stepping.",
         max_length=100,
     )
-    outputs: OutputNames = Field(
-        ("conveying_velocity",),
-        description="Names of the outputs.",
-        min_length=1,
-        max_length=MOST_OUTPUTS,
-    )
+
+
+class MotionSettings(Frozen):
+    """The settings of methods."""
+
     # Near 100 roundings of a state nothing is told apart any more, and integrators give up.
     tolerance: float | None = Field(
         None,
@@ -101,6 +99,26 @@ class SimulateStudy(DrivenStudy):
     contact_stiffness: float | None = Field(
         None, description="Stiffness of the regularised floor, over m w^2.", ge=100, le=1e16
     )
+
+    def settings(self) -> dict[str, float]:
+        """Return the settings that the study gives, by their names among the quantities."""
+        given = {name: getattr(self, name) for name in SETTINGS}
+        return {name: float(value) for name, value in given.items() if value is not None}
+
+
+class _Asked(FollowedStudy):
+    outputs: OutputNames = Field(
+        ("conveying_velocity",),
+        description="Names of the outputs.",
+        min_length=1,
+        max_length=MOST_OUTPUTS,
+    )
+
+
+class SimulateStudy(MotionSettings, _Asked):
+    """Motion in time of one scene over a grid of parameters."""
+
+    kind: Literal["simulate"] = Field(description="The kind of study.")
     trajectory: Annotated[
         int | tuple[float, ...] | None,
         PlainValidator(_read_trajectory),
@@ -110,8 +128,3 @@ class SimulateStudy(DrivenStudy):
         description="Also give the motion in time of the one point of the study: at so many equal "
         "steps of its cycle, or at these times in seconds since the start of a period.",
     )
-
-    def settings(self) -> dict[str, float]:
-        """Return the settings that the study gives, by their names among the quantities."""
-        given = {name: getattr(self, name) for name in SETTINGS}
-        return {name: float(value) for name, value in given.items() if value is not None}

@@ -19,7 +19,7 @@ SLIPS: Final[Mapping[str, str]] = {
 }
 """In which unit a number was probably meant that is unusual in that of its quantity."""
 
-PARTS: Final = ("parameters", "variables", "uncertain")
+PARTS: Final = ("parameters", "variables", "uncertain", "unknowns", "candidates")
 ENDS: Final = ("start", "stop", "lower", "upper", "mean", "most_likely", "median")
 
 

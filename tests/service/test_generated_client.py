@@ -65,6 +65,12 @@ unsure = models.SensitivityStudy.from_dict({
     "uncertain": {"friction": {"mean": 0.3, "deviation": 0.03}}, "samples": 256,
     "parameters": {"frequency": 50, "amplitude": "0.1 mm", "beta": 20},
 })
+measured = models.CalibrateStudy.from_dict({
+    "kind": "calibrate", "scene": "rectangle-on-plane", "points": 1000,
+    "unknowns": {"friction": {"lower": 0.1, "upper": 0.6}},
+    "observations": [{"amplitude": "0.2 mm", "conveying_velocity": "13 mm/s", "error": "5 %"}],
+    "parameters": {"frequency": 50, "beta": 20},
+})
 large = sweep.to_dict()
 large["parameters"]["beta"] = {"start": 0, "stop": 60, "num": 2000}
 large = models.SweepStudy.from_dict(large)
@@ -101,6 +107,7 @@ wrapped = models.SweepStudyExecution.from_dict({"inputs": {"study": sweep.to_dic
 assert call("execute_sweep", body=wrapped)["cells"] == 4
 assert call("execute_optimise", body=best)["complete"] is True
 assert call("execute_sensitivity", body=unsure)["cells"] == 1
+assert call("execute_calibrate", body=measured)["complete"] is True
 job = call("execute_simulate", body=motion, prefer="respond-async")
 assert "event: status" in call("follow_job", job.job_id)
 job = call("get_job", job.job_id)

@@ -139,6 +139,7 @@ def test_processes_and_their_descriptions(client):
         "simulate",
         "optimise",
         "sensitivity",
+        "calibrate",
         "accuracy",
     ]
     whole = followed(client.response, f"{OGC}processes").json()

@@ -84,7 +84,7 @@ parameters = {{ "path.number" = {{ dictionary = "jobs", probability = 0.8 }} }}
 
 [dictionaries]
 scenes = {{ values = ["rectangle-on-plane", "cylinder-rolling"] }}
-processes = {{ values = ["sweep", "simulate", "optimise", "sensitivity"] }}
+processes = {{ values = ["sweep", "simulate", "optimise", "sensitivity", "calibrate"] }}
 sweeps = {{ values = ["{sweep}"] }}
 jobs = {{ values = ["{job}"] }}
 zarr = {{ values = ["zarr.json", "throw_number/zarr.json", "throw_number/c/0/0"] }}

@@ -197,7 +197,7 @@ def test_scenes_prints_units_equations_and_validity():
 def test_schema_is_json_that_accepts_the_example():
     schema = json.loads(run("schema").output)
     for kind, part in zip(
-        ("sweep", "simulate", "optimise", "sensitivity"), schema["oneOf"], strict=True
+        ("sweep", "simulate", "optimise", "sensitivity", "calibrate"), schema["oneOf"], strict=True
     ):
         assert part["properties"]["kind"]["const"] == kind
         assert "frequency" in part["$defs"]["Parameters"]["properties"]

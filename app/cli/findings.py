@@ -1,0 +1,76 @@
+"""What came out of a calibration, for a person: what was found, the unknowns, and the runs."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from app.cli.console import say, table, tell
+from app.cli.units import number
+
+if TYPE_CHECKING:
+    from core.dataset import Table
+    from core.study.shown import ShownUnits
+
+DIGITS = 4
+MOST_ROWS = 20
+
+
+def show_findings(result: Table, units: ShownUnits) -> None:
+    """Print the unknowns with their intervals, the runs, and what was found in sentences."""
+    rows = []
+    for name in str(result.attributes["unknowns"]).split():
+        unit, (best, median, *ends) = _read(
+            result,
+            [f"{what}_{name}" for what in ("best", "median", "lower_68", "upper_68", "lower_95",
+                                           "upper_95")],
+            units,
+        )  # fmt: skip
+        rows.append(
+            (name, best, median, f"{ends[0]} to {ends[1]}", f"{ends[2]} to {ends[3]}", unit)
+        )
+    table(("unknown", "best", "median", "68 %", "95 %", "unit"), rows)
+    _show_runs(result, units)
+    for sentence in str(result.attributes["findings"]).splitlines():
+        tell(f"  {sentence}")
+
+
+def _read(result: Table, names: list[str], units: ShownUnits) -> tuple[str, list[str]]:
+    """Return the unit and the texts of some single values of one unit."""
+    values = [float(result.variables[name].values) for name in names]
+    unit = str(result.variables[names[0]].attributes["units"])
+    shown = units.of(unit, max(map(abs, values)))
+    return shown.unit or "-", [number(value * shown.factor, DIGITS) for value in values]
+
+
+def _show_runs(result: Table, units: ShownUnits) -> None:
+    output = str(result.attributes["output"])
+    measured, predicted, low, high, over = (
+        np.asarray(result.variables[name].values, dtype=np.float64)
+        for name in (output, "predicted_best", "predicted_lower_95", "predicted_upper_95",
+                     "residual_over_error")
+    )  # fmt: skip
+    shown = units.of(
+        str(result.variables[output].attributes["units"]),
+        float(np.nan_to_num(np.abs(np.concatenate([measured, predicted]))).max()),
+    )
+
+    def text(value: float) -> str:
+        return "-" if np.isnan(value) else number(value * shown.factor, DIGITS)
+
+    rows = [
+        (
+            f"{k + 1}",
+            text(measured[k]),
+            text(predicted[k]),
+            f"{text(low[k])} to {text(high[k])}",
+            "-" if np.isnan(over[k]) else number(over[k], 2),
+        )
+        for k in range(min(len(measured), MOST_ROWS))
+    ]
+    unit = f" [{shown.unit}]" if shown.unit else ""
+    table(("run", f"measured{unit}", f"predicted{unit}", "95 % of the posterior",
+           "residual / error"), rows)  # fmt: skip
+    if len(measured) > MOST_ROWS:
+        say(f"  {len(measured) - MOST_ROWS:,} further runs stand in the file.")

@@ -1,0 +1,89 @@
+"""The last digits of the best values: least squares by scipy from the best point of a heap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.calibrate.model import Model
+from core.mechanics.arrays import Array
+from core.watch import Watch
+
+STEP = 1e-5  # of the bounds' distance, of differences
+MOST_STEPS = 40
+FAR = 1e3  # a residual, in errors, where a motion has no speed
+
+
+@dataclass(frozen=True)
+class LeastSquares:
+    """The sum of squares of what the motions leave of the observations, and of the priors.
+
+    Attributes
+    ----------
+    model : Model
+        The motions.
+    size : float
+        The discrepancy, a standard deviation.
+    watch : Watch
+        May stop it.
+    """
+
+    model: Model
+    size: float
+    watch: Watch
+
+    def polished(self, start: Array) -> Array:
+        """Return the nearest best point, or `start` if no better one is found.
+
+        Raises
+        ------
+        StoppedError
+            If the watch says so.
+        """
+        from scipy.optimize import least_squares  # few parts of scipy load as slowly
+
+        model = self.model
+        if not model.runs.measured.any():
+            return start
+        margin = 1e-9
+        share = np.clip((start - model.lower) / model.width, margin, 1.0 - margin)
+        before = self._residuals(share[np.newaxis])[0]
+        found = least_squares(
+            lambda x: self._residuals(x[np.newaxis])[0],
+            share,
+            jac=self._slopes,
+            bounds=(0.0, 1.0),
+            x_scale="jac",
+            xtol=1e-12,
+            ftol=1e-14,
+            gtol=1e-14,
+            max_nfev=MOST_STEPS,
+        )
+        if not 2.0 * found.cost < before @ before:
+            return start
+        return model.lower + found.x * model.width
+
+    def _residuals(self, shares: Array) -> Array:
+        """Return residuals over errors at points, shape (points, runs + unknowns)."""
+        model, where = self.model, self.model.runs.measured
+        points = model.lower + shares * model.width
+        found = model.predict(points, Watch(stop=self.watch.stop, deadline=self.watch.deadline))
+        residual = found.value[:, where] - model.runs.value[where]
+        variance = (
+            found.variance[:, where] + np.square(model.runs.error[where]) + np.square(self.size)
+        )
+        variance = np.where(variance > 0, variance, 1.0)
+        over = np.nan_to_num(residual / np.sqrt(variance), nan=FAR)
+        before = [one.away(points[:, k]) for k, one in enumerate(model.unknowns)]
+        return np.concatenate([over, np.stack(before, axis=1)], axis=1)
+
+    def _slopes(self, share: Array) -> Array:
+        """Return how residuals change, shape (runs + unknowns, unknowns)."""
+        steps = STEP * np.eye(share.size)
+        ahead, behind = np.minimum(share + steps, 1.0), np.maximum(share - steps, 0.0)
+        residuals = self._residuals(np.concatenate([ahead, behind]))
+        apart = np.diag(ahead - behind)
+        change = residuals[: share.size] - residuals[share.size :]
+        found: Array = (change / apart[:, np.newaxis]).T
+        return found

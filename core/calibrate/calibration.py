@@ -1,0 +1,187 @@
+"""A calibration that can be carried out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+from core.calibrate.candidates import ENSEMBLE
+from core.calibrate.model import Model
+from core.calibrate.posterior import AXIS, MOST_MODES
+from core.calibrate.scatter import Likelihood
+from core.motion.method import Method
+from core.motion.prepare import price_of
+from core.motion.systems import methods_of
+from core.plan.grid import Grid
+from core.plan.prepared import Prepared
+from core.quantities import QUANTITIES
+from core.study.calibrate_study import CalibrateStudy
+
+RUN, MODE, ESTIMATE = "run", "mode", "mean median deviation lower_68 upper_68 lower_95 upper_95"
+ESTIMATES = ("best", *ESTIMATE.split())
+"""What is told of each unknown; the names of variables begin with these words."""
+BANDS = ("lower_68", "upper_68", "lower_95", "upper_95")
+CANDIDATE = "candidate_"
+POINT_SECONDS = 4e-6  # of a point besides what following its motions takes, a run
+FEW_SECONDS = 1.5  # for densities, heaps and the last digits
+
+
+@dataclass(frozen=True)
+class Calibration(Prepared):
+    """A calibration that can be carried out; `grid` spans all that parameters may be.
+
+    Attributes
+    ----------
+    likelihood : Likelihood
+        Of the observations, with the motions of all runs.
+    candidates : Grid or None
+        Drives that could be run next.
+    """
+
+    study: CalibrateStudy
+    likelihood: Likelihood
+    candidates: Grid | None
+
+    @property
+    def model(self) -> Model:
+        """The motions of all runs."""
+        return self.likelihood.model
+
+    @property
+    def method(self) -> Method:
+        """The method that follows the motions."""
+        return methods_of(self.plan.scene.name)[self.plan.variant]
+
+    @property
+    def points(self) -> int:
+        """Most points of the unknowns."""
+        return self.study.points
+
+    @property
+    def cells(self) -> int:
+        """Most motions that are followed."""
+        return self.points * len(self.model.runs) + self.asked
+
+    @property
+    def asked(self) -> int:
+        """Motions of candidates."""
+        return ENSEMBLE * self.candidates.cells if self.candidates else 0
+
+    @property
+    def stored(self) -> int:
+        """As in `Prepared`: the points of the largest variable."""
+        return AXIS[len(self.model.names)] ** len(self.model.names)
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """The unit of each variable of the result, in order."""
+        model, units = self.model, dict[str, str]()
+        output = QUANTITIES[model.runs.output].unit
+        for one in model.unknowns:
+            units |= {f"{what}_{one.name}": one.unit for what in ESTIMATES}
+        units |= {f"correlation_{a}_{b}": "1" for a, b in combinations(model.names, 2)}
+        units |= dict.fromkeys(("discrepancy", *(f"discrepancy_{b}" for b in BANDS)), output)
+        units["discrepancy_probability"] = "1"
+        units |= {f"mode_{one.name}": one.unit for one in model.unknowns}
+        units["mode_share"] = "1"
+        units |= dict.fromkeys((model.runs.output, "error", "predicted", "predicted_best"), output)
+        units |= {f"predicted_{band}": output for band in BANDS}
+        units |= {"predicted_spread": output, "residual": output, "residual_over_error": "1"}
+        if model.runs.watched.any():
+            units["probability_of_seen"] = "1"
+        for one in model.unknowns:
+            units[f"density_{one.name}"] = "1" if one.unit == "1" else f"({one.unit})-1"
+        units |= {f"density_{a}_{b}": "1" for a, b in self.pairs}
+        units["log_density"] = "1"
+        if self.candidates:
+            units |= {"information": "bit", "expected": output, "expected_deviation": output}
+        return units
+
+    @property
+    def pairs(self) -> list[tuple[str, str]]:
+        """The pairs of unknowns whose density is told; that of two alone is `log_density`."""
+        names = self.model.names
+        return [*combinations(names, 2)] if len(names) > 2 else []
+
+    @cached_property
+    def dims(self) -> dict[str, tuple[str, ...]]:
+        """The axes of each variable."""
+        model = self.model
+        by_run = {model.runs.output, "error", "residual", "residual_over_error"}
+        by_run |= {name for name in self.units if name.startswith("predicted")}
+        dims: dict[str, tuple[str, ...]] = dict.fromkeys(self.units, ())
+        dims |= dict.fromkeys(name for name in self.units if name in by_run)  # type: ignore[arg-type]
+        for name in self.units:
+            if name in by_run or name == "probability_of_seen":
+                dims[name] = (RUN,)
+            elif name.startswith("mode_"):
+                dims[name] = (MODE,)
+        dims |= {f"density_{name}": (name,) for name in model.names}
+        dims |= {f"density_{a}_{b}": (a, b) for a, b in self.pairs}
+        dims["log_density"] = model.names
+        if self.candidates:
+            axes = tuple(CANDIDATE + name for name in self.candidates.axes)
+            dims |= dict.fromkeys(("information", "expected", "expected_deviation"), axes)
+        return dims
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """The length of each dimension; of modes the most that are told."""
+        names = self.model.names
+        sizes = {RUN: len(self.model.runs), MODE: MOST_MODES}
+        sizes |= dict.fromkeys(names, AXIS[len(names)])
+        if self.candidates:
+            sizes |= {CANDIDATE + name: size for name, size in self.candidates.shape.items()}
+        return sizes
+
+    @property
+    def bytes(self) -> int:
+        """Bytes that the result takes, uncompressed."""
+        count, sizes = 0, self.sizes
+        for dims in self.dims.values():
+            values = 1
+            for dim in dims:
+                values *= sizes[dim]
+            count += 8 * values
+        return count
+
+    @property
+    def computed_bytes(self) -> int:
+        """As in `Prepared`."""
+        return self.bytes
+
+    @property
+    def cut_axes(self) -> tuple[str, ...]:
+        """No axis: a calibration is one whole."""
+        return ()
+
+    @cached_property
+    def _price(self) -> tuple[float, float]:
+        """Seconds of a motion as is likely, and at most."""
+        return price_of(self.method, self.plan, self.grid)
+
+    @property
+    def seconds_a_cell(self) -> float:
+        """As in `Prepared`."""
+        return self._price[0] + POINT_SECONDS + FEW_SECONDS / self.cells
+
+    @property
+    def most_seconds_a_cell(self) -> float:
+        """As in `Prepared`."""
+        return self._price[1] + POINT_SECONDS + FEW_SECONDS / self.cells
+
+    @property
+    def verified_by(self) -> str:
+        """Nothing: a study that asks for it is refused."""
+        return ""
+
+    @property
+    def seconds_a_verified_cell(self) -> float:
+        """As in `Prepared`."""
+        return 0.0
+
+    def what_fits(self, share: float) -> str:
+        """Return a sentence that says which study is about that share of this one."""
+        del share
+        return "Calibrate fewer unknowns, or fewer candidates"

@@ -1,0 +1,264 @@
+"""The grid of the unknowns, which is fine where the mass of the posterior is.
+
+The box between the bounds is cut into equal leaves, and whichever leaf holds much mass over which
+the predictions change is halved along each unknown, again and again. How much predictions change
+within a leaf is known from its neighbours, and counts as an error of theirs: a mode that is far
+narrower than the first leaves cannot be missed as long as they see the speeds rise and fall.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.calibrate.scatter import Likelihood, summed
+from core.mechanics.arrays import Array
+from core.watch import Watch
+
+FIRST_SHARE = 4  # of all points, one in so many may be of the first leaves
+FINEST_FIRST = 8  # halvings of a bound to bound that the first leaves have at most
+MOST_BITS = 60  # of the number of a leaf: halvings times unknowns
+ROUND = 0.8  # of the whole score, the share that is refined at a time
+ENOUGH = 0.01  # of the score: predictions change by a tenth of their errors
+BENT = 0.25  # of the square of what a leaf foretold wrongly: its halves bend less
+UNIFORM = 1.0 / 12.0  # the variance of what is anywhere in a leaf, over its width squared
+
+
+@dataclass(frozen=True)
+class Leaves:
+    """Boxes of the unknowns, in shares of the way from bound to bound.
+
+    Attributes
+    ----------
+    centre : ndarray, shape (leaves, unknowns)
+    halvings : ndarray of int, shape (leaves,)
+        Each has a width of 1/2 to that power, along every unknown.
+    value, variance : ndarray, shape (leaves, runs)
+        What motions give at the centres.
+    slope : ndarray, shape (leaves, runs, unknowns)
+        How values change.
+    rough : ndarray, shape (leaves, runs)
+        Variance of values about what slopes tell.
+    shown : ndarray, shape (leaves, watched runs)
+        The share of a leaf in which the part does what was seen.
+    """
+
+    centre: Array
+    halvings: NDArray[np.int64]
+    value: Array
+    variance: Array
+    slope: Array
+    rough: Array
+    shown: Array
+
+    def __len__(self) -> int:
+        """Return the number of leaves."""
+        return len(self.halvings)
+
+    @property
+    def width(self) -> Array:
+        """The widths, shape (leaves,)."""
+        return np.exp2(-self.halvings.astype(np.float64))
+
+    @property
+    def log_volume(self) -> Array:
+        """Logarithms of the volumes, shape (leaves,)."""
+        return -self.halvings * self.centre.shape[1] * np.log(2.0)
+
+    @property
+    def change(self) -> Array:
+        """Variance of values within a leaf, shape (leaves, runs)."""
+        steps: Array = np.square(self.slope).sum(axis=2)
+        return steps * (UNIFORM * np.square(self.width))[:, np.newaxis]
+
+    def only(self, where: NDArray[np.bool_] | NDArray[np.int64]) -> Leaves:
+        """Return some of the leaves."""
+        return Leaves(*(getattr(self, field.name)[where] for field in fields(self)))
+
+    def joined(self, other: Leaves) -> Leaves:
+        """Return these and other leaves."""
+        both = ((getattr(self, f.name), getattr(other, f.name)) for f in fields(self))
+        return Leaves(*(np.concatenate(pair) for pair in both))
+
+
+@dataclass(frozen=True)
+class Explored:
+    """The grid of a posterior.
+
+    Attributes
+    ----------
+    leaves : Leaves
+        The boxes.
+    log_mass : ndarray, shape (leaves,)
+        Logarithms of the mass in each.
+    points : int
+        How many points were tried.
+    sizes : ndarray, shape (sizes,)
+        How likely each size of the discrepancy is.
+    left : float
+        What is left to refine: the mean of how far predictions change in a leaf, over errors.
+    """
+
+    leaves: Leaves
+    log_mass: Array
+    points: int
+    sizes: Array
+    left: float
+
+
+def explore(likelihood: Likelihood, most: int, watch: Watch) -> Explored:
+    """Return the grid of a posterior of `most` points at most.
+
+    Raises
+    ------
+    StoppedError
+        If the watch says so.
+    """
+    count = len(likelihood.model.unknowns)
+    leaves = _first(likelihood, most, watch)
+    tried = len(leaves)
+    while True:
+        log = _log_mass(likelihood, leaves)
+        log_mass = summed(log)
+        score = _score(likelihood, leaves, log)
+        left = float(score.sum())
+        order = np.argsort(-score)
+        wanted = int(np.searchsorted(np.cumsum(score[order]), ROUND * left)) + 1
+        wanted = min(wanted, (most - tried) >> count, int((score > 0).sum()))
+        if left < ENOUGH or wanted < 1:
+            return Explored(leaves, log_mass, tried, _sizes(log), left)
+        chosen = order[:wanted]
+        kept = np.ones(len(leaves), dtype=bool)
+        kept[chosen] = False
+        parents = leaves.only(chosen)
+        children = wanted << count
+        finer = _split(likelihood, parents, watch.part(children / most))
+        leaves = leaves.only(kept).joined(finer)
+        tried += children
+
+
+def points_of(likelihood: Likelihood, centre: Array) -> Array:
+    """Return points of the unknowns from shares of the way from bound to bound."""
+    model = likelihood.model
+    found: Array = model.lower + centre * model.width
+    return found
+
+
+def _first(likelihood: Likelihood, most: int, watch: Watch) -> Leaves:
+    count = len(likelihood.model.unknowns)
+    halvings = int(np.log2(most / FIRST_SHARE) / count)
+    halvings = max(2, min(FINEST_FIRST, halvings))
+    size = 2**halvings
+    along = (np.arange(size) + 0.5) / size
+    centre = np.stack(np.meshgrid(*(along,) * count, indexing="ij"), axis=-1).reshape(-1, count)
+    share = watch.part(min(1.0, len(centre) / most))
+    predicted = likelihood.model.predict(points_of(likelihood, centre), share)
+    shown = likelihood.shown(predicted)
+    shape, runs = (size,) * count, predicted.value.shape[1]
+    values = np.nan_to_num(predicted.value, nan=0.0).reshape(*shape, runs)
+    slopes = [np.gradient(values, 1.0 / size, axis=k) for k in range(count)]
+    slope = np.stack(slopes, axis=-1).reshape(-1, runs, count)
+    rough = sum(np.square(_bend(values, axis)) for axis in range(count))
+    return Leaves(
+        centre,
+        np.full(len(centre), halvings),
+        predicted.value,
+        predicted.variance,
+        slope,
+        np.asarray(rough).reshape(-1, runs),
+        _softened(shown.reshape(*shape, -1)).reshape(len(centre), -1),
+    )
+
+
+def _bend(values: Array, axis: int) -> Array:
+    """Return by how much values of neighbours leave a straight line, within half of their way."""
+    near = np.pad(values, [(1, 1) if k == axis else (0, 0) for k in range(values.ndim)], "reflect",
+                  reflect_type="odd")  # fmt: skip
+    found: Array = 0.25 * np.diff(near, 2, axis=axis)
+    return found
+
+
+def _softened(shown: Array) -> Array:
+    """Return what was seen in the first leaves: a border may lie between a leaf and the next."""
+    soft = shown
+    for axis in range(shown.ndim - 1):
+        near = np.pad(soft, [(1, 1) if k == axis else (0, 0) for k in range(soft.ndim)], "edge")
+        before, after = (np.take(near, range(s, s + soft.shape[axis]), axis) for s in (0, 2))
+        soft = 0.25 * before + 0.5 * soft + 0.25 * after
+    return soft
+
+
+def _split(likelihood: Likelihood, parents: Leaves, watch: Watch) -> Leaves:
+    """Return the halves along each unknown of some leaves."""
+    count = parents.centre.shape[1]
+    signs = np.array([*product((-1.0, 1.0), repeat=count)])  # (children, unknowns)
+    step = 0.25 * parents.width[:, np.newaxis, np.newaxis]
+    centre = parents.centre[:, np.newaxis] + step * signs  # (parents, children, unknowns)
+    flat = centre.reshape(-1, count)
+    predicted = likelihood.model.predict(points_of(likelihood, flat), watch)
+    shown = likelihood.shown(predicted)
+    runs, children = predicted.value.shape[1], len(signs)
+    family = np.nan_to_num(predicted.value, nan=0.0).reshape(-1, children, runs)
+    # Over all signs, which are orthogonal, a plane through the children is a sum of products.
+    slope = np.einsum("pcr,ck->prk", family, signs) / (children * step)
+    plane = np.einsum("prk,ck->pcr", slope * step, signs) + family.mean(axis=1, keepdims=True)
+    # Halves of a leaf lie on a straight line whatever it is; what the leaf foretold tells more.
+    told = np.nan_to_num(parents.value)[:, np.newaxis] + np.einsum(
+        "prk,ck->pcr", parents.slope * step, signs
+    )
+    rough = np.maximum(np.square(family - plane), BENT * np.square(family - told)).mean(axis=1)
+    mixed = shown.reshape(len(parents), children, shown.shape[1]).mean(axis=1)
+    shown = np.where(
+        np.repeat((mixed > 0) & (mixed < 1), children, axis=0),
+        0.5 * (shown + np.repeat(mixed, children, axis=0)),
+        shown,
+    )
+    return Leaves(
+        flat,
+        np.repeat(parents.halvings + 1, children),
+        predicted.value,
+        predicted.variance,
+        np.repeat(slope, children, axis=0),
+        np.repeat(rough, children, axis=0),
+        shown,
+    )
+
+
+def _log_mass(likelihood: Likelihood, leaves: Leaves) -> Array:
+    """Return the mass of leaves, each with each size of the discrepancy, as logarithms."""
+    variance = leaves.variance + leaves.rough + leaves.change
+    log = likelihood.log(leaves.value, variance, leaves.shown, points_of(likelihood, leaves.centre))
+    return log + leaves.log_volume[:, np.newaxis]
+
+
+def _sizes(log: Array) -> Array:
+    """Return how likely each size of the discrepancy is, of the masses of leaves."""
+    top = log.max()
+    if not np.isfinite(top):
+        return np.full(log.shape[1], 1.0 / log.shape[1])
+    found: Array = np.exp(log - top).sum(axis=0)
+    return found / found.sum()
+
+
+def _score(likelihood: Likelihood, leaves: Leaves, log: Array) -> Array:
+    """Return how much refining leaves would tell, shape (leaves,)."""
+    runs = likelihood.model.runs
+    top = log.max()
+    if not np.isfinite(top):
+        return np.zeros(len(leaves))
+    mass = np.exp(log - top)
+    mass /= mass.sum()
+    where, size = runs.measured, likelihood.scatter.sizes
+    usual = float(mass.sum(axis=0) @ np.square(size))
+    if runs.errors_known:
+        usual = float(np.square(size[np.argmax(mass.sum(axis=0))]))
+    known = leaves.variance[:, where] + np.square(runs.error[where]) + usual
+    smooth = (leaves.change[:, where] / known).sum(axis=1)
+    rough = (leaves.rough[:, where] / known).sum(axis=1)
+    border = (leaves.shown * (1.0 - leaves.shown)).sum(axis=1)
+    found: Array = mass.sum(axis=1) * np.minimum(0.1 * smooth + rough + border, 10.0)
+    found[leaves.halvings >= MOST_BITS // leaves.centre.shape[1]] = 0.0
+    return found

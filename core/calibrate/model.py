@@ -1,0 +1,286 @@
+"""What a part would do in each run if the unknowns had some values: the motions of a calibration.
+
+Points of the unknowns have shape (points, unknowns), in the units of studies. All that is told of
+runs at points has shape (points, runs).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.mechanics.arrays import Array, Mask
+from core.motion.feeding import feed_rate
+from core.plan.equations import run_equations
+from core.plan.grid import parameter_to_si
+from core.plan.plan import Plan
+from core.quantities import QUANTITIES
+from core.scenes.scene import STATIC_ABOVE_KINETIC
+from core.study.priors import Prior
+from core.watch import Watch
+
+CELLS_AT_A_TIME = 200_000  # bounds the memory
+OUTPUTS = (
+    "conveying_velocity",
+    "conveying_velocity_spread",
+    "conveying_velocity_error",
+    "stick_fraction",
+    "flight_fraction",
+    "motion_status",
+)
+"""Outputs of a motion that a calibration reads."""
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """One number that is looked for.
+
+    Attributes
+    ----------
+    name : str
+        As results call it, such as ``friction`` or ``offset_beta``.
+    parameter : str
+        What it changes.
+    table : str
+        Where the study has it: unknowns, offsets or factors.
+    prior : Prior
+        What is known of it before.
+    """
+
+    name: str
+    parameter: str
+    table: str
+    prior: Prior
+
+    @property
+    def unit(self) -> str:
+        """Its unit."""
+        return "1" if self.table == "factors" else QUANTITIES[self.parameter].unit
+
+    @property
+    def label(self) -> str:
+        """What it is, in a few words."""
+        label = QUANTITIES[self.parameter].label
+        lowered = label[0].lower() + label[1:]
+        return {"offsets": f"Offset of the {lowered}", "factors": f"Factor of the {lowered}"}.get(
+            self.table, label
+        )
+
+    @property
+    def width(self) -> float:
+        """How far apart its bounds are."""
+        return self.prior.upper - self.prior.lower
+
+    def away(self, values: Array) -> Array:
+        """Return how far values are from the mean, in deviations; 0 where none is given."""
+        if self.prior.mean is None or self.prior.deviation is None:
+            return np.zeros(np.shape(values))
+        return np.asarray((np.asarray(values) - self.prior.mean) / self.prior.deviation)
+
+    def log_prior(self, values: Array) -> Array:
+        """Return the logarithm of the density before, but for a constant."""
+        return -0.5 * np.square(self.away(values))
+
+
+@dataclass(frozen=True)
+class Runs:
+    """What was measured.
+
+    Attributes
+    ----------
+    columns : mapping of str to ndarray, shape (runs,)
+        The parameters that runs have of their own, in the units of studies.
+    output : str
+        What was measured: conveying_velocity or feed_rate.
+    value : ndarray, shape (runs,)
+        Of it, in its unit; NaN of a run without.
+    error : ndarray, shape (runs,)
+        Its standard deviation; 0 in all runs where no error is known.
+    seen : tuple of str
+        What the part was seen to do in each run; empty where nothing is told.
+    """
+
+    columns: Mapping[str, Array]
+    output: str
+    value: Array
+    error: Array
+    seen: tuple[str, ...]
+
+    def __len__(self) -> int:
+        """Return the number of runs."""
+        return len(self.seen)
+
+    @property
+    def measured(self) -> Mask:
+        """Where a value was measured, shape (runs,)."""
+        found: Mask = np.isfinite(self.value)
+        return found
+
+    @property
+    def watched(self) -> Mask:
+        """Where something was seen, shape (runs,)."""
+        return np.array([bool(word) for word in self.seen])
+
+    @property
+    def errors_known(self) -> bool:
+        """Whether the errors of what was measured are known."""
+        return bool(np.any(self.error[self.measured] > 0))
+
+
+class Predicted(NamedTuple):
+    """What motions give, shape (points, runs).
+
+    Attributes
+    ----------
+    value : ndarray
+        Of the output that was measured, in its unit; NaN where a motion has none.
+    variance : ndarray
+        Its own: of a motion that does not repeat, and of the method.
+    hops, rests : ndarray of bool
+        Whether the part leaves the floor; whether friction holds it all the time.
+    """
+
+    value: Array
+    variance: Array
+    hops: Mask
+    rests: Mask
+
+    def shows(self, seen: str) -> Mask:
+        """Return where a part does what was seen."""
+        return {
+            "hops": self.hops,
+            "does not hop": ~self.hops & ~np.isnan(self.value),
+            "does not start": self.rests,
+            "moves forwards": ~self.rests & (self.value > 0),
+            "moves backwards": ~self.rests & (self.value < 0),
+        }[seen]
+
+
+@dataclass(frozen=True)
+class Model:
+    """The motions of all runs, for any values of the unknowns.
+
+    Attributes
+    ----------
+    plan : Plan
+        Of the outputs of a motion.
+    shared : mapping of str to float
+        Parameters that all runs share, in the units of studies.
+    unknowns : tuple of Unknown
+        What is looked for.
+    runs : Runs
+        What was measured.
+    """
+
+    plan: Plan
+    shared: Mapping[str, float]
+    unknowns: tuple[Unknown, ...]
+    runs: Runs
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the unknowns."""
+        return tuple(one.name for one in self.unknowns)
+
+    @property
+    def lower(self) -> Array:
+        """The lower bounds of the unknowns, shape (unknowns,)."""
+        return np.array([one.prior.lower for one in self.unknowns])
+
+    @property
+    def width(self) -> Array:
+        """How far apart the bounds of the unknowns are, shape (unknowns,)."""
+        return np.array([one.width for one in self.unknowns])
+
+    def predict(
+        self, points: Array, watch: Watch, columns: Mapping[str, Array] | None = None
+    ) -> Predicted:
+        """Return what motions give at points of the unknowns.
+
+        Parameters
+        ----------
+        points : ndarray, shape (points, unknowns)
+            In the units of studies.
+        watch : Watch
+            May stop it.
+        columns : mapping of str to ndarray, optional
+            Parameters of other runs than those of the study.
+
+        Raises
+        ------
+        StoppedError
+            If the watch says so.
+        """
+        columns = self.runs.columns if columns is None else columns
+        count = max((values.size for values in columns.values()), default=1)
+        step = max(1, CELLS_AT_A_TIME // count)
+        parts = []
+        for start in range(0, len(points), step):
+            some = points[start : start + step]
+            parts.append(self._predict(some, count, columns, watch.part(len(some) / len(points))))
+            watch.check()
+        return Predicted._make(np.concatenate(part) for part in zip(*parts, strict=True))
+
+    def _predict(
+        self, points: Array, count: int, columns: Mapping[str, Array], watch: Watch
+    ) -> Predicted:
+        given = self._given(points, columns)
+        with np.errstate(all="ignore"):
+            known = run_equations(self.plan, {n: given[n] for n in self.plan.parameters}, watch)
+            velocity, spread, error = (known[name] for name in OUTPUTS[:3])
+            variance = np.square(spread) + np.square(error)
+            scale: Array | float = 1.0
+            if self.runs.output == "feed_rate":
+                scale = feed_rate(
+                    conveying_velocity=np.asarray(1.0),
+                    length=known["length"],
+                    occupancy=known["occupancy"],
+                )
+            value, variance = velocity * scale, variance * np.square(scale)
+        shape = (len(points), count)
+        return Predicted(
+            *(
+                np.broadcast_to(field, shape)
+                for field in (
+                    value,
+                    np.where(np.isfinite(variance), variance, 0.0),
+                    known["flight_fraction"] > 0,
+                    known["stick_fraction"] == 1.0,
+                )
+            )
+        )
+
+    def _given(self, points: Array, columns: Mapping[str, Array]) -> dict[str, Array]:
+        """Return the parameters of the plan, SI units, which broadcast to (points, runs)."""
+        known: dict[str, Array] = {name: np.asarray(value) for name, value in self.shared.items()}
+        known |= {name: values[np.newaxis] for name, values in columns.items()}
+        for k, one in enumerate(self.unknowns):
+            column = points[:, k : k + 1]
+            if one.table == "unknowns":
+                known[one.parameter] = column
+            elif one.table == "offsets":
+                known[one.parameter] = known[one.parameter] + column
+            else:
+                known[one.parameter] = known[one.parameter] * column
+        return {name: parameter_to_si(name, np.asarray(value)) for name, value in known.items()}
+
+    def log_prior(self, points: Array) -> Array:
+        """Return the logarithm of the density before, but for a constant, shape (points,)."""
+        log: Array = np.zeros(len(points))
+        for k, one in enumerate(self.unknowns):
+            log = log + one.log_prior(points[:, k])
+        frictions = [self._friction(name, points) for name in STATIC_ABOVE_KINETIC.parameters]
+        static, kinetic = frictions
+        if static is not None and kinetic is not None:
+            log = np.where(static >= kinetic, log, -np.inf)
+        return log
+
+    def _friction(self, name: str, points: Array) -> NDArray[np.float64] | float | None:
+        """Return a coefficient at points, if the study gives it by itself."""
+        if name in self.names:
+            return points[:, self.names.index(name)]
+        return self.shared.get(name)

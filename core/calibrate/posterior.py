@@ -1,0 +1,315 @@
+"""The posterior as points with weights, and what they tell: means, intervals, marginals, modes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.calibrate.leaves import Explored, Leaves, points_of
+from core.calibrate.scatter import Likelihood, summed
+from core.mechanics.arrays import Array
+
+POINTS = 60_000  # within the leaves, about
+MOST_NUMBERS = 4_000_000  # points times runs
+NEGLIGIBLE = 1e-7  # of the mass, in leaves that are left out
+AXIS = {1: 201, 2: 81, 3: 41, 4: 21}
+"""Values of each unknown at which densities are told, by their number."""
+TAIL = 1e-4  # of the mass, on either side of these values
+BEYOND = 0.08  # of what they span, which they go further
+LEAST_LOG = -700.0  # whose exponential is a number yet
+HIGHEST = (0.9, 0.99)  # of the mass, within which separate heaps are modes
+LEAST_MODE = 0.02
+MOST_MODES = 6
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Points of the unknowns with weights.
+
+    Attributes
+    ----------
+    likelihood : Likelihood
+        Of what.
+    explored : Explored
+        The leaves that the points lie in.
+    points : ndarray, shape (points, unknowns)
+        In the units of studies.
+    weights : ndarray, shape (points,)
+        They add up to 1.
+    value, variance : ndarray, shape (points, runs)
+        What motions give there, by the slopes of the leaves.
+    shown : ndarray, shape (points, watched runs)
+        Whether parts do what was seen.
+    log : ndarray, shape (points,)
+        Logarithms of the density, but for a constant.
+    sizes : ndarray, shape (sizes,)
+        How likely each size of the discrepancy is.
+    """
+
+    likelihood: Likelihood
+    explored: Explored
+    points: Array
+    weights: Array
+    value: Array
+    variance: Array
+    shown: Array
+    log: Array
+    sizes: Array
+
+    def quantiles(self, values: Array, shares: Sequence[float]) -> Array:
+        """Return quantiles of values at the points, shape (shares, ...)."""
+        columns = values.reshape(len(values), -1)
+        found = [weighted_quantiles(column, self.weights, shares) for column in columns.T]
+        return np.stack(found, axis=-1).reshape(len(shares), *values.shape[1:])
+
+    def mean(self, values: Array) -> Array:
+        """Return the mean of values at the points."""
+        found: Array = np.tensordot(self.weights, np.nan_to_num(values), 1)
+        return found
+
+    def covariance(self) -> Array:
+        """Return the covariance of the unknowns, shape (unknowns, unknowns)."""
+        away = self.points - self.mean(self.points)
+        return np.einsum("p,pi,pj->ij", self.weights, away, away)
+
+    def ensemble(self, count: int) -> Array:
+        """Return points of equal weights, shape (count, unknowns)."""
+        places = (np.arange(count) + 0.5) / count
+        order = np.lexsort(self.points.T)
+        chosen = np.searchsorted(np.cumsum(self.weights[order]), places)
+        found: Array = self.points[order[np.minimum(chosen, len(order) - 1)]]
+        return found
+
+
+def posterior_of(likelihood: Likelihood, explored: Explored) -> Posterior:
+    """Return the points of a posterior: some in each leaf that has a share of the mass."""
+    leaves, log_mass = explored.leaves, explored.log_mass
+    top = log_mass.max()
+    mass = np.exp(log_mass - top) if np.isfinite(top) else np.ones(len(leaves))
+    mass /= mass.sum()
+    kept = mass > NEGLIGIBLE / len(mass)
+    leaves = leaves.only(kept)
+    most = min(POINTS, max(2_000, MOST_NUMBERS // max(1, leaves.value.shape[1])))
+    each = int(np.clip(most // len(leaves), 1, 512))
+    likelihood = replace(likelihood, scatter=likelihood.scatter.finer(explored.sizes))
+    share, where = _within(leaves, each)
+    value = leaves.value[where] + np.einsum("prk,pk->pr", leaves.slope[where], share)
+    centre = leaves.centre[where] + share
+    points = points_of(likelihood, centre)
+    variance = (leaves.variance + leaves.rough)[where]
+    shown = leaves.shown[where]
+    log = likelihood.log(value, variance, shown, points)
+    density = summed(log)
+    whole = density + leaves.log_volume[where]
+    top = whole.max()
+    weights = np.exp(whole - top) if np.isfinite(top) else np.ones(len(whole))
+    weights /= weights.sum()
+    known = np.isfinite(density)
+    sizes = weights[known] @ np.exp(log[known] - density[known, np.newaxis])
+    return Posterior(likelihood, explored, points, weights, value, variance, shown, density, sizes)
+
+
+def _within(leaves: Leaves, each: int) -> tuple[Array, NDArray[np.int64]]:
+    """Return points relative to the centres of their leaves, and the number of the leaf of each.
+
+    A set that fills a cube evenly is shifted by other numbers in every leaf.
+    """
+    from scipy.stats import qmc  # it loads slowly, and who checks a study does not need it
+
+    count = leaves.centre.shape[1]
+    if each == 1:
+        return np.zeros((len(leaves), count)), np.arange(len(leaves))
+    random = np.random.default_rng(0)
+    even = qmc.Sobol(count, seed=0).random(1 << int(np.ceil(np.log2(each))))[:each]
+    shift = random.random((len(leaves), 1, count))
+    share = (even + shift) % 1.0 - 0.5
+    share = share * leaves.width[:, np.newaxis, np.newaxis]
+    return share.reshape(-1, count), np.repeat(np.arange(len(leaves)), each)
+
+
+def weighted_quantiles(values: Array, weights: Array, shares: Sequence[float]) -> Array:
+    """Return quantiles of values, shape (points,), that have weights; NaN values have no share."""
+    order = np.argsort(values)
+    values, weights = values[order], weights[order]
+    finite = np.isfinite(values)
+    values, weights = values[finite], weights[finite]
+    if not weights.sum() > 0:
+        return np.full(len(shares), np.nan)
+    below = np.cumsum(weights) - 0.5 * weights
+    found: Array = np.interp(np.asarray(shares) * weights.sum(), below, values)
+    return found
+
+
+def axes_of(posterior: Posterior) -> list[Array]:
+    """Return values of each unknown, evenly spaced, which hold all but the tails of the mass."""
+    model = posterior.likelihood.model
+    count = AXIS[len(model.unknowns)]
+    ends = posterior.quantiles(posterior.points, (TAIL, 1.0 - TAIL))
+    axes = []
+    for k, one in enumerate(model.unknowns):
+        low, high = ends[:, k]
+        more = BEYOND * (high - low)
+        low, high = max(low - more, one.prior.lower), min(high + more, one.prior.upper)
+        if not high - low > 1e-9 * one.width:
+            middle = 0.5 * (low + high)
+            low, high = middle - 1e-6 * one.width, middle + 1e-6 * one.width
+        axes.append(np.linspace(low, high, count))
+    return axes
+
+
+def log_density(posterior: Posterior, axes: Sequence[Array]) -> Array:
+    """Return the logarithm of the density on a grid of the unknowns, 0 at most.
+
+    The values of motions follow from the leaf that a point lies in, and its slopes.
+    """
+    likelihood, leaves = posterior.likelihood, posterior.explored.leaves
+    model = likelihood.model
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    points = grid.reshape(-1, len(axes))
+    share = np.clip((points - model.lower) / model.width, 0.0, 1.0 - 1e-15)
+    where = _leaf_of(leaves, share)
+    whole = np.empty(len(points))
+    step = max(1, MOST_NUMBERS // max(1, leaves.value.shape[1]))
+    for start in range(0, len(points), step):
+        some = slice(start, start + step)
+        at = where[some]
+        away = share[some] - leaves.centre[at]
+        value = leaves.value[at] + np.einsum("prk,pk->pr", leaves.slope[at], away)
+        variance = (leaves.variance + leaves.rough)[at]
+        whole[some] = summed(likelihood.log(value, variance, leaves.shown[at], points[some]))
+    top = whole.max()
+    whole = np.maximum(whole - (top if np.isfinite(top) else 0.0), LEAST_LOG)
+    return whole.reshape(grid.shape[:-1])
+
+
+def _leaf_of(leaves: Leaves, share: Array) -> NDArray[np.int64]:
+    """Return the number of the leaf that each point lies in."""
+    found = np.zeros(len(share), dtype=np.int64)
+    for halvings in np.unique(leaves.halvings).tolist():
+        ours = np.flatnonzero(leaves.halvings == halvings)
+        keys = _keys(leaves.centre[ours], halvings)
+        order = np.argsort(keys)
+        asked = _keys(share, halvings)
+        place = np.minimum(np.searchsorted(keys[order], asked), len(ours) - 1)
+        hit = keys[order][place] == asked
+        found[hit] = ours[order][place][hit]
+    return found
+
+
+def _keys(share: Array, halvings: int) -> NDArray[np.int64]:
+    """Return a number for each point: that of the box of so many halvings in which it lies."""
+    keys = np.zeros(len(share), dtype=np.int64)
+    for column in np.floor(share * 2.0**halvings).astype(np.int64).T:
+        keys = (keys << halvings) + column
+    return keys
+
+
+def marginal(posterior: Posterior, axis: Array, k: int) -> Array:
+    """Return the density of one unknown at evenly spaced values, per its unit."""
+    found = _binned(posterior, [axis], [k])
+    return found / (axis[1] - axis[0])
+
+
+def pair(posterior: Posterior, axes: Sequence[Array], first: int, second: int) -> Array:
+    """Return the density of two unknowns at evenly spaced values, per their units."""
+    found = _binned(posterior, [axes[first], axes[second]], [first, second])
+    steps = [axes[k][1] - axes[k][0] for k in (first, second)]
+    return found / (steps[0] * steps[1])
+
+
+def _binned(posterior: Posterior, axes: Sequence[Array], which: Sequence[int]) -> Array:
+    """Return the mass about the points of a grid of some unknowns.
+
+    Each point shares its weight among the values beside it, so that the density is as smooth as
+    the points allow.
+    """
+    shape = tuple(len(axis) for axis in axes)
+    mass = np.zeros(int(np.prod(shape)))
+    lows, shares, inside = [], [], np.ones(len(posterior.points), dtype=bool)
+    for axis, k in zip(axes, which, strict=True):
+        place = (posterior.points[:, k] - axis[0]) / (axis[1] - axis[0])
+        inside &= (place > -0.5) & (place < len(axis) - 0.5)
+        place = np.clip(place, 0.0, len(axis) - 1.0)
+        low = np.minimum(place.astype(np.int64), len(axis) - 2)
+        lows.append(low)
+        shares.append(place - low)
+    for corner in np.ndindex(*(2,) * len(axes)):
+        weight = np.where(inside, posterior.weights, 0.0)
+        flat = np.zeros(len(weight), dtype=np.int64)
+        for low, share, side, size in zip(lows, shares, corner, shape, strict=True):
+            weight = weight * (share if side else 1.0 - share)
+            flat = flat * size + low + side
+        np.add.at(mass, flat, weight)
+    mass = mass.reshape(shape)
+    for dim in range(mass.ndim):  # the first and the last gather from one side alone
+        edge = [slice(None)] * mass.ndim
+        for end in (0, -1):
+            edge[dim] = end  # type: ignore[call-overload]
+            mass[tuple(edge)] *= 2.0
+    return mass
+
+
+@dataclass(frozen=True)
+class Heap:
+    """Points of a posterior that hang together.
+
+    Attributes
+    ----------
+    share : float
+        Of the mass.
+    best : ndarray, shape (unknowns,)
+        The point of the highest density in it, of those that there are.
+    mean : ndarray, shape (unknowns,)
+        Its centre of mass.
+    """
+
+    share: float
+    best: Array
+    mean: Array
+
+
+def heaps_of(posterior: Posterior, axes: Sequence[Array]) -> list[Heap]:
+    """Return the separate heaps of a posterior, the heaviest first; at least one."""
+    from scipy import ndimage
+
+    count = len(axes)
+    places = np.stack(
+        [
+            np.clip(np.rint((posterior.points[:, k] - a[0]) / (a[1] - a[0])), 0, len(a) - 1)
+            for k, a in enumerate(axes)
+        ],
+        axis=1,
+    ).astype(np.int64)
+    shape = tuple(len(axis) for axis in axes)
+    flat = np.ravel_multi_index(tuple(places.T), shape)
+    mass = np.bincount(flat, posterior.weights, int(np.prod(shape)))
+    order = np.argsort(-mass)
+    below = np.cumsum(mass[order])
+    best: list[Heap] = []
+    around = np.ones((3,) * count)
+    for share in HIGHEST:
+        high = np.zeros(mass.size, dtype=bool)
+        high[order[: int(np.searchsorted(below, share)) + 1]] = True
+        wide = ndimage.binary_dilation(high.reshape(shape), around)
+        labels, _ = ndimage.label(wide, around)
+        found = _heaps(posterior, labels.ravel()[flat])
+        best = found if len(found) > len(best) else best
+    whole = sum(heap.share for heap in best)
+    return [replace(heap, share=heap.share / whole) for heap in best[:MOST_MODES]]
+
+
+def _heaps(posterior: Posterior, labels: Array) -> list[Heap]:
+    weights, log = posterior.weights, posterior.log
+    shares = np.bincount(labels, weights)
+    heaps = []
+    for label in np.flatnonzero(shares >= LEAST_MODE):
+        if label == 0:
+            continue
+        ours = np.flatnonzero(labels == label)
+        mean = weights[ours] @ posterior.points[ours] / shares[label]
+        best = posterior.points[ours[np.argmax(log[ours])]]
+        heaps.append(Heap(float(shares[label]), best, mean))
+    return sorted(heaps, key=lambda heap: -heap.share)

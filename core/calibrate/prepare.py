@@ -1,0 +1,322 @@
+"""From a study of calibration to what can be carried out: plan, unknowns, runs, likelihood."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from core.calibrate.calibration import Calibration
+from core.calibrate.candidates import ENSEMBLE, MOST_CANDIDATES
+from core.calibrate.model import OUTPUTS, Model, Runs, Unknown
+from core.calibrate.scatter import Likelihood, Scatter
+from core.errors import Problem, StudyError
+from core.mechanics.arrays import Array
+from core.motion.prepare import choose_system, who_uses
+from core.motion.systems import CONTACTS
+from core.plan.grid import Grid
+from core.plan.plan import plan_scene
+from core.plan.prepared import broken_constraints, further_problems, names_meant
+from core.quantities import QUANTITIES
+from core.scenes import Scene
+from core.scenes.scene import STATIC_ABOVE_KINETIC
+from core.study.calibrate_study import STEMS, CalibrateStudy
+from core.study.observations import OBSERVED, Run, parameters_of, read_error
+from core.study.units import UnitError
+from core.study.values import Fixed, Points, Span, Values
+
+MOST_UNKNOWNS = 4
+
+
+def prepare(study: CalibrateStudy) -> Calibration:
+    """Return the calibration of a study.
+
+    Raises
+    ------
+    StudyError
+        With every problem of scene, method, parameters, observations, unknowns and candidates.
+    """
+    problems = [*_misused(study), *_wrong_unknowns(study)]
+    columns, wrong = _columns(study)
+    problems += wrong
+    output, wrong = _observed(study.observations)
+    problems += wrong
+    error, wrong = _errors(study, output)
+    problems += wrong
+    values = {name: v for name, v in study.values().items() if isinstance(v, Fixed)}
+    shared = {name: value.value for name, value in values.items()}
+    unknowns = _unknowns(study)
+    problems += _open(unknowns, shared, columns)
+    spans, wrong = _spans(unknowns, shared, columns)
+    problems += wrong
+    asked = study.asked_next()
+    problems += _wrong_candidates(asked, shared, columns)
+    # What is wrong with values above is no reason to blame the names of a plan.
+    named = {**dict.fromkeys(shared), **dict.fromkeys(columns), **dict.fromkeys(spans)}
+    try:
+        scene, method, found = choose_system(study.scene, study.method, named)
+        problems += found
+        problems += _of_scene(study, scene, method)
+        outputs = (*OUTPUTS, *(("feed_rate",) if output == "feed_rate" else ()))
+        plan = plan_scene(scene, method, outputs, tuple(named))
+    except StudyError as error_:
+        placed = [_placed(one, columns, unknowns) for one in error_.problems]
+        raise StudyError([*problems, *placed]) from None
+    grid = Grid.of({**values, **spans})
+    problems += [
+        _placed(one, columns, unknowns)
+        for one in broken_constraints(_without_order(scene, spans), method, grid)
+    ]
+    problems += _too_few(study, unknowns)
+    if problems:
+        raise StudyError(problems)
+    plan = replace(plan, defaults={**plan.defaults, **study.settings()})
+    runs = Runs(
+        columns,
+        output,
+        np.array([np.nan if (v := getattr(run, output)) is None else v
+                  for run in study.observations]),
+        error,
+        tuple(run.regime or "" for run in study.observations),
+    )  # fmt: skip
+    model = Model(plan, shared, unknowns, runs)
+    scatter = Scatter.of(model, wanted=study.discrepancy)
+    candidates = None
+    if asked:
+        # What a candidate does not say is as in the first run.
+        first = {name: Fixed(float(column[0])) for name, column in columns.items()}
+        candidates = Grid.of({**first, **asked})
+    return Calibration(study, plan, grid, Likelihood(model, scatter, study.doubt), candidates)
+
+
+def further(content: Mapping[str, Any], known: StudyError) -> list[Problem]:
+    """Return what a plan of unsound content would object to, as far as it can be told."""
+    parameters = content.get("parameters")
+    if not isinstance(parameters, Mapping):
+        return []
+    names: dict[str, Any] = {**parameters}
+    unknowns = content.get("unknowns")
+    names |= unknowns if isinstance(unknowns, Mapping) else {}
+    observations = content.get("observations")
+    for row in observations if isinstance(observations, list | tuple) else ():
+        if isinstance(row, Mapping):
+            names |= {n: v for n, v in row.items() if n not in (*OBSERVED, "error", "regime")}
+    whole = {**content, "parameters": names, "outputs": OUTPUTS[:1]}
+
+    def chosen(content: Mapping[str, Any]) -> Any:
+        method = content.get("method")
+        given = names_meant(content["parameters"])
+        return choose_system(content["scene"], method if isinstance(method, str) else None, given)
+
+    return further_problems(whole, known, chosen)
+
+
+def _misused(study: CalibrateStudy) -> Iterable[Problem]:
+    """Yield what a study of this kind may not have."""
+    if study.verify is not None:
+        message = "a calibration is not verified cell by cell"
+        fix = "Leave it out, and simulate the best values with verify"
+        yield Problem("verify", message, fix)
+    for name, value in study.values().items():
+        if not isinstance(value, Fixed):
+            fix = "Give one value that all runs share; what differs stands in the observations"
+            yield Problem(f"parameters.{name}", "it has several values", fix)
+
+
+def _unknowns(study: CalibrateStudy) -> tuple[Unknown, ...]:
+    found = []
+    for name, prior in study.priors().items():
+        table = next((t for t in ("offsets", "factors") if name.startswith(STEMS[t])), "unknowns")
+        found.append(Unknown(name, name.removeprefix(STEMS[table]), table, prior))
+    return tuple(found)
+
+
+def _wrong_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
+    """Yield why the unknowns of a study cannot be looked for."""
+    count = len(study.priors())
+    if not count:
+        fix = "Name some, for example [unknowns] friction = { lower = 0.1, upper = 0.6 }"
+        yield Problem("unknowns", "nothing is looked for", fix)
+    if count > MOST_UNKNOWNS:
+        message = f"there are {count} unknowns, and a grid of so many would be too coarse to trust"
+        fix = f"Look for {MOST_UNKNOWNS} at most: move those that matter least to the parameters"
+        yield Problem("unknowns", message, fix)
+
+
+def _columns(study: CalibrateStudy) -> tuple[dict[str, Array], list[Problem]]:
+    """Return the parameters that runs have of their own, and which runs lack some."""
+    rows = [parameters_of(run) for run in study.observations]
+    names = [name for name in QUANTITIES if any(name in row for row in rows)]
+    problems = []
+    for name in names:
+        lacking = [k for k, row in enumerate(rows, 1) if name not in row]
+        if lacking:
+            message = f"other runs have {name}, and this one has not"
+            fix = "Give it in every run, or once among the parameters"
+            place = f"observations row {lacking[0]}, {name}"
+            more = f" ({len(lacking)} such rows)" if len(lacking) > 1 else ""
+            problems.append(Problem(place, message + more, fix))
+    columns = {n: np.array([row.get(n, np.nan) for row in rows]) for n in names}
+    for name in columns:
+        if name in study.values():
+            message = f"{name} stands in the parameters and in the observations"
+            problems.append(Problem(f"parameters.{name}", message, "Give it once"))
+    return columns, problems
+
+
+def _observed(rows: tuple[Run, ...]) -> tuple[str, list[Problem]]:
+    """Return what was measured, and which rows tell nothing or too much."""
+    problems = []
+    for k, row in enumerate(rows, 1):
+        given = [name for name in OBSERVED if getattr(row, name) is not None]
+        if len(given) > 1:
+            message = f"it gives both {' and '.join(given)}"
+            problems.append(Problem(f"observations row {k}", message, "Give one of them"))
+        elif not given and row.regime is None:
+            fix = "Give conveying_velocity with its unit, feed_rate, or regime"
+            problems.append(Problem(f"observations row {k}", "nothing was measured", fix))
+    used = [name for name in OBSERVED if any(getattr(row, name) is not None for row in rows)]
+    if len(used) > 1 and not problems:
+        message = "some runs give conveying_velocity, others feed_rate"
+        problems.append(Problem("observations", message, "Give one of them in all runs"))
+    return (used or list(OBSERVED))[0], problems
+
+
+def _errors(study: CalibrateStudy, output: str) -> tuple[Array, list[Problem]]:
+    """Return the standard deviation of every run, 0 where none is known, and what is wrong."""
+    errors, lacking, problems = [], [], list[Problem]()
+    for k, run in enumerate(study.observations, 1):
+        value = getattr(run, output)
+        error = run.error
+        if value is not None and error is None and study.error is not None and not problems:
+            try:
+                error = read_error(output, study.error, value)
+            except UnitError as wrong:
+                place = "error" if value else f"observations row {k}, error"
+                problems.append(Problem(place, wrong.message, wrong.fix))
+        if value is not None and error is None:
+            lacking.append(k)
+        errors.append(error or 0.0)
+    measured = sum(getattr(run, output) is not None for run in study.observations)
+    if lacking and len(lacking) < measured and not problems:
+        message = "other runs have an error, and this one has not"
+        fix = "Give error in every run, once for all above them, or nowhere"
+        problems.append(Problem(f"observations row {lacking[0]}, error", message, fix))
+    return np.array(errors), problems
+
+
+def _open(
+    unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array]
+) -> Iterable[Problem]:
+    """Yield unknowns whose parameter is known, and offsets and factors of what is not there."""
+    for one in unknowns:
+        place, given = f"{one.table}.{one.parameter}", {*shared, *columns}
+        if one.table == "unknowns" and one.parameter in given:
+            where = "observations" if one.parameter in columns else "parameters"
+            message = f"{one.parameter} is unknown, and given in the {where}"
+            yield Problem(place, message, "Give it once, or make it [offsets] or [factors]")
+        elif one.table != "unknowns" and one.parameter not in given:
+            message = f"there is no {one.parameter} among the parameters or observations"
+            fix = "Give what it changes, or move it to [unknowns]"
+            yield Problem(place, message, fix)
+
+
+def _spans(
+    unknowns: Iterable[Unknown], shared: Mapping[str, float], columns: Mapping[str, Array]
+) -> tuple[dict[str, Values], list[Problem]]:
+    """Return all that the parameters that are not fixed may be, and which leave their bounds."""
+    spans: dict[str, Values] = {}
+    problems = []
+    for name, column in columns.items():
+        values = np.unique(column[~np.isnan(column)]).tolist()
+        spans[name] = Points(tuple(values)) if len(values) > 1 else Fixed(values[0])
+    for one in unknowns:
+        low, high = one.prior.lower, one.prior.upper
+        if one.table != "unknowns":
+            given = columns.get(one.parameter, np.array([shared.get(one.parameter, np.nan)]))
+            known = spans.get(one.parameter)
+            if isinstance(known, Span):  # it has another unknown already
+                given = np.array([known.start, known.stop])
+            given = given[~np.isnan(given)]
+            if not given.size:
+                continue
+            pair = np.array([low, high])[:, np.newaxis]
+            ends = given + pair if one.table == "offsets" else given * pair
+            low, high = float(ends.min()), float(ends.max())
+        quantity = QUANTITIES[one.parameter]
+        if low < quantity.lower or high > quantity.upper:
+            least = f"{quantity.lower:g}" if low < quantity.lower else f"{quantity.upper:g}"
+            word = "below" if low < quantity.lower else "above"
+            message = f"with it {one.parameter} may come {word} {least} {quantity.unit}"
+            problems.append(Problem(f"{one.table}.{one.parameter}", message, "Narrow its range"))
+        spans[one.parameter] = Span(low, high, 2) if high > low else Fixed(low)
+    return spans, problems
+
+
+def _wrong_candidates(
+    asked: Mapping[str, Values], shared: Mapping[str, float], columns: Mapping[str, Array]
+) -> Iterable[Problem]:
+    for name in asked:
+        if name not in columns:
+            fix = "Range over parameters that differ between the runs"
+            where = "all runs share it" if name in shared else "no run has it"
+            yield Problem(f"candidates.{name}", where, fix)
+    cells = Grid.of(asked).cells if asked else 0
+    if cells > MOST_CANDIDATES:
+        message = f"there are {cells:,} of them, each of which takes {ENSEMBLE} motions"
+        yield Problem("candidates", message, f"Give at most {MOST_CANDIDATES:,}")
+
+
+def _of_scene(study: CalibrateStudy, scene: Scene, method: str) -> Iterable[Problem]:
+    """Yield what the scene and the method of a study do not take."""
+    if scene.name not in CONTACTS:
+        fix = f"Choose among {', '.join(CONTACTS)}"
+        yield Problem("scene", f"a part of {scene.name} has no conveying velocity", fix)
+    needed = {name for equation in scene.variants[method] for name in equation.inputs}
+    for name in study.settings():
+        if name not in needed:
+            message = f"the method {method} does not use it"
+            yield Problem(name, message, who_uses(scene, name))
+
+
+def _without_order(scene: Scene, spans: Mapping[str, Values]) -> Scene:
+    """Return a scene that lets ranges of both frictions overlap: points out of order count 0."""
+    names = STATIC_ABOVE_KINETIC.parameters
+    both = [spans.get(name) for name in names]
+    if not any(isinstance(one, Span) for one in both):
+        return scene
+    left = tuple(one for one in scene.constraints if one is not STATIC_ABOVE_KINETIC)
+    return replace(scene, constraints=left)
+
+
+def _too_few(study: CalibrateStudy, unknowns: tuple[Unknown, ...]) -> Iterable[Problem]:
+    """Yield why runs without errors do not tell their own scatter."""
+    if study.error is not None or any(run.error is not None for run in study.observations):
+        return
+    measured = sum(
+        any(getattr(run, name) is not None for name in OBSERVED) for run in study.observations
+    )
+    if 0 < measured < len(unknowns) + 2:
+        message = (
+            f"no error is known, and {measured} measured runs do not tell how far they scatter"
+        )
+        fix = f'Give error, such as "5 %", or at least {len(unknowns) + 2} runs'
+        yield Problem("error", message, fix)
+
+
+def _placed(problem: Problem, columns: Mapping[str, Array], unknowns: Iterable[Unknown]) -> Problem:
+    """Return a problem of a parameter where the study has it."""
+    where, _, name = problem.place.partition(".")
+    if where != "parameters":
+        return problem
+    if name in columns:
+        return replace(problem, place=f"observations, {name}")
+    for one in unknowns:
+        if one.parameter == name:
+            return replace(problem, place=f"{one.table}.{name}")
+    return problem
+
+
+__all__ = ["MOST_UNKNOWNS", "further", "prepare"]

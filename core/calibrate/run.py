@@ -1,0 +1,291 @@
+"""Carrying out a calibration: explore, sum up, polish, and label."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import combinations
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.calibrate.best import LeastSquares
+from core.calibrate.calibration import (
+    BANDS,
+    CANDIDATE,
+    ESTIMATES,
+    MODE,
+    RUN,
+    Calibration,
+)  # fmt: skip
+from core.calibrate.candidates import information
+from core.calibrate.leaves import explore
+from core.calibrate.posterior import (
+    Posterior,
+    axes_of,
+    heaps_of,
+    log_density,
+    marginal,
+    pair,
+    posterior_of,
+)
+from core.calibrate.prepare import prepare
+from core.calibrate.words import Findings, summary
+from core.dataset.table import Table, Variable, quantity_attributes
+from core.mechanics.arrays import Array
+from core.plan.labels import global_attributes
+from core.plan.pieces import FOLLOWED, Computed, carry_out
+from core.quantities import QUANTITIES
+from core.watch import Watch
+
+if TYPE_CHECKING:
+    import xarray
+
+    from core.study import CalibrateStudy
+
+SHARES = (0.16, 0.84, 0.025, 0.975)
+"""Of the mass below the ends of the intervals of `BANDS`: both tails are equal."""
+EXPLORING = 0.9  # of the work
+
+
+def calibrate(study: CalibrateStudy, *, watch: Watch | None = None) -> xarray.Dataset:
+    """Return the dataset of what a study's observations tell of its unknowns.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from core.calibrate import calibrate
+    >>> from core.study import load_study
+    >>> dataset = calibrate(load_study(Path("configs/calibrate-rail.toml")))
+    """
+    return tabulate(prepare(study), watch=watch).to_xarray()
+
+
+def tabulate(prepared: Calibration, *, watch: Watch | None = None) -> Table:
+    """Return the labelled results of a prepared calibration.
+
+    Raises
+    ------
+    StoppedError
+        If the watch says so: a part of a posterior is no answer.
+    """
+    return carry_out(prepared, compute, label, watch)
+
+
+def compute(prepared: Calibration, watch: Watch) -> Computed:
+    """Return every variable of a calibration, in the units of studies; see `tabulate`."""
+    share = prepared.points * len(prepared.model.runs) / prepared.cells
+    likelihood = prepared.likelihood
+    explored = explore(likelihood, prepared.points, watch.part(share))
+    posterior = posterior_of(likelihood, explored)
+    axes = axes_of(posterior)
+    arrays = _summed_up(prepared, posterior)
+    arrays |= _best(prepared, posterior, axes, watch)
+    arrays |= _by_run(prepared, posterior, arrays)
+    arrays |= _densities(prepared, posterior, axes)
+    if prepared.candidates is not None:
+        grid = prepared.candidates
+        found = information(prepared.model, posterior, grid, watch.part(1.0 - share))
+        shape = tuple(grid.shape.values())
+        names = ("information", "expected", "expected_deviation")
+        arrays |= {name: v.reshape(shape) for name, v in zip(names, found, strict=True)}
+    axis = dict(zip(prepared.model.names, axes, strict=True))
+    notes = {
+        "findings": summary(Findings(prepared, posterior, arrays | axis).sentences()),
+        FOLLOWED: f"{explored.points * len(prepared.model.runs) + prepared.asked}",
+    }
+    return Computed({name: np.asarray(v) for name, v in (arrays | axis).items()}, notes)
+
+
+def label(prepared: Calibration, computed: Computed, watch: Watch) -> Table:
+    """Return what was computed of a calibration, labelled."""
+    del watch  # nothing is verified
+    model, arrays = prepared.model, computed.arrays
+    attributes = _attributes(prepared)
+    variables = {
+        name: Variable(prepared.dims[name], arrays[name], attributes[name])
+        for name in prepared.units
+    }
+    words = {
+        **global_attributes(prepared, f"calibration, method {prepared.plan.variant}"),
+        "title": prepared.study.title
+        or f"What {len(model.runs)} runs tell of "
+        + ", ".join(one.label.lower() for one in model.unknowns),
+        "output": model.runs.output,
+        "unknowns": " ".join(model.names),
+        "findings": computed.notes["findings"],
+        FOLLOWED: float(computed.notes[FOLLOWED]),
+    }
+    return Table(_coordinates(prepared, arrays), variables, words)
+
+
+def _summed_up(prepared: Calibration, posterior: Posterior) -> dict[str, Array]:
+    """Return means, deviations, intervals and correlations, and what is told of the scatter."""
+    model, arrays = prepared.model, dict[str, Array]()
+    points = posterior.points
+    quantiles = posterior.quantiles(points, (0.5, *SHARES))
+    covariance = posterior.covariance()
+    deviations = np.sqrt(np.diag(covariance))
+    for k, one in enumerate(model.unknowns):
+        arrays[f"mean_{one.name}"] = posterior.mean(points)[k]
+        arrays[f"median_{one.name}"] = quantiles[0, k]
+        arrays[f"deviation_{one.name}"] = deviations[k]
+        arrays |= {f"{b}_{one.name}": quantiles[1 + n, k] for n, b in enumerate(BANDS)}
+    for j, k in combinations(range(len(model.unknowns)), 2):
+        both = deviations[j] * deviations[k]
+        name = f"correlation_{model.names[j]}_{model.names[k]}"
+        arrays[name] = np.asarray(covariance[j, k] / both if both > 0 else 0.0)
+    sizes, likely = posterior.likelihood.scatter.sizes, posterior.sizes
+    below = np.cumsum(likely) - 0.5 * likely
+    # All the mass that lies on 0 does so, and none of it just above.
+    ends = [
+        0.0 if sizes[0] == 0.0 and share <= likely[0] else np.interp(share, below, sizes)
+        for share in (0.5, *SHARES)
+    ]
+    arrays["discrepancy"] = np.asarray(ends[0])
+    arrays |= {f"discrepancy_{b}": np.asarray(end) for b, end in zip(BANDS, ends[1:], strict=True)}
+    arrays["discrepancy_probability"] = np.asarray(likely[sizes > 0].sum())
+    return arrays
+
+
+def _best(
+    prepared: Calibration, posterior: Posterior, axes: list[Array], watch: Watch
+) -> dict[str, Array]:
+    """Return the most likely values of each heap, to the last digit, and those of the best."""
+    model, sizes = prepared.model, posterior.likelihood.scatter.sizes
+    size = float(np.sqrt(posterior.sizes @ np.square(sizes)))
+    if model.runs.errors_known and posterior.sizes[0] > 0.5:
+        size = 0.0
+    squares = LeastSquares(model, size, watch)
+    heaps = heaps_of(posterior, axes)
+    polished = np.array([squares.polished(heap.best) for heap in heaps])
+    arrays: dict[str, Array] = {"mode_share": np.array([heap.share for heap in heaps])}
+    arrays |= {f"mode_{name}": polished[:, k] for k, name in enumerate(model.names)}
+    arrays |= {f"best_{name}": polished[0, k] for k, name in enumerate(model.names)}
+    return arrays
+
+
+def _by_run(
+    prepared: Calibration, posterior: Posterior, arrays: Mapping[str, Array]
+) -> dict[str, Array]:
+    """Return what was measured and what is predicted of each run."""
+    model = prepared.model
+    runs = model.runs
+    best = np.array([[float(arrays[f"best_{name}"]) for name in model.names]])
+    found = model.predict(best, Watch())
+    bands = posterior.quantiles(posterior.value, SHARES)
+    spread = np.sqrt(found.variance[0])
+    residual = runs.value - found.value[0]
+    whole = np.sqrt(np.square(runs.error) + found.variance[0] + np.square(arrays["discrepancy"]))
+    by_run: dict[str, Array] = {
+        runs.output: runs.value,
+        "error": np.where(runs.measured & (runs.error > 0), runs.error, np.nan),
+        "predicted": posterior.mean(posterior.value),
+        "predicted_best": found.value[0],
+        **{f"predicted_{band}": bands[n] for n, band in enumerate(BANDS)},
+        "predicted_spread": spread,
+        "residual": residual,
+        "residual_over_error": np.divide(
+            residual, whole, out=np.full(len(runs), np.nan), where=whole > 0
+        ),
+    }
+    if runs.watched.any():
+        seen = np.full(len(runs), np.nan)
+        seen[runs.watched] = posterior.mean(posterior.shown)
+        by_run["probability_of_seen"] = seen
+    return by_run
+
+
+def _densities(prepared: Calibration, posterior: Posterior, axes: list[Array]) -> dict[str, Array]:
+    names = prepared.model.names
+    found = {f"density_{name}": marginal(posterior, axes[k], k) for k, name in enumerate(names)}
+    for one, other in prepared.pairs:
+        j, k = names.index(one), names.index(other)
+        found[f"density_{one}_{other}"] = pair(posterior, axes, j, k)
+    found["log_density"] = log_density(posterior, axes)
+    return found
+
+
+def _coordinates(prepared: Calibration, arrays: Mapping[str, NDArray[Any]]) -> dict[str, Variable]:
+    """Return the axes of a result, and the parameters of the runs."""
+    model = prepared.model
+    coordinates = {
+        one.name: Variable((one.name,), arrays[one.name], _unknown_attributes(one))
+        for one in model.unknowns
+    }
+    numbers = np.arange(1.0, len(model.runs) + 1.0)
+    coordinates[RUN] = Variable((RUN,), numbers, {"units": "1", "long_name": "Run"})
+    modes = np.arange(1.0, arrays["mode_share"].size + 1.0)
+    coordinates[MODE] = Variable((MODE,), modes, {"units": "1", "long_name": "Mode"})
+    for name, column in model.runs.columns.items():
+        coordinates[name] = Variable((RUN,), column, quantity_attributes(name))
+    if prepared.candidates is not None:
+        for name in prepared.candidates.axes:
+            values = prepared.candidates.coordinate(name)
+            key = CANDIDATE + name
+            coordinates[key] = Variable((key,), values, quantity_attributes(name))
+    known = {n: v for n, v in model.shared.items() if n not in {u.name for u in model.unknowns}}
+    for name, value in known.items():
+        coordinates[name] = Variable((), np.asarray(value), quantity_attributes(name))
+    return coordinates
+
+
+def _unknown_attributes(one: Any) -> dict[str, Any]:
+    return {"units": one.unit, "long_name": one.label}
+
+
+_SAYS = {
+    "best": "Best", "mean": "Mean", "median": "Median", "deviation": "Standard deviation",
+    "lower_68": "Lower end of 68 %", "upper_68": "Upper end of 68 %",
+    "lower_95": "Lower end of 95 %", "upper_95": "Upper end of 95 %",
+}  # fmt: skip
+_RUNS = {
+    "error": ("Error", "Standard deviation of what was measured."),
+    "predicted": ("Predicted", "Mean over the posterior of what the motion gives."),
+    "predicted_best": ("Predicted by the best values", "What the motion gives at the best values."),
+    "predicted_spread": ("Spread", "Of a motion that does not repeat, at the best values."),
+    "residual": ("Residual", "Measured less predicted by the best values."),
+    "residual_over_error": (
+        "Residual over error", "With the error of the run, its spread and the discrepancy."
+    ),
+    "probability_of_seen": ("Probability of what was seen", "Of the posterior, run by run."),
+    "information": ("Expected information", "What measuring the speed there would tell."),
+    "expected": ("Expected speed", "Mean over the posterior."),
+    "expected_deviation": ("Deviation of the expected speed", "Over the posterior."),
+    "mode_share": ("Share of the mode", "Of the mass of the posterior."),
+    "log_density": (
+        "Logarithm of the posterior density", "Natural, 0 where it is largest on this grid."
+    ),
+    "discrepancy": (
+        "Discrepancy",
+        "Standard deviation of what errors and unknowns do not explain: its median. All else is "
+        "averaged over it.",
+    ),
+    "discrepancy_probability": (
+        "Probability of a discrepancy", "That there is any, 0.1 before anything was measured."
+    ),
+}  # fmt: skip
+
+
+def _attributes(prepared: Calibration) -> dict[str, dict[str, Any]]:
+    """Return the CF attributes of every variable."""
+    model, found = prepared.model, dict[str, dict[str, Any]]()
+    for one in model.unknowns:
+        lowered = one.label[0].lower() + one.label[1:]
+        for what in ESTIMATES:
+            found[f"{what}_{one.name}"] = {"long_name": f"{_SAYS[what]} of the {lowered}"}
+        found[f"density_{one.name}"] = {"long_name": f"Density of the {lowered}"}
+        found[f"mode_{one.name}"] = {"long_name": f"Best of each mode, {lowered}"}
+    for one_, other in combinations(model.names, 2):
+        found[f"correlation_{one_}_{other}"] = {"long_name": f"Correlation of {one_} and {other}"}
+        found[f"density_{one_}_{other}"] = {"long_name": f"Density of {one_} and {other}"}
+    found[model.runs.output] = {
+        "long_name": f"Measured {QUANTITIES[model.runs.output].label.lower()}"
+    }
+    for band in BANDS:
+        words = _SAYS[band][0].lower() + _SAYS[band][1:]
+        found[f"predicted_{band}"] = {"long_name": f"Predicted, {words}"}
+        found[f"discrepancy_{band}"] = {"long_name": f"Discrepancy, {words}"}
+    for name, (label_, comment) in _RUNS.items():
+        found[name] = {"long_name": label_, "comment": comment}
+    return {name: {"units": unit, **found[name]} for name, unit in prepared.units.items()}

@@ -1,0 +1,148 @@
+"""How likely observations are at points of the unknowns, and what no unknown explains.
+
+Speeds lie about those of the motions with variances that add: of the measurement, of a motion that
+does not repeat, and of a discrepancy that is common to all runs. The last is an unknown number,
+over which likelihoods are summed:
+
+- Where errors are known it is 0 in nine of ten calibrations, before anything is measured, and in
+  the others spread as half a Cauchy distribution about 0, as wide as the errors.
+- Where none is known it is all the scatter there is, and each size of it is as likely as its
+  double.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.calibrate.model import Model, Predicted
+from core.mechanics.arrays import Array
+
+NONE_BEFORE = 0.9
+"""How likely it is before anything is measured that errors explain all."""
+KNOWN_SIZES, UNKNOWN_SIZES = 14, 28
+FINER = 24  # sizes, once it is known which are likely
+HARDLY = 1e-5  # of the likeliest size
+HOPELESS = 1e60  # a residual where a motion has no speed
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Sizes that the discrepancy may have.
+
+    Attributes
+    ----------
+    sizes : ndarray, shape (sizes,)
+        Standard deviations, in the unit of what was measured.
+    log_before : ndarray, shape (sizes,)
+        Logarithms of how likely they are before anything is measured.
+    """
+
+    sizes: Array
+    log_before: Array
+
+    @classmethod
+    def of(cls, model: Model, *, wanted: bool) -> Scatter:
+        """Return the sizes for the runs of a calibration; only 0 if it is not `wanted`."""
+        runs = model.runs
+        if not runs.measured.any() or (runs.errors_known and not wanted):
+            return cls(np.zeros(1), np.zeros(1))
+        if not runs.errors_known:
+            values = runs.value[runs.measured]
+            size = max(float(np.sqrt(np.mean(np.square(values)))), 1e-12)
+            sizes = size * np.logspace(-4.0, 0.5, UNKNOWN_SIZES)
+            return cls(sizes, np.full(sizes.size, -np.log(sizes.size)))
+        typical = float(np.median(runs.error[runs.measured]))
+        shares = np.logspace(-0.5, 2.5, KNOWN_SIZES)
+        before = shares / (1.0 + np.square(shares))  # a step is a share of the size
+        before *= (1.0 - NONE_BEFORE) / before.sum()
+        sizes = typical * shares
+        return cls(np.concatenate([[0.0], sizes]), np.log(np.concatenate([[NONE_BEFORE], before])))
+
+    def finer(self, likely: Array) -> Scatter:
+        """Return sizes that are close to each other where they are likely.
+
+        `likely` are shares of the sizes after something was measured, shape (sizes,).
+        """
+        sizes, before = self.sizes[self.sizes > 0], self.log_before[self.sizes > 0]
+        likely = likely[self.sizes > 0]
+        if not sizes.size or not likely.sum() > 0:
+            return self
+        held = np.flatnonzero(likely > HARDLY * likely.max())
+        first, last = max(held[0] - 1, 0), min(held[-1] + 1, sizes.size - 1)
+        logs = np.log(sizes)
+        fine = np.linspace(logs[first], logs[last], FINER)
+        step = np.log((fine[1] - fine[0]) / (logs[1] - logs[0]))
+        found = Scatter(np.exp(fine), np.interp(fine, logs, before) + step)
+        if sizes.size == self.sizes.size:
+            return found
+        return Scatter(
+            np.concatenate([self.sizes[:1], found.sizes]),
+            np.concatenate([self.log_before[:1], found.log_before]),
+        )
+
+
+@dataclass(frozen=True)
+class Likelihood:
+    """How likely the observations of a calibration are.
+
+    Attributes
+    ----------
+    model : Model
+        The motions.
+    scatter : Scatter
+        What no unknown explains.
+    doubt : float
+        How likely something was seen wrongly.
+    """
+
+    model: Model
+    scatter: Scatter
+    doubt: float
+
+    def log(self, value: Array, variance: Array, shown: Array, points: Array) -> Array:
+        """Return logarithms of densities at points, each with each size of the discrepancy.
+
+        Parameters
+        ----------
+        value, variance : ndarray, shape (points, runs)
+            Of the motions.
+        shown : ndarray, shape (points, watched runs)
+            The share of a point in which the part does what was seen.
+        points : ndarray, shape (points, unknowns)
+
+        Returns
+        -------
+        ndarray, shape (points, sizes)
+        """
+        runs = self.model.runs
+        where = runs.measured
+        residual = value[:, where] - runs.value[where]
+        square = np.square(np.where(np.isnan(residual), HOPELESS, residual))
+        known = variance[:, where] + np.square(runs.error[where])
+        log = np.empty((len(points), self.scatter.sizes.size))
+        for k, size in enumerate(self.scatter.sizes):
+            whole = known + size**2
+            log[:, k] = -0.5 * (square / whole + np.log(whole)).sum(axis=1)
+        seen = np.log(self.doubt + (1.0 - 2.0 * self.doubt) * shown).sum(axis=1)
+        log += (seen + self.model.log_prior(points))[:, np.newaxis] + self.scatter.log_before
+        return np.asarray(log)
+
+    def shown(self, predicted: Predicted) -> Array:
+        """Return whether parts do what was seen in the watched runs, 0 or 1."""
+        columns = [
+            predicted.shows(word)[:, k] for k, word in enumerate(self.model.runs.seen) if word
+        ]
+        if not columns:
+            return np.zeros((len(predicted.value), 0))
+        return np.asarray(np.stack(columns, axis=1), dtype=np.float64)
+
+
+def summed(log: Array) -> Array:
+    """Return the logarithm of the sum over the last axis of what logarithms tell."""
+    top = log.max(axis=-1, keepdims=True)
+    top = np.where(np.isfinite(top), top, 0.0)
+    with np.errstate(divide="ignore"):
+        found: Array = np.log(np.exp(log - top).sum(axis=-1)) + top[..., 0]
+    return found

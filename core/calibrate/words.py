@@ -1,0 +1,257 @@
+"""What came out of a calibration, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+
+from core.calibrate.calibration import Calibration
+from core.calibrate.candidates import columns_of
+from core.calibrate.model import Unknown
+from core.calibrate.posterior import Posterior
+from core.mechanics.arrays import Array
+from core.quantities import QUANTITIES
+from core.study.shown import SI, ShownUnits
+
+HARDLY = 0.7  # of the deviation before: what is known better has been told
+AT_BOUND = 0.1  # of the density's top, which it has at a bound
+ALIKE = 0.2  # of the deviations of two: that of their product or ratio, if that alone is told
+TOGETHER = 0.9  # a correlation from which on it is told
+FAR = 3.5  # errors, from which on a run is named
+LITTLE = 0.1  # bit
+
+
+def told(value: float, unit: str, units: ShownUnits, digits: int = 3) -> str:
+    """Return a value in the unit in which a person reads it."""
+    shown = units.of(unit, abs(value))
+    return f"{shown.factor * value:.{digits}g} {shown.unit}".rstrip()
+
+
+def rounded(value: float, deviation: float, unit: str, units: ShownUnits) -> str:
+    """Return a value with the digits that its deviation leaves it."""
+    shown = units.of(unit, abs(value))
+    value, deviation = shown.factor * value, abs(shown.factor * deviation)
+    digits = 3
+    if deviation > 0 and value:
+        digits = int(np.clip(np.floor(np.log10(abs(value) / deviation)) + 2, 2, 6))
+    text = f"{value:#.{digits}g}".rstrip(".")
+    if "e" in text or abs(float(text)) >= 10.0**digits:
+        text = f"{value:.{digits}g}"
+    return f"{text} {shown.unit}".rstrip()
+
+
+class Findings:
+    """Says what a calibration found.
+
+    Parameters
+    ----------
+    prepared : Calibration
+        The study.
+    posterior : Posterior
+        What came of it.
+    arrays : mapping
+        The variables of the result.
+    """
+
+    def __init__(self, prepared: Calibration, posterior: Posterior, arrays: dict[str, Array]):
+        self.prepared, self.posterior, self.arrays = prepared, posterior, arrays
+        self.model = prepared.model
+        self.units = ShownUnits()
+        self.output = QUANTITIES[self.model.runs.output]
+
+    def sentences(self) -> list[str]:
+        """Return them all, the most important first."""
+        return [
+            *self._explained(),
+            *self._estimates(),
+            *self._modes(),
+            *self._alone(),
+            *self._bounds(),
+            *self._scatter(),
+            *self._far(),
+            *self._next(),
+        ]
+
+    def _value(self, name: str) -> float:
+        return float(self.arrays[name])
+
+    def _explained(self) -> Iterator[str]:
+        if not np.isfinite(self.posterior.explored.log_mass.max()):
+            yield "No values of the unknowns explain the observations: widen their ranges"
+        if self.posterior.explored.left > 0.3:
+            yield (
+                f"The grid of {self.posterior.explored.points:,} points is too coarse for what the "
+                "runs tell: give more points"
+            )
+
+    def _estimates(self) -> Iterator[str]:
+        several = len(self.arrays["mode_share"]) > 1
+        for one in self.model.unknowns:
+            deviation = self._value(f"deviation_{one.name}")
+            best, low, high = (
+                rounded(self._value(f"{what}_{one.name}"), deviation, one.unit, self.units)
+                for what in ("best", "lower_95", "upper_95")
+            )
+            told_best = "" if several or one.name in self.unsettled else f"best {best}; "
+            yield f"{one.label} ({one.name}): {told_best}{low} to {high} with 95 %"
+
+    def _modes(self) -> Iterator[str]:
+        shares = self.arrays["mode_share"]
+        if len(shares) < 2:
+            return
+        heaps = []
+        for k, share in enumerate(shares):
+            values = [
+                f"{one.name} {told(self.arrays[f'mode_{one.name}'][k], one.unit, self.units)}"
+                for one in self.model.unknowns
+            ]
+            heaps.append(f"{', '.join(values)} ({100 * share:.0f} %)")
+        yield f"The data cannot tell {' from '.join(heaps)}: each explains the runs"
+
+    @cached_property
+    def _pairs(self) -> dict[tuple[str, str], str]:
+        """What is told of pairs of unknowns that the runs do not tell apart."""
+        if len(self.arrays["mode_share"]) > 1:
+            return {}
+        pairs = combinations(enumerate(self.model.unknowns), 2)
+        told = {(one.name, other.name): self._pair(one, other, j, k)
+                for (j, one), (k, other) in pairs}  # fmt: skip
+        return {names: sentence for names, sentence in told.items() if sentence}
+
+    @property
+    def unsettled(self) -> set[str]:
+        """Unknowns that the runs do not tell apart from others: a best value says little."""
+        return {name for names in self._pairs for name in names}
+
+    def _alone(self) -> Iterator[str]:
+        """Yield which unknowns the runs do not tell."""
+        yield from self._pairs.values()
+        named = self.unsettled
+        for one in self.model.unknowns:
+            before = _deviation_before(one)
+            if one.name not in named and self._value(f"deviation_{one.name}") > HARDLY * before:
+                yield f"The runs tell next to nothing of {one.name}: it is as it was given"
+
+    def _pair(self, one: Unknown, other: Unknown, j: int, k: int) -> str:
+        points, weights = self.posterior.points, self.posterior.weights
+        correlation = self._value(f"correlation_{one.name}_{other.name}")
+        first, second = points[:, j], points[:, k]
+        if min(one.prior.lower, other.prior.lower) > 0:
+            logs = [np.log(first), np.log(second)]
+            wide = min(_deviation(log, weights) for log in logs)
+            for sign, word in ((-1.0, "ratio"), (1.0, "product")):
+                joint = logs[0] + sign * logs[1]
+                if _deviation(joint, weights) < ALIKE * wide:
+                    least, middle, most = np.exp(
+                        self.posterior.quantiles(joint, (0.025, 0.5, 0.975))
+                    )
+                    mark = "/" if sign < 0 else "*"
+                    unit = _joint_unit(one.unit, other.unit, mark)
+                    return (
+                        f"The runs tell only the {word} {one.name} {mark} {other.name}, "
+                        f"{middle:.4g}{unit} ({least:.4g} to {most:.4g} with 95 %); what "
+                        f"{one.name} and {other.name} are by themselves the data cannot settle"
+                    )
+        if abs(correlation) > TOGETHER:
+            how = "the more" if correlation > 0 else "the less"
+            return (
+                f"The runs hardly tell {one.name} and {other.name} apart: the more of one, {how} "
+                f"of the other (correlation {correlation:.2f})"
+            )
+        return ""
+
+    def _bounds(self) -> Iterator[str]:
+        for one in self.model.unknowns:
+            axis, density = self.arrays[one.name], self.arrays[f"density_{one.name}"]
+            for end, bound, word in ((0, one.prior.lower, "lower"), (-1, one.prior.upper, "upper")):
+                near = abs(axis[end] - bound) < 1e-9 * one.width
+                free = one.prior.mean is None
+                some = self._value(f"deviation_{one.name}") < HARDLY * _deviation_before(one)
+                if near and free and some and density[end] > AT_BOUND * density.max():
+                    value = told(bound, one.unit, self.units)
+                    yield f"{one.name} may lie beyond its {word} bound, {value}: widen its range"
+
+    def _scatter(self) -> Iterator[str]:
+        runs = self.model.runs
+        sizes = self.prepared.likelihood.scatter.sizes
+        if sizes.size == 1:
+            return
+        size = told(self._value("discrepancy"), self.output.unit, self.units)
+        residual = self.arrays["residual"]
+        rms = told(float(np.sqrt(np.nanmean(np.square(residual)))), self.output.unit, self.units, 4)
+        if not runs.errors_known:
+            yield (
+                f"The best values leave residuals of {rms} (rms); no errors were given to explain "
+                "them"
+            )
+            return
+        likely = self._value("discrepancy_probability")
+        if likely < 0.5:
+            yield f"Their errors explain the speeds; the residuals are {rms} (rms)"
+        else:
+            yield (
+                f"The speeds scatter by some {size} beyond their errors ({100 * likely:.0f} % "
+                "likely), which no unknown explains"
+            )
+
+    def _far(self) -> Iterator[str]:
+        over = np.abs(np.nan_to_num(self.arrays["residual_over_error"]))
+        far = [f"{k + 1} ({over[k]:.1f} errors)" for k in np.argsort(-over) if over[k] > FAR]
+        if far:
+            yield f"Far from what the best values give: run {', '.join(far[:5])}"
+        seen = self.arrays.get("probability_of_seen")
+        if seen is not None:
+            odd = [f"{k + 1} ({self.model.runs.seen[k]})" for k in np.flatnonzero(seen < 0.1)]
+            if odd:
+                yield f"Not as it was seen: run {', '.join(odd[:5])}"
+
+    def _next(self) -> Iterator[str]:
+        grid = self.prepared.candidates
+        if grid is None:
+            return
+        gain = self.arrays["information"].ravel()
+        best = int(np.argmax(gain))
+        values = {name: column[best] for name, column in columns_of(grid).items()}
+        drive = ", ".join(
+            f"{name} {told(value, QUANTITIES[name].unit, self.units)}"
+            for name, value in values.items()
+            if name in grid.axes or len(grid.axes) == 0
+        )
+        if gain[best] < LITTLE:
+            yield "No candidate would tell much more: the best of them less than a tenth of a bit"
+            return
+        expected, spread = (
+            told(self.arrays[n].ravel()[best], self.output.unit, self.units)
+            for n in ("expected", "expected_deviation")
+        )
+        yield (
+            f"Measure next at {drive}: {gain[best]:.2f} bit are expected, of candidates that would "
+            f"tell {gain.min():.2f} to {gain.max():.2f}; the speed there is {expected} +- {spread}"
+        )
+
+
+def _deviation_before(one: Unknown) -> float:
+    uniform = one.width / np.sqrt(12.0)
+    return float(min(uniform, one.prior.deviation or np.inf))
+
+
+def _deviation(values: Array, weights: Array) -> float:
+    mean = weights @ values
+    return float(np.sqrt(weights @ np.square(values - mean)))
+
+
+def _joint_unit(one: str, other: str, mark: str) -> str:
+    read = ["" if unit == "1" else SI.get(unit, unit) for unit in (one, other)]
+    if mark == "/" and read[0] == read[1]:
+        return ""
+    if mark == "/":
+        return f" {read[0]} per {read[1]}".replace("  ", " ") if read[1] else f" {read[0]}".rstrip()
+    return f" {' '.join(filter(None, read))}".rstrip()
+
+
+def summary(sentences: Sequence[str]) -> str:
+    """Return sentences as one text, a line each."""
+    return "\n".join(f"{sentence}." for sentence in sentences)

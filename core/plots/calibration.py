@@ -1,0 +1,286 @@
+"""Pictures of a calibration: the posterior, speeds measured and predicted, and residuals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import xarray
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from core.plots.heading import finish, source_of
+from core.plots.problem import PlotError
+from core.plots.style import Style, mix
+from core.plots.text import axis_label, number, scaled, shown_in, with_unit
+from core.study.shown import ShownUnits
+
+Array = NDArray[np.float64]
+SHARES = (0.95, 0.68)
+PALE, DEEP = 0.2, 0.5  # of the colour of a curve, for areas of 95 and of 68 %
+MOST_TICKS = 5
+MOST_NUMBERED = 40  # runs of which each has its number
+SIDE = {1: (8.0, 5.6), 2: (8.0, 7.2), 3: (9.0, 8.4), 4: (10.0, 9.6)}  # inches
+
+
+def is_calibration(dataset: xarray.Dataset) -> bool:
+    """Return whether a dataset is the result of a calibration."""
+    return "log_density" in dataset.data_vars and "unknowns" in dataset.attrs
+
+
+def draw_calibration(
+    dataset: xarray.Dataset,
+    kind: str | None,
+    style: Style,
+    units: ShownUnits,
+    *,
+    title: str | None = None,
+) -> Figure:
+    """Return a picture of a calibration: posterior (the default), speeds or residuals.
+
+    Raises
+    ------
+    PlotError
+        If the dataset is no result of a calibration, or the kind is none of these.
+    """
+    if not is_calibration(dataset):
+        fix = "Draw what `vibrafeed run` wrote of a study of kind 'calibrate'"
+        raise PlotError("kind", f"the dataset has no {kind}", fix)
+    if kind is not None and kind not in KINDS:
+        fix = f"Choose among {', '.join(KINDS)}"
+        raise PlotError("kind", f"a calibration is not drawn as {kind}", fix)
+    return KINDS[kind or "posterior"](dataset, style, units, title)
+
+
+def _draw_posterior(
+    dataset: xarray.Dataset, style: Style, units: ShownUnits, title: str | None
+) -> Figure:
+    names = str(dataset.attrs["unknowns"]).split()
+    count = len(names)
+    figure = style.sheet(*SIDE[count])
+    panels = figure.subplots(count, count, squeeze=False, sharex="col")
+    shown = {name: shown_in(dataset[name], units) for name in names}
+    for j, below in enumerate(names):
+        for k, across in enumerate(names):
+            panel = panels[j, k]
+            if k > j:
+                panel.set_visible(False)
+                continue
+            x = scaled(dataset[across], shown[across].factor)
+            if j == k:
+                _draw_marginal(panel, dataset, across, x, shown[across].factor, style)
+            else:
+                y = scaled(dataset[below], shown[below].factor)
+                _draw_pair(panel, x, y, _pair_density(dataset, across, below), style)
+                _draw_modes(panel, dataset, (across, below), (shown[across], shown[below]), style)
+                if k == 0:
+                    panel.set_ylabel(axis_label(dataset[below], shown[below].unit))
+                else:
+                    panel.tick_params(labelleft=False)
+            panel.set_xlim(x[0], x[-1])
+            panel.xaxis.set_major_locator(MaxNLocator(MOST_TICKS))
+            if j == count - 1:
+                panel.set_xlabel(axis_label(dataset[across], shown[across].unit))
+    facts = [_interval(dataset, name, units) for name in names]
+    entries: list[Artist] = [
+        Patch(color=mix(style.ground, style.curve, depth), label=f"{100 * share:.0f} %")
+        for share, depth in zip(SHARES, (PALE, DEEP), strict=True)
+    ]
+    entries.append(Line2D([], [], color=style.ink, lw=style.width(1.2), label="best"))
+    return finish(
+        figure, panels[0, 0], style, name=title or "What the runs tell", facts=facts,
+        source=source_of(dataset), entries=entries,
+    )  # fmt: skip
+
+
+def _draw_marginal(
+    panel: Axes, dataset: xarray.Dataset, name: str, x: Array, factor: float, style: Style
+) -> None:
+    density = np.asarray(dataset[f"density_{name}"].values, dtype=np.float64)
+    panel.plot(x, density, color=style.curve, lw=style.width(1.8))
+    for share, depth in zip((95, 68), (PALE, DEEP), strict=True):
+        low, high = (float(dataset[f"{end}_{share}_{name}"]) * factor for end in ("lower", "upper"))
+        fine = np.linspace(max(low, x[0]), min(high, x[-1]), 200)
+        panel.fill_between(
+            fine, np.interp(fine, x, density), color=mix(style.ground, style.curve, depth), lw=0
+        )
+    for mode in np.atleast_1d(dataset[f"mode_{name}"].values):
+        panel.axvline(float(mode) * factor, color=style.ink, lw=style.width(1.2), zorder=3)
+    panel.set_ylim(bottom=0.0)
+    panel.set_yticks([])
+
+
+def _draw_pair(panel: Axes, x: Array, y: Array, density: Array, style: Style) -> None:
+    """Fill the areas of highest density that hold 95 and 68 %; rows of density go with y."""
+    ordered = np.sort(density.ravel())[::-1]
+    below = np.cumsum(ordered) / ordered.sum()
+    levels = [float(ordered[min(np.searchsorted(below, s), below.size - 1)]) for s in SHARES]
+    top = float(ordered[0])
+    edges = np.array([*levels, top * 1.001])
+    if np.all(np.diff(edges) > 0):
+        colours = [mix(style.ground, style.curve, depth) for depth in (PALE, DEEP)]
+        panel.contourf(x, y, density, levels=edges, colors=colours)
+    style.add_grid(panel)
+
+
+def _draw_modes(
+    panel: Axes,
+    dataset: xarray.Dataset,
+    names: tuple[str, str],
+    shown: Sequence[object],
+    style: Style,
+) -> None:
+    values = [
+        np.atleast_1d(dataset[f"mode_{name}"].values) * one.factor  # type: ignore[attr-defined]
+        for name, one in zip(names, shown, strict=True)
+    ]
+    panel.plot(*values, "+", color=style.ink, ms=style.width(9), mew=style.width(1.4), zorder=4)
+
+
+def _pair_density(dataset: xarray.Dataset, across: str, below: str) -> Array:
+    """Return the density of two unknowns, rows along the one that goes upwards."""
+    for name in (f"density_{across}_{below}", f"density_{below}_{across}"):
+        if name in dataset:
+            return np.asarray(dataset[name].transpose(below, across).values, dtype=np.float64)
+    log = dataset["log_density"].transpose(below, across)
+    return np.asarray(np.exp(log.values), dtype=np.float64)
+
+
+def _interval(dataset: xarray.Dataset, name: str, units: ShownUnits) -> str:
+    ends = [dataset[f"{end}_95_{name}"] for end in ("lower", "upper")]
+    shown = shown_in(xarray.concat(ends, "end", combine_attrs="override"), units)
+    low, high = (number(float(end) * shown.factor, 3) for end in ends)
+    label = str(dataset[name].attrs["long_name"])
+    return f"{label} {low} to {with_unit(high, shown.unit)}"
+
+
+def _draw_speeds(
+    dataset: xarray.Dataset, style: Style, units: ShownUnits, title: str | None
+) -> Figure:
+    measured, factor, unit = _measured(dataset, units)
+    figure = style.sheet()
+    axes = figure.add_subplot()
+    predicted, low, high = (
+        np.asarray(dataset[name].values) * factor
+        for name in ("predicted_best", "predicted_lower_95", "predicted_upper_95")
+    )
+    known = np.isfinite(measured) & np.isfinite(predicted)
+    error = _whole_error(dataset) * factor
+    axes.errorbar(
+        measured[known], predicted[known], xerr=2.0 * error[known], fmt="none",
+        ecolor=style.quiet, elinewidth=style.width(1.0), zorder=2,
+    )  # fmt: skip
+    axes.vlines(
+        measured[known], low[known], high[known], color=mix(style.ground, style.curve, DEEP),
+        lw=style.width(5.0), zorder=3,
+    )  # fmt: skip
+    axes.plot(measured[known], predicted[known], "o", color=style.curve, ms=style.width(5),
+              mec=style.ground, zorder=4)  # fmt: skip
+    _number(axes, measured, predicted, known, style)
+    ends = [*axes.get_xlim(), *axes.get_ylim()]
+    axes.axline((min(ends), min(ends)), slope=1.0, color=style.ink, lw=style.width(1.0), zorder=1)
+    axes.set_xlabel(f"Measured ({unit})")
+    axes.set_ylabel(f"Predicted ({unit})")
+    style.add_grid(axes)
+    entries: list[Artist] = [
+        Line2D([], [], color=style.curve, marker="o", lw=0, label="best values"),
+        Patch(color=mix(style.ground, style.curve, DEEP), label="95 % of the posterior"),
+        Line2D([], [], color=style.quiet, label="twice the error, with what nothing explains"),
+    ]
+    return finish(
+        figure, axes, style, name=title or "Speeds, measured and predicted",
+        facts=_facts(dataset, factor, unit), source=source_of(dataset), entries=entries,
+    )  # fmt: skip
+
+
+def _draw_residuals(
+    dataset: xarray.Dataset, style: Style, units: ShownUnits, title: str | None
+) -> Figure:
+    measured, factor, unit = _measured(dataset, units)
+    figure = style.sheet()
+    axes = figure.add_subplot()
+    best = np.asarray(dataset["predicted_best"].values) * factor
+    ends = [
+        np.asarray(dataset[f"predicted_{end}_95"].values) * factor - best
+        for end in ("lower", "upper")
+    ]
+    residual, error = measured - best, _whole_error(dataset) * factor
+    runs = np.asarray(dataset["run"].values)
+    known = np.isfinite(residual)
+    axes.axhline(0.0, color=style.ink, lw=style.width(1.0), zorder=1)
+    axes.vlines(
+        runs[known], ends[0][known], ends[1][known], lw=style.width(5.0),
+        color=mix(style.ground, style.curve, DEEP), zorder=2,
+    )  # fmt: skip
+    axes.errorbar(
+        runs[known], residual[known], yerr=2.0 * error[known], fmt="o", color=style.curve,
+        ecolor=style.quiet, elinewidth=style.width(1.0), ms=style.width(5), mec=style.ground,
+        zorder=3,
+    )  # fmt: skip
+    axes.set_xlabel("Run")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set_xlim(runs[0] - 0.7, runs[-1] + 0.7)
+    axes.set_ylabel(f"Measured less predicted ({unit})")
+    style.add_grid(axes)
+    entries: list[Artist] = [
+        Line2D([], [], color=style.curve, marker="o", lw=0, label="residual"),
+        Line2D([], [], color=style.quiet, label="twice the error, with what nothing explains"),
+        Patch(color=mix(style.ground, style.curve, DEEP), label="95 % of the posterior"),
+    ]
+    return finish(
+        figure, axes, style, name=title or "What the best values leave",
+        facts=_facts(dataset, factor, unit), source=source_of(dataset), entries=entries,
+    )  # fmt: skip
+
+
+def _measured(dataset: xarray.Dataset, units: ShownUnits) -> tuple[Array, float, str]:
+    """Return what was measured as a person reads it; raise `PlotError` if only words were told."""
+    array = dataset[str(dataset.attrs["output"])]
+    if not np.isfinite(array.values).any():
+        fix = "Draw the posterior"
+        raise PlotError("kind", "no speed was measured, only what the part does", fix)
+    shown = shown_in(array, units)
+    return scaled(array, shown.factor), shown.factor, shown.unit
+
+
+def _whole_error(dataset: xarray.Dataset) -> Array:
+    """Return the standard deviation of each run: its error, its spread and the discrepancy."""
+    parts = (dataset["error"], dataset["predicted_spread"], dataset["discrepancy"])
+    squares = [
+        np.square(np.nan_to_num(np.asarray(part.values, dtype=np.float64))) for part in parts
+    ]
+    found: Array = np.sqrt(squares[0] + squares[1] + squares[2])
+    return found
+
+
+def _facts(dataset: xarray.Dataset, factor: float, unit: str) -> list[str]:
+    residual = np.asarray(dataset["residual"].values) * factor
+    rms = float(np.sqrt(np.nanmean(np.square(residual))))
+    facts = [f"residuals {with_unit(number(rms, 3), unit)} rms"]
+    size = float(dataset["discrepancy"]) * factor
+    if size > 0:
+        facts.append(f"discrepancy {with_unit(number(size, 2), unit)}")
+    return facts
+
+
+def _number(axes: Axes, x: Array, y: Array, known: NDArray[np.bool_], style: Style) -> None:
+    if known.sum() > MOST_NUMBERED:
+        return
+    for k in np.flatnonzero(known):
+        axes.annotate(
+            str(k + 1), (x[k], y[k]), xytext=(4, 4), textcoords="offset points",
+            fontsize=style.text(7.5), color=style.quiet,
+        )  # fmt: skip
+
+
+KINDS: dict[str, Callable[[xarray.Dataset, Style, ShownUnits, str | None], Figure]] = {
+    "posterior": _draw_posterior,
+    "speeds": _draw_speeds,
+    "residuals": _draw_residuals,
+}
+"""Pictures of a calibration."""

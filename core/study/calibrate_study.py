@@ -1,0 +1,161 @@
+"""The study of what measured speeds tell of parameters that nobody knows."""
+
+from __future__ import annotations
+
+import reprlib
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import (
+    BeforeValidator,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    WithJsonSchema,
+    create_model,
+)
+
+from core.study.grid_study import PARAMETERS, Frozen, Parameters
+from core.study.levels import refusal
+from core.study.observations import ROWS_SCHEMA, Run, spread_rows
+from core.study.priors import READERS, Prior
+from core.study.simulate_study import FollowedStudy, MotionSettings
+from core.study.units import UnitError
+from core.study.values import Values
+
+TABLES = tuple(READERS)
+"""The tables that hold unknowns."""
+STEMS = {"unknowns": "", "offsets": "offset_", "factors": "factor_"}
+"""What the names of the unknowns of each table begin with."""
+FEWEST_POINTS, POINTS, MOST_POINTS = 1_000, 20_000, 1_000_000
+
+_ONE = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
+_PRIOR_SCHEMA = {
+    "type": "object",
+    "properties": dict.fromkeys(("lower", "upper", "mean", "deviation"), _ONE),
+    "anyOf": [{"required": ["lower", "upper"]}, {"required": ["mean", "deviation"]}],
+    "additionalProperties": False,
+}
+
+
+def _prior_field(table: str, name: str) -> Any:
+    def read(raw: object) -> Prior:
+        try:
+            return READERS[table](name, raw)
+        except UnitError as error:
+            raise refusal(error.message, error.fix) from error
+
+    return (
+        Annotated[
+            Prior | None,
+            PlainValidator(read),
+            PlainSerializer(lambda prior: None if prior is None else prior.canonical()),
+            WithJsonSchema(_PRIOR_SCHEMA),
+        ],
+        None,
+    )
+
+
+def _table(table: str, doc: str) -> Any:
+    fields = {name: _prior_field(table, name) for name in PARAMETERS}
+    return create_model(table.capitalize(), __base__=Frozen, __doc__=doc, **fields)
+
+
+if TYPE_CHECKING:
+
+    class Unknowns(Frozen):
+        """One optional field a parameter quantity."""
+
+    class Offsets(Frozen):
+        """One optional field a parameter quantity."""
+
+    class Factors(Frozen):
+        """One optional field a parameter quantity."""
+
+else:
+    Unknowns = _table("unknowns", "Parameters that are looked for, with ranges or distributions.")
+    Offsets = _table("offsets", "What is added to parameters, such as the error of an angle.")
+    Factors = _table("factors", "What parameters are multiplied with, such as amplitudes.")
+
+
+def _read_doubt(raw: object) -> object:
+    if isinstance(raw, int | float) and not isinstance(raw, bool) and 0 < raw < 0.5:
+        return float(raw)
+    fix = "Write a number above 0 and below 0.5, such as 0.01"
+    raise refusal(f"{reprlib.repr(raw)[:40]} is no such share", fix)
+
+
+_DOUBT_SCHEMA = {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 0.5}
+
+
+class CalibrateStudy(MotionSettings, FollowedStudy):
+    """What measured speeds tell of unknown parameters."""
+
+    kind: Literal["calibrate"] = Field(description="The kind of study.")
+    observations: Annotated[
+        tuple[Run, ...], BeforeValidator(spread_rows), WithJsonSchema(ROWS_SCHEMA)
+    ] = Field(
+        description="The runs: what differs between them, and what was measured; or the name of a "
+        "CSV or XLSX file beside the study.",
+        min_length=1,
+    )
+    error: float | Annotated[str, Field(max_length=200)] | None = Field(
+        None,
+        description="Standard deviation of what was measured, where a run does not say its own: "
+        "a number, text with a unit, or a share such as '5 %'.",
+    )
+    unknowns: Unknowns | None = Field(
+        None,
+        description="Parameters that are looked for: { lower, upper }, or { mean, deviation }.",
+    )
+    offsets: Offsets | None = Field(
+        None, description="Unknown offsets of parameters, such as the mounting error of an angle."
+    )
+    factors: Factors | None = Field(
+        None, description="Unknown factors of parameters, such as that of all amplitudes."
+    )
+    candidates: Parameters | None = Field(
+        None,
+        description="Drives that could be run next, as values or ranges; told is which of them "
+        "tells most.",
+    )
+    discrepancy: bool = Field(
+        True,
+        description="Whether speeds may scatter by more than their errors, for what no unknown "
+        "explains.",
+        strict=True,
+    )
+    doubt: Annotated[float, BeforeValidator(_read_doubt), WithJsonSchema(_DOUBT_SCHEMA)] = Field(
+        0.01, description="How likely a regime is to have been seen wrongly."
+    )
+    points: int = Field(
+        POINTS,
+        description="Most points at which the unknowns are tried; each takes a motion a run.",
+        strict=True,
+        ge=FEWEST_POINTS,
+        le=MOST_POINTS,
+    )
+
+    def priors(self) -> dict[str, Prior]:
+        """Return the unknowns by name, those of each table in the order of the declaration."""
+        found: dict[str, Prior] = {}
+        for table in TABLES:
+            given = getattr(self, table)
+            if given is not None:
+                names = [name for name in PARAMETERS if name in given.model_fields_set]
+                found |= {STEMS[table] + name: getattr(given, name) for name in names}
+        return found
+
+    def asked_next(self) -> dict[str, Values]:
+        """Return the candidates and their values, in the order of the declaration."""
+        if self.candidates is None:
+            return {}
+        given = self.candidates.model_fields_set
+        return {name: getattr(self.candidates, name) for name in PARAMETERS if name in given}
+
+    def content(self) -> dict[str, Any]:
+        """Return the study as plain values, ranges and units in one form."""
+        content = super().content()
+        if self.candidates is not None:
+            told = self.asked_next().items()
+            content["candidates"] = {name: values.canonical() for name, values in told}
+        return content

@@ -1,0 +1,203 @@
+"""What was measured, run by run: rows of a study, or of a CSV or XLSX file on this machine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    ValidationInfo,
+    WithJsonSchema,
+    create_model,
+)
+
+from core.errors import suggestion
+from core.quantities import QUANTITIES, Quantity
+from core.study.levels import read_level, refusal
+from core.study.units import UnitError, read_number
+
+MOST_RUNS = 1_000
+OBSERVED = ("conveying_velocity", "feed_rate")
+"""Outputs that may have been measured."""
+REGIMES_SEEN = {
+    "hops": "it leaves the floor in each cycle, or in some",
+    "does not hop": "it never leaves the floor",
+    "does not start": "friction holds it all the time",
+    "moves forwards": "it travels in the direction of transport",
+    "moves backwards": "it travels against the direction of transport",
+}
+"""What may have been seen of a run without measuring its speed."""
+PERCENT = "%"
+
+_PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
+_TEXT = {"type": "string", "maxLength": 200}
+_NUMBER = {"anyOf": [{"type": "number"}, _TEXT]}
+_WRITTEN = {"anyOf": [{"type": "number"}, _TEXT, {"type": "array", "items": _NUMBER}]}
+
+
+def read_error(output: str, raw: object, value: float) -> float:
+    """Return the standard deviation of a measured value, in the output's unit.
+
+    Parameters
+    ----------
+    output : str
+        What was measured.
+    raw : object
+        A number, text with a unit, or a share of the value such as ``"5 %"``.
+    value : float
+        What was measured, in the output's unit.
+
+    Raises
+    ------
+    UnitError
+        If it is none.
+    """
+    if isinstance(raw, str) and raw.strip().endswith(PERCENT):
+        text = raw.strip().removesuffix(PERCENT).strip()
+        try:
+            error = abs(value) * float(text) / 100
+        except ValueError:
+            fix = 'Write error = "5 %", or a value with its unit'
+            raise UnitError(f"{raw[:40]!r} is no percentage", fix) from None
+    else:
+        error = read_level(output, raw)
+    if not error > 0:
+        fix = "Give the standard deviation of the measured value, or leave it out"
+        raise UnitError(f"an error of {raw} is not above 0", fix)
+    return error
+
+
+def _one(name: str, quantity: Quantity) -> Any:
+    def read(raw: object) -> float | None:
+        try:
+            return None if raw is None else read_number(name, quantity, raw)
+        except UnitError as error:
+            raise refusal(error.message, error.fix) from error
+
+    return (Annotated[float | None, PlainValidator(read), WithJsonSchema(_WRITTEN)], None)
+
+
+def _observed(name: str) -> Any:
+    def read(raw: object) -> float | None:
+        try:
+            return None if raw is None else read_level(name, raw)
+        except UnitError as error:
+            raise refusal(error.message, error.fix) from error
+
+    schema = {**_WRITTEN, "description": f"What was measured: {QUANTITIES[name].description}"}
+    return (Annotated[float | None, PlainValidator(read), WithJsonSchema(schema)], None)
+
+
+def _read_row_error(raw: object, info: ValidationInfo) -> object:
+    given = {name: info.data.get(name) for name in OBSERVED}
+    output, value = next(((n, v) for n, v in given.items() if v is not None), (None, None))
+    if raw is None or output is None or value is None:
+        return None  # what is wrong with the value is told there
+    try:
+        return read_error(output, raw, value)
+    except UnitError as error:
+        raise refusal(error.message, error.fix) from error
+
+
+def _read_regime(raw: object) -> str | None:
+    if raw is None:
+        return None
+    text = " ".join(str(raw).replace("_", " ").split()).lower()
+    if text not in REGIMES_SEEN:
+        fix = partial(suggestion, text, REGIMES_SEEN)
+        raise refusal(f"{str(raw)[:40]!r} is not what a part is seen to do", fix)
+    return text
+
+
+class _Row(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+_RowError = Annotated[
+    float | None,
+    BeforeValidator(_read_row_error),
+    WithJsonSchema({**_WRITTEN, "description": "Standard deviation of what was measured."}),
+]
+_Seen = Annotated[
+    str | None,
+    PlainValidator(_read_regime),
+    WithJsonSchema({"type": "string", "enum": [*REGIMES_SEEN]}),
+]
+
+if TYPE_CHECKING:
+
+    class Run(_Row):
+        """One optional field a parameter, what was measured, its error, and what was seen."""
+
+        conveying_velocity: float | None = None
+        feed_rate: float | None = None
+        error: float | None = None
+        regime: str | None = None
+
+else:
+    Run = create_model(
+        "Run",
+        __base__=_Row,
+        __doc__="A run: parameters of its own, what was measured with its error, what was seen.",
+        **{name: _one(name, QUANTITIES[name]) for name in _PARAMETERS},
+        **{name: _observed(name) for name in OBSERVED},
+        error=(_RowError, None),
+        regime=(_Seen, Field(None, description="What the part was seen to do.")),
+    )
+
+
+def parameters_of(run: Run) -> dict[str, float]:
+    """Return the parameters of a run, in the units of studies."""
+    given = {name: getattr(run, name) for name in _PARAMETERS if name in run.model_fields_set}
+    return {name: value for name, value in given.items() if value is not None}
+
+
+def spread_rows(raw: object) -> object:
+    """Return rows of single values; an entry whose values are lists stands for as many runs.
+
+    Raises
+    ------
+    PydanticCustomError
+        If its lists have different lengths, or there are too many runs.
+    """
+    if isinstance(raw, str):
+        fix = "Carry the study out, or load it by vibrafeed.load_study"
+        raise refusal("its file has not been read yet", fix)
+    if isinstance(raw, Mapping):
+        raw = [raw]
+    if not isinstance(raw, list | tuple):
+        fix = "Write [[observations]] with the parameters of a run and its conveying_velocity"
+        raise refusal("it is no list of runs", fix)
+    rows: list[object] = []
+    for number, entry in enumerate(raw, 1):
+        rows += _rows_of(entry, number) if isinstance(entry, Mapping) else [entry]
+        if len(rows) > MOST_RUNS:
+            raise refusal(f"there are more than {MOST_RUNS:,} runs", "Leave some out")
+    return rows
+
+
+def _rows_of(entry: Mapping[str, Any], number: int) -> Iterator[dict[str, Any]]:
+    lengths = {name: len(value) for name, value in entry.items() if isinstance(value, list | tuple)}
+    if not lengths:
+        yield {str(name): value for name, value in entry.items()}
+        return
+    if len({*lengths.values()}) > 1:
+        told = ", ".join(f"{str(name)[:40]} {length}" for name, length in lengths.items())
+        fix = "Give each as many values as there are runs, or one for all of them"
+        raise refusal(f"the lists of entry {number} differ in length: {told}", fix)
+    for k in range(next(iter(lengths.values()))):
+        yield {str(n): value[k] if n in lengths else value for n, value in entry.items()}
+
+
+ROWS_SCHEMA: dict[str, Any] = {
+    "anyOf": [
+        {"type": "string", "description": "A CSV or XLSX file beside the study."},
+        {"type": "array", "maxItems": MOST_RUNS, "items": {"type": "object"}, "minItems": 1},
+    ]
+}

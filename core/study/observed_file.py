@@ -1,0 +1,136 @@
+"""Observations from a CSV or XLSX file: a heading with units, and a row a run."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, NoReturn
+
+from core.errors import Problem, StudyError
+from core.study.observations import MOST_RUNS
+
+SUFFIXES = (".csv", ".xlsx")
+_HEADING = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*(.*?)\s*[\])])?\s*")
+_NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?")
+HEADING = (
+    "Begin it with a line of names and units, such as amplitude [mm], conveying_velocity [mm/s]"
+)
+
+
+def with_rows(content: Mapping[str, Any], *, files: bool) -> dict[str, Any]:
+    """Return the content of a study with the rows of the file that its observations name.
+
+    Parameters
+    ----------
+    content : mapping
+        Of a study.
+    files : bool
+        Whether the user may name files of this machine.
+
+    Raises
+    ------
+    StudyError
+        If there is no such file, or it has no rows. What the cells say is for others to read.
+    """
+    named = content.get("observations")
+    if not isinstance(named, str):
+        return {**content}
+    if not files:
+        _fail("no file is read here", "Give its rows: a list of objects")
+    return {**content, "observations": read_rows(Path(named))}
+
+
+def read_rows(path: Path) -> list[dict[str, Any]]:
+    """Return the rows of a file, numbers with the units of their heading.
+
+    Raises
+    ------
+    StudyError
+        If it cannot be read.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        _fail(f"'{path.name}' is no CSV or XLSX file", "Save the table as CSV")
+    try:
+        lines = [*(_workbook(path) if suffix == ".xlsx" else _csv(path))]
+    except (OSError, ValueError) as error:  # a NUL in its name is the second
+        message = f"{path.name} cannot be read: {getattr(error, 'strerror', None) or error}"
+        _fail(message, "Name a CSV or XLSX file beside the study")
+    if len(lines) < 2:
+        _fail(f"{path.name} has no rows", HEADING)
+    names, units = _headings(lines[0], path)
+    return [
+        {
+            name: _value(cell, unit)
+            for name, unit, cell in zip(names, units, [*line, *[""] * len(names)], strict=False)
+            if name and str(cell).strip()
+        }
+        for line in lines[1 : MOST_RUNS + 2]
+    ]
+
+
+def _headings(cells: Iterable[Any], path: Path) -> tuple[list[str], list[str]]:
+    names, units = [], []
+    for cell in cells:
+        found = _HEADING.fullmatch(str(cell))
+        names.append(found[1] if found else str(cell))
+        units.append((found[2] or "") if found else "")
+    twice = [name for k, name in enumerate(names) if name and name in names[:k]]
+    if twice:
+        _fail(f"{path.name} has two columns named {twice[0][:60]}", "Name each column once")
+    if not any(names) or all(_NUMBER.fullmatch(name) for name in names):
+        _fail(f"{path.name} has no heading", HEADING)
+    return names, units
+
+
+def _value(cell: Any, unit: str) -> Any:
+    """Return a cell as a study could hold it: a number with the unit of its column, or a text."""
+    if isinstance(cell, int | float) and not isinstance(cell, bool):
+        return f"{cell!r} {unit}" if unit else cell
+    text = str(cell).strip()
+    if not _NUMBER.fullmatch(text):
+        return text
+    return f"{text} {unit}" if unit else float(text)
+
+
+def _csv(path: Path) -> Iterable[list[str]]:
+    text = path.read_text(encoding="utf-8-sig")
+    lines = [line for line in text.splitlines() if line.strip(" ,;\t") and line[0] != "#"]
+    first = lines[0] if lines else ""
+    delimiter = max(";\t,", key=first.count)
+    for line in csv.reader(io.StringIO("\n".join(lines)), delimiter=delimiter):
+        # Where commas part no cells, they are those of decimals.
+        yield line if delimiter == "," else [_with_point(cell) for cell in line]
+
+
+def _with_point(cell: str) -> str:
+    text = cell.strip()
+    return text.replace(",", ".") if _NUMBER.fullmatch(text) else cell
+
+
+def _workbook(path: Path) -> Iterable[list[Any]]:
+    try:
+        import openpyxl
+    except ImportError:
+        fix = "pip install 'vibrafeed[tables]', or save the table as CSV"
+        _fail("reading XLSX needs openpyxl, which is not installed", fix)
+    try:
+        book = openpyxl.load_workbook(path, read_only=True, data_only=True)
+    except (OSError, ValueError):
+        raise
+    except Exception as error:  # what a damaged workbook raises is of many kinds
+        raise ValueError("it is no workbook, or a damaged one") from error
+    try:
+        for line in book.worksheets[0].iter_rows(values_only=True, max_row=MOST_RUNS + 2):
+            cells = ["" if cell is None else cell for cell in line]
+            if any(str(cell).strip() for cell in cells):
+                yield cells
+    finally:
+        book.close()
+
+
+def _fail(message: str, fix: str) -> NoReturn:
+    raise StudyError([Problem("observations", message, fix)])
