@@ -58,7 +58,8 @@ def load_study(path: str | os.PathLike[str]) -> Study:
 def read_content(path: Path) -> object:
     """Return what stands in the TOML or JSON file at `path`; raise `StudyError` if it cannot.
 
-    The files of a recording, of observations and of calibrations are named beside that of the study.
+    The files of a recording, of observations and of calibrations are named beside that of the
+    study.
     """
     suffix = path.suffix.lower()
     if suffix in NO_STUDIES:
