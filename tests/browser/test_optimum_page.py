@@ -97,6 +97,15 @@ def test_a_trade_off_is_one_thing_in_all_its_pictures(page, address):
     page.mouse.move(box["x"] + 14, box["y"] + box["height"] / 2, steps=3)
     page.mouse.up()
     expect(page.locator("#optimum .said")).to_contain_text("of 9 drives are left")
+    out = page.locator(".design.dim").count()
+    assert 0 < out < 9
+    handle = page.get_by_role("slider", name="Largest frequency of the lines").bounding_box()
+    page.mouse.move(handle["x"] + 9, handle["y"] + 4)
+    page.mouse.down()
+    page.mouse.move(handle["x"] + 9, handle["y"] + box["height"], steps=3)
+    page.mouse.up()
+    expect(page.locator("#optimum .said")).to_contain_text("of 9 drives are left")
+    assert page.locator(".design.dim").count() > out
     # The way back: a point of the map near a drive of the trade-off.
     dot = page.locator("#picture .map .marks > .marker").first
     dot.scroll_into_view_if_needed()

@@ -129,6 +129,7 @@ export class Parallel {
       drawn("path", { d: end === "from" ? "M-9 0H9L0 9Z" : "M-9 0H9L0-9Z", transform: `translate(${x} 0)` }),
     );
     made.addEventListener("keydown", (event) => this.press(event, column, end));
+    made.addEventListener("pointerdown", (event) => this.drag(event, column, column[end === "from" ? "to" : "from"]));
     return made;
   }
 
@@ -195,9 +196,9 @@ export class Parallel {
     return Math.max(0, Math.min(1, 1 - (y - FRAME.top) / this.height));
   }
 
-  drag(event, column) {
+  // Choose the part of an axis between a place on it, where it was taken hold of, and the pointer.
+  drag(event, column, start = this.shareAt(event)) {
     const area = event.currentTarget;
-    const start = this.shareAt(event);
     const move = (now) => {
       const here = this.shareAt(now);
       this.isDragging = true;
