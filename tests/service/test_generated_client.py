@@ -89,7 +89,7 @@ processes = call("list_processes").processes
 assert call("describe_process", processes[0].id).title == processes[0].title
 
 study = models.SimulateStudy.from_dict(motion.to_dict())
-assert call("convert", body=study, to="python").startswith("import vibrafeed")
+assert call("convert", body=motion, to=models.ConvertTo("python")).startswith("import vibrafeed")
 
 posted = call("post_sweep", body=sweep)
 assert call("post_sweep", body=sweep).to_dict() == posted.to_dict()
