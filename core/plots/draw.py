@@ -89,8 +89,8 @@ def draw(
         contour, surface, line, map, levels, thresholds, parallel, trajectory, front or landscape;
         of uncertain parameters distribution, indices, effects or tornado; of a calibration
         posterior, speeds or residuals. If left out: contour over two axes, line over one,
-        trajectory where the dataset holds a motion over a cycle, distribution where it tells of uncertain
-        parameters, posterior of a calibration. A line with
+        trajectory where the dataset holds a motion over a cycle, distribution where it tells of
+        uncertain parameters, posterior of a calibration. A line with
         two axes is a family of curves, at most seven, and what is drawn where an axis has no more
         values than that. A map shows the regimes, or an output whose numbers stand for words.
     title : str, optional
