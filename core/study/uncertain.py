@@ -19,19 +19,16 @@ from core.study.units import UnitError
 
 
 def _schema(quantity: Quantity) -> dict[str, Any]:
-    one: dict[str, Any] = {"type": ["number", "string"], "maxLength": 200}
-    many = {"type": "array", "items": one, "minItems": 2, "maxItems": MOST_TABULATED}
-    kinds = {"values": many, "densities": many, "factor": {"type": "number", "exclusiveMinimum": 1}}
+    # Short, since there is one for each of many parameters: docs/sensitivity.md says the rest.
+    one: dict[str, Any] = {"type": ["number", "string"]}
+    many: dict[str, Any] = {"type": "array", "minItems": 2, "maxItems": MOST_TABULATED}
+    kinds = {"values": many, "densities": many, "factor": {"type": "number"}}
     return {
         "title": quantity.label,
-        "description": f"Distribution of the {quantity.label.lower()}: "
-        + "; ".join(f"{name} by {', '.join(keys)}" for name, keys in FORMS.items())
-        + ".",
         "type": "object",
         "properties": {key: kinds.get(key, one) for keys in FORMS.values() for key in keys},
         "additionalProperties": False,
         "minProperties": 2,
-        "maxProperties": 3,
     }
 
 
