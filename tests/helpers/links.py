@@ -39,12 +39,26 @@ NUMBERS = [
 TEXTS = ["🦆" * 8, "\u202eabc", "\x00", "%00", "a\nb", "ﷺ", "null", "undefined", "[object Object]"]
 
 
+# Links that once left no working page: an output without parameters, one that has a single one, an
+# axis twice, names that every object of JavaScript has.
+ONCE_BROKEN = [
+    ("old", "#kind=sweep&scene=rectangle-isolated&choice=thesis&output=inertia_ratio&question=all"),
+    (
+        "valid",
+        "#question=all&kind=sweep&scene=cylinder-rolling&choice=thesis&output=gravity_normal"
+        "&y=gravity:1:2",
+    ),
+    ("old", "#question=all&kind=sweep&x=beta:1:9&y=beta:1:2"),
+    ("hostile", "#question=all&kind=sweep&x=constructor:0:1&p.__proto__=5&band=toString:0.5"),
+]
+
+
 def valid(random_: random.Random, scenes: dict[str, Any]) -> dict[str, str]:
     """Return a link as the page makes it."""
     kind = random_.choice(["sweep", "simulate"])
     names = [name for name in scenes if kind == "sweep" or name in SHORT]
     scene = scenes[random_.choice(names)][kind]
-    output = random_.choice(scene["outputs"])
+    output = random_.choice([one for one in scene["outputs"] if one["asks"]])
     link = {
         "question": random_.choice(["speed", "drive", "all"]),
         "kind": kind,
@@ -85,6 +99,7 @@ def old(random_: random.Random, scenes: dict[str, Any]) -> dict[str, str]:
             {"output": "feed_speed"},
             {"x": "amplitude"},
             {"x": "stroke:1:2"},
+            {"x": "beta:5:60", "y": "beta:5:60"},
             {"p.mu": "0.3"},
             {"kind": "closed"},
             {"scene": "bowl", "kind": "sweep", "question": "all"},
@@ -136,8 +151,8 @@ def links(count: int, seed: int, scenes: dict[str, Any]) -> list[tuple[str, str]
     """Return so many pairs of a kind and a link."""
     random_ = random.Random(seed)
     makers = {"valid": valid, "old": old, "hostile": hostile}
-    found = []
-    for _ in range(count):
+    found = [*ONCE_BROKEN]
+    for _ in range(count - len(found)):
         kind = random_.choice(["valid", "old", "hostile", "hostile"])
         made = makers[kind](random_, scenes)
         quote = random_.choice([urllib.parse.quote, urllib.parse.quote_plus])

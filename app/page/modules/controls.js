@@ -4,6 +4,7 @@ import { element, fill } from "./elements.js";
 import { choiceField } from "./fields.js";
 import { capital, label, shown, words } from "./words.js";
 import { places } from "./computed.js";
+import { pictured } from "./opening.js";
 import { furtherParameters, shownParameters, typical, usual } from "./view.js";
 
 const KINDS_OF_FRICTION = {
@@ -96,7 +97,7 @@ export class Controls {
         : null,
       this.select(
         "Output",
-        scene.outputs.map(({ name, unit }) => [name, label(name, unit)]),
+        pictured(scene).map(({ name, unit }) => [name, label(name, unit)]),
         view.output,
         (name) => this.change({ output: name }),
       ),

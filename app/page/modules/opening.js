@@ -44,21 +44,36 @@ export function complete(view, scene) {
 }
 
 function chooseOutput(view, scene) {
-  const known = scene.outputs.map(({ name }) => name);
+  const known = pictured(scene).map(({ name }) => name);
   if (known.includes(view.output)) return [];
   const asked = view.output;
   view.output = FIRST_OUTPUTS.find((name) => known.includes(name)) ?? known[0];
-  return asked ? [`There is no output ${told(asked)} here.`] : [];
+  if (!asked) return [];
+  const isConstant = scene.outputs.some(({ name }) => name === asked);
+  return [
+    isConstant
+      ? `${capital(words(asked))} depends on no parameter: there is no picture of it.`
+      : `There is no output ${told(asked)} here.`,
+  ];
+}
+
+// The outputs that depend on a parameter at least.
+export function pictured(scene) {
+  return scene.outputs.filter(({ asks }) => asks.length);
 }
 
 function chooseAxes(view, byName) {
   const complaints = [];
+  if (Object.keys(byName).length === 1 && view.y) Object.assign(view, { x: view.y, y: null });
   const names = [...FIRST_AXES, ...Object.keys(byName)].filter((name) => byName[name]);
   for (const place of ["x", "y"]) {
     const axis = view[place];
     if (axis && !byName[axis.name]) {
       complaints.push(`${capital(told(axis.name))} cannot be an axis here.`);
       view[place] = undefined;
+    } else if (axis && place === "y" && axis.name === view.x.name) {
+      complaints.push(`${capital(told(axis.name))} cannot run across and up.`);
+      view.y = undefined;
     }
     if (view[place] === undefined || (place === "x" && !view.x)) {
       const other = place === "x" ? view.y?.name : view.x?.name;
