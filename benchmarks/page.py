@@ -73,9 +73,9 @@ def dragged(page: Any, address: str, *, steps: int = 150) -> tuple[float, tuple[
     page.mouse.move(along(0.02), middle)
     page.wait_for_function("() => window.drawn.length > 1")
     page.evaluate("window.drawn = []; window.begun = performance.now(); 0")
-    for step in range(steps):  # there and back again
-        share = 2 * step / (steps - 1)
-        page.mouse.move(along(share if share <= 1 else 2 - share), middle)
+    # There and back again; each step comes once the browser has taken the one before.
+    page.mouse.move(along(1), middle, steps=steps // 2)
+    page.mouse.move(along(0), middle, steps=steps // 2)
     seconds = page.evaluate("(performance.now() - window.begun) / 1000")
     drawn = page.evaluate("window.drawn")
     page.mouse.up()
