@@ -153,6 +153,24 @@ def test_a_mistake_is_told_beside_its_field(page, address):
     page.locator("#wrong-friction", has_text=re.compile("^$")).wait_for(state="attached")
 
 
+def test_the_motion_follows_the_knobs_and_skipping_keeps_the_view(page, address):
+    page.goto(f"{address}/{TRACK}&point=0.0005:30")
+    shown(page)
+    speed = page.locator("#detail .said", has_text="Mean speed")
+    speed.wait_for()
+    before = re.search("Mean speed [^;]*", speed.inner_text()).group()
+    field = page.locator("#value-friction")
+    field.fill("0.1")
+    field.press("Tab")
+    speed.filter(has_not_text=before).wait_for()
+    page.wait_for_url(re.compile("p.friction=0.1"))
+    link = page.url
+    page.locator("#skip").focus()
+    page.keyboard.press("Enter")
+    assert page.evaluate("document.activeElement.id") == "headline"
+    assert page.url == link
+
+
 def test_friction_is_chosen_from_published_values_with_its_range(page, address):
     page.goto(f"{address}/{TRACK.replace('&y=beta:5:60', '&y=&p.beta=30')}")
     shown(page)

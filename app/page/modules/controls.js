@@ -81,8 +81,8 @@ export class Controls {
       this.select(
         "How",
         [
-          ["simulate", "Motion in time (the true speed)"],
-          ["sweep", "Closed forms of the thesis (a snapshot)"],
+          ["simulate", "Motion in time: the true speed"],
+          ["sweep", "Closed forms: one moment"],
         ],
         view.kind,
         (kind) => this.change({ kind, choice: "", output: "" }),
@@ -272,6 +272,11 @@ export class Controls {
       else rest.push(text);
     }
     return rest;
+  }
+
+  // What stands beside the fields.
+  wrong() {
+    return [...this.host.querySelectorAll(".wrong")].map((slot) => slot.textContent).filter(Boolean);
   }
 
   clear() {

@@ -1,7 +1,7 @@
 // The motion of one part over a cycle: curves with what the part does, and an animation.
 
 import { drawn, element, fill } from "./elements.js";
-import { capital, number, shown, withUnit } from "./words.js";
+import { beside, capital, number, shown, withUnit } from "./words.js";
 
 export const MODES = {
   stick: ["#0072b2", "sticks"],
@@ -13,6 +13,7 @@ export const MODES = {
 };
 const SLOWNESS = [10, 30, 100, 300];
 const PANEL = 96; // px
+const WIDTHS = [300, 960]; // px
 
 // A course out of a dataset of a simulation with `trajectory`.
 export function courseOf(dataset) {
@@ -78,15 +79,23 @@ export class Course {
     );
     this.course = null;
     this.time = 0;
+    this.turns = 0;
     this.isRunning = !matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.last = null;
     requestAnimationFrame((now) => this.tick(now));
+    new ResizeObserver(() => this.resize()).observe(host);
+  }
+
+  resize() {
+    if (!this.course) return;
+    this.drawPanels();
+    this.drawViews();
   }
 
   show(course) {
+    const share = this.course ? this.time / this.cycle : 0; // it goes on where it was
     this.course = course;
-    this.time = 0;
-    this.turns = 0;
+    this.time = share * this.cycle;
     this.play.textContent = this.isRunning ? "Pause" : "Play";
     this.drawPanels();
     const present = [...new Set(course.modes)];
@@ -148,7 +157,8 @@ export class Course {
       ["height above the floor", course.height],
       ...(course.wall ? [["distance from the wall", course.wall]] : []),
     ];
-    const width = 640;
+    // As wide as it is shown, so that words keep their size on a phone.
+    const width = Math.max(WIDTHS[0], Math.min(WIDTHS[1], this.panels.clientWidth));
     const height = PANEL * shownPanels.length + 34;
     this.panels.setAttribute("viewBox", `0 0 ${width} ${height}`);
     this.panels.setAttribute("aria-label", "The motion of the part over one cycle");
@@ -159,11 +169,14 @@ export class Course {
       const top = place * PANEL + 22;
       const low = Math.min(...values);
       const high = Math.max(...values);
+      const size = factor * Math.max(Math.abs(low), Math.abs(high));
       const up = (value) => top + 60 - ((value - low) / (high - low || 1)) * 56;
+      const end = (value) =>
+        drawn("text", { x: 62, y: up(value) + 4, "text-anchor": "end" }, beside(size, value * factor));
       parts.push(
         drawn("text", { x: 70, y: top - 7, class: "label" }, `${capital(name)} (${unit})`),
-        drawn("text", { x: 62, y: up(high) + 4, "text-anchor": "end" }, number(high * factor, 3)),
-        drawn("text", { x: 62, y: up(low) + 4, "text-anchor": "end" }, number(low * factor, 3)),
+        end(high),
+        end(low),
       );
       let from = 0;
       for (let i = 1; i <= values.length; i++) {
@@ -203,12 +216,13 @@ export class Course {
     const [colour, text] = MODES[mode] ?? MODES.unknown;
     this.drawSide(along, here(course.height), here(course.trackAlong), here(course.trackNormal), colour);
     if (course.radius) this.drawAbove(along, colour);
+    const [factor, unit] = shown(course.unit);
     const x = this.across(at);
     this.now.setAttribute("x1", x);
     this.now.setAttribute("x2", x);
     this.said.textContent =
       `The part ${text}. Mean speed ${withUnit(course.velocity, "m s-1")}; ` +
-      `height ${withUnit(here(course.height), course.unit, 3)}.`;
+      `height ${beside(factor * Math.max(...course.height), factor * here(course.height))}\u00a0${unit}.`;
   }
 
   prepare(canvas) {

@@ -12,12 +12,13 @@ function ink(host) {
 }
 
 export class Curves {
-  constructor(host, { onpick = () => {}, onpoint = () => {} } = {}) {
+  constructor(host, { onpick = () => {}, onpoint = () => {}, hint = "" } = {}) {
     this.onpick = onpick;
     this.onpoint = onpoint;
+    this.hint = hint; // told while no point is
     this.marks = {}; // by who sets them
     this.box = element("div", { class: "curves" });
-    this.said = element("p", { class: "said", "aria-live": "polite" });
+    this.said = element("p", { class: "said", "aria-live": "polite" }, hint);
     this.legend = element("ul", { class: "legend", "aria-label": "Regimes" });
     fill(host, this.box, this.said, this.legend);
     this.plot = null;
@@ -44,7 +45,7 @@ export class Curves {
         bands.push({ series: [series.length - 2, series.length - 1], fill: `${stroke}33` });
       }
       columns.push(scaled(line.values));
-      series.push({ label: capital(words(line.label ?? line.name)), stroke, width: 2 });
+      series.push({ label: capital(words(line.label ?? line.name)), stroke, width: 2, pxAlign: 0 });
     }
     this.plot?.destroy();
     const colour = ink(this.box);
@@ -140,7 +141,7 @@ export class Curves {
 
   say(i) {
     if (i === null || i === undefined) {
-      this.said.textContent = "";
+      this.said.textContent = this.hint;
       return;
     }
     const { x, lines, regime } = this.data;

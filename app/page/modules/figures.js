@@ -29,6 +29,9 @@ export function viewOf(figure) {
   return view;
 }
 
+// Its lines are broken where a page of text ends them.
+const unbroken = (notes) => notes.replace(/\n(?=[a-z(])/g, " ");
+
 export function tellFigures(host, figures, chosen, onchange) {
   const choice = element(
     "select",
@@ -41,6 +44,6 @@ export function tellFigures(host, figures, chosen, onchange) {
   fill(
     host,
     element("div", { class: "field" }, element("label", { for: "choose-figure" }, "Figure"), choice),
-    element("p", { class: "notes" }, figure.notes),
+    element("p", { class: "notes" }, unbroken(figure.notes)),
   );
 }

@@ -59,7 +59,7 @@ export class Front {
     const along = (name, key, from, to) =>
       axisOf({ name, unit: first.values[name].unit, values: ends(this.points.map((one) => one[key])) }, from, to);
     this.x = along(this.against, "x", left, width - right);
-    this.x.label = `Size of: ${words(this.against)}${this.x.unitShown ? ` (${this.x.unitShown})` : ""}`;
+    this.x.label = `Size of ${words(this.against)}${this.x.unitShown ? ` (${this.x.unitShown})` : ""}`;
     this.y = along(this.output, "y", height - bottom, top);
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     const placed = this.points.map(({ x, y }) => [this.x.place(x), this.y.place(y)]);

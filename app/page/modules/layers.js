@@ -77,12 +77,17 @@ export function clipDrawn(clipId, width, height) {
   );
 }
 
+// The values at which contours are drawn.
+export function levelsOf({ low, high }, unit) {
+  const [factor] = shown(unit);
+  return ticks(low * factor, high * factor, LEVELS).map((level) => level / factor);
+}
+
 export function contoursDrawn({ data, flat, range, x, y, clipId }) {
   const group = drawn("g", { class: "contours", "clip-path": `url(#${clipId})` });
   if (!range) return group;
-  const [factor] = shown(data.z.unit);
   const { low, high } = range;
-  const levels = ticks(low * factor, high * factor, LEVELS).map((level) => level / factor);
+  const levels = levelsOf(range, data.z.unit);
   const found = contours().size([data.x.values.length, data.y.values.length]).thresholds(levels)(flat);
   for (const level of found) {
     if (!level.coordinates.length) continue;
@@ -129,7 +134,8 @@ function path(polygons, data, x, y) {
 
 // From places among the values of an axis to places on the screen: values may be unevenly spaced.
 function placed(axis, values, at) {
-  const low = Math.max(0, Math.min(values.length - 1, Math.floor(at)));
+  // Half a cell beyond the first and the last value: what ends there has no line along the frame.
+  const low = Math.max(0, Math.min(values.length - 2, Math.floor(at)));
   const high = Math.min(values.length - 1, low + 1);
   return axis.place(values[low] + (at - low) * (values[high] - values[low]));
 }

@@ -1,13 +1,14 @@
 // What the colours of a picture mean: the scale of a quantity, and the regimes that occur.
 
 import { drawn, element } from "./elements.js";
+import { levelsOf } from "./layers.js";
 import { markerDrawn } from "./markers.js";
 import { capital, label, number, shown, words } from "./words.js";
 
-// A bar of the colours of a scale, between the values at its ends.
+// A bar of the colours of a scale, between the values at its ends, and how far contours lie apart.
 export function scaleTold(range, { name, unit }) {
   if (!range) return [`No ${words(name)} has a value here.`];
-  const [factor] = shown(unit);
+  const [factor, unitShown] = shown(unit);
   const { low, high, lut, steps } = range;
   const stops = Array.from({ length: 9 }, (_, i) => {
     const at = 3 * Math.round((i / 8) * (steps - 1));
@@ -15,6 +16,8 @@ export function scaleTold(range, { name, unit }) {
   });
   const bar = element("span", { class: "bar" });
   bar.style.background = `linear-gradient(to right, ${stops.join(",")})`;
+  const [first, second] = levelsOf(range, unit);
+  const apart = number((second - first) * factor, 3);
   return [
     element("span", {}, label(name, unit)),
     element(
@@ -24,6 +27,7 @@ export function scaleTold(range, { name, unit }) {
       bar,
       number(high * factor, 4, low * factor),
     ),
+    second === undefined ? "" : element("small", {}, `a thin line every ${apart}${unitShown && ` ${unitShown}`}`),
   ];
 }
 
@@ -66,7 +70,7 @@ export function legendOf(found) {
       "li",
       { title: meaning },
       swatch,
-      `${capital(words(name))} ${number(100 * share, 3)}\u00a0%`,
+      `${capital(words(name))} ${number(100 * share, 2)}\u00a0%`,
       meaning ? element("small", {}, ` ${meaning}`) : null,
     );
   });

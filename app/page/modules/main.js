@@ -31,7 +31,7 @@ class Page {
     this.jobs = new Jobs(byId("jobs"));
     this.controls = new Controls(byId("controls"), (view, how) => this.changed(view, how));
     this.picture = new Picture({
-      onpick: (point) => this.pick(point),
+      onpick: (point) => this.pick(point, { isSeen: true }),
       onpoint: (point) => this.optimum.pointed(point),
     });
     this.isComputing = false;
@@ -149,7 +149,9 @@ class Page {
       return;
     }
     this.view = view;
-    await this.compute({ dragged });
+    const drawn = this.compute({ dragged });
+    if (view.point) this.follow();
+    await drawn;
   }
 
   // One computation at a time; of the changes meanwhile only the last counts.
@@ -209,6 +211,8 @@ class Page {
       this.controls.clear();
       const rest = this.controls.complain(error.errors);
       this.notice.tell(error.errors.length ? rest.slice(0, 1) : [error.message]);
+      const wrong = this.controls.wrong();
+      if (wrong.length) byId("progress").textContent = `Not drawn. ${wrong.join(" ")}`;
     }
     if (view.question === "drive") this.optimum.grown();
     if (!dragged) this.keep(view);
@@ -238,11 +242,34 @@ class Page {
     await this.pick({ x: at[view.x.name], y: view.y ? at[view.y.name] : null });
   }
 
-  async pick(point) {
+  // `isSeen` where the motion is to be brought into sight.
+  async pick(point, { isSeen = false } = {}) {
     const { view } = this;
     if (!this.catalogue.scene(view.scene)?.methods.length) return;
     view.point = point;
     this.keep(view);
+    await this.follow();
+    if (isSeen) byId("course").scrollIntoView({ block: "nearest" });
+  }
+
+  // Show the motion at the chosen point; of the changes meanwhile only the last counts.
+  async follow() {
+    this.isStale = true;
+    if (this.isFollowing) return;
+    this.isFollowing = true;
+    try {
+      while (this.isStale) {
+        this.isStale = false;
+        await this.showMotion(this.view);
+      }
+    } finally {
+      this.isFollowing = false;
+    }
+  }
+
+  async showMotion(view) {
+    const { point } = view;
+    if (!point || !this.catalogue.scene(view.scene)?.methods.length) return;
     try {
       const dataset = await this.notice.persist(() => courseAt(view, point));
       byId("detail").hidden = false;

@@ -6,6 +6,7 @@ import { drawn, element, fill } from "./elements.js";
 import { bordersDrawn, clipDrawn, contoursDrawn, paint, thinned } from "./layers.js";
 import { legendOf, occurring, scaleTold } from "./legend.js";
 import { markerDrawn } from "./markers.js";
+import { namesDrawn } from "./names.js";
 import { capital, withUnit, words } from "./words.js";
 
 const SMALL = 3.5; // px
@@ -14,13 +15,14 @@ let maps = 0;
 export class HeatMap {
   // `onpick` is called with {x, y} when a point is clicked, or Enter is pressed at the cursor;
   // `onpoint` with that of the cursor wherever it moves.
-  constructor(host, { onpick = () => {}, onpoint = () => {}, title = "Map" } = {}) {
+  constructor(host, { onpick = () => {}, onpoint = () => {}, title = "Map", hint = "" } = {}) {
     this.onpick = onpick;
     this.onpoint = onpoint;
+    this.hint = hint; // told while no point is
     this.clipId = `inside-${(maps += 1)}`;
     this.canvas = element("canvas", { "aria-hidden": "true" });
     this.svg = drawn("svg", { "aria-hidden": "true" });
-    this.said = element("p", { class: "said", "aria-live": "polite" });
+    this.said = element("p", { class: "said", "aria-live": "polite" }, hint);
     this.legend = element("ul", { class: "legend", "aria-label": "Regimes" });
     this.scale = element("div", { class: "scale" });
     this.box = element(
@@ -101,6 +103,7 @@ export class HeatMap {
       clipDrawn(this.clipId, width, height),
       contoursDrawn(ground),
       bordersDrawn(ground, this.regimes),
+      namesDrawn(this.isMoving ? ground : thinned(this), this.regimes),
       this.axesDrawn(width, height),
       this.marksDrawn(),
       this.cursorDrawn(),
@@ -187,7 +190,7 @@ export class HeatMap {
     if (this.box === document.activeElement) return;
     this.cursor = null;
     this.svg.querySelector(".cursor")?.remove();
-    this.said.textContent = "";
+    this.said.textContent = this.hint;
   }
 
   say() {

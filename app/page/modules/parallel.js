@@ -97,7 +97,7 @@ export class Parallel {
 
   axis(column, place) {
     const x = this.across(place);
-    const [factor, unit] = shown(column.unit);
+    const [factor] = shown(column.unit);
     const name = wrapped(words(column.name));
     const area = drawn("rect", {
       x: x - 14, y: FRAME.top, width: 28, height: this.height, class: "catch",
@@ -112,7 +112,7 @@ export class Parallel {
       ...name.map((line, i) => text(14 + 14 * (i + 3 - name.length), line, { class: "label" })),
       drawn("line", { x1: x, x2: x, y1: this.up(0), y2: this.up(1) }),
       text(this.up(1) - 13, number(column.high * factor, 3)),
-      text(this.up(0) + 24, `${number(column.low * factor, 3)} ${unit}`.trim()),
+      text(this.up(0) + 24, withUnit(column.low, column.unit, 3)),
       area,
       column.chosen,
       ...column.handles,

@@ -21,7 +21,7 @@ export class Picture {
     this.scene = scene;
     this.kind = null;
     this.marks = {};
-    byId("headline").textContent = capital(words(view.output));
+    fill(byId("headline"), capital(words(view.output)), " ", element("small", {}, scene.title));
     byId("worst").hidden = true;
   }
 
@@ -29,7 +29,9 @@ export class Picture {
   show(found, { isMoving = false } = {}) {
     const kind = found.y ? "map" : "curves";
     if (this.kind !== kind) {
-      const options = { onpick: this.onpick, onpoint: this.onpoint, title: words(this.view.output) };
+      const { onpick, onpoint } = this;
+      const told = { hint: this.hint(), title: words(this.view.output) };
+      const options = { onpick, onpoint, ...told };
       const host = byId("host");
       this.drawing = kind === "map" ? new HeatMap(host, options) : new Curves(host, options);
       this.kind = kind;
@@ -47,6 +49,11 @@ export class Picture {
       });
     }
     this.tellValidity(found);
+  }
+
+  hint() {
+    const motion = this.scene.methods.length ? " Click, or press Enter, to see the motion there." : "";
+    return `Point at the picture to read it.${motion}`;
   }
 
   // What is not known exactly: a band about each line, or a second map of the worst case.

@@ -1,0 +1,207 @@
+"""`python -m benchmarks.page_pictures` makes docs/page: eight states of the page, wide and narrow.
+
+Each state is a link, and what has to be there before it counts as reached.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from PIL import Image
+
+from benchmarks.browsing import browsed
+from benchmarks.serving import served
+
+FOLDER = Path(__file__).parents[1] / "docs" / "page"
+SIZES = {1280: 900, 390: 844}  # height of each width, dots
+COLOURS = 256  # of a PNG
+FREQUENT = 160  # of them, taken as they are
+PATIENCE = 60_000  # ms
+DRAWN = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+TRACK = (
+    "kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
+    "&x=amplitude:0.0001:0.0007&p.frequency=50&p.friction=0.4"
+)
+MAP = f"{TRACK}&y=beta:5:60"
+SNAPSHOT = (
+    "kind=sweep&scene=rectangle-on-plane&choice=physical&output=acceleration_x"
+    "&x=amplitude:0.0001:0.0007&y=beta:5:60&p.frequency=50&p.friction=0.4&p.alpha=20"
+)
+
+
+@dataclass(frozen=True)
+class State:
+    """A state of the page.
+
+    Attributes
+    ----------
+    name : str
+        Its name, which its pictures bear.
+    link : str
+        What restores it, after `#`.
+    reached : tuple of (str, str or None)
+        What has to be there: selectors, each with words that stand in it.
+    does : callable or None
+        What is done with the page then.
+    seen : str
+        What the screen is scrolled to.
+    height : int or None
+        Height of the wide screen in dots, where it shows more than others.
+    is_dark : bool
+        Whether it is shown in dark colours.
+    """
+
+    name: str
+    link: str
+    reached: tuple[tuple[str, str | None], ...]
+    does: Callable[[Any], None] | None = None
+    seen: str = "body"
+    height: int | None = None
+    is_dark: bool = False
+
+
+def _points(page: Any) -> None:
+    page.locator("#picture .map").focus()
+    page.keyboard.press("ArrowRight")
+
+
+def _steps(page: Any) -> None:
+    """Have the part come to where it hops."""
+    on = page.get_by_role("button", name="Step on")
+    on.evaluate("button => { for (let i = 0; i < 45; i++) button.click(); }")
+
+
+STATES = (
+    State(
+        "start",
+        "",
+        (("nav button", "How fast"), ("#picture .names", "Hopping"), ("#progress", "Shown")),
+    ),
+    State(
+        "map",
+        f"question=speed&{MAP}",
+        (("#picture .names", "Slip"), ("#picture .said", "mm/s")),
+        does=_points,
+    ),
+    State(
+        "lines",
+        f"question=speed&{TRACK}&y=&p.beta=30&band=friction:0.2",
+        (("#worst", "known within 20"), ("#picture canvas", None)),
+    ),
+    State(
+        "motion",
+        f"question=speed&{MAP}&point=0.0005:30",
+        (("#detail .said", "Mean speed"), ("#detail polyline", None)),
+        does=_steps,
+        seen="#detail",
+        height=1440,
+        is_dark=True,
+    ),
+    State(
+        "best",
+        f"question=drive&{MAP}&best=maximise&found=1",
+        (("#optimum", "Next to it"), ("#picture .mark", "best")),
+        height=1820,
+    ),
+    State(
+        "trade-off",
+        f"question=drive&{SNAPSHOT}&best=pareto&against=acceleration_y&points=9&vary=frequency:30:80&found=1",
+        (("#beside .front", "knee"), ("#optimum .parallel .design", None)),
+        seen="#beside",
+        height=1730,
+        is_dark=True,
+    ),
+    State(
+        "thesis",
+        "question=thesis",
+        (("#figures", "Verdict"), ("#note", "real part")),
+    ),
+    State(
+        "mistake",
+        f"question=speed&{MAP}&p.friction=-1".replace("&p.friction=0.4", ""),
+        (("#progress", "Not drawn"), ("#wrong-friction", "must be at least 0")),
+    ),
+)
+
+
+def reach(page: Any, address: str, state: State) -> None:
+    """Bring a page into a state, on a wide screen.
+
+    Raises
+    ------
+    AssertionError
+        Where something is not there in time.
+    """
+    from playwright.sync_api import expect
+
+    wide = max(SIZES)
+    page.set_viewport_size({"width": wide, "height": state.height or SIZES[wide]})
+    page.emulate_media(color_scheme="dark" if state.is_dark else "light", reduced_motion="reduce")
+    page.goto("about:blank")
+    page.goto(f"{address}/#{state.link}")
+    expect(page.locator("#picture")).to_have_attribute("aria-busy", "false", timeout=PATIENCE)
+    if state.does:
+        state.does(page)
+    for selector, words in state.reached:
+        found = page.locator(selector).filter(has_text=words or "").first
+        expect(found).to_be_attached(timeout=PATIENCE)
+
+
+def pictures(page: Any, state: State) -> Iterator[tuple[str, bytes]]:
+    """Yield names and PNG of the pictures of a state that is reached, one for each width."""
+    for width, height in SIZES.items():
+        tall = state.height if width == max(SIZES) and state.height else height
+        page.set_viewport_size({"width": width, "height": tall})
+        where = state.seen if width == min(SIZES) or not state.height else "body"
+        page.evaluate(
+            "where => document.querySelector(where).scrollIntoView()",
+            where,
+        )
+        page.evaluate(DRAWN)  # anew, where the width changed
+        yield f"{state.name}-{width}.png", page.screenshot()
+
+
+def _written(content: bytes, target: Path) -> None:
+    """Write a picture with few colours."""
+    image = Image.open(io.BytesIO(content)).convert("RGB")
+    image.quantize(palette=_palette(image), dither=Image.Dither.NONE).save(
+        target, format="PNG", optimize=True
+    )
+
+
+def _palette(image: Image.Image) -> Image.Image:
+    """Return colours for a picture: its most frequent ones, and few for all others.
+
+    Each of the others counts once, so that the small marks of a legend keep their colours.
+    """
+    counted = image.getcolors(image.width * image.height)
+    ordered = [colour for _, colour in sorted(counted, reverse=True)]
+    others = Image.new("RGB", (len(ordered), 1))
+    others.putdata(ordered)
+    few = others.quantize(COLOURS - FREQUENT, method=Image.Quantize.MAXCOVERAGE).getpalette()[
+        : 3 * (COLOURS - FREQUENT)
+    ]
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([part for colour in ordered[:FREQUENT] for part in colour] + few)
+    return palette
+
+
+def main() -> None:
+    """Make all pictures anew."""
+    FOLDER.mkdir(exist_ok=True)
+    with served(workers=1) as server, browsed() as browser:
+        page = browser.new_page()
+        for state in STATES:
+            reach(page, server.address, state)
+            for name, content in pictures(page, state):
+                target = FOLDER / name
+                _written(content, target)
+                print(f"{target.name}: {target.stat().st_size:,} bytes")
+
+
+if __name__ == "__main__":
+    main()
