@@ -165,9 +165,16 @@ def landing(drive: Sine, w: float, tau: float) -> float:
 @compiled
 def hop_height(drive: Sine, w: float, tau: float, span: float, known: float) -> float:
     """Return the largest height of a flight, or `known` if that is larger."""
-    s, gn = drive.s, drive.gn
-    if (gn + s) * span * span / 8 <= known:
+    if (drive.gn + drive.s) * span * span / 8 <= known:
         return known
+    at = top_at(drive, w, tau, span)
+    return max(known, distance_after(w, drive.s, drive.gn, tau, at))
+
+
+@compiled
+def top_at(drive: Sine, w: float, tau: float, span: float) -> float:
+    """Return the phase from take-off to the top of a flight."""
+    s, gn = drive.s, drive.gn
     # The height is a parabola and a sine: its top lies near that of the parabola.
     top = (w + s * math.cos(tau)) / gn
     reach = 2 * math.sqrt(s / gn) + 1
@@ -193,4 +200,4 @@ def hop_height(drive: Sine, w: float, tau: float, span: float, known: float) -> 
         if abs(new - at) <= 1e-15 * span:
             break
         at = new
-    return max(known, distance_after(w, s, gn, tau, at))
+    return at

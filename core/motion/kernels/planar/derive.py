@@ -1,0 +1,253 @@
+"""Derivatives of the means of a motion that repeats by its groups (theory 13.16)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from core.compiled import borrowing, compiled, raised
+from core.motion.kernels.arrays import Floats, Statuses, Stop
+from core.motion.kernels.planar.drive import holding, lifts
+from core.motion.kernels.planar.flow import TURN, Sine
+from core.motion.kernels.planar.sine_slip import two_sided
+from core.motion.kernels.planar.slope_tables import (
+    BY,
+    DERIVED_BY,
+    DIRECTIONS,
+    ROW,
+    SUMMED,
+    TOLD,
+)
+from core.motion.kernels.planar.slopes import along, copy_row, in_air, lift, on_floor, release, rub
+from core.motion.kernels.planar.solve import solve_sine, upright
+from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS, cell_of
+from core.motion.kernels.results import COLUMN, RESULTS
+from core.motion.kernels.statuses import MODE, STATUS
+
+KINK = 1e-9
+"""Relative distance from another outcome of an event below which a motion is at a kink or jump:
+some hundred times what rounding leaves of an event that depends on many before it."""
+
+WIDTH = len(TOLD) * DERIVED_BY
+MARGIN = RESULTS + WIDTH
+"""Column of the least distance from a kink; the results come before, then the derivatives."""
+DERIVED_COLUMNS = MARGIN + 1
+
+
+@borrowing
+def start_of_cycle(drive: Sine, rows: Floats, count: int, d: Floats, nearest: Floats) -> int:
+    """Fill the derivatives at the start of a cycle; return how many directions there are.
+
+    A cycle with a rest starts at a lift-off, one without contact at a landing, whose phase and
+    rebound are free, and one that never lifts off where static friction lets go.
+    """
+    d[:, :] = 0.0
+    d[ROW.along, BY.start_along] = 1.0
+    if rows[0, SEGMENT.take_off] < 0:
+        if not lifts(drive):
+            least, largest, way = holding(drive)
+            at = rows[0, SEGMENT.phase]
+            by_least = math.cos(at) < 0
+            if abs(least if by_least else largest) < 1:
+                release(drive, by_least, way, at, d)
+        return BY.start_phase
+    rests = False
+    for row in range(count):
+        rests = rests or rows[row, SEGMENT.take_off] < 0
+    if rests:
+        lift(drive, ROW.phase, d)
+        return BY.start_phase
+    d[ROW.phase, BY.start_phase], d[ROW.normal, BY.start_normal] = 1.0, 1.0
+    return DIRECTIONS
+
+
+@borrowing
+def carry(
+    drive: Sine, e: float, rows: Floats, count: int, cycles: int, u: float, energy: bool,
+    d: Floats, nearest: Floats,
+) -> int:  # fmt: skip
+    """Carry the derivatives over so many rounds of a cycle; return how many directions."""
+    size = start_of_cycle(drive, rows, count, d, nearest)
+    flies = lifts(drive)
+    for cycle in range(cycles):
+        apart, alike = nearest[2], nearest[4]
+        for row in range(count):
+            if rows[row, SEGMENT.take_off] >= 0:
+                rests = rows[(row + 1) % count, SEGMENT.take_off] < 0
+                u = in_air(drive, e, rows, row, rests, u, energy, size, d, nearest)
+                continue
+            if flies:
+                lift(drive, ROW.end, d)
+            else:
+                copy_row(d, ROW.end, ROW.phase)
+            tau, span = rows[row, SEGMENT.phase], rows[row, SEGMENT.span]
+            u = on_floor(drive, tau, span, u, flies, energy, size, d, nearest)
+        if cycle > 0:  # it lands as it did in the first
+            nearest[2], nearest[4] = apart, alike
+    return size
+
+
+@borrowing
+def add(d: Floats, to: int, factor: float, of: int) -> None:
+    """Add so much of a direction to another."""
+    for row in range(d.shape[0]):
+        d[row, to] += factor * d[row, of]
+
+
+@borrowing
+def close(size: int, d: Floats, nearest: Floats) -> None:
+    """Put in what the state at the start must change by for the cycle to close again.
+
+    By the implicit function theorem it is (1 - M)^-1 times what the cycle changes of it.
+    """
+    free = DIRECTIONS - size
+    if not free:
+        a, b = d[ROW.phase, BY.start_phase] - 1.0, d[ROW.phase, BY.start_normal]
+        c, f = d[ROW.normal, BY.start_phase], d[ROW.normal, BY.start_normal] - 1.0
+        determinant = a * f - b * c
+        nearest[0] = min(nearest[0], abs(determinant))
+        for i in range(DERIVED_BY):
+            late, fast = d[ROW.phase, i], d[ROW.normal, i]
+            phase = (b * fast - f * late) / determinant
+            normal = (c * late - a * fast) / determinant
+            add(d, i, phase, BY.start_phase)
+            add(d, i, normal, BY.start_normal)
+    room = 1.0 - d[ROW.along, BY.start_along]
+    nearest[0] = min(nearest[0], abs(room))
+    for i in range(DERIVED_BY):
+        add(d, i, d[ROW.along, i] / room, BY.start_along)
+
+
+@borrowing
+def carry_two_sided(drive: Sine, energy: bool, d: Floats, nearest: Floats) -> None:
+    """Do what `carry` and `close` do where a part slides to and fro without a stick.
+
+    The cycle starts where it turns forward, at a phase that is free.
+    """
+    _, share = two_sided(drive)
+    c, s, gs, gn, _, mu, _ = drive
+    span = share * TURN
+    k1 = mu * gn
+    half = (c * k1 - mu * s * gs) * math.cos((span - math.pi) / 2)
+    sine = math.pi * (k1 - gs) * (k1 + gs) / (2 * half)
+    first = math.pi - math.asin(sine) - span / 2
+    least, largest, _ = holding(drive)
+    d[:, :] = 0.0
+    d[ROW.phase, BY.start_phase] = 1.0
+    for sign, mode, at, length in (
+        (1.0, MODE.forward, first, span),
+        (-1.0, MODE.backward, first + span, TURN - span),
+    ):
+        along(drive, sign, 0.0, 0.0, at, length, True, mode, DIRECTIONS, d)
+        if energy:
+            rub(drive, sign, 0.0, at, length, DIRECTIONS, d)
+        nearest[0] = min(nearest[0], abs(math.sin(at) - (largest if sign > 0 else least)))
+    nearest[0] = min(nearest[0], (1.0 - sine) * (1.0 + sine))
+    room = 1.0 - d[ROW.phase, BY.start_phase]
+    for i in range(DERIVED_BY):
+        add(d, i, d[ROW.phase, i] / room, BY.start_phase)
+
+
+@borrowing
+def tell(
+    drive: Sine, result: Floats, d: Floats, nearest: Floats, slopes: Floats
+) -> None:
+    """Fill the derivatives of the means, shape (told, groups)."""
+    time = result[COLUMN.multiple] * TURN
+    for told, row in SUMMED:
+        for i in range(DERIVED_BY):
+            slopes[told, i] = d[row, i] / time
+    for i in range(DERIVED_BY):
+        slopes[TOLD.landing_speed, i] = d[ROW.landing, i]
+        slopes[TOLD.hop_height, i] = d[ROW.height, i]
+        lifted = drive.gs * slopes[TOLD.velocity, i]
+        if i == BY.gs:
+            lifted += result[COLUMN.velocity]
+        slopes[TOLD.drive, i] = slopes[TOLD.friction, i] + slopes[TOLD.impact, i] + lifted
+
+
+@borrowing
+def turn_slopes(c: float, s: float, slopes: Floats) -> None:
+    """Undo the mirror images of `solve.upright`, of a drive (c, s)."""
+    mirrored = (-c if s < 0 else c) < 0
+    for told in range(len(TOLD)):
+        if s < 0:
+            slopes[told, BY.c], slopes[told, BY.s] = -slopes[told, BY.c], -slopes[told, BY.s]
+        if mirrored:
+            slopes[told, BY.c], slopes[told, BY.gs] = -slopes[told, BY.c], -slopes[told, BY.gs]
+    if mirrored:
+        for i in range(DERIVED_BY):
+            slopes[TOLD.velocity, i] = -slopes[TOLD.velocity, i]
+            forward = slopes[TOLD.forward, i]
+            slopes[TOLD.forward, i] = slopes[TOLD.backward, i]
+            slopes[TOLD.backward, i] = forward
+
+
+@borrowing
+def from_edges(drive: Sine) -> float:
+    """Return how far a drive is from lifting off, letting go or running away, or from not doing it.
+
+    Relative; beside these a motion changes its kind.
+    """
+    least, largest, _ = holding(drive)
+    gn = drive.gn
+    edge = min(abs(drive.s - gn) / gn, abs(1.0 - abs(least)), abs(1.0 - abs(largest)))
+    pull, grip = abs(drive.gs), drive.mu_s * gn
+    return min(edge, abs(grip - pull) / (grip + pull)) if grip + pull > 0 else 0.0
+
+
+@compiled
+def derive_cells(
+    energy: bool, groups: Floats, table: Floats, status: Statuses, stop: Stop
+) -> None:
+    """Fill table and status of cells under a sine.
+
+    A row of the table holds the results as `solve_cells` gives them, the derivatives of `Told` by
+    the first `DERIVED_BY` directions, NaN where the motion does not repeat, and the least distance
+    of a decision on the way from its other outcome; below `KINK` the motion has no derivative. Those of landing
+    speed and hop height are NaN where two are the largest.
+    """
+    rows = np.empty((MOST_SEGMENTS, len(SEGMENT)))
+    sums, nearest = np.empty(SUMS), np.empty(5)
+    log, d = np.empty((0, len(PIECE))), np.empty((len(ROW), DIRECTIONS))
+    for number in range(groups.shape[0]):
+        cell = cell_of(groups[number])
+        result = table[number, :RESULTS]
+        found, first, count, u = solve_sine(cell, True, rows, sums, log, result, stop)
+        slopes = table[number, RESULTS:MARGIN].reshape(len(TOLD), DERIVED_BY)
+        slopes[:] = math.nan
+        if raised(stop):
+            result[:] = math.nan
+            return
+        status[number] = found
+        table[number, MARGIN] = 0.0
+        if found not in (STATUS.periodic, STATUS.at_rest):
+            continue
+        drive, _, _ = upright(cell)
+        nearest[:] = 0.0
+        nearest[0] = from_edges(drive)
+        if found == STATUS.at_rest:
+            slopes[:] = 0.0
+            table[number, MARGIN] = nearest[0]
+            continue
+        d[:, :] = 0.0
+        if count == 0:
+            carry_two_sided(drive, energy, d, nearest)
+        else:
+            rest, periods = rows[first:], 0.0
+            for row in range(count - first):
+                periods += rest[row, SEGMENT.span]
+            cycles = max(1, round(result[COLUMN.multiple] * TURN / periods))
+            size = carry(
+                drive, cell.restitution, rest, count - first, cycles, u, energy, d, nearest
+            )
+            close(size, d, nearest)
+        if lifts(drive):
+            if not nearest[2] > KINK:
+                d[ROW.landing, :] = math.nan
+            if not nearest[4] > KINK:
+                d[ROW.height, :] = math.nan
+        tell(drive, result, d, nearest, slopes)
+        turn_slopes(cell.drive_number_along, cell.drive_number_normal, slopes)
+        table[number, MARGIN] = nearest[0] if math.isfinite(slopes[0].sum()) else 0.0

@@ -1,0 +1,331 @@
+"""Derivatives carried from event to event along a cycle, under a sine (theory 13.16).
+
+The phase of an event moves with a parameter by -(what changes of its condition at a fixed phase)
+over the rate of the condition. `nearest` holds the least distance of a decision on the way from
+its other outcome, relative: where it is next to nothing the motion has a kink or a jump.
+"""
+
+from __future__ import annotations
+
+import math
+
+from core.compiled import borrowing
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.planar.drive import fly, hold, holding, load, rise, slide, stop_after
+from core.motion.kernels.planar.flow import TURN, Sine, arc, flow, phase_to
+from core.motion.kernels.planar.sine_flight import lowest_at, top_at
+from core.motion.kernels.planar.slide import MOST_MODES
+from core.motion.kernels.planar.slope_tables import BY, ROW
+from core.motion.kernels.planar.tables import SEGMENT
+from core.motion.kernels.quadrature import PLACES, WEIGHTS
+from core.motion.kernels.statuses import MODE
+
+SMOOTH = 1.5  # of phase: what an integral is taken over at a time
+SMALL_REBOUND = 1e-6  # speed below which the floor's load at a landing decides what follows
+
+
+@borrowing
+def copy_row(d: Floats, to: int, of: int) -> None:
+    """Copy a row; an assignment of slices would set up a third array."""
+    for i in range(d.shape[1]):
+        d[to, i] = d[of, i]
+
+
+@borrowing
+def force(drive: Sine, sign: float, at: float, span: float, d: Floats) -> None:
+    """Fill what the groups change of velocity and distance along, at a fixed phase.
+
+    `sign` tells the slip, 0 is a flight.
+    """
+    cubic, square = arc(span)
+    sine, cosine = math.sin(at), math.cos(at)
+    swing, sway = cosine * square + sine * (span - cubic), cosine * cubic + sine * square
+    half = span * span / 2
+    d[ROW.forced, :], d[ROW.path, :] = 0.0, 0.0
+    d[ROW.forced, BY.c], d[ROW.path, BY.c] = swing, sway
+    d[ROW.forced, BY.gs], d[ROW.path, BY.gs] = -span, -half
+    if sign != 0:
+        mu = sign * drive.mu_k
+        d[ROW.forced, BY.s], d[ROW.path, BY.s] = mu * swing, mu * sway
+        d[ROW.forced, BY.gn], d[ROW.path, BY.gn] = -mu * span, -mu * half
+        d[ROW.forced, BY.mu_k] = sign * (drive.s * swing - drive.gn * span)
+        d[ROW.path, BY.mu_k] = sign * (drive.s * sway - drive.gn * half)
+
+
+@borrowing
+def along(
+    drive: Sine, sign: float, u: float, after: float, at: float, span: float, stops: bool,
+    mode: int, size: int, d: Floats,
+) -> None:  # fmt: skip
+    """Carry the derivatives along a slip or a flight to its end: a stop, or the segment's end."""
+    C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
+    first, last = C * math.sin(at) - k, C * math.sin(at + span) - k
+    force(drive, sign, at, span, d)
+    for i in range(size):
+        begin = d[ROW.along, i] - first * d[ROW.phase, i]
+        change = begin + d[ROW.forced, i]
+        end = -change / last if stops else d[ROW.end, i]
+        d[ROW.begin, i] = begin
+        d[ROW.distance, i] += begin * span + d[ROW.path, i] - u * d[ROW.phase, i]
+        d[ROW.distance, i] += after * end
+        d[ROW.stick + mode, i] += end - d[ROW.phase, i]
+        d[ROW.along, i] = 0.0 if stops else change + last * end
+        if sign != 0:
+            rub = drive.mu_k * sign
+            d[ROW.friction, i] += rub * load(drive, at + span) * after * end
+            d[ROW.friction, i] -= rub * load(drive, at) * u * d[ROW.phase, i]
+        d[ROW.phase, i] = end
+
+
+@borrowing
+def rub(drive: Sine, sign: float, u: float, at: float, span: float, size: int, d: Floats) -> None:
+    """Add what changes of the work of friction over a slip at fixed phases; after `along`."""
+    loads = swings = spans = rubs = slips = waves = 0.0
+    C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
+    sine, cosine = math.sin(at), math.cos(at)
+    done = 0.0
+    while done < span:
+        half = 0.5 * min(SMOOTH, span - done)
+        for place, weight in zip(PLACES, WEIGHTS):  # noqa: B905 # numba knows no strict
+            for side in (-place, place):
+                since = done + half * (1.0 + side)
+                cubic, square = arc(since)
+                swing = cosine * square + sine * (since - cubic)
+                velocity, push = u + C * swing - k * since, math.sin(at + since)
+                share, given = half * weight, drive.gn - drive.s * push
+                loads += share * given
+                swings += share * given * swing
+                spans += share * given * since
+                rubs += share * given * velocity
+                slips += share * velocity
+                waves += share * push * velocity
+        done += 2.0 * half
+    mu = drive.mu_k * sign
+    for i in range(size):
+        d[ROW.friction, i] += mu * loads * d[ROW.begin, i]
+    d[ROW.friction, BY.c] += mu * swings
+    d[ROW.friction, BY.gs] -= mu * spans
+    d[ROW.friction, BY.s] += mu * (mu * swings - waves)
+    d[ROW.friction, BY.gn] += mu * (slips - mu * spans)
+    d[ROW.friction, BY.mu_k] += sign * (rubs + mu * (drive.s * swings - drive.gn * spans))
+
+
+@borrowing
+def release(drive: Sine, by_least: bool, way: float, leave: float, d: Floats) -> None:
+    """Fill how the phase moves at which static friction lets go (theory 13.3)."""
+    c, s, mu, gn = drive.c, drive.s, drive.mu_s, drive.gn
+    rate = math.cos(leave)
+    # The threshold is (gs + sign mu gn)/(c + sign mu s).
+    sign = -1.0 if by_least or way < 0 else 1.0
+    below = (c + sign * mu * s) * rate
+    sine = math.sin(leave)
+    d[ROW.phase, :] = 0.0
+    d[ROW.phase, BY.c] = -sine / below
+    d[ROW.phase, BY.s] = -sine * sign * mu / below
+    d[ROW.phase, BY.gs] = 1.0 / below
+    d[ROW.phase, BY.gn] = sign * mu / below
+    d[ROW.phase, BY.mu_s] = sign * (gn - s * sine) / below
+
+
+@borrowing
+def lift(drive: Sine, row: int, d: Floats) -> None:
+    """Fill how the phase of lift-off moves, into a row."""
+    sine = drive.gn / drive.s
+    rate = drive.s * math.sqrt((1.0 - sine) * (1.0 + sine))
+    d[row, :] = 0.0
+    d[row, BY.gn], d[row, BY.s] = 1.0 / rate, -sine / rate
+
+
+@borrowing
+def slow_passage(drive: Sine, sign: float, u: float, at: float, span: float) -> float:
+    """Return by how much a slip misses a stop: its least speed on the way, relative."""
+    C, k = sign * drive.c + drive.mu_k * drive.s, sign * drive.gs + drive.mu_k * drive.gn
+    if C < 0:
+        C, at = -C, at + math.pi
+    if not abs(k) < C:
+        return 1.0
+    least, since = 1.0, phase_to(math.asin(k / C), at)
+    sine, cosine = math.sin(at), math.cos(at)
+    while 0.0 < since < span:
+        least = min(least, abs(flow(abs(u), C, k, sine, cosine, since)[0]) / (C + abs(k)))
+        since += TURN
+    return least
+
+
+@borrowing
+def low_passage(drive: Sine, w: float, at: float, span: float) -> float:
+    """Return by how much a flight misses the floor on its way, relative."""
+    s, gn = drive.s, drive.gn
+    least, since = 1.0, phase_to(drive.up_at, at)
+    up = math.pi - 2.0 * drive.up_at
+    while since + up < span:
+        if since > 0.0 and rise(drive, w, at, since)[0] < 0 < rise(drive, w, at, since + up)[0]:
+            low = lowest_at(w, s, gn, at, since, since + up)
+            least = min(least, abs(rise(drive, w, at, low)[1]) / (s + gn))
+        since += TURN
+    return least
+
+
+@borrowing
+def on_floor(
+    drive: Sine, tau: float, span: float, u: float, fresh: bool, energy: bool, size: int, d: Floats,
+    nearest: Floats,
+) -> float:  # fmt: skip
+    """Carry the derivatives over a stretch on the floor; return the velocity at its end.
+
+    What is done is that of `slide.contact`. `fresh` tells that the part came to this phase by
+    itself, not to one at which it is let go.
+    """
+    held = holding(drive)
+    least, largest, way = held
+    at, end = tau, tau + span
+    for _ in range(MOST_MODES):
+        if at >= end:
+            return u
+        if u == 0:
+            sticks, leave, forward = hold(drive, held, at, end)
+            if fresh:
+                sine = math.sin(at)
+                nearest[0] = min(nearest[0], abs(sine - least), abs(sine - largest))
+            if sticks:
+                lets_go = leave < end
+                if fresh:
+                    nearest[0] = min(nearest[0], end - leave if lets_go else 1.0)
+                for i in range(size):
+                    d[ROW.stick + MODE.stick, i] -= d[ROW.phase, i]
+                if lets_go:
+                    release(drive, not forward and way > 0, way, leave, d)
+                else:
+                    copy_row(d, ROW.phase, ROW.end)
+                for i in range(size):
+                    d[ROW.stick + MODE.stick, i] += d[ROW.phase, i]
+                if not lets_go:
+                    return 0.0
+                at = leave
+            sign = 1.0 if forward else -1.0
+        else:
+            sign = 1.0 if u > 0 else -1.0
+        fresh = True
+        stop = stop_after(drive, sign, u, at, end - at)
+        stops = stop >= 0
+        span = stop if stops else end - at
+        mode = MODE.forward if sign > 0 else MODE.backward
+        after = 0.0 if stops else slide(drive, sign, u, at, span)[0]
+        nearest[0] = min(nearest[0], slow_passage(drive, sign, u, at, span))
+        size_of = abs(drive.c) + abs(drive.gs) + drive.mu_k * (drive.s + drive.gn)
+        if stops:
+            C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
+            rate = (C * math.sin(at + span) - k) / size_of
+            nearest[0] = min(nearest[0], rate * rate, end - at - span)
+        elif span > 1e-9:
+            nearest[0] = min(nearest[0], abs(after) / size_of)
+        along(drive, sign, u, after, at, span, stops, mode, size, d)
+        if energy:
+            rub(drive, sign, u, at, span, size, d)
+        if not stops:
+            return after if after * sign > 0 else 0.0
+        at, u = at + span, 0.0
+    nearest[0] = 0.0
+    return u
+
+
+@borrowing
+def in_air(
+    drive: Sine, e: float, rows: Floats, row: int, rests: bool, u: float, energy: bool, size: int,
+    d: Floats, nearest: Floats,
+) -> float:  # fmt: skip
+    """Carry the derivatives over a flight and its landing; return the velocity along after it.
+
+    `rests` tells that the part then stays on the floor, after hops that shrink to nothing.
+    """
+    tau, span = rows[row, SEGMENT.phase], rows[row, SEGMENT.span]
+    w, speed, impulse = rows[row, SEGMENT.take_off], rows[row, SEGMENT.landing], 0.0
+    impulse = rows[row, SEGMENT.impulse]
+    size_of = drive.s + drive.gn
+    grazing = speed / (size_of * min(1.0, span))
+    nearest[0] = min(nearest[0], grazing * grazing, low_passage(drive, w, tau, span))
+    highest(drive, w, tau, span, size, d, nearest)
+    cubic, square = arc(span)
+    sine, cosine = math.sin(tau), math.cos(tau)
+    swing, sway = cosine * square + sine * (span - cubic), cosine * cubic + sine * square
+    n0, n1 = load(drive, tau), load(drive, tau + span)
+    for i in range(size):
+        begin = d[ROW.normal, i] + n0 * d[ROW.phase, i]
+        height, fall = begin * span - w * d[ROW.phase, i], begin
+        if i == BY.s:
+            height, fall = height + sway, fall + swing
+        elif i == BY.gn:
+            height, fall = height - span * span / 2, fall - span
+        d[ROW.end, i] = height / speed
+        d[ROW.normal, i] = n1 * d[ROW.end, i] - fall  # of the speed at the landing
+    after = fly(drive, u, tau, span)[0]
+    along(drive, 0.0, u, after, tau, span, False, MODE.flight, size, d)
+    if speed > nearest[1]:
+        # Of several landings the fastest is told; which, is a decision of its own.
+        nearest[2] = (speed - nearest[1]) / speed
+        nearest[1] = speed
+        copy_row(d, ROW.landing, ROW.normal)
+    else:
+        nearest[2] = min(nearest[2], (nearest[1] - speed) / nearest[1])
+    friction = drive.mu_k * impulse
+    stops = abs(after) <= friction
+    if friction + abs(after) > 0:
+        nearest[0] = min(nearest[0], abs(abs(after) - friction) / (abs(after) + friction))
+    if e * speed < SMALL_REBOUND:
+        nearest[0] = min(nearest[0], abs(n1) / size_of)
+    sign = 1.0 if after > 0 else -1.0
+    slow, up = 0.0 if stops else after - sign * friction, 0.0 if rests else e * speed
+    factor = 1.0 if rests else 1.0 + e
+    left = 2.0 / (n1 * (1.0 - e)) if rests else 0.0
+    steep = drive.s * math.cos(tau + span)
+    mode = MODE.stick if slow == 0 else MODE.forward if slow > 0 else MODE.backward
+    for i in range(size):
+        fast, down = d[ROW.along, i], d[ROW.normal, i]
+        rebound, given = e * down, factor * down
+        if i == BY.e:
+            rebound += speed
+            given += 0.0 if rests else speed
+        rubbed = drive.mu_k * given + (impulse if i == BY.mu_k else 0.0)
+        d[ROW.along, i] = 0.0 if stops else fast - sign * rubbed
+        d[ROW.impact, i] += after * fast - slow * d[ROW.along, i] + speed * down
+        if not rests:
+            d[ROW.impact, i] -= up * rebound
+            d[ROW.normal, i] = rebound
+            continue
+        # The hops that were left out take the time 2 w/(n (1 - e)) of the stay on the floor.
+        loads = -steep * d[ROW.phase, i]
+        if i == BY.gn:
+            loads += 1.0
+        elif i == BY.s:
+            loads -= math.sin(tau + span)
+        hops = left * (rebound - e * speed * loads / n1)
+        if i == BY.e:
+            hops += left * e * speed / (1.0 - e)
+        d[ROW.flight, i] += hops
+        d[ROW.stick + mode, i] -= hops
+        d[ROW.normal, i] = 0.0
+    return slow
+
+
+@borrowing
+def highest(
+    drive: Sine, w: float, tau: float, span: float, size: int, d: Floats, nearest: Floats
+) -> None:
+    """Fill how the largest height changes, if this flight has it; before its end is carried."""
+    s, gn = drive.s, drive.gn
+    if (gn + s) * span * span / 8 <= nearest[3]:
+        return
+    top = top_at(drive, w, tau, span)
+    height = rise(drive, w, tau, top)[1]
+    if height <= nearest[3]:
+        nearest[4] = min(nearest[4], (nearest[3] - height) / nearest[3])
+        return
+    nearest[3], nearest[4] = height, (height - nearest[3]) / height
+    cubic, square = arc(top)
+    sine, cosine = math.sin(tau), math.cos(tau)
+    n0 = load(drive, tau)
+    for i in range(size):
+        begin = d[ROW.normal, i] + n0 * d[ROW.phase, i]
+        d[ROW.height, i] = begin * top - w * d[ROW.phase, i]
+    d[ROW.height, BY.s] += cosine * cubic + sine * square
+    d[ROW.height, BY.gn] -= top * top / 2
