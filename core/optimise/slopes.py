@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
+from core.motion.derivatives import motion_sensitivities
 from core.optimise.problem import Problem
-from core.optimise.sensitivities import motion_sensitivities, sensitivities
+from core.plan.derivatives import sensitivities
 
 MOST_SENSITIVE = 1_000
 """Designs of a study that asks for sensitivities: each is derived by itself."""

@@ -11,7 +11,7 @@ import pytest
 from core.mechanics.angles import cosine, radians, sine
 from core.mechanics.vibration import vibration_acceleration
 from core.motion import scales
-from core.optimise.duals import Dual
+from core.plan.duals import Dual
 from core.plan.grid import Grid
 from core.plan.plan import make_plan, scene_parameters
 from core.quantities import QUANTITIES, REGIMES

@@ -14,7 +14,7 @@ from core.kinds import prepare_content
 from core.optimise import optimise
 from core.optimise.prepare import prepare
 from core.optimise.run import designs_of
-from core.optimise.sensitivities import motion_sensitivities
+from core.motion.derivatives import motion_sensitivities
 from core.study import load_study, parse_study
 
 CONFIGS = Path(__file__).parents[3] / "configs"

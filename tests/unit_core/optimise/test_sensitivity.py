@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from core.errors import StudyError
-from core.optimise.sensitivities import motion_sensitivities, sensitivities
+from core.motion.derivatives import motion_sensitivities
+from core.plan.derivatives import sensitivities
 from core.plan import plan as plans
 from core.scenes import SCENES
 from core.scenes.scene import Equation, Scene

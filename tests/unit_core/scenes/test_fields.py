@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.optimise.duals import Dual
+from core.plan.duals import Dual
 from core.scenes.scene import fields
 
 

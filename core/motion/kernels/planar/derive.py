@@ -150,9 +150,7 @@ def carry_two_sided(drive: Sine, energy: bool, d: Floats, nearest: Floats) -> No
 
 
 @borrowing
-def tell(
-    drive: Sine, result: Floats, d: Floats, nearest: Floats, slopes: Floats
-) -> None:
+def tell(drive: Sine, result: Floats, d: Floats, nearest: Floats, slopes: Floats) -> None:
     """Fill the derivatives of the means, shape (told, groups)."""
     time = result[COLUMN.multiple] * TURN
     for told, row in SUMMED:
@@ -198,15 +196,13 @@ def from_edges(drive: Sine) -> float:
 
 
 @compiled
-def derive_cells(
-    energy: bool, groups: Floats, table: Floats, status: Statuses, stop: Stop
-) -> None:
+def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill table and status of cells under a sine.
 
     A row of the table holds the results as `solve_cells` gives them, the derivatives of `Told` by
     the first `DERIVED_BY` directions, NaN where the motion does not repeat, and the least distance
-    of a decision on the way from its other outcome; below `KINK` the motion has no derivative. Those of landing
-    speed and hop height are NaN where two are the largest.
+    of a decision on the way from its other outcome; below `KINK` the motion has no derivative.
+    Those of landing speed and hop height are NaN where two are the largest.
     """
     rows = np.empty((MOST_SEGMENTS, len(SEGMENT)))
     sums, nearest = np.empty(SUMS), np.empty(5)

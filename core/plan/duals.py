@@ -5,8 +5,8 @@ derivative by that argument (forward differentiation). No formula has to be writ
 step has to be chosen.
 
 At a switch the derivative may not exist: |x| at 0, the larger of two equal numbers, x == 0 where
-a quotient takes its limit. Every comparison of a `Dual` that comes out even, and would not stay so,
-is noted in its list `ties`; whoever asked has to look from both sides.
+a quotient takes its limit. Where a comparison of a `Dual` comes out even, and would not stay so, is
+noted in its list `ties`; whoever asked has to look from both sides.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ class Dual(NDArrayOperatorsMixin):
     ----------
     value, slope : ndarray
         Value and derivative, of one shape.
-    ties : list of str
-        Names of the functions that had to choose between equals; shared by all that comes of it.
+    ties : list of ndarray of bool
+        Where functions had to choose between equals; shared by all that comes of it.
     """
 
-    def __init__(self, value: Any, slope: Any, ties: list[str]):
+    def __init__(self, value: Any, slope: Any, ties: list[Any]):
         self.value: Array
         self.slope: Array
         self.value, self.slope = np.broadcast_arrays(
@@ -79,14 +79,16 @@ class Dual(NDArrayOperatorsMixin):
             return ufunc(*values)
         if name in COMPARISONS:
             a, b = arguments
-            self._note(name, values[0] == values[1], a, b)
+            self._note(values[0] == values[1], a, b)
             return ufunc(*values)
         slopes = [slope_of(x) for x in arguments]
         if name in SWITCHES:
             even = values[0] == (values[1] if len(values) > 1 else 0)
-            self._note(name, even, arguments[0], arguments[1] if len(values) > 1 else 0.0)
+            self._note(even, arguments[0], arguments[1] if len(values) > 1 else 0.0)
+        if name == "copysign":
+            self._note(values[1] == 0, 0.0, arguments[1])
         if name == "hypot":
-            self._note(name, (values[0] == 0) & (values[1] == 0), arguments[0], -arguments[1])
+            self._note((values[0] == 0) & (values[1] == 0), arguments[0], -arguments[1])
         if name == "frexp":
             mantissa, exponent = ufunc(values[0])
             return Dual(mantissa, np.ldexp(slopes[0], -exponent), self.ties), exponent
@@ -138,10 +140,11 @@ class Dual(NDArrayOperatorsMixin):
             return Dual(value, slope, self.ties)
         raise NotDifferentiableError(f"numpy.{name} has no rule for its derivative")
 
-    def _note(self, name: str, even: Any, a: Any, b: Any) -> None:
+    def _note(self, even: Any, a: Any, b: Any) -> None:
         """Note a choice between equals that a step would decide."""
-        if np.any(even & (slope_of(a) != slope_of(b))):
-            self.ties.append(name)
+        where = even & (slope_of(a) != slope_of(b))
+        if np.any(where):
+            self.ties.append(np.asarray(where))
 
 
 def unboxed(x: Any) -> Any:
@@ -230,6 +233,7 @@ RULES: dict[str, Callable[..., Any]] = {
     ),
     "maximum": lambda f, a, b, da, db: np.where(a >= b, da, db),
     "minimum": lambda f, a, b, da, db: np.where(a <= b, da, db),
+    "copysign": lambda f, a, b, da, db: _times(np.sign(a) * np.copysign(1.0, b), da),
     "ldexp": lambda f, a, n, da, dn: np.ldexp(da, n),
 }
 """Derivatives: of value, arguments and their slopes, in the order of the arguments."""

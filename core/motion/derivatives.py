@@ -1,0 +1,364 @@
+"""Derivatives of simulated motion by the parameters of a study (theory 13.16).
+
+Where a part moves in the plane of the track and its normal under a sine they are exact, carried
+through the events of the cycle. Any other motion is followed again on both sides.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import StudyError
+from core.mechanics.arrays import Array
+from core.motion.cells import run_cells
+from core.motion.groups import Contacts, Groups, cells_of
+from core.motion.methods.events import in_plane
+from core.motion.prepare import choose_system
+from core.motion.result import COLUMNS, Energy, Motion, motion_of
+from core.motion.result import STATUS as MOTION_STATUS
+from core.motion.systems import CONTACTS
+from core.plan.derivatives import (
+    STATUS,
+    Derivatives,
+    Derived,
+    Rule,
+    Ruled,
+    Sensitivities,
+    derivatives,
+    in_words,
+    values_of,
+)
+from core.plan.duals import Dual, slope_of, value_of
+from core.plan.equations import regimes, run
+from core.plan.plan import Plan, plan_scene
+from core.watch import Watch
+
+HALVINGS = 12  # of the step of a difference
+LARGEST_STEP = 0.02  # relative
+TRUSTED = 1e-3  # relative error of a derivative of simulated motion that is still given
+COUNTS = ("period_multiple", "impacts_per_period")
+"""What does not change inside a regime."""
+
+BY = (
+    "drive_number_along", "drive_number_normal", "gravity_number_along", "gravity_number_normal",
+    "friction_static", "friction_kinetic", "restitution",
+)  # fmt: skip
+"""The groups that a motion in the plane is derived by, in the order of the kernel."""
+ACROSS = ("drive_number_across", "gravity_number_across", "curvature_number")
+DERIVED = ("velocity", "stick", "forward", "backward", "flight", "landing_speed", "hop_height")
+"""The fields of `Motion` that are derived, in the order of the kernel; those of `Energy` follow."""
+
+
+@dataclass
+class PlanarRules:
+    """The rules of the equations `motion` and `energy` of a system, in the plane under a sine.
+
+    What was computed last is kept: the same cells are derived by one parameter after another.
+
+    Attributes
+    ----------
+    contacts : Contacts
+        What the part can touch.
+    energy : bool
+        Whether the energies are wanted.
+    watch : Watch, optional
+        May stop it; what is not finished is not computed.
+    """
+
+    contacts: Contacts
+    energy: bool
+    watch: Watch | None = None
+    _known: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int8]] | None = field(
+        default=None, repr=False
+    )
+
+    @property
+    def rules(self) -> dict[str, Rule]:
+        """The rules, by what the equations give."""
+        return {"motion": self.motion, "energy": self.spent}
+
+    def motion(self, given: Mapping[str, Any]) -> Ruled:
+        """Return the motion with its derivative, and how that was found."""
+        from core.motion.kernels.planar.slope_tables import DERIVED_BY, TOLD
+
+        groups: Groups = given["groups"]
+        table, status = self._followed(groups, given["tolerance"], given["most_periods"])
+        motion = motion_of(table[:, :COLUMNS], status, (len(status),))
+        slopes = table[:, COLUMNS:-1].reshape(-1, len(TOLD), DERIVED_BY)
+        by = [np.asarray(slope_of(getattr(groups, name))) for name in BY]
+        fields = motion._asdict()
+        for place, name in enumerate(DERIVED):
+            fields[name] = Dual(fields[name], _chained(slopes[:, place], by), [])
+        for name in ("spread", "error", "impacts", "multiple"):
+            fields[name] = Dual(fields[name], 0.0, [])
+        return Motion(**fields), self._status(groups, motion, table[:, -1])
+
+    def spent(self, given: Mapping[str, Any]) -> Ruled:
+        """Return the energies with their derivative; the motion tells how they were found."""
+        from core.motion.kernels.planar import Cell, spend_cells
+        from core.motion.kernels.planar.slope_tables import DERIVED_BY, TOLD
+
+        groups: Groups = given["groups"]
+        settings = (given["tolerance"], given["most_periods"])
+        table, _ = self._followed(groups, *settings)
+        slopes = table[:, COLUMNS:-1].reshape(-1, len(TOLD), DERIVED_BY)[:, len(DERIVED) :]
+        cells = self._cells(Cell._fields, groups, *settings)
+        spent, _ = run_cells(spend_cells, cells, columns=len(Energy._fields), watch=self._silent)
+        by = [np.asarray(slope_of(getattr(groups, name))) for name in BY]
+        fields = (
+            Dual(column, _chained(slopes[:, place], by), []) for place, column in enumerate(spent.T)
+        )
+        return Energy(*fields), 0
+
+    @property
+    def _silent(self) -> Watch | None:
+        return None if self.watch is None else replace(self.watch, progress=None)
+
+    def _cells(
+        self, names: tuple[str, ...], groups: Groups, tolerance: Any, most_periods: Any
+    ) -> NDArray[np.float64]:
+        plain = Groups(*(value_of(number) for number in groups.numbers))
+        lifts = np.abs(plain.drive_number_normal) > plain.gravity_number_normal
+        plain = plain._replace(restitution=np.where(lifts, plain.restitution, 0.0))
+        settings = {"tolerance": tolerance, "most_periods": most_periods}
+        # Restitution plays no part in a cell that never lifts off: equal cells are computed once.
+        return cells_of(names, plain, **settings)[0]
+
+    def _followed(
+        self, groups: Groups, tolerance: Any, most_periods: Any
+    ) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
+        """Return table and status as `derive_cells` fills them."""
+        from core.motion.kernels.planar import Cell
+        from core.motion.kernels.planar.derive import DERIVED_COLUMNS, derive_cells
+
+        cells = self._cells(Cell._fields, groups, tolerance, most_periods)
+        if self._known is None or not np.array_equal(self._known[0], cells):
+
+            def derive(piece: Any, rows: Any, status: Any, stop: Any) -> None:
+                derive_cells(self.energy, piece, rows, status, stop)
+
+            found = run_cells(derive, cells, columns=DERIVED_COLUMNS, watch=self._silent)
+            self._known = (cells, *found)
+        return self._known[1:]
+
+    def _status(self, groups: Groups, motion: Motion, margin: Array) -> Any:
+        """Return how the derivative of each cell was found."""
+        from core.motion.kernels.planar.derive import KINK
+
+        status = np.where(margin > KINK, STATUS["exact"], STATUS["kink"])
+        if self.contacts.wall:  # a push across presses the part to the wall, or off it
+            pushed = [np.asarray(slope_of(getattr(groups, name))) != 0 for name in ACROSS]
+            status = np.where(np.logical_or.reduce(pushed), STATUS["kink"], status)
+        repeats = np.isin(motion.status, [MOTION_STATUS["periodic"], MOTION_STATUS["at_rest"]])
+        status = np.where(repeats, status, STATUS["not_periodic"])
+        # Without friction the speed is that of the start; with the least friction it is another.
+        status = np.where(motion.status == MOTION_STATUS["neutral"], STATUS["kink"], status)
+        left = motion.status == MOTION_STATUS["not_computed"]
+        return np.where(left, STATUS["not_computed"], status).astype(np.int8)
+
+
+def _chained(slopes: Array, by: list[Array]) -> Array:
+    """Return what a field changes by, from its derivatives by the groups and theirs."""
+    terms = (np.where(slope == 0, 0.0, slopes[:, place] * slope) for place, slope in enumerate(by))
+    return sum(terms, start=np.zeros(len(slopes)))
+
+
+def is_exact(plan: Plan, groups: Groups) -> NDArray[np.bool_]:
+    """Return which cells of a plan of motion have exact derivatives, by their groups."""
+    contacts = CONTACTS.get(plan.scene.name)
+    if contacts is None or plan.variant != "events" or groups.wave is not None:
+        return np.zeros(1, dtype=bool)
+    return np.atleast_1d(in_plane(groups, contacts))
+
+
+def groups_at(plan: Plan, values: Mapping[str, Any]) -> Groups | None:
+    """Return the groups of cells, parameters in SI units; None of a part that tumbles."""
+    before = []
+    for equation in plan.equations:
+        if equation.takes_long:
+            break
+        before.append(equation)
+    known: dict[str, Any] = {name: np.asarray(value) for name, value in plan.defaults.items()}
+    found: Groups | None = run(before, known | dict(values)).get("groups")
+    return found
+
+
+def derivatives_at(
+    plan: Plan,
+    cells: Mapping[str, Any],
+    parameters: Collection[str],
+    watch: Watch | None = None,
+) -> Derivatives:
+    """Return the derivatives of the outputs of any plan at some cells.
+
+    Of closed forms they are exact, and of motion where the part moves in the plane under a sine;
+    elsewhere they are extrapolated from differences, which follow the part 25 times for each
+    parameter.
+
+    Parameters
+    ----------
+    plan : Plan
+        Of a scene, or of a system of `core.motion.systems` with the settings of its method among
+        the defaults.
+    cells, parameters
+        As in `core.plan.derivatives.derivatives`.
+    watch : Watch, optional
+        May stop it; what is not finished has the status `not_computed`.
+
+    Raises
+    ------
+    StudyError
+        As `derivatives` does.
+    """
+    watch = watch or Watch()
+    if not any(equation.takes_long for equation in plan.equations):
+        return derivatives(plan, cells, parameters)
+    values = values_of(plan, cells, parameters)
+    shape = next(iter(values.values())).shape
+    groups = groups_at(plan, values)
+    exact = np.zeros(shape, dtype=bool)
+    if groups is not None:
+        exact |= is_exact(plan, groups)
+    found = {(o, p): _nothing(shape) for p in parameters for o in plan.outputs}
+    share = exact.mean()
+    if exact.any():
+        energy = any(equation.gives == "energy" for equation in plan.equations)
+        rules = PlanarRules(CONTACTS[plan.scene.name], energy, watch.part(share)).rules
+        some = {name: value[exact] for name, value in values.items()}
+        for key, derived in derivatives(plan, some, parameters, rules).items():
+            _put(found[key], exact, derived)
+        watch.advance(share)
+    for cell in np.flatnonzero(~exact):
+        if watch.stopped():
+            break
+        one = {name: value[cell : cell + 1] for name, value in values.items()}
+        for key, derived in _by_differences(plan, one, parameters).items():
+            _put(found[key], np.arange(exact.size) == cell, derived)
+        watch.advance(1.0 / exact.size)
+    return found
+
+
+def _put(whole: Derived, where: NDArray[np.bool_], part: Derived) -> None:
+    for array, values in zip(whole, part, strict=True):
+        array[where] = values
+
+
+def _nothing(shape: tuple[int, ...]) -> Derived:
+    nan = [np.full(shape, np.nan) for _ in range(5)]
+    status = np.full(shape, STATUS["not_computed"], dtype=np.int8)
+    return Derived(*nan[:3], status, *nan[3:], np.zeros(shape, dtype=bool))
+
+
+def motion_sensitivities(
+    scene: str,
+    method: str | None,
+    outputs: Collection[str],
+    point: Mapping[str, float],
+    parameters: Collection[str],
+) -> Sensitivities:
+    """Return the derivatives of simulated motion at a point, in words where there are none.
+
+    Parameters
+    ----------
+    scene, method
+        As in a study.
+    outputs : collection of str
+        Outputs of the system.
+    point : mapping of str to float
+        Parameters by name, SI units and radians.
+    parameters : collection of str
+        What to derive by.
+
+    Raises
+    ------
+    StudyError
+        As for a simulation, and as `derivatives_at` does.
+    """
+    system, chosen, problems = choose_system(scene, method, point)
+    if problems:
+        raise StudyError(problems)
+    plan = plan_scene(system, chosen, outputs, point)
+    at = values_of(plan, point, parameters)
+    found = derivatives_at(plan, point, parameters)
+    return {key: in_words(one, float(at[key[1]][0])) for key, one in found.items()}
+
+
+# --- by differences
+
+
+def _by_differences(
+    plan: Plan, values: Mapping[str, Array], parameters: Collection[str]
+) -> Derivatives:
+    """Return the derivatives of simulated motion at one cell, from differences in its regime.
+
+    Central differences over steps that halve from 2 % down are extrapolated (Ridders); the pair of
+    least error stands. Steps across which regime, period multiple or the impacts of a period change
+    are left out. NaN where nothing is left, where the motion is aperiodic or has no value, or where
+    the estimate of the error exceeds a thousandth: next to a jump, or in motion that hangs on its
+    parameters too roughly.
+    """
+    outputs, asked = plan.outputs, tuple(dict.fromkeys((*plan.outputs, *COUNTS)))
+    plan = plan_scene(plan.scene, plan.variant, asked, plan.parameters)
+    steps = LARGEST_STEP * 0.5 ** np.arange(HALVINGS)
+    found: Derivatives = {}
+    for parameter in parameters:
+        at = float(values[parameter][0])
+        step = steps * (abs(at) or 1.0)
+        around = at + np.concatenate([[0.0], -step, step])
+        known = run(plan.equations, {**values, parameter: around})
+        same = _same_regime(plan, known)
+        for output in outputs:
+            results = np.broadcast_to(known[output], around.shape)
+            if same is None:
+                found[output, parameter] = _lost(results[0], "not_periodic")
+                continue
+            inside = np.broadcast_to(same, around.shape)
+            inside = inside[1 : 1 + HALVINGS] & inside[1 + HALVINGS :]
+            low, high = results[1 : 1 + HALVINGS], results[1 + HALVINGS :]
+            differences = ((high - low) / (2 * step))[inside]
+            found[output, parameter] = _extrapolated(float(results[0]), differences)
+    return found
+
+
+def _same_regime(plan: Plan, known: Mapping[str, Any]) -> Any:
+    """Return where the motion is of the kind of the first; None if that does not repeat."""
+    kinds = np.stack(np.broadcast_arrays(regimes(plan, known), *(known[name] for name in COUNTS)))
+    kinds = kinds.reshape(3, -1)
+    if not kinds[1, 0] >= 1:
+        return None
+    return np.isclose(kinds, kinds[:, :1], rtol=1e-12, atol=0).all(axis=0)
+
+
+def _extrapolated(value: float, differences: Array) -> Derived:
+    """Return Ridders' limit of central differences over halving steps, the largest first."""
+    if not math.isfinite(value):
+        return _lost(value, "no_value")
+    best, error = math.nan, math.inf
+    above: list[float] = []
+    for difference in map(float, differences):
+        row = [difference]
+        for order, former in enumerate(above, 1):
+            row.append(row[-1] + (row[-1] - former) / (4.0**order - 1))
+            apart = max(abs(row[-1] - row[-2]), abs(row[-1] - former))
+            if apart < error:
+                best, error = row[-1], apart
+        above = row
+    if not math.isfinite(best) or error > TRUSTED * abs(best):
+        return _lost(value, "unsettled")
+    return _one(value, best, error, "differences")
+
+
+def _lost(value: float, status: str) -> Derived:
+    return _one(value, math.nan, math.nan, status)
+
+
+def _one(value: float, slope: float, error: float, status: str) -> Derived:
+    numbers = [np.array([float(x)]) for x in (value, slope, error, math.nan, math.nan)]
+    flags = np.array([STATUS[status]], dtype=np.int8)
+    return Derived(*numbers[:3], flags, *numbers[3:], np.array([False]))

@@ -1,0 +1,365 @@
+"""Derivatives of the outputs of a plan by its parameters, at many cells in one pass.
+
+The equations of the plan are run on numbers that carry their derivative (`core.plan.duals`): each
+is exact but for rounding. What has no formula, such as a motion, comes with a rule of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Mapping
+from functools import reduce
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.errors import Problem, StudyError
+from core.mechanics import yawing
+from core.mechanics.arrays import Array
+from core.mechanics.screws import Reduction, ScrewKind, Wrench, cross, dot
+from core.plan.duals import Dual, NotDifferentiableError, slope_of, unboxed, value_of
+from core.plan.plan import Plan, make_plan
+from core.quantities.derivative import DERIVATIVE_STATUSES
+from core.scenes import Equation
+
+SIDE = 1e-6  # step to either side of a switch, relative
+WIDER = 16  # times that step, for comparison
+ROUNDING = 1e-12  # of a value, relative
+AGREE = 1e-5  # relative difference of the derivatives of both sides that are still one
+
+Statuses: TypeAlias = NDArray[np.int8]
+STATUS: Mapping[str, int] = {name: flag.value for name, flag in DERIVATIVE_STATUSES.items()}
+NAMES = {value: name for name, value in STATUS.items()}
+
+Ruled: TypeAlias = tuple[Any, "Statuses | int"]
+Rule: TypeAlias = Callable[[Mapping[str, Any]], Ruled]
+"""Takes the arguments of an equation, of which some carry a derivative; returns what the equation
+gives, which carries one, and the status of each cell."""
+
+
+class Derived(NamedTuple):
+    """An output and its derivative by one parameter, SI units; arrays of shape (cells,).
+
+    Attributes
+    ----------
+    value, slope : ndarray
+        The output and its derivative, NaN where there is none.
+    error : ndarray
+        Estimate of the error of `slope`; 0 if exact but for rounding, NaN where there is none.
+    status : ndarray of int8
+        Value of a `DERIVATIVE_STATUSES` entry.
+    below, above : ndarray
+        At a switch of the equations the derivatives next to it, else NaN.
+    jumps : ndarray of bool
+        Whether the output jumps at a switch.
+    """
+
+    value: Array
+    slope: Array
+    error: Array
+    status: Statuses
+    below: Array
+    above: Array
+    jumps: NDArray[np.bool_]
+
+    def logarithmic(self, at: Array) -> Array:
+        """Return d ln(output)/d ln(parameter), the exponent of a power law; NaN where it is 0/0."""
+        with np.errstate(all="ignore"):
+            usable = (self.value != 0) & np.isfinite(self.value)
+            found: Array = np.where(usable, self.slope / self.value * at, np.nan)
+        return found
+
+
+Derivatives: TypeAlias = dict[tuple[str, str], Derived]
+"""By output and parameter."""
+
+
+def derivatives(
+    plan: Plan,
+    cells: Mapping[str, Any],
+    parameters: Collection[str],
+    rules: Mapping[str, Rule] | None = None,
+) -> Derivatives:
+    """Return the exact derivatives of every output of a plan at some cells.
+
+    At a switch of the equations (an equality that a step would decide) both sides are asked: the
+    derivative is that of both if they agree, else NaN with the two.
+
+    Parameters
+    ----------
+    plan : Plan
+        Its outputs are derived.
+    cells : mapping of str to array_like
+        Parameters by name, SI units and radians, that broadcast to the shape (cells,).
+    parameters : collection of str
+        What to derive by: parameters of the cells, or those with a default value.
+    rules : mapping of str to callable, optional
+        Rules of equations, by what the equation gives, that are not in numpy.
+
+    Raises
+    ------
+    StudyError
+        For a parameter that is no number here, and for an output whose equations have no
+        derivative by `core.plan.duals`.
+    """
+    values = values_of(plan, cells, parameters)
+    found: Derivatives = {}
+    for parameter in parameters:
+        middle = _carried(plan, values, parameter, rules or {})
+        doubtful = np.zeros(values[parameter].shape, dtype=bool)
+        for one in middle.values():
+            doubtful |= one.is_doubtful
+        sides: list[dict[str, _One]] = []
+        if doubtful.any():
+            near = {name: value[doubtful] for name, value in values.items()}
+            sides = _beside(plan, near, parameter, rules or {})
+        for output, one in middle.items():
+            told = _told(one)
+            if sides:
+                step = SIDE * _size(values[parameter][doubtful])
+                around = [side[output] for side in sides]
+                some = _from_both_sides(one.value[doubtful], step, *around)
+                here = one.is_doubtful
+                for whole, part in zip(told, some, strict=True):
+                    whole[here] = part[here[doubtful]]
+            found[output, parameter] = told
+    return found
+
+
+def values_of(
+    plan: Plan, cells: Mapping[str, Any], parameters: Collection[str]
+) -> dict[str, Array]:
+    """Return every parameter of a plan at cells, shape (cells,); raise for unknown `parameters`."""
+    values = {**plan.defaults, **{name: cells[name] for name in plan.parameters}}
+    unknown = [name for name in parameters if name not in values]
+    if unknown:
+        fix = f"Known here: {', '.join(values)}"
+        message = f"no output asked for of {plan.scene.name} is computed from it"
+        raise StudyError([Problem(f"parameters.{name}", message, fix) for name in unknown])
+    columns = [np.asarray(value, dtype=np.float64) for value in values.values()]
+    shape = np.broadcast_shapes((1,), *(column.shape for column in columns))
+    return {n: np.broadcast_to(c, shape) for n, c in zip(values, columns, strict=True)}
+
+
+class _One(NamedTuple):
+    """Value, slope and status of an output; of a cell at a switch the status is `both_sides`."""
+
+    value: Array
+    slope: Array
+    status: Statuses
+
+    @property
+    def is_doubtful(self) -> NDArray[np.bool_]:
+        """Where both sides have to be asked."""
+        open_ = self.status < STATUS["kink"]
+        unsure = (self.status > STATUS["exact"]) | ~np.isfinite(self.slope)
+        return np.asarray(open_ & unsure & np.isfinite(self.value))
+
+
+def _carried(
+    plan: Plan, values: Mapping[str, Array], parameter: str, rules: Mapping[str, Rule]
+) -> dict[str, _One]:
+    """Return value, derivative and status of each output."""
+    ties: list[Any] = []
+    cells = values[parameter].size
+    known: dict[str, Any] = dict(values)
+    known[parameter] = Dual(values[parameter], 1.0, ties)
+    status: dict[str, Any] = {}
+    for equation in plan.equations:
+        ties.clear()
+        given = {name: known[name] for name in equation.inputs}
+        told: Any = 0
+        if equation.gives in rules:
+            known[equation.gives], told = rules[equation.gives](given)
+        else:
+            known[equation.gives] = unboxed(_run(equation, given, parameter))
+        before = [status[name] for name in equation.inputs if name in status]
+        switches = [STATUS["both_sides"] * _by_cell(where, cells) for where in ties]
+        status[equation.gives] = reduce(np.maximum, [told, *before, *switches])
+    shape = values[parameter].shape
+    return {
+        name: _One(
+            np.broadcast_to(np.asarray(value_of(known[name]), np.float64), shape),
+            np.broadcast_to(np.asarray(slope_of(known[name]), np.float64), shape),
+            np.broadcast_to(np.asarray(status.get(name, 0), np.int8), shape),
+        )
+        for name in plan.outputs
+    }
+
+
+def _by_cell(where: NDArray[np.bool_], cells: int) -> NDArray[np.bool_]:
+    """Return in which cells a mask holds; in all of them where it does not tell."""
+    # Vectors have their components behind the cells; a lone vector is as long as few cells are.
+    if where.ndim and where.shape[0] == cells and cells > 4:
+        return np.asarray(where.reshape(cells, -1).any(axis=1))
+    return np.full(cells, bool(where.any()))
+
+
+def _run(equation: Equation, given: Mapping[str, Any], parameter: str) -> Any:
+    function = IN_PLACE_OF.get(equation.function, equation.function)
+    try:
+        with np.errstate(all="ignore"):  # of the branches not taken, whose slopes may be anything
+            return function(**given)
+    except NotDifferentiableError as error:
+        raise StudyError(
+            [
+                Problem(
+                    f"outputs.{equation.gives}",
+                    f"its equation has no exact derivative by {parameter}: {error}",
+                    "Leave it out, or compare two points of a sweep",
+                )
+            ]
+        ) from error
+
+
+def _told(one: _One) -> Derived:
+    """Return what is told where no switch is near."""
+    lost = ~np.isfinite(one.value) & (one.status < STATUS["kink"])
+    status = np.where(lost, np.int8(STATUS["no_value"]), one.status)
+    none = status >= STATUS["kink"]
+    empty = np.full(one.value.shape, np.nan)
+    slope = np.where(none, np.nan, one.slope)
+    error = np.where(none, np.nan, 0.0)
+    jumps = np.zeros(one.value.shape, dtype=bool)
+    return Derived(one.value.copy(), slope, error, status.astype(np.int8), empty, empty.copy(), jumps)
+
+
+def _size(at: Array) -> Array:
+    return np.where(at == 0, 1.0, np.abs(at))
+
+
+def _beside(
+    plan: Plan, values: Mapping[str, Array], parameter: str, rules: Mapping[str, Rule]
+) -> list[dict[str, _One]]:
+    """Return the derivatives at two points below and two above each cell, from below."""
+    at = values[parameter]
+    step = SIDE * _size(at)
+    return [
+        _carried(plan, {**values, parameter: at + away * step}, parameter, rules)
+        for away in (-WIDER, -1, 1, WIDER)
+    ]
+
+
+def _from_both_sides(
+    value: Array, step: Array, far_below: _One, below: _One, above: _One, far_above: _One
+) -> Derived:
+    """Return the derivative next to a switch, if it tends to one number from both sides."""
+    with np.errstate(all="ignore"):
+        largest = np.fmax(np.abs(below.slope), np.abs(above.slope))
+        apart = np.abs(above.slope - below.slope)
+        # A jump: values of both sides further apart than the slopes explain.
+        room = 4 * step * largest + ROUNDING * np.abs(value)
+        jumps = np.abs(above.value - below.value) > room
+        # At a kink the slopes stay apart however near; those of a bend come together.
+        far_apart = np.abs(far_above.slope - far_below.slope)
+        bends = apart <= np.fmax(AGREE * largest, far_apart * 2 / WIDER)
+        smooth = np.isfinite(apart) & bends & ~jumps
+        mean = (below.slope + above.slope) / 2
+    status = np.where(smooth, STATUS["both_sides"], STATUS["kink"]).astype(np.int8)
+    slope, error = np.where(smooth, mean, np.nan), np.where(smooth, apart, np.nan)
+    return Derived(value, slope, error, status, below.slope, above.slope, jumps)
+
+
+def _reduced(wrench: Wrench) -> Reduction:
+    """Return pitch and axis of a wrench without the scaling of `reduce_screw`."""
+    square = unboxed(dot(wrench.force, wrench.force))
+    pitch = unboxed(dot(wrench.force, wrench.moment)) / square
+    force = np.any(value_of(wrench.force) != 0)
+    kind = np.asarray(ScrewKind.GENERAL if force else ScrewKind.ZERO, dtype=np.int8)
+    return Reduction(pitch, cross(wrench.force, wrench.moment) / square[..., None], kind)
+
+
+def _printed(wrench: Wrench) -> Reduction:
+    reduction = _reduced(wrench)
+    return Reduction(reduction.pitch, -reduction.axis_point, reduction.kind)
+
+
+IN_PLACE_OF: dict[Callable[..., Any], Callable[..., Any]] = {
+    yawing.floor_reduction: lambda *, floor_wrench: _reduced(floor_wrench),
+    yawing.force_reduction: lambda *, force_wrench: _reduced(force_wrench),
+    yawing.printed_floor_reduction: lambda *, floor_wrench: _printed(floor_wrench),
+    yawing.printed_force_reduction: lambda *, force_wrench: _printed(force_wrench),
+}
+"""Equations whose programs take numbers apart bit by bit, and the same in plain arithmetic."""
+
+
+# --- at one point, in words
+
+
+class Sensitivity(NamedTuple):
+    """How an output changes with a parameter at a point, SI units.
+
+    Attributes
+    ----------
+    derivative : float
+        Of the output by the parameter; NaN where there is none.
+    logarithmic : float
+        d ln(output)/d ln(parameter), the exponent of a power law; NaN where the output is 0.
+    error : float
+        Estimate of the error of `derivative`; 0 if exact but for rounding.
+    note : str
+        Why there is no derivative, or how it was found; empty for an exact one.
+    """
+
+    derivative: float
+    logarithmic: float
+    error: float
+    note: str
+
+
+Sensitivities: TypeAlias = dict[tuple[str, str], Sensitivity]
+"""By output and parameter."""
+
+
+def sensitivities(
+    scene: str,
+    variant: str | None,
+    outputs: Collection[str],
+    point: Mapping[str, float],
+    parameters: Collection[str],
+) -> Sensitivities:
+    """Return the exact derivatives of closed-form outputs at a point.
+
+    Parameters
+    ----------
+    scene, variant
+        As in a study.
+    outputs : collection of str
+        Outputs of the scene.
+    point : mapping of str to float
+        Parameters by name, SI units and radians.
+    parameters : collection of str
+        What to derive by: parameters of the point, or those with a default value.
+
+    Raises
+    ------
+    StudyError
+        As for a sweep, and as `derivatives` does.
+    """
+    plan = make_plan(scene, variant, outputs, point)
+    at = values_of(plan, point, parameters)
+    found = derivatives(plan, point, parameters)
+    return {key: in_words(one, float(at[key[1]][0])) for key, one in found.items()}
+
+
+def in_words(derived: Derived, at: float) -> Sensitivity:
+    """Return the derivative at a single cell, where the parameter has the value `at`."""
+    _, slope, error, status, below, above, jumps = (field[0] for field in derived)
+    if status == STATUS["both_sides"]:
+        note = "from both sides of a switch"
+    elif status == STATUS["differences"]:
+        note = "from differences"
+    elif status == STATUS["no_value"]:
+        note = "the output has no finite value here"
+    elif status == STATUS["kink"] and not math.isnan(below + above):
+        sides = f"{below:g} below and {above:g} above"
+        note = f"at a switch: {sides}{', with a jump' if jumps else ''}"
+    elif status == STATUS["exact"]:
+        note = ""
+    else:
+        note = DERIVATIVE_STATUSES[NAMES[int(status)]].description.removeprefix("none: ")
+    if status >= STATUS["kink"]:
+        return Sensitivity(math.nan, math.nan, math.nan, note)
+    logarithmic = float(derived.logarithmic(np.asarray([at]))[0])
+    return Sensitivity(float(slope), logarithmic, float(error), note)
