@@ -210,6 +210,8 @@ def prepare_content(content: object, only: str | None = None, *, files: bool = F
     prepared = prepare(study)
     if only is not None and isinstance(prepared, sweep.ReducedSweep):
         raise StudyError([sweep.no_cells("Leave it out, or POST to /processes/sweep/execution")])
+    if only is not None and isinstance(prepared, sweep.DerivedSweep):
+        raise StudyError([sweep.as_a_whole("Leave it out, or POST to /processes/sweep/execution")])
     return prepared
 
 

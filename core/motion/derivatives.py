@@ -304,7 +304,9 @@ def _by_differences(
     parameters too roughly.
     """
     outputs, asked = plan.outputs, tuple(dict.fromkeys((*plan.outputs, *COUNTS)))
-    plan = plan_scene(plan.scene, plan.variant, asked, plan.parameters)
+    more = plan_scene(plan.scene, plan.variant, asked, plan.parameters)
+    settings = {name: value for name, value in plan.defaults.items() if name in more.defaults}
+    plan = replace(more, defaults={**more.defaults, **settings})
     steps = LARGEST_STEP * 0.5 ** np.arange(HALVINGS)
     found: Derivatives = {}
     for parameter in parameters:
@@ -359,6 +361,6 @@ def _lost(value: float, status: str) -> Derived:
 
 
 def _one(value: float, slope: float, error: float, status: str) -> Derived:
-    numbers = [np.array([float(x)]) for x in (value, slope, error, math.nan, math.nan)]
-    flags = np.array([STATUS[status]], dtype=np.int8)
-    return Derived(*numbers[:3], flags, *numbers[3:], np.array([False]))
+    one = _nothing((1,))
+    one.value[:], one.slope[:], one.error[:], one.status[:] = value, slope, error, STATUS[status]
+    return one

@@ -14,6 +14,7 @@ from core.motion.groups import Contacts
 from core.motion.method import Method
 from core.motion.price import seconds_of, some_cells
 from core.motion.systems import CONTACTS, SYSTEMS, methods_of
+from core.plan.derived import Asked, asked_of
 from core.plan.grid import Grid
 from core.plan.plan import Plan, choose_scene
 from core.plan.prepared import (
@@ -33,6 +34,8 @@ from core.study.values import Fixed
 DEFAULT_OUTPUTS = ("conveying_velocity",)
 SCALES = ("velocity_scale", "length_scale")
 ERROR = "conveying_velocity_error"
+MOST_BY_DIFFERENCES = 1_000
+"""Cells times parameters whose derivatives are taken from differences, 25 motions each."""
 
 
 class Simulation(Prepared):
@@ -44,6 +47,11 @@ class Simulation(Prepared):
     def method(self) -> Method:
         """The method that follows the motion."""
         return methods_of(self.plan.scene.name)[self.plan.variant]
+
+    @cached_property
+    def derived(self) -> Asked | None:
+        """As in `Prepared`."""
+        return asked_of(self.plan, self.study.values(), self.study.sensitivities, self.cells)
 
     @cached_property
     def _price(self) -> tuple[float, float]:
@@ -159,7 +167,40 @@ def prepare(study: SimulateStudy) -> Simulation:
     if problems:
         raise StudyError(problems)
     plan = replace(plan, defaults={**plan.defaults, **settings})
-    return Simulation(study, plan, grid).check_verification()
+    return _derivable(Simulation(study, plan, grid)).check_verification()
+
+
+def _derivable(prepared: Simulation) -> Simulation:
+    """Return a simulation; raise if it wishes derivatives that it cannot have."""
+    asked = prepared.derived
+    if asked is None:
+        return prepared
+    if prepared.plan.scene.name not in CONTACTS:
+        message = f"the motion of {prepared.plan.scene.name} is followed for a time, not a cycle"
+        fix = f"Leave it out, or choose among {', '.join(CONTACTS)}"
+        raise StudyError([Problem("sensitivities", message, fix)])
+    runs = prepared.cells * len(asked.parameters)
+    if runs > MOST_BY_DIFFERENCES and not _all_exact(prepared):
+        message = (
+            "only motion in the plane under the plain sine, by the method events, has exact "
+            f"derivatives; {runs:,} others are too many"
+        )
+        fix = f"Keep cells times parameters within {MOST_BY_DIFFERENCES:,}, or set alpha to 0"
+        raise StudyError([Problem("sensitivities", message, fix)])
+    return prepared
+
+
+def _all_exact(prepared: Simulation) -> bool:
+    """Return whether nothing pushes a part of a simulation across, whatever the cell."""
+    grid, scene = prepared.grid, prepared.plan.scene
+    shape, _ = shape_of([*grid.axes, *grid.fixed])
+    level = all(
+        grid.bounds(name) == (0.0, 0.0)
+        for name in ("alpha", "delta")
+        if name in grid.axes or name in grid.fixed
+    )
+    straight = "curvature_number" in prepared.plan.defaults or not CONTACTS[scene.name].wall
+    return prepared.plan.variant == "events" and shape is None and level and straight
 
 
 def further(content: Mapping[str, Any], known: StudyError) -> list[Problem]:

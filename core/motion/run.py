@@ -15,10 +15,12 @@ from core.dataset.table import (
     regime_attributes,
 )
 from core.motion.course import COURSE_FLAGS, Course, CourseAsked
+from core.motion.derivatives import derivatives_at
 from core.motion.groups import Contacts
 from core.motion.prepare import Simulation, prepare
 from core.motion.systems import CONTACTS
 from core.motion.verify import accuracy, verified
+from core.plan.derived import cells_of
 from core.plan.equations import regimes, run_equations
 from core.plan.labels import coordinates_of, global_attributes, outputs_of
 from core.plan.pieces import Computed, carry_out
@@ -61,6 +63,10 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
     plan = prepared.plan
     arrays = {name: _squeezed(prepared, name, known[name]) for name in plan.outputs}
     arrays["regime"] = _squeezed(prepared, "regime", regimes(plan, known))
+    if prepared.derived is not None:
+        asked, part = prepared.derived, plan.part(prepared.derived.outputs, ())
+        found = derivatives_at(part, cells_of(part, prepared.grid), asked.parameters, watch)
+        arrays |= asked.arrays(prepared, found)
     if prepared.study.trajectory is not None:
         course = _course(prepared, known, watch)
         arrays |= {TIME: course.times, **course.values, **course.flags}
@@ -78,6 +84,8 @@ def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
     variables["regime"] = Variable(
         prepared.dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
     )
+    if prepared.derived is not None:
+        variables |= prepared.derived.variables(prepared, arrays)
     coordinates = coordinates_of(plan, prepared.grid)
     for name in arrays:
         if name == TIME:

@@ -222,7 +222,9 @@ def _told(one: _One) -> Derived:
     slope = np.where(none, np.nan, one.slope)
     error = np.where(none, np.nan, 0.0)
     jumps = np.zeros(one.value.shape, dtype=bool)
-    return Derived(one.value.copy(), slope, error, status.astype(np.int8), empty, empty.copy(), jumps)
+    return Derived(
+        one.value.copy(), slope, error, status.astype(np.int8), empty, empty.copy(), jumps
+    )
 
 
 def _size(at: Array) -> Array:

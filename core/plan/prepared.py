@@ -10,6 +10,7 @@ from typing import Any, Self
 from numpy.typing import NDArray
 
 from core.errors import SEARCHED, LimitError, Problem, StudyError, nearest
+from core.plan.derived import Asked, is_status
 from core.plan.grid import Grid, from_si
 from core.plan.plan import Plan, plan_scene
 from core.quantities import QUANTITIES
@@ -34,16 +35,25 @@ class Prepared:
     plan: Plan
     grid: Grid
 
+    @property
+    def derived(self) -> Asked | None:
+        """The derivatives that the result has besides, None if it has none."""
+        return None
+
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
         """The axes that each output keeps, `regime` last."""
         depends = self.plan.depends_on(self.grid.axes)
-        return {name: self.grid.dims(depends[name]) for name in (*self.plan.outputs, "regime")}
+        dims = {name: self.grid.dims(depends[name]) for name in self.plan.outputs}
+        if self.derived is not None:
+            dims |= self.derived.dims(self.grid, depends)
+        return {**dims, "regime": self.grid.dims(depends["regime"])}
 
     @cached_property
     def units(self) -> dict[str, str]:
         """The unit of each output."""
-        return {name: QUANTITIES[name].unit for name in self.dims}
+        told = {} if self.derived is None else self.derived.units
+        return {name: told[name] if name in told else QUANTITIES[name].unit for name in self.dims}
 
     @property
     def cells(self) -> int:
@@ -58,11 +68,12 @@ class Prepared:
     @property
     def computed_bytes(self) -> int:
         """Bytes that the outputs take as they are computed."""
-        return sum(self.grid.size(dims) * BYTES.get(name, 8) for name, dims in self.dims.items())
+        width = Prepared.width
+        return sum(self.grid.size(dims) * width(self, name) for name, dims in self.dims.items())
 
     def width(self, name: str) -> int:
         """Return the bytes of one stored value of an output."""
-        return BYTES.get(name, 8)
+        return 1 if is_status(name) else BYTES.get(name, 8)
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
         """Return computed values of an output as files and replies have them."""

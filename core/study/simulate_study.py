@@ -10,6 +10,7 @@ from pydantic import Field, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
 from core.study.grid_study import MOST_OUTPUTS, DrivenStudy, Frozen, OutputNames
+from core.study.sensitivities import Sensitivities
 
 MOST_SAMPLES = 100_000
 LATEST = 1e6  # s, of a course in time: eleven days, and floats still tell a microsecond
@@ -113,6 +114,7 @@ class _Asked(FollowedStudy):
         min_length=1,
         max_length=MOST_OUTPUTS,
     )
+    sensitivities: Sensitivities = None
 
 
 class SimulateStudy(MotionSettings, _Asked):

@@ -8,6 +8,7 @@ from pydantic import Field, field_validator
 
 from core.study.grid_study import MOST_OUTPUTS, GridStudy, OutputNames
 from core.study.reduction import Reduction
+from core.study.sensitivities import Sensitivities
 
 
 class SweepStudy(GridStudy):
@@ -23,6 +24,7 @@ class SweepStudy(GridStudy):
     outputs: OutputNames = Field(
         description="Names of the outputs.", min_length=1, max_length=MOST_OUTPUTS
     )
+    sensitivities: Sensitivities = None
     precision: Literal["double", "single"] | None = Field(
         None,
         description="double (64-bit floats, the default) or single: values are computed in double "

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from core.errors import StudyError, VibrafeedError
-from core.sweep.prepare import ReducedSweep, Sweep, no_cells
+from core.sweep.prepare import DerivedSweep, ReducedSweep, Sweep, as_a_whole, no_cells
 from core.sweep.zarr_view import ZarrView
 
 if TYPE_CHECKING:
     import xarray
 
 
-def open_lazily(sweep: Sweep | ReducedSweep) -> xarray.Dataset:
+def open_lazily(sweep: Sweep | DerivedSweep | ReducedSweep) -> xarray.Dataset:
     """Return the dataset of a sweep of any size; what is read of it is computed when it is read.
 
     Raises
@@ -24,6 +24,8 @@ def open_lazily(sweep: Sweep | ReducedSweep) -> xarray.Dataset:
     """
     if isinstance(sweep, ReducedSweep):
         raise StudyError([no_cells("Leave it out, or carry out the study")])
+    if isinstance(sweep, DerivedSweep):
+        raise StudyError([as_a_whole("Leave it out, or carry out the study")])
     try:
         from core.sweep.zarr_store import ViewStore  # loads zarr, which few need
     except ModuleNotFoundError as error:

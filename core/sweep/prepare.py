@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import Problem, StudyError
+from core.plan.derived import Asked, asked_of
 from core.plan.plan import choose_scene
 from core.plan.prepared import Chosen, Prepared, further_problems, plan_study
 from core.plan.price import evaluation_seconds, pace
@@ -52,6 +53,23 @@ class Sweep(Prepared):
     def seconds_a_cell(self) -> float:
         """As in `Prepared`."""
         return evaluation_seconds(self.plan, self.grid) / self.cells
+
+
+class DerivedSweep(Prepared):
+    """A sweep with the derivatives of its outputs, computed and kept as a whole."""
+
+    study: SweepStudy
+
+    @cached_property
+    def derived(self) -> Asked | None:
+        """As in `Prepared`."""
+        return asked_of(self.plan, self.study.values(), self.study.sensitivities, self.cells)
+
+    @cached_property
+    def seconds_a_cell(self) -> float:
+        """As in `Prepared`: each parameter takes a pass of its own, with two numbers for one."""
+        passes = 1 + (2 * len(self.derived.parameters) if self.derived else 0)
+        return passes * self.plan.scene.seconds_a_cell * pace()
 
 
 class ReducedSweep(Prepared):
@@ -133,7 +151,7 @@ class ReducedSweep(Prepared):
         return Sweep(self.study, self.plan, self.grid)
 
 
-def prepare(study: SweepStudy) -> Sweep | ReducedSweep:
+def prepare(study: SweepStudy) -> Sweep | DerivedSweep | ReducedSweep:
     """Return the sweep of a study.
 
     Raises
@@ -146,11 +164,21 @@ def prepare(study: SweepStudy) -> Sweep | ReducedSweep:
     if asked is not None and study.precision is not None:
         message = "it says how cells are stored, and reduce stores none"
         problems.append(Problem("precision", message, "Leave it out"))
+    if study.sensitivities and (asked is not None or study.precision is not None):
+        other = "reduce" if asked is not None else "precision"
+        message = f"derivatives are given with all cells, in 64 bits; the study has {other} too"
+        problems.append(Problem("sensitivities", message, "Leave out one of the two"))
     try:
         plan, grid = plan_study(study, study.outputs, choose_scene(study.scene, study.variant))
     except StudyError as error:
         raise StudyError([*error.problems, *problems]) from None
     if asked is None:
+        if problems:
+            raise StudyError(problems)
+        if study.sensitivities:
+            derived = DerivedSweep(study, plan, grid)
+            _ = derived.derived  # which raises what is wrong with it
+            return derived.check_verification()
         return Sweep(study, plan, grid).check_verification()
     problems += problems_of(asked, plan, grid)
     if problems:
@@ -161,6 +189,11 @@ def prepare(study: SweepStudy) -> Sweep | ReducedSweep:
 def no_cells(fix: str) -> Problem:
     """Return what to tell of a reduced sweep where cells are wanted."""
     return Problem("reduce", "what is reduced has no cells to read", fix)
+
+
+def as_a_whole(fix: str) -> Problem:
+    """Return what to tell of a sweep with derivatives where it is read cell by cell."""
+    return Problem("sensitivities", "derivatives are computed as a whole, not where read", fix)
 
 
 def further(content: Mapping[str, Any], known: StudyError) -> list[Problem]:

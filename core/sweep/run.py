@@ -10,11 +10,12 @@ from core.dataset.table import (
     regime_attributes,
 )
 from core.mechanics.arrays import Array
+from core.plan.derived import cells_of
 from core.plan.evaluate import evaluate
 from core.plan.labels import coordinates_of, global_attributes, outputs_of
 from core.plan.pieces import Computed, carry_out
 from core.plan.sample import Sample
-from core.sweep.prepare import ReducedSweep, Sweep, prepare
+from core.sweep.prepare import DerivedSweep, ReducedSweep, Sweep, prepare
 from core.sweep.verify import accuracy, verified
 from core.watch import Watch
 
@@ -37,12 +38,12 @@ def sweep(study: SweepStudy) -> xarray.Dataset:
     return tabulate(prepare(study)).to_xarray()
 
 
-def tabulate(prepared: Sweep | ReducedSweep, *, watch: Watch | None = None) -> Table:
+def tabulate(prepared: Sweep | DerivedSweep | ReducedSweep, *, watch: Watch | None = None) -> Table:
     """Return the labelled outputs of a prepared sweep."""
     return carry_out(prepared, compute, label, watch)
 
 
-def compute(prepared: Sweep | ReducedSweep, watch: Watch) -> Computed:
+def compute(prepared: Sweep | DerivedSweep | ReducedSweep, watch: Watch) -> Computed:
     """Return outputs and `regime` of a prepared sweep, SI units; it cannot be stopped.
 
     Of a reduced one, its answers; that can be stopped, and raises `StoppedError` then.
@@ -51,12 +52,18 @@ def compute(prepared: Sweep | ReducedSweep, watch: Watch) -> Computed:
         from core.sweep import reduced  # loads the compiler
 
         return reduced.compute(prepared, watch)
-    return Computed(
-        evaluate(prepared.plan, prepared.grid, threads=watch.threads, progress=watch.advance)
-    )
+    plan, grid, asked = prepared.plan, prepared.grid, prepared.derived
+    arrays = evaluate(plan, grid, threads=watch.threads, progress=watch.advance)
+    if asked is not None:
+        from core.plan.derivatives import derivatives
+
+        part = plan.part(asked.outputs, ())
+        found = derivatives(part, cells_of(part, grid), asked.parameters)
+        arrays = {**arrays, **asked.arrays(prepared, found)}
+    return Computed(arrays)
 
 
-def label(prepared: Sweep | ReducedSweep, computed: Computed, watch: Watch) -> Table:
+def label(prepared: Sweep | DerivedSweep | ReducedSweep, computed: Computed, watch: Watch) -> Table:
     """Return what was computed of a sweep, labelled; `watch` may stop verifying it."""
     if isinstance(prepared, ReducedSweep):
         from core.sweep import reduced
@@ -71,11 +78,13 @@ def label(prepared: Sweep | ReducedSweep, computed: Computed, watch: Watch) -> T
     variables["regime"] = Variable(
         dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
     )
+    if prepared.derived is not None:
+        variables |= prepared.derived.variables(prepared, arrays)
     attributes = {**attributes_of(prepared), **verified(prepared, values_at, watch)}
     return Table(coordinates_of(plan, prepared.grid), variables, attributes)
 
 
-def attributes_of(prepared: Sweep | ReducedSweep) -> dict[str, str]:
+def attributes_of(prepared: Sweep | DerivedSweep | ReducedSweep) -> dict[str, str]:
     """Return the attributes of a whole sweep that are known before anything is computed."""
     told = accuracy(prepared.plan.scene)
     if isinstance(prepared, Sweep) and prepared.is_single:

@@ -10,8 +10,8 @@ import pytest
 
 from core.errors import StudyError
 from core.motion.derivatives import motion_sensitivities
-from core.plan.derivatives import sensitivities
 from core.plan import plan as plans
+from core.plan.derivatives import sensitivities
 from core.scenes import SCENES
 from core.scenes.scene import Equation, Scene
 from exact_planes import FORMULAS, Point

@@ -1,0 +1,216 @@
+"""Derivatives as variables of a result: what is asked for, names, units, labels."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.dataset.table import Variable, flag_attributes
+from core.errors import Problem, StudyError, suggestion
+from core.plan.plan import Plan
+from core.quantities import QUANTITIES
+from core.quantities.derivative import DERIVATIVE_STATUSES
+
+if TYPE_CHECKING:
+    from core.plan.derivatives import Derivatives
+    from core.plan.grid import Grid
+    from core.plan.prepared import Prepared
+
+MOST_DERIVED = 2_000_000
+"""Cells times outputs times parameters of a study that asks for derivatives."""
+
+NOT_DERIVED = frozenset({
+    "conveying_velocity_error", "conveying_velocity_spread", "motion_status", "direction",
+    "period_multiple", "impacts_per_period", "regime",
+})  # fmt: skip
+"""Outputs that say how a value was found, or only count."""
+
+_FACTOR = re.compile(r"([A-Za-z]+)(-?\d+)?")
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The derivatives that a study asks for.
+
+    Attributes
+    ----------
+    outputs : tuple of str
+        What is derived.
+    parameters : tuple of str
+        By what.
+    """
+
+    outputs: tuple[str, ...]
+    parameters: tuple[str, ...]
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """The unit of each variable, in order."""
+        units = {}
+        for parameter in self.parameters:
+            for output in self.outputs:
+                units[derivative_name(output, parameter)] = _per(output, parameter)
+                units[elasticity_name(output, parameter)] = "1"
+            units[status_name(parameter)] = "1"
+        return units
+
+    def dims(self, grid: Grid, depends: Mapping[str, frozenset[str]]) -> dict[str, tuple[str, ...]]:
+        """Return the axes of each variable: those of its output, of a status those of all."""
+        every = grid.dims(frozenset().union(*(depends[name] for name in self.outputs)))
+        dims = dict.fromkeys(self.units, every)
+        for output in self.outputs:
+            for parameter in self.parameters:
+                for name in (derivative_name, elasticity_name):
+                    dims[name(output, parameter)] = grid.dims(depends[output])
+        return dims
+
+    def arrays(self, prepared: Prepared, found: Derivatives) -> dict[str, NDArray[Any]]:
+        """Return each variable over its axes, in the units of files; `found` of every cell."""
+        grid, dims = prepared.grid, prepared.dims
+        shape = tuple(grid.shape.values())
+        values = {**prepared.plan.defaults, **grid.si()}
+        arrays: dict[str, NDArray[Any]] = {}
+
+        def squeezed(name: str, values: NDArray[Any]) -> NDArray[Any]:
+            kept = tuple(slice(None) if axis in dims[name] else 0 for axis in grid.axes)
+            return values.reshape(shape)[kept]
+
+        for parameter in self.parameters:
+            at = np.broadcast_to(values[parameter], shape).ravel()
+            derived = [found[output, parameter] for output in self.outputs]
+            for output, one in zip(self.outputs, derived, strict=True):
+                name = derivative_name(output, parameter)
+                arrays[name] = squeezed(name, one.slope * _factor(output, parameter))
+                name = elasticity_name(output, parameter)
+                arrays[name] = squeezed(name, one.logarithmic(at))
+            name = status_name(parameter)
+            worst = np.maximum.reduce([one.status for one in derived])
+            arrays[name] = squeezed(name, worst)
+        return arrays
+
+    def variables(
+        self, prepared: Prepared, arrays: Mapping[str, NDArray[Any]]
+    ) -> dict[str, Variable]:
+        """Return the variables, labelled."""
+        labels: dict[str, dict[str, Any]] = {}
+        for parameter in self.parameters:
+            by = QUANTITIES[parameter].label.lower()
+            for output in self.outputs:
+                of = QUANTITIES[output].label
+                about = {"output": output, "parameter": parameter}
+                labels[derivative_name(output, parameter)] = {
+                    "units": _per(output, parameter),
+                    "long_name": f"Derivative of {of[0].lower()}{of[1:]} by {by}",
+                    "comment": f"d({output})/d({parameter}); NaN where "
+                    f"{status_name(parameter)} tells why there is none.",
+                    **about,
+                }
+                labels[elasticity_name(output, parameter)] = {
+                    "units": "1",
+                    "long_name": f"Sensitivity of {of[0].lower()}{of[1:]} to {by}",
+                    "comment": f"d ln({output})/d ln({parameter}).",
+                    **about,
+                }
+            labels[status_name(parameter)] = flag_attributes(
+                "motion_status", DERIVATIVE_STATUSES, tuple(DERIVATIVE_STATUSES)
+            ) | {"long_name": f"Status of the derivatives by {by}"}
+        return {
+            name: Variable(prepared.dims[name], arrays[name], told) for name, told in labels.items()
+        }
+
+
+def derivative_name(output: str, parameter: str) -> str:
+    """Return the name of the derivative of an output."""
+    return f"derivative_{output}_by_{parameter}"
+
+
+def elasticity_name(output: str, parameter: str) -> str:
+    """Return the name of the logarithmic derivative of an output."""
+    return f"sensitivity_{output}_to_{parameter}"
+
+
+def status_name(parameter: str) -> str:
+    """Return the name of what tells how the derivatives by a parameter were found."""
+    return f"derivative_status_{parameter}"
+
+
+def is_status(name: str) -> bool:
+    """Return whether a variable tells how derivatives were found."""
+    return name.startswith("derivative_status_")
+
+
+def asked_of(
+    plan: Plan, given: Collection[str], wish: bool | tuple[str, ...] | None, cells: int
+) -> Asked | None:
+    """Return the derivatives that a study wishes, None if it wishes none.
+
+    Parameters
+    ----------
+    plan : Plan
+        That of the study.
+    given : collection of str
+        The parameters that the study gives.
+    wish : bool or tuple of str or None
+        The key `sensitivities` of the study.
+    cells : int
+        Cells of its grid.
+
+    Raises
+    ------
+    StudyError
+        With every problem.
+    """
+    if not wish:
+        return None
+    outputs = tuple(name for name in plan.outputs if name not in NOT_DERIVED)
+    names = tuple(given) if wish is True else wish
+    known = [name for name in (*plan.parameters, *plan.defaults) if QUANTITIES[name].parameter]
+    problems = [
+        Problem(
+            "sensitivities", f"no output is computed from '{name[:60]}'", suggestion(name, known)
+        )
+        for name in names
+        if name not in known
+    ]
+    if not outputs:
+        message = "none of the outputs is a number that could be derived"
+        problems.append(
+            Problem("sensitivities", message, "Leave it out, or ask for another output")
+        )
+    values = cells * len(outputs) * len(names)
+    if values > MOST_DERIVED:
+        message = f"it asks for {values:,} derivatives and allows {MOST_DERIVED:,}"
+        fix = "Give fewer cells, outputs or names of parameters"
+        problems.append(Problem("sensitivities", message, fix))
+    if problems:
+        raise StudyError(problems)
+    return Asked(outputs, names)
+
+
+def cells_of(plan: Plan, grid: Grid) -> dict[str, NDArray[np.float64]]:
+    """Return the parameters of a plan at every cell of a grid, SI units, shape (cells,)."""
+    shape = tuple(grid.shape.values())
+    given = grid.si()
+    return {name: np.broadcast_to(given[name], shape).ravel() for name in plan.parameters}
+
+
+def _factor(output: str, parameter: str) -> float:
+    """Return what turns a derivative in SI units and radians into one of files."""
+    factor = np.rad2deg(1.0) if QUANTITIES[output].is_angle else 1.0
+    return float(factor * (np.deg2rad(1.0) if QUANTITIES[parameter].is_angle else 1.0))
+
+
+def _per(output: str, parameter: str) -> str:
+    """Return the unit of a derivative."""
+    factors = [] if QUANTITIES[output].unit == "1" else [QUANTITIES[output].unit]
+    if QUANTITIES[parameter].unit != "1":
+        for unit, power in _FACTOR.findall(QUANTITIES[parameter].unit):
+            inverse = -int(power or 1)
+            factors.append(unit if inverse == 1 else f"{unit}{inverse}")
+    return " ".join(factors) or "1"

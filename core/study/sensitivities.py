@@ -1,0 +1,50 @@
+"""The key `sensitivities` of sweeps and simulations: what outputs are derived by."""
+
+from __future__ import annotations
+
+import reprlib
+from typing import Annotated
+
+from pydantic import Field, PlainValidator, WithJsonSchema
+
+from core.study.levels import refusal
+
+MOST_PARAMETERS = 30
+
+
+def _read(raw: object) -> bool | tuple[str, ...] | None:
+    """Return True for all given parameters, or names; None for nothing, however it is said."""
+    if raw is None or isinstance(raw, bool):
+        return raw or None
+    names = tuple(raw) if isinstance(raw, list | tuple) else ()
+    if 0 < len(names) <= MOST_PARAMETERS and all(isinstance(name, str) for name in names):
+        return tuple(dict.fromkeys(name[:100] for name in names))
+    raise refusal(
+        f"{reprlib.repr(raw)[:40]} are no names of parameters",
+        'Write true for all parameters that the study gives, or a list such as ["friction"]',
+    )
+
+
+Sensitivities = Annotated[
+    bool | tuple[str, ...] | None,
+    PlainValidator(_read),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                {"type": "boolean"},
+                {
+                    "type": "array",
+                    "items": {"type": "string", "maxLength": 100},
+                    "minItems": 1,
+                    "maxItems": MOST_PARAMETERS,
+                },
+                {"type": "null"},
+            ]
+        }
+    ),
+    Field(
+        description="Also give the derivative of each output by these parameters, and its "
+        "elasticity d ln(output)/d ln(parameter): true for all that the study gives, or a list of "
+        "names."
+    ),
+]
