@@ -77,6 +77,7 @@ class PlanarRules:
     _known: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int8]] | None = field(
         default=None, repr=False
     )
+    _spent: tuple[NDArray[np.float64], NDArray[np.float64]] | None = field(default=None, repr=False)
 
     @property
     def rules(self) -> dict[str, Rule]:
@@ -108,12 +109,15 @@ class PlanarRules:
         settings = (given["tolerance"], given["most_periods"])
         table, _ = self._followed(groups, *settings)
         slopes = table[:, COLUMNS:-1].reshape(-1, len(TOLD), DERIVED_BY)[:, len(DERIVED) :]
-        cells = self._cells(Cell._fields, groups, *settings)
-        spent, _ = run_cells(spend_cells, cells, columns=len(Energy._fields), watch=self._silent)
+        if self._spent is None or self._spent[0] is not table:
+            cells, width = self._cells(Cell._fields, groups, *settings), len(Energy._fields)
+            found, _ = run_cells(spend_cells, cells, columns=width, watch=self._silent)
+            self._spent = table, found
         by = [np.asarray(slope_of(getattr(groups, name))) for name in BY]
-        fields = (
-            Dual(column, _chained(slopes[:, place], by), []) for place, column in enumerate(spent.T)
-        )
+        fields: list[Any] = [
+            Dual(column, _chained(slopes[:, place], by), [])
+            for place, column in enumerate(self._spent[1].T)
+        ]
         return Energy(*fields), 0
 
     @property
@@ -232,27 +236,22 @@ def derivatives_at(
         rules = PlanarRules(CONTACTS[plan.scene.name], energy, watch.part(share)).rules
         some = {name: value[exact] for name, value in values.items()}
         for key, derived in derivatives(plan, some, parameters, rules).items():
-            _put(found[key], exact, derived)
+            found[key].put(exact, derived)
         watch.advance(share)
     for cell in np.flatnonzero(~exact):
         if watch.stopped():
             break
         one = {name: value[cell : cell + 1] for name, value in values.items()}
         for key, derived in _by_differences(plan, one, parameters).items():
-            _put(found[key], np.arange(exact.size) == cell, derived)
+            found[key].put(np.arange(exact.size) == cell, derived)
         watch.advance(1.0 / exact.size)
     return found
 
 
-def _put(whole: Derived, where: NDArray[np.bool_], part: Derived) -> None:
-    for array, values in zip(whole, part, strict=True):
-        array[where] = values
-
-
 def _nothing(shape: tuple[int, ...]) -> Derived:
-    nan = [np.full(shape, np.nan) for _ in range(5)]
+    value, slope, error, below, above = (np.full(shape, np.nan) for _ in range(5))
     status = np.full(shape, STATUS["not_computed"], dtype=np.int8)
-    return Derived(*nan[:3], status, *nan[3:], np.zeros(shape, dtype=bool))
+    return Derived(value, slope, error, status, below, above, np.zeros(shape, dtype=bool))
 
 
 def motion_sensitivities(

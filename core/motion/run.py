@@ -66,7 +66,7 @@ def compute(prepared: Simulation, watch: Watch) -> Computed:
     if prepared.derived is not None:
         asked, part = prepared.derived, plan.part(prepared.derived.outputs, ())
         found = derivatives_at(part, cells_of(part, prepared.grid), asked.parameters, watch)
-        arrays |= asked.arrays(prepared, found)
+        arrays |= asked.arrays(plan, prepared.grid, prepared.dims, found)
     if prepared.study.trajectory is not None:
         course = _course(prepared, known, watch)
         arrays |= {TIME: course.times, **course.values, **course.flags}
@@ -85,7 +85,7 @@ def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
         prepared.dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
     )
     if prepared.derived is not None:
-        variables |= prepared.derived.variables(prepared, arrays)
+        variables |= prepared.derived.variables(prepared.dims, arrays)
     coordinates = coordinates_of(plan, prepared.grid)
     for name in arrays:
         if name == TIME:

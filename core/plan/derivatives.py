@@ -70,6 +70,18 @@ class Derived(NamedTuple):
             found: Array = np.where(usable, self.slope / self.value * at, np.nan)
         return found
 
+    def at(self, where: NDArray[np.bool_]) -> Derived:
+        """Return those of some cells."""
+        value, slope, error, status, below, above, jumps = self
+        told = (value[where], slope[where], error[where], status[where])
+        return Derived(*told, below[where], above[where], jumps[where])
+
+    def put(self, where: NDArray[np.bool_], part: Derived) -> None:
+        """Put those of some cells in place."""
+        arrays: tuple[NDArray[Any], ...] = self
+        for array, values in zip(arrays, part, strict=True):
+            array[where] = values
+
 
 Derivatives: TypeAlias = dict[tuple[str, str], Derived]
 """By output and parameter."""
@@ -121,8 +133,7 @@ def derivatives(
                 around = [side[output] for side in sides]
                 some = _from_both_sides(one.value[doubtful], step, *around)
                 here = one.is_doubtful
-                for whole, part in zip(told, some, strict=True):
-                    whole[here] = part[here[doubtful]]
+                told.put(here, some.at(here[doubtful]))
             found[output, parameter] = told
     return found
 

@@ -20,8 +20,8 @@ from core.quantities.derivative import DERIVATIVE_STATUSES
 if TYPE_CHECKING:
     from core.plan.derivatives import Derivatives
     from core.plan.grid import Grid
-    from core.plan.prepared import Prepared
 
+PLACE = "sensitivities"
 MOST_DERIVED = 2_000_000
 """Cells times outputs times parameters of a study that asks for derivatives."""
 
@@ -30,6 +30,9 @@ NOT_DERIVED = frozenset({
     "period_multiple", "impacts_per_period", "regime",
 })  # fmt: skip
 """Outputs that say how a value was found, or only count."""
+
+Dims = Mapping[str, tuple[str, ...]]
+"""The axes of each variable."""
 
 _FACTOR = re.compile(r"([A-Za-z]+)(-?\d+)?")
 
@@ -70,11 +73,12 @@ class Asked:
                     dims[name(output, parameter)] = grid.dims(depends[output])
         return dims
 
-    def arrays(self, prepared: Prepared, found: Derivatives) -> dict[str, NDArray[Any]]:
+    def arrays(
+        self, plan: Plan, grid: Grid, dims: Dims, found: Derivatives
+    ) -> dict[str, NDArray[Any]]:
         """Return each variable over its axes, in the units of files; `found` of every cell."""
-        grid, dims = prepared.grid, prepared.dims
         shape = tuple(grid.shape.values())
-        values = {**prepared.plan.defaults, **grid.si()}
+        values: dict[str, Any] = {**plan.defaults, **grid.si()}
         arrays: dict[str, NDArray[Any]] = {}
 
         def squeezed(name: str, values: NDArray[Any]) -> NDArray[Any]:
@@ -94,9 +98,7 @@ class Asked:
             arrays[name] = squeezed(name, worst)
         return arrays
 
-    def variables(
-        self, prepared: Prepared, arrays: Mapping[str, NDArray[Any]]
-    ) -> dict[str, Variable]:
+    def variables(self, dims: Dims, arrays: Mapping[str, NDArray[Any]]) -> dict[str, Variable]:
         """Return the variables, labelled."""
         labels: dict[str, dict[str, Any]] = {}
         for parameter in self.parameters:
@@ -120,9 +122,7 @@ class Asked:
             labels[status_name(parameter)] = flag_attributes(
                 "motion_status", DERIVATIVE_STATUSES, tuple(DERIVATIVE_STATUSES)
             ) | {"long_name": f"Status of the derivatives by {by}"}
-        return {
-            name: Variable(prepared.dims[name], arrays[name], told) for name, told in labels.items()
-        }
+        return {name: Variable(dims[name], arrays[name], told) for name, told in labels.items()}
 
 
 def derivative_name(output: str, parameter: str) -> str:
@@ -169,25 +169,21 @@ def asked_of(
     if not wish:
         return None
     outputs = tuple(name for name in plan.outputs if name not in NOT_DERIVED)
-    names = tuple(given) if wish is True else wish
+    names = wish if isinstance(wish, tuple) else tuple(given)
     known = [name for name in (*plan.parameters, *plan.defaults) if QUANTITIES[name].parameter]
     problems = [
-        Problem(
-            "sensitivities", f"no output is computed from '{name[:60]}'", suggestion(name, known)
-        )
+        Problem(PLACE, f"no output is computed from '{name[:60]}'", suggestion(name, known))
         for name in names
         if name not in known
     ]
     if not outputs:
         message = "none of the outputs is a number that could be derived"
-        problems.append(
-            Problem("sensitivities", message, "Leave it out, or ask for another output")
-        )
+        problems.append(Problem(PLACE, message, "Leave it out, or ask for another output"))
     values = cells * len(outputs) * len(names)
     if values > MOST_DERIVED:
         message = f"it asks for {values:,} derivatives and allows {MOST_DERIVED:,}"
         fix = "Give fewer cells, outputs or names of parameters"
-        problems.append(Problem("sensitivities", message, fix))
+        problems.append(Problem(PLACE, message, fix))
     if problems:
         raise StudyError(problems)
     return Asked(outputs, names)

@@ -59,7 +59,7 @@ def compute(prepared: Sweep | DerivedSweep | ReducedSweep, watch: Watch) -> Comp
 
         part = plan.part(asked.outputs, ())
         found = derivatives(part, cells_of(part, grid), asked.parameters)
-        arrays = {**arrays, **asked.arrays(prepared, found)}
+        arrays = {**arrays, **asked.arrays(plan, grid, prepared.dims, found)}
     return Computed(arrays)
 
 
@@ -79,7 +79,7 @@ def label(prepared: Sweep | DerivedSweep | ReducedSweep, computed: Computed, wat
         dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
     )
     if prepared.derived is not None:
-        variables |= prepared.derived.variables(prepared, arrays)
+        variables |= prepared.derived.variables(prepared.dims, arrays)
     attributes = {**attributes_of(prepared), **verified(prepared, values_at, watch)}
     return Table(coordinates_of(plan, prepared.grid), variables, attributes)
 
