@@ -29,6 +29,10 @@ KINK = 1e-9
 """Relative distance from another outcome of an event below which a motion is at a kink or jump:
 some hundred times what rounding leaves of an event that depends on many before it."""
 
+FOLD = 1e-3
+"""Of a cycle that hardly closes: its state is known to some 1e-14 over its distance from a fold or
+a doubling, and its derivatives are to hold seven digits."""
+
 WIDTH = len(TOLD) * DERIVED_BY
 MARGIN = RESULTS + WIDTH
 """Column of the least distance from a kink; the results come before, then the derivatives."""
@@ -106,7 +110,8 @@ def close(size: int, d: Floats, nearest: Floats) -> None:
         a, b = d[ROW.phase, BY.start_phase] - 1.0, d[ROW.phase, BY.start_normal]
         c, f = d[ROW.normal, BY.start_phase], d[ROW.normal, BY.start_normal] - 1.0
         determinant = a * f - b * c
-        nearest[0] = min(nearest[0], abs(determinant))
+        doubling = (a + 2.0) * (f + 2.0) - b * c
+        nearest[0] = min(nearest[0], FOLD * abs(determinant), FOLD * abs(doubling))
         for i in range(DERIVED_BY):
             late, fast = d[ROW.phase, i], d[ROW.normal, i]
             phase = (b * fast - f * late) / determinant
@@ -114,7 +119,7 @@ def close(size: int, d: Floats, nearest: Floats) -> None:
             add(d, i, phase, BY.start_phase)
             add(d, i, normal, BY.start_normal)
     room = 1.0 - d[ROW.along, BY.start_along]
-    nearest[0] = min(nearest[0], abs(room))
+    nearest[0] = min(nearest[0], FOLD * abs(room))
     for i in range(DERIVED_BY):
         add(d, i, d[ROW.along, i] / room, BY.start_along)
 

@@ -269,8 +269,8 @@ def in_air(
         nearest[2] = min(nearest[2], (nearest[1] - speed) / nearest[1])
     friction = drive.mu_k * impulse
     stops = abs(after) <= friction
-    if friction + abs(after) > 0:
-        nearest[0] = min(nearest[0], abs(abs(after) - friction) / (abs(after) + friction))
+    pull = abs(drive.c) + abs(drive.gs) + drive.mu_k * size_of
+    nearest[0] = min(nearest[0], abs(abs(after) - friction) / pull)
     if e * speed < SMALL_REBOUND:
         nearest[0] = min(nearest[0], abs(n1) / size_of)
     sign = 1.0 if after > 0 else -1.0
