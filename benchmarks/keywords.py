@@ -69,7 +69,7 @@ TYPES = {
     "quantile": "float",
     "floor_contact": "bool",
     "wall_contact": "bool",
-    "sensitivities": "bool",
+    "sensitivities": "bool | Sequence[str]",
     "observations": "str | Sequence[Mapping[str, Any]]",
     "error": "float | str",
     "unknowns": MAPPINGS,

@@ -129,7 +129,7 @@ def study(
     quantile: float | None = None,
     floor_contact: bool | None = None,
     wall_contact: bool | None = None,
-    sensitivities: bool | None = None,
+    sensitivities: bool | Sequence[str] | None = None,
     offsets: Mapping[str, Mapping[str, Any]] | None = None,
     factors: Mapping[str, Mapping[str, Any]] | None = None,
     candidates: Mapping[str, Values] | None = None,
@@ -259,6 +259,7 @@ def sweep(
     width_2: Values | None = None,
     mass_2: Values | None = None,
     contact_tolerance: Values | None = None,
+    sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,
     verify: int | None = None,
@@ -439,6 +440,9 @@ def sweep(
         Largest gap or overlap that counts as touching, as a share of the bodies' size, the sum of
         their half diagonals. 1 lets the impact happen as the bodies are placed. 0 or more, for
         example "1e-6".
+    sensitivities : bool or sequence of str, optional
+        Also give the derivative of each output by these parameters, and its elasticity d
+        ln(output)/d ln(parameter): true for all that the study gives, or a list of names.
     precision : {"double", "single"}, optional
         double (64-bit floats, the default) or single: values are computed in double and stored in
         32 bits, half the bytes, each rounded once more by at most 6e-8 of itself.
@@ -516,6 +520,7 @@ def simulate(
     occupancy: Values | None = None,
     duration: Values | None = None,
     drop_height: Values | None = None,
+    sensitivities: bool | Sequence[str] | None = None,
     trajectory: int | Sequence[float] | None = None,
     drive: Mapping[str, Any] | None = None,
     tolerance: float | None = None,
@@ -622,6 +627,9 @@ def simulate(
     drop_height : values, optional
         Height of the part's lowest corner above the plane at the start. In m, 0 or more, for
         example "10 mm".
+    sensitivities : bool or sequence of str, optional
+        Also give the derivative of each output by these parameters, and its elasticity d
+        ln(output)/d ln(parameter): true for all that the study gives, or a list of names.
     trajectory : int or sequence of float, optional
         Also give the motion in time of the one point of the study: at so many equal steps of its
         cycle, or at these times in seconds since the start of a period.
@@ -798,7 +806,7 @@ def optimise(
     quantile: float | None = None,
     floor_contact: bool | None = None,
     wall_contact: bool | None = None,
-    sensitivities: bool | None = None,
+    sensitivities: bool | Sequence[str] | None = None,
     drive: Mapping[str, Any] | None = None,
     verify: int | None = None,
     units: str | Sequence[str] | None = None,
@@ -1023,7 +1031,7 @@ def optimise(
         Whether the part is to stay on the floor, where the scene has one.
     wall_contact : bool, optional
         Whether the part is to stay on the wall, where the scene has one.
-    sensitivities : bool, optional
+    sensitivities : bool or sequence of str, optional
         Also give d ln(output)/d ln(parameter) at each optimum.
     drive : mapping, optional
         A measured drive: the recording of an accelerometer. Its harmonics are parameters, as far as
@@ -1810,6 +1818,7 @@ def open_lazily(
     width_2: Values | None = None,
     mass_2: Values | None = None,
     contact_tolerance: Values | None = None,
+    sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,
     verify: int | None = None,
@@ -1899,6 +1908,7 @@ def drive_error(
     occupancy: Values | None = None,
     duration: Values | None = None,
     drop_height: Values | None = None,
+    sensitivities: bool | Sequence[str] | None = None,
     trajectory: int | Sequence[float] | None = None,
     drive: Mapping[str, Any] | None = None,
     tolerance: float | None = None,

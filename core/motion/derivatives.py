@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from typing import Any
 
 import numpy as np
@@ -158,7 +159,7 @@ class PlanarRules:
         status = np.where(margin > KINK, STATUS["exact"], STATUS["kink"])
         if self.contacts.wall:  # a push across presses the part to the wall, or off it
             pushed = [np.asarray(slope_of(getattr(groups, name))) != 0 for name in ACROSS]
-            status = np.where(np.logical_or.reduce(pushed), STATUS["kink"], status)
+            status = np.where(reduce(np.logical_or, pushed), STATUS["kink"], status)
         repeats = np.isin(motion.status, [MOTION_STATUS["periodic"], MOTION_STATUS["at_rest"]])
         status = np.where(repeats, status, STATUS["not_periodic"])
         # Without friction the speed is that of the start; with the least friction it is another.
