@@ -66,7 +66,7 @@ def plain(cells: Floats) -> tuple[Floats, NDArray[np.int8]]:
 
 
 def whole(cells: Floats) -> tuple[Floats, NDArray[np.int8]]:
-    """Return what `plain` does, with the time of the hops that it leaves out in the share of flight.
+    """Return what `plain` does, with the hops that it leaves out in the share of flight.
 
     They are those of 13.5, some 1e-7 of a period: the derivatives are those of the true shares.
     """
