@@ -277,6 +277,8 @@ def in_air(
     slow, up = 0.0 if stops else after - sign * friction, 0.0 if rests else e * speed
     factor = 1.0 if rests else 1.0 + e
     left = 2.0 / (n1 * (1.0 - e)) if rests else 0.0
+    if 0.0 < abs(slow) < pull * left * e * speed:
+        nearest[0] = 0.0  # the slip stops, or not, among hops that are left out
     steep = drive.s * math.cos(tau + span)
     mode = MODE.stick if slow == 0 else MODE.forward if slow > 0 else MODE.backward
     for i in range(size):
