@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,8 @@ from core.plan.grid import parameter_to_si
 from core.plan.plan import Plan
 from core.quantities import QUANTITIES
 from core.scenes.scene import STATIC_ABOVE_KINETIC
-from core.study.priors import Prior
+from core.study.calibrate_study import Prior, quantity_of
+from core.study.distributions import Normal
 from core.watch import Watch
 
 CELLS_AT_A_TIME = 200_000  # bounds the memory
@@ -33,6 +35,12 @@ OUTPUTS = (
     "motion_status",
 )
 """Outputs of a motion that a calibration reads."""
+
+
+MOST_DEVIATIONS = 5.0
+"""From the mean of a normal distribution to either end of what is looked at."""
+NEXT_TO = 1e-3
+"""Of a deviation: from a bound that is no value itself, such as a friction of 0."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +67,7 @@ class Unknown:
     @property
     def unit(self) -> str:
         """Its unit."""
-        return "1" if self.table == "factors" else QUANTITIES[self.parameter].unit
+        return quantity_of(self.table, self.parameter).unit
 
     @property
     def label(self) -> str:
@@ -73,11 +81,33 @@ class Unknown:
     @property
     def width(self) -> float:
         """How far apart its bounds are."""
-        return self.prior.upper - self.prior.lower
+        return self.upper - self.lower
+
+    @property
+    def lower(self) -> float:
+        """Its least value."""
+        return self._ends[0]
+
+    @property
+    def upper(self) -> float:
+        """Its largest value."""
+        return self._ends[1]
+
+    @cached_property
+    def _ends(self) -> tuple[float, float]:
+        if not isinstance(self.prior, Normal):
+            return self.prior.lower, self.prior.upper
+        quantity = quantity_of(self.table, self.parameter)
+        lower, upper = self.prior.within(quantity)
+        mean, deviation = self.prior.mean, self.prior.deviation
+        if quantity.strict and lower == quantity.lower:
+            lower += NEXT_TO * deviation
+        far = MOST_DEVIATIONS * deviation
+        return max(lower, mean - far), min(upper, mean + far)
 
     def away(self, values: Array) -> Array:
         """Return how far values are from the mean, in deviations; 0 where none is given."""
-        if self.prior.mean is None or self.prior.deviation is None:
+        if not isinstance(self.prior, Normal):
             return np.zeros(np.shape(values))
         return np.asarray((np.asarray(values) - self.prior.mean) / self.prior.deviation)
 
@@ -189,7 +219,7 @@ class Model:
     @property
     def lower(self) -> Array:
         """The lower bounds of the unknowns, shape (unknowns,)."""
-        return np.array([one.prior.lower for one in self.unknowns])
+        return np.array([one.lower for one in self.unknowns])
 
     @property
     def width(self) -> Array:

@@ -152,7 +152,7 @@ def axes_of(posterior: Posterior) -> list[Array]:
     for k, one in enumerate(model.unknowns):
         low, high = ends[:, k]
         more = BEYOND * (high - low)
-        low, high = max(low - more, one.prior.lower), min(high + more, one.prior.upper)
+        low, high = max(low - more, one.lower), min(high + more, one.upper)
         if not high - low > 1e-9 * one.width:
             middle = 0.5 * (low + high)
             low, high = middle - 1e-6 * one.width, middle + 1e-6 * one.width

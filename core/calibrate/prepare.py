@@ -233,7 +233,7 @@ def _spans(
         values = np.unique(column[~np.isnan(column)]).tolist()
         spans[name] = Points(tuple(values)) if len(values) > 1 else Fixed(values[0])
     for one in unknowns:
-        low, high = one.prior.lower, one.prior.upper
+        low, high = one.lower, one.upper
         if one.table != "unknowns":
             given = columns.get(one.parameter, np.array([shared.get(one.parameter, np.nan)]))
             known = spans.get(one.parameter)

@@ -14,6 +14,7 @@ from core.calibrate.model import Unknown
 from core.calibrate.posterior import Posterior
 from core.mechanics.arrays import Array
 from core.quantities import QUANTITIES
+from core.study.distributions import Normal
 from core.study.shown import SI, ShownUnits
 
 HARDLY = 0.7  # of the deviation before: what is known better has been told
@@ -139,7 +140,7 @@ class Findings:
         points, weights = self.posterior.points, self.posterior.weights
         correlation = self._value(f"correlation_{one.name}_{other.name}")
         first, second = points[:, j], points[:, k]
-        if min(one.prior.lower, other.prior.lower) > 0:
+        if min(one.lower, other.lower) > 0:
             logs = [np.log(first), np.log(second)]
             wide = min(_deviation(log, weights) for log in logs)
             for sign, word in ((-1.0, "ratio"), (1.0, "product")):
@@ -166,9 +167,9 @@ class Findings:
     def _bounds(self) -> Iterator[str]:
         for one in self.model.unknowns:
             axis, density = self.arrays[one.name], self.arrays[f"density_{one.name}"]
-            for end, bound, word in ((0, one.prior.lower, "lower"), (-1, one.prior.upper, "upper")):
+            for end, bound, word in ((0, one.lower, "lower"), (-1, one.upper, "upper")):
                 near = abs(axis[end] - bound) < 1e-9 * one.width
-                free = one.prior.mean is None
+                free = not isinstance(one.prior, Normal)
                 some = self._value(f"deviation_{one.name}") < HARDLY * _deviation_before(one)
                 if near and free and some and density[end] > AT_BOUND * density.max():
                     value = told(bound, one.unit, self.units)
@@ -235,7 +236,7 @@ class Findings:
 
 def _deviation_before(one: Unknown) -> float:
     uniform = one.width / np.sqrt(12.0)
-    return float(min(uniform, one.prior.deviation or np.inf))
+    return float(min(uniform, one.prior.deviation if isinstance(one.prior, Normal) else np.inf))
 
 
 def _deviation(values: Array, weights: Array) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import reprlib
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import (
@@ -14,18 +15,19 @@ from pydantic import (
     create_model,
 )
 
+from core.quantities import QUANTITIES, Quantity
+from core.study.distributions import Normal, read_distribution
 from core.study.grid_study import PARAMETERS, Frozen, Parameters
 from core.study.levels import refusal
 from core.study.observations import ROWS_SCHEMA, Run, spread_rows
-from core.study.priors import READERS, Prior
 from core.study.simulate_study import FollowedStudy, MotionSettings
 from core.study.units import UnitError
-from core.study.values import Values
+from core.study.values import Between, Values
 
-TABLES = tuple(READERS)
-"""The tables that hold unknowns."""
 STEMS = {"unknowns": "", "offsets": "offset_", "factors": "factor_"}
-"""What the names of the unknowns of each table begin with."""
+"""The tables that hold unknowns, and what the names of theirs begin with in a result."""
+Prior = Between | Normal
+"""What is known of an unknown before: bounds, or a normal distribution that bounds may cut."""
 FEWEST_POINTS, POINTS, MOST_POINTS = 1_000, 20_000, 1_000_000
 
 _ONE = {"anyOf": [{"type": "number"}, {"type": "string", "maxLength": 200}]}
@@ -37,10 +39,30 @@ _PRIOR_SCHEMA = {
 }
 
 
+def quantity_of(table: str, parameter: str) -> Quantity:
+    """Return what the unknown of a table is: a parameter, or a difference or factor of one."""
+    quantity = QUANTITIES[parameter]
+    if table == "unknowns":
+        return quantity
+    free = replace(quantity, lower=-float("inf"), upper=float("inf"), strict=False)
+    return free if table == "offsets" else replace(free, unit="1", lower=0.0, examples=("1.1",))
+
+
+def _read_prior(table: str, parameter: str, raw: object) -> Prior:
+    of = {"offsets": "the offset of ", "factors": "the factor of "}.get(table, "")
+    found = read_distribution(of + parameter, raw, quantity_of(table, parameter))
+    if not isinstance(found, Prior):
+        message = f"what is known of {of}{parameter} is neither a range nor a normal distribution"
+        raise UnitError(
+            message, "Write { lower = ..., upper = ... }, or { mean = ..., deviation = ... }"
+        )
+    return found
+
+
 def _prior_field(table: str, name: str) -> Any:
     def read(raw: object) -> Prior:
         try:
-            return READERS[table](name, raw)
+            return _read_prior(table, name, raw)
         except UnitError as error:
             raise refusal(error.message, error.fix) from error
 
@@ -138,7 +160,7 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
     def priors(self) -> dict[str, Prior]:
         """Return the unknowns by name, those of each table in the order of the declaration."""
         found: dict[str, Prior] = {}
-        for table in TABLES:
+        for table in STEMS:
             given = getattr(self, table)
             if given is not None:
                 names = [name for name in PARAMETERS if name in given.model_fields_set]

@@ -29,15 +29,23 @@ FEWEST_TABULATED = 2
 
 @dataclass(frozen=True)
 class Normal:
-    """A bell around a mean; two thirds lie within a deviation of it."""
+    """A bell around a mean; two thirds lie within a deviation of it. Bounds may cut it."""
 
     keys: ClassVar = ("mean", "deviation")
     mean: float
     deviation: float
+    lower: float | None = None
+    upper: float | None = None
 
     def canonical(self) -> Any:
         """Return the plain JSON form, in the quantity's unit."""
-        return {"mean": self.mean, "deviation": self.deviation}
+        return {name: value for name, value in vars(self).items() if value is not None}
+
+    def within(self, quantity: Quantity) -> tuple[float, float]:
+        """Return between which values it lies: its own bounds, and those of its quantity."""
+        lower = quantity.lower if self.lower is None else max(self.lower, quantity.lower)
+        upper = quantity.upper if self.upper is None else min(self.upper, quantity.upper)
+        return lower, upper
 
 
 @dataclass(frozen=True)
@@ -90,11 +98,14 @@ FORMS: Final[Mapping[str, tuple[str, ...]]] = {
     "lognormal": Lognormal.keys,
     "tabulated": Tabulated.keys,
 }
-"""The keys of each distribution; they tell which it is."""
+"""The keys of each distribution; they tell which it is. A normal one may have bounds besides."""
+BOUNDED: Final = frozenset(Normal.keys) | frozenset(FORMS["uniform"])
 
 
-def read_distribution(name: str, raw: object) -> Distribution:
+def read_distribution(name: str, raw: object, quantity: Quantity | None = None) -> Distribution:
     """Return the distribution that a user wrote for the parameter `name`.
+
+    Where it is that of something else than a parameter, `quantity` says what.
 
     Raises
     ------
@@ -103,18 +114,18 @@ def read_distribution(name: str, raw: object) -> Distribution:
     """
     if isinstance(raw, Distribution):
         return raw
-    quantity = QUANTITIES[name]
+    quantity = quantity or QUANTITIES[name]
     keys = frozenset(map(str, raw)) if isinstance(raw, Mapping) else frozenset()
     if keys == {CALIBRATION}:
         message = f"{name} is to come from a file, and only the command line and Python read files"
         raise UnitError(message, "Give values and densities in its place")
-    if not isinstance(raw, Mapping) or keys not in map(frozenset, FORMS.values()):
+    is_normal = frozenset(Normal.keys) <= keys <= BOUNDED
+    if not isinstance(raw, Mapping) or not (is_normal or keys in map(frozenset, FORMS.values())):
         raise UnitError(*_no_form(name, keys))
     if keys == frozenset(FORMS["uniform"]):
-        return read_between(name, raw)
-    if "mean" in keys:
-        mean = read_number(name, quantity, raw["mean"])
-        return Normal(mean, _deviation(name, quantity, raw["deviation"]))
+        return read_between(name, raw, quantity)
+    if is_normal:
+        return _normal(name, quantity, raw)
     if "median" in keys:
         return _lognormal(name, quantity, raw)
     if "values" in keys:
@@ -138,8 +149,19 @@ def _no_form(name: str, keys: frozenset[str]) -> tuple[str, str]:
     return f"{name}: {told} no distribution", f"Write one of {', '.join(forms[:-1])}"
 
 
-def _deviation(name: str, quantity: Quantity, raw: object) -> float:
-    return read_number(f"deviation of {name}", as_difference(quantity), raw)
+def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
+    mean = read_number(name, quantity, raw["mean"])
+    size = read_number(f"deviation of {name}", as_difference(quantity), raw["deviation"])
+    ends = {key: read_number(name, quantity, raw[key]) for key in ("lower", "upper") if key in raw}
+    found = Normal(mean, size, **ends)
+    lower, upper = found.within(quantity)
+    if not lower < upper:
+        message = f"the upper bound of {name} ({upper:g}) is not above the lower one ({lower:g})"
+        raise UnitError(message, "Swap them")
+    if not lower <= mean <= upper:
+        message = f"the mean of {name} ({mean:g}) is not between its bounds ({lower:g}, {upper:g})"
+        raise UnitError(message, "Move the mean or the bounds")
+    return found
 
 
 def _lognormal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Lognormal:
@@ -199,9 +221,12 @@ def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArr
     if isinstance(distribution, Tabulated):
         return _quantiles_of_table(distribution, shares)
     law, quantity = _law(distribution), QUANTITIES[name]
-    below, above = law.cdf([quantity.lower, quantity.upper])
+    lower, upper = quantity.lower, quantity.upper
+    if isinstance(distribution, Normal):
+        lower, upper = distribution.within(quantity)
+    below, above = law.cdf([lower, upper])
     found = law.ppf(below + (above - below) * shares)
-    return np.asarray(np.clip(found, quantity.lower, quantity.upper))
+    return np.asarray(np.clip(found, lower, upper))
 
 
 def _law(distribution: Normal | Triangular | Lognormal) -> Any:
@@ -241,7 +266,7 @@ def nominal(distribution: Distribution) -> float:
     match distribution:
         case Between(lower, upper):
             return (lower + upper) / 2
-        case Normal(mean, _):
+        case Normal(mean):
             return mean
         case Triangular(_, most_likely, _):
             return most_likely

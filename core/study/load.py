@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 from pydantic import ValidationError
 
 from core.errors import MOST_PROBLEMS, Problem, StudyError, Suggestions, nearest
-from core.study.calibrate_study import TABLES
+from core.study.calibrate_study import STEMS
 from core.study.distributions import CALIBRATION
 from core.study.drive import RecordedDrive
 from core.study.grid_study import PARAMETERS
@@ -255,7 +255,7 @@ def _stranger(
     within = path[0] if len(path) > 1 else ""
     if within == "observations":
         return _unknown_column(place, name, parameters, suggest)
-    if within in ("parameters", "variables", "candidates", *TABLES):
+    if within in ("parameters", "variables", "candidates", *STEMS):
         if name in STUDIES[kind].model_fields:
             message = f"'{name}' is a key of the study, and stands among the {within}"
             return Problem(place, message, f"Move it above the line [{within}]")

@@ -103,15 +103,15 @@ class Between:
         return {"lower": self.lower, "upper": self.upper}
 
 
-def read_between(name: str, raw: object) -> Between:
-    """Return the bounds that a user wrote for the variable `name`.
+def read_between(name: str, raw: object, quantity: Quantity | None = None) -> Between:
+    """Return the bounds that a user wrote for the variable `name`; `quantity` is what it is else.
 
     Raises
     ------
     UnitError
         If they are no two values of that quantity, the lower one first.
     """
-    quantity = QUANTITIES[name]
+    quantity = quantity or QUANTITIES[name]
     if isinstance(raw, Between):
         return raw
     if not isinstance(raw, Mapping) or set(raw) != {"lower", "upper"}:

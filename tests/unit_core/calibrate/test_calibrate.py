@@ -323,6 +323,13 @@ def test_a_study_as_a_whole_is_told_all_its_problems():
         assert line in told
 
 
+def test_a_prior_that_is_neither_range_nor_normal_says_what_would_be():
+    (told,) = problems(
+        study(runs(0.3, [1e-4]), {"friction": {"median": 0.3, "factor": 1.2}}),
+    )
+    assert "friction is neither a range nor a normal distribution. Write { lower" in told
+
+
 def test_more_unknowns_than_a_grid_holds_are_refused_with_what_would_fit():
     names = ("friction_static", "friction_kinetic", "restitution")
     unknowns = {name: {"lower": 0.1, "upper": 0.5} for name in names}

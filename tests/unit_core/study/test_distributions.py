@@ -22,10 +22,15 @@ from core.study.values import Between
 SHARES = (np.arange(100_000) + 0.5) / 100_000
 # Of friction, whose bound is 0: mean and deviation by hand or by scipy's truncated law.
 CUT = stats.truncnorm(-1.0, np.inf, loc=0.05, scale=0.05)
+WITHIN = stats.truncnorm(-0.6, 1.4, loc=0.05, scale=0.05)
 FORMS = {
     "uniform": ({"lower": 0.3, "upper": 0.5}, 0.4, 0.4, 0.2 / 12**0.5),
     "normal": ({"mean": 0.3, "deviation": 0.03}, 0.3, 0.3, 0.03),
     "cut": ({"mean": 0.05, "deviation": 0.05}, 0.05, CUT.mean(), CUT.std()),
+    "within": (
+        {"mean": 0.05, "deviation": 0.05, "lower": 0.02, "upper": 0.12},
+        0.05, WITHIN.mean(), WITHIN.std(),
+    ),
     "triangular": (
         {"lower": 0.2, "most_likely": 0.3, "upper": 0.6}, 0.3, 1.1 / 3, (0.13 / 18) ** 0.5,
     ),
@@ -85,6 +90,8 @@ def test_a_flat_table_is_uniform():
         ({"mean": 0.3, "deviation": 0}, "greater than 0"),
         ({"mean": 0.3, "deviation": "1 mm"}, "does not measure"),
         ({"lower": 0.5, "upper": 0.3}, "not above the lower"),
+        ({"mean": 0.3, "deviation": 0.1, "lower": 0.5, "upper": 0.4}, "not above the lower"),
+        ({"mean": 0.3, "deviation": 0.1, "upper": 0.2}, "not between its bounds"),
         ({"lower": 0.2, "most_likely": 0.7, "upper": 0.6}, "ascending order"),
         ({"median": 0, "factor": 2}, "above 0"),
         ({"median": 0.3, "factor": 1}, "above 1"),
