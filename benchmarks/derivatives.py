@@ -2,8 +2,8 @@
 
 Run `python -m benchmarks.derivatives [CELLS]`. The judge knows nothing of events: it asks the plain
 kernel on both sides of a cell, at steps that halve, and extrapolates (Ridders). Only steps count
-across which status, multiple and the impacts of a period stay, and only where the judge itself is
-sure to a tenth of the bar.
+across which status, multiple, the impacts of a period and what the part does stay, and only where
+the judge itself is sure to a tenth of the bar.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ Floats = NDArray[np.float64]
 
 NAMES = ("c", "s", "gs", "gn", "mu_s", "mu_k", "e")
 FIELDS = ("velocity", "stick", "forward", "backward", "flight", "landing_speed", "hop_height")
+SHARES = (COLUMN.stick, COLUMN.forward, COLUMN.backward, COLUMN.flight)
 BAR = 1e-7
 SURE = BAR / 10
 STEPS = 16  # of a difference, halving
@@ -130,6 +131,9 @@ def judged(cells: Floats, group: int) -> tuple[Floats, Floats]:
             same &= np.isclose(here[:, kind], low[:, kind]) & np.isclose(
                 here[:, kind], high[:, kind]
             )
+        for kind in SHARES:
+            modes = here[:, kind] > 0
+            same &= (modes == (low[:, kind] > 0)) & (modes == (high[:, kind] > 0))
         if group == 6:
             same &= cells[:, 6] > h
         first = (high - low)[:, columns] / (2 * h)
