@@ -36,7 +36,8 @@ GROUPS: dict[str, list[dict[str, Any]]] = {
             (PLANE, "events"), (PLANE, "time-stepping"), (TRACK, "time-stepping"),
         )
         for shown in ({}, {"trajectory": 10})
-    ],
+    ]
+    + [{"kind": "simulate", **PLANE, "sensitivities": True}],
     "tumbling": [
         {"kind": "simulate", **PIN, "method": "events"},
         {"kind": "simulate", **PIN, "method": "events", "trajectory": 10},

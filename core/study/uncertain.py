@@ -21,7 +21,7 @@ from core.study.units import UnitError
 def _schema(quantity: Quantity) -> dict[str, Any]:
     # Short, since there is one for each of many parameters: docs/sensitivity.md says the rest.
     one: dict[str, Any] = {"type": ["number", "string"]}
-    many: dict[str, Any] = {"type": "array", "minItems": 2, "maxItems": MOST_TABULATED}
+    many = {"type": "array", "items": one, "minItems": 2, "maxItems": MOST_TABULATED}
     kinds = {"values": many, "densities": many, "factor": {"type": "number"}}
     return {
         "title": quantity.label,

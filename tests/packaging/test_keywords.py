@@ -32,7 +32,8 @@ def test_what_is_out_of_date_is_written_again():
     without = "".join(line for line in lines if "frequency" not in line or "self" in line)
     assert without.count("frequency") < 5
     old = without.replace("    amplitude: Values", "    gone: Values")
-    assert keywords.rewritten(old).count("    frequency: Values") == 7
+    name = "    frequency: Values"
+    assert keywords.rewritten(old).count(name) == text.count(name) > 6
     assert "    gone: " not in keywords.rewritten(old)
 
 

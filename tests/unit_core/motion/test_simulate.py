@@ -257,7 +257,7 @@ class TestDatasets:
                 for name, value in {
                     **HOP, "delta": "10 deg", "length": "20 mm", "height": "12 mm",
                     "diameter": "8 mm", "restitution": 0.1, "duration": "0.2 s", "radius": "0.3 m",
-                    "mass": "2 g", "hold_down": "0.5 m/s^2",
+                    "mass": "2 g", "hold_down_force": "1 mN",
                 }.items()
                 if name in needed(system, method)
             }  # fmt: skip
