@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -300,31 +299,6 @@ def test_motion_in_hop_after_hop_has_its_exact_exponents():
         one = of["conveying_velocity", name]
         assert one.logarithmic == pytest.approx(exponent, abs=1e-9)
         assert abs(one.logarithmic - exponent) <= 1e-12 + 100 * one.error * point[name] / 0.14
-
-
-def test_motion_with_two_sided_sliding_against_its_closed_form():
-    # gamma = 0, theory 13.8 (i): the velocity in closed form, its slope by mu from 40 digits.
-    beta, mu, P, w, g = 0.3, 0.2, 30.0, 300.0, 9.81
-
-    mp = mpmath.mp  # which differentiates
-
-    def speed(m):
-        q = m * mp.tan(beta)
-        sine = mp.pi * m * g / (2 * P * mp.cos(beta) * mp.cos(mp.pi * q / 2))
-        bracket = (1 + q * q) * mp.sin(mp.pi * q / 2) + 2 * q / mp.pi * mp.cos(mp.pi * q / 2)
-        return P / w * mp.cos(beta) * mp.sqrt(1 - sine * sine) * bracket
-
-    point = {
-        "frequency": w / (2 * math.pi), "amplitude": P / w**2, "beta": beta, "gravity": g,
-        "friction": mu,
-    }  # fmt: skip
-    one = motion_sensitivities(
-        "rectangle-on-plane", None, ["conveying_velocity"], point, ["friction"]
-    )["conveying_velocity", "friction"]
-    with mp.workdps(40):
-        exact = float(mp.diff(speed, mpmath.mpf(mu)))
-    # Rounding of the velocities, 1e-15, over the least steps that took part.
-    assert one.derivative == pytest.approx(exact, rel=1e-8)
 
 
 def test_scaling_binds_the_exponents_of_motion():
