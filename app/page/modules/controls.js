@@ -1,8 +1,8 @@
 // The fields of a view: parameters with sliders, which of them run across and up, what is shown.
 
 import { element, fill } from "./elements.js";
-import { choiceField } from "./fields.js";
-import { capital, label, shown, words } from "./words.js";
+import { choiceField, numberInput } from "./fields.js";
+import { capital, label, shown, withUnit, words } from "./words.js";
 import { places } from "./computed.js";
 import { pictured } from "./opening.js";
 import { furtherParameters, shownParameters, typical, usual } from "./view.js";
@@ -118,16 +118,16 @@ export class Controls {
     const field = this.select(text, options, axis?.name ?? "", (name) => this.changeAxis(place, name));
     if (!axis) return field;
     const parameter = parameters.find(({ name }) => name === axis.name);
-    const [factor, unit] = shown(parameter.unit);
+    const [, unit] = shown(parameter.unit);
+    const isOrdered = { from: (value) => value < axis.to, to: (value) => value > axis.from };
     const end = (which) =>
-      element("input", {
-        type: "number",
-        step: "any",
-        "aria-label": `${text} ${which}${unit ? ` in ${unit}` : ""}`,
-        value: Number((axis[which] * factor).toPrecision(6)),
-        onchange: (event) =>
-          this.change({ [place]: { ...axis, [which]: Number(event.target.value) / factor } }),
-      });
+      numberInput(
+        `${text} ${which}${unit ? ` in ${unit}` : ""}`,
+        axis[which],
+        parameter.unit,
+        (value) => this.change({ [place]: { ...axis, [which]: value } }),
+        { check: (value) => (isOrdered[which](value) ? "" : "The first end has to be below the second") },
+      );
     field.append(
       element("div", { class: "ends" }, end("from"), "to", end("to")),
       this.complaint(axis.name),
@@ -141,34 +141,41 @@ export class Controls {
 
   field(parameter) {
     const { name, unit, description } = parameter;
-    const [factor, unitShown] = shown(unit);
-    const value = this.view.values[name];
+    const [, unitShown] = shown(unit);
     const [low, high] = usual(parameter);
-    const range = places(Math.min(low, value), Math.max(high, value));
     const id = `value-${name}`;
-    const typed = element("input", {
-      id,
-      type: "number",
-      step: "any",
-      value: Number((value * factor).toPrecision(6)),
-      "aria-describedby": `wrong-${name}`,
-      onchange: () => this.set(name, Number(typed.value) / factor),
-    });
+    let range;
     const slider = element("input", {
       type: "range",
       min: 0,
-      max: range.num - 1,
       step: 1,
       "aria-label": `${capital(words(name))}, slider`,
       oninput: () => {
         const moved = range.at(Number(slider.value));
-        typed.value = Number((moved * factor).toPrecision(6));
+        typed.show(moved);
+        tell(moved);
         this.view.values[name] = moved;
         this.onchange(this.view, { dragged: { name, from: range.from, to: range.to } });
       },
       onchange: () => this.set(name, range.at(Number(slider.value))),
     });
-    slider.value = String(Math.round(((value - range.from) / (range.to - range.from)) * (range.num - 1)));
+    const tell = (value) => slider.setAttribute("aria-valuetext", withUnit(value, unit));
+    // The slider reaches from what is usual to the value, and stands at it.
+    const follow = (value) => {
+      range = places(Math.min(low, value), Math.max(high, value));
+      slider.max = String(range.num - 1);
+      slider.value = String(Math.round(((value - range.from) / (range.to - range.from)) * (range.num - 1)));
+      tell(value);
+    };
+    const taken = (value) => {
+      follow(value);
+      this.set(name, value);
+    };
+    const typed = numberInput(null, this.view.values[name], unit, taken, {
+      id,
+      "aria-describedby": `wrong-${name}`,
+    });
+    follow(this.view.values[name]);
     return element(
       "div",
       { class: "field", title: description },
@@ -231,16 +238,13 @@ export class Controls {
       (name) => this.change({ band: name ? { name, share: view.band?.share ?? 0.2 } : null }),
     );
     if (view.band) {
-      const share = element("input", {
-        type: "number",
-        min: 1,
-        max: 90,
-        step: "any",
-        "aria-label": "Known within, in per cent",
-        value: 100 * view.band.share,
-        onchange: () =>
-          this.change({ band: { ...view.band, share: Math.min(0.9, Number(share.value) / 100) } }),
-      });
+      const share = numberInput(
+        "Known within, in per cent",
+        100 * view.band.share,
+        "%",
+        (value) => this.change({ band: { ...view.band, share: value / 100 } }),
+        { check: (value) => (value > 0 && value <= 90 ? "" : "It has to be above 0 % and at most 90 %") },
+      );
       field.append(element("div", { class: "ends" }, "within ±", share, "%"));
     }
     return field;

@@ -1,6 +1,7 @@
 // Fields of forms: a choice, a number in the unit that is shown, a tick.
 
 import { element } from "./elements.js";
+import { fieldText, readNumber } from "./numbers.js";
 import { shown } from "./words.js";
 
 // `options` are [value, text]; `chosen(value)` hears.
@@ -13,17 +14,49 @@ export function choiceField(id, text, options, value, chosen) {
   return element("div", { class: "field" }, element("label", { for: id }, text), made);
 }
 
-// `set` hears the value in the unit of the service, or null where the field is empty.
-export function numberInput(text, value, unit, set, more = {}) {
-  const [factor] = shown(unit);
+// A number, typed with or without its unit; `set` hears the value in the unit of the service. What is
+// no number, or what `check` objects to with a sentence, changes nothing: the last value stays, and
+// the reason is said beside the field. An `isOptional` field may be emptied: `set` then hears null.
+export function numberInput(text, value, unit, set, { isOptional = false, check = () => "", ...more } = {}) {
+  let last = value;
+  const said = element("span", { class: "wrong", role: "alert" });
   const made = element("input", {
-    type: "number",
-    step: "any",
+    type: "text",
+    inputmode: "decimal",
+    autocomplete: "off",
     "aria-label": text,
-    value: value === null || value === undefined ? "" : Number((value * factor).toPrecision(6)),
-    onchange: () => set(made.value === "" ? null : Number(made.value) / factor),
+    value: fieldText(value, unit),
+    onchange: () => take(),
+    onkeydown: (event) => step(event),
     ...more,
   });
+  // Another value, as if it had been typed.
+  made.show = (other) => {
+    last = other;
+    made.value = fieldText(other, unit);
+    said.remove();
+  };
+  function take() {
+    const isEmptied = isOptional && made.value.trim() === "";
+    const read = isEmptied ? { value: null } : readNumber(made.value, unit);
+    const problem = read.problem ?? (isEmptied ? "" : check(read.value));
+    made.show(problem ? last : read.value);
+    if (problem) {
+      const [, unitShown] = shown(unit);
+      const kept = last === null || last === undefined ? "" : ` It stays ${made.value} ${unitShown}`.trimEnd() + ".";
+      said.textContent = `${problem}.${kept}`;
+      made.after(said);
+    } else set(read.value);
+  }
+  // The arrow keys change the last digit.
+  function step(event) {
+    const sign = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+    if (!sign || readNumber(made.value, unit).problem) return;
+    const decimals = made.value.match(/^-?\d+[.,](\d+)$/)?.[1].length ?? 0;
+    made.value = (Number(made.value.replace(",", ".")) + sign * 10 ** -decimals).toFixed(decimals);
+    event.preventDefault();
+    take();
+  }
   return made;
 }
 

@@ -18,6 +18,8 @@ import { Refusal, get } from "./service.js";
 import { fromLink, toLink } from "./view.js";
 import { duration } from "./words.js";
 
+const DIMMED_AFTER = 100; // ms without the picture of the fields
+
 // For screen readers, and whoever waits for the picture.
 function busy(isBusy) {
   byId("picture").setAttribute("aria-busy", String(isBusy));
@@ -168,7 +170,12 @@ class Page {
       let next = how;
       while (next) {
         this.waiting = null;
-        await this.computeOnce(next);
+        try {
+          await this.computeOnce(next);
+        } catch (error) {
+          reportError(error); // a fault of this page: the next view is drawn all the same
+          this.picture.dim("Not drawn: the page has met a fault of its own. Change a value, or load it anew.");
+        }
         next = this.waiting;
       }
     } finally {
@@ -183,16 +190,20 @@ class Page {
     const { signal } = this.abort;
     const tell = (job) => this.tellJob(job);
     const started = performance.now();
+    if (!dragged) this.keep(view); // also where the picture takes long: the address is of the fields
+    const dimming = setTimeout(() => this.picture.dim("Computing ..."), DIMMED_AFTER);
     try {
       if (isFirst && view.kind === "simulate" && view.y) {
         const coarse = await this.notice.persist(() => this.source.coarse(view, { signal, tell }));
         signal.throwIfAborted();
+        clearTimeout(dimming);
         this.picture.show(coarse);
       }
       let found;
       do {
         found = await this.notice.persist(() => this.source.compute(view, { dragged, signal, tell }));
         signal.throwIfAborted();
+        clearTimeout(dimming);
         this.picture.show(found, { isMoving: dragged !== null });
       } while (!dragged && this.source.isWorthMore(view));
       this.controls.clear();
@@ -208,11 +219,14 @@ class Page {
       if (error.name === "AbortError") return;
       byId("progress").textContent = "";
       if (!(error instanceof Refusal)) throw error;
+      this.picture.dim("Not drawn: this picture shows other values.");
       this.controls.clear();
       const rest = this.controls.complain(error.errors);
       this.notice.tell(error.errors.length ? rest.slice(0, 1) : [error.message]);
       const wrong = this.controls.wrong();
       if (wrong.length) byId("progress").textContent = `Not drawn. ${wrong.join(" ")}`;
+    } finally {
+      clearTimeout(dimming);
     }
     if (view.question === "drive") this.optimum.grown();
     if (!dragged) this.keep(view);

@@ -42,7 +42,7 @@ export class HeatMap {
     );
     fill(host, this.box, this.said, this.scale, this.legend);
     this.data = null;
-    this.cursor = null;
+    this.cursor = null; // {x, y}, values of the axes: the next picture may have other cells
     this.marks = {}; // by who sets them
     new ResizeObserver(() => this.resize()).observe(this.box);
   }
@@ -146,14 +146,26 @@ export class HeatMap {
 
   cursorDrawn() {
     if (!this.cursor) return null;
-    const x = this.x.place(this.data.x.values[this.cursor.i]);
-    const y = this.y.place(this.data.y.values[this.cursor.j]);
+    const { left, right, top, bottom } = FRAME;
+    const x = this.x.place(this.cursor.x);
+    const y = this.y.place(this.cursor.y);
+    const width = this.box.clientWidth - right;
+    const height = this.box.clientHeight - bottom;
+    if (x < left - 1 || x > width + 1 || y < top - 1 || y > height + 1) return null; // of other axes
     return drawn(
       "g",
       { class: "cursor" },
-      drawn("line", { x1: x, x2: x, y1: FRAME.top, y2: this.box.clientHeight - FRAME.bottom }),
-      drawn("line", { x1: FRAME.left, x2: this.box.clientWidth - FRAME.right, y1: y, y2: y }),
+      drawn("line", { x1: x, x2: x, y1: top, y2: height }),
+      drawn("line", { x1: left, x2: width, y1: y, y2: y }),
     );
+  }
+
+  // The cell that the cursor is in.
+  cell() {
+    return {
+      i: this.nearest(this.data.x.values, this.cursor.x),
+      j: this.nearest(this.data.y.values, this.cursor.y),
+    };
   }
 
   nearest(values, wanted) {
@@ -164,11 +176,13 @@ export class HeatMap {
     return best;
   }
 
+  // The middle of the cell under the pointer.
   under(event) {
     const box = this.box.getBoundingClientRect();
+    const { x, y } = this.data;
     return {
-      i: this.nearest(this.data.x.values, this.x.value(event.clientX - box.left)),
-      j: this.nearest(this.data.y.values, this.y.value(event.clientY - box.top)),
+      x: x.values[this.nearest(x.values, this.x.value(event.clientX - box.left))],
+      y: y.values[this.nearest(y.values, this.y.value(event.clientY - box.top))],
     };
   }
 
@@ -183,7 +197,7 @@ export class HeatMap {
     const lines = this.cursorDrawn();
     if (lines) this.svg.append(lines);
     this.say();
-    this.onpoint(this.chosen());
+    this.onpoint(this.cursor);
   }
 
   leave() {
@@ -195,7 +209,7 @@ export class HeatMap {
 
   say() {
     const { x, y, z, regime } = this.data;
-    const { i, j } = this.cursor;
+    const { i, j } = this.cell();
     const parts = [
       `${words(x.name)} ${withUnit(x.values[i], x.unit)}`,
       `${words(y.name)} ${withUnit(y.values[j], y.unit)}`,
@@ -205,30 +219,27 @@ export class HeatMap {
     this.said.textContent = capital(parts.filter(Boolean).join(", "));
   }
 
-  chosen() {
-    const { x, y } = this.data;
-    return { x: x.values[this.cursor.i], y: y.values[this.cursor.j] };
-  }
-
   pick(event) {
     if (!this.data) return;
     this.move(this.under(event));
-    this.onpick(this.chosen());
+    this.onpick(this.cursor);
   }
 
   press(event) {
     if (!this.data) return;
     const step = event.shiftKey ? 10 : 1;
     const moves = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-    const last = [this.data.x.values.length - 1, this.data.y.values.length - 1];
-    this.cursor ??= { i: Math.round(last[0] / 2), j: Math.round(last[1] / 2) };
+    const { x, y } = this.data;
+    const last = [x.values.length - 1, y.values.length - 1];
+    this.cursor ??= { x: x.values[Math.round(last[0] / 2)], y: y.values[Math.round(last[1] / 2)] };
     if (event.key === "Enter") {
-      this.onpick(this.chosen());
+      this.onpick(this.cursor);
     } else if (moves[event.key]) {
       const [di, dj] = moves[event.key];
+      const { i, j } = this.cell();
       this.move({
-        i: Math.max(0, Math.min(last[0], this.cursor.i + step * di)),
-        j: Math.max(0, Math.min(last[1], this.cursor.j + step * dj)),
+        x: x.values[Math.max(0, Math.min(last[0], i + step * di))],
+        y: y.values[Math.max(0, Math.min(last[1], j + step * dj))],
       });
     } else return;
     event.preventDefault();

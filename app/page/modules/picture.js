@@ -21,12 +21,14 @@ export class Picture {
     this.scene = scene;
     this.kind = null;
     this.marks = {};
+    if (this.drawing) this.dim("Computing ...");
     fill(byId("headline"), capital(words(view.output)), " ", element("small", {}, scene.title));
     byId("worst").hidden = true;
   }
 
   // `isMoving` while a slider is dragged: the next picture will soon be there.
   show(found, { isMoving = false } = {}) {
+    this.undim();
     const kind = found.y ? "map" : "curves";
     if (this.kind !== kind) {
       const { onpick, onpoint } = this;
@@ -49,6 +51,17 @@ export class Picture {
       });
     }
     this.tellValidity(found);
+  }
+
+  // What is drawn is not, or not yet, of the fields: it is dimmed, and why is said over it.
+  dim(reason) {
+    byId("picture").classList.add("stale");
+    byId("stale").textContent = reason;
+  }
+
+  undim() {
+    byId("picture").classList.remove("stale");
+    byId("stale").textContent = "";
   }
 
   hint() {

@@ -83,11 +83,16 @@ export class Wishes {
               told,
               best[name],
               unit,
-              (value) => {
-                const least = isPoints ? 2 : 0;
-                best[name] = Math.max(least, isPoints ? Math.min(MOST_POINTS, Math.round(value ?? 2)) : (value ?? 0));
+              (value) => (best[name] = value),
+              {
+                id: "criterion-figure",
+                "aria-label": null,
+                check: (value) => {
+                  if (!isPoints) return value >= 0 ? "" : "It has to be at least 0";
+                  const isFit = Number.isInteger(value) && value >= 2 && value <= MOST_POINTS;
+                  return isFit ? "" : `It has to be a whole number from 2 to ${MOST_POINTS}`;
+                },
               },
-              { id: "criterion-figure", min: isPoints ? 2 : 0, "aria-label": null },
             ),
           )
         : null,
@@ -155,9 +160,9 @@ export class Wishes {
         "div",
         { class: "ends" },
         "from",
-        this.figure(`Least ${told}`, row.lower, unit, (value) => (row.lower = value)),
+        this.figure(`Least ${told}`, row.lower, unit, (value) => (row.lower = value), { isOptional: true }),
         "to",
-        this.figure(`Largest ${told}`, row.upper, unit, (value) => (row.upper = value)),
+        this.figure(`Largest ${told}`, row.upper, unit, (value) => (row.upper = value), { isOptional: true }),
         unitShown,
       ),
       element(
@@ -210,9 +215,9 @@ export class Wishes {
           element(
             "div",
             { class: "ends" },
-            this.figure(`Least ${words(row.name)}`, row.from, unit, (value) => (row.from = value ?? 0)),
+            this.figure(`Least ${words(row.name)}`, row.from, unit, (value) => (row.from = value)),
             "to",
-            this.figure(`Largest ${words(row.name)}`, row.to, unit, (value) => (row.to = value ?? 0)),
+            this.figure(`Largest ${words(row.name)}`, row.to, unit, (value) => (row.to = value)),
             unitShown,
           ),
           this.complaint(`variables.${row.name}`),
@@ -243,7 +248,7 @@ export class Wishes {
         "div",
         { class: "field", title: description },
         element("label", { for: id }, label(name, unit)),
-        this.figure("", best.given[name], unit, (value) => (best.given[name] = value ?? 0), { id, "aria-label": null }),
+        this.figure("", best.given[name], unit, (value) => (best.given[name] = value), { id, "aria-label": null }),
         this.complaint(`parameters.${name}`),
       );
     });

@@ -1,0 +1,87 @@
+// Numbers as people type them: a point or a comma, a unit, a simple expression. What is no number
+// stays none: it never becomes 0.
+
+import { shown } from "./words.js";
+
+const MOST_CHARACTERS = 60;
+
+// Units that may be typed, by the unit of the service: what one of them is in it.
+const TYPED = {
+  1: { "%": 0.01 },
+  m: { m: 1, cm: 1e-2, mm: 1e-3, µm: 1e-6, um: 1e-6, in: 0.0254 },
+  "m s-1": { "m/s": 1, "cm/s": 1e-2, "mm/s": 1e-3, "m/min": 1 / 60 },
+  "m s-2": { "m/s²": 1, "m/s2": 1, "m/s^2": 1, g: 9.80665 },
+  degree: { "°": 1, deg: 1, degree: 1, degrees: 1, rad: 180 / Math.PI },
+  Hz: { Hz: 1, kHz: 1e3, rpm: 1 / 60, vpm: 1 / 60, "1/min": 1 / 60 },
+  kg: { kg: 1, g: 1e-3, mg: 1e-6 },
+  s: { s: 1, ms: 1e-3, min: 60 },
+  "%": { "%": 1 },
+  N: { N: 1, mN: 1e-3, kN: 1e3 },
+};
+
+// The value in the unit of the service: {value}, or {problem}, a sentence on what is wrong.
+export function readNumber(text, unit) {
+  const typed = text.trim().replaceAll("\u2212", "-");
+  if (typed === "") return { problem: "No number is given" };
+  if (typed.length > MOST_CHARACTERS) return { problem: "That is too long to be a number" };
+  if (/^[-+]?[1-9]\d{0,2}(,\d{3})+(?![\d.])/.test(typed)) {
+    return { problem: `"${typed}" may mean two numbers: leave the comma out, or write a point` };
+  }
+  const [perUnit] = shown(unit);
+  const bare = evaluated(typed);
+  const value = bare === null ? withUnitTyped(typed, unit) : bare / perUnit;
+  if (value === null) {
+    const known = Object.keys(TYPED[unit] ?? {}).join(", ");
+    return { problem: `"${typed}" is not a number${known ? `, alone or with ${known}` : ""}` };
+  }
+  return Number.isFinite(value) ? { value } : { problem: `"${typed}" is too large a number` };
+}
+
+// The value of a number and a unit that fits, in the unit of the service; else null.
+function withUnitTyped(text, unit) {
+  const known = TYPED[unit] ?? {};
+  const name = Object.keys(known)
+    .filter((one) => text.endsWith(one))
+    .sort((one, other) => other.length - one.length)[0];
+  if (name === undefined) return null;
+  const value = evaluated(text.slice(0, -name.length));
+  const [perUnit, nameShown] = shown(unit);
+  if (value === null) return null;
+  return name === nameShown ? value / perUnit : value * known[name];
+}
+
+// The value of an expression of + - * / and brackets, null if it is none.
+function evaluated(text) {
+  const plain = text.replace(/(\d),(\d)/g, "$1.$2");
+  const tokens = plain.match(/\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?|[-+*/()]|\S/g) ?? [];
+  let place = 0;
+  const next = () => tokens[place];
+  const sum = () => {
+    let value = product();
+    while (next() === "+" || next() === "-") value = tokens[place++] === "+" ? value + product() : value - product();
+    return value;
+  };
+  const product = () => {
+    let value = factor();
+    while (next() === "*" || next() === "/") value = tokens[place++] === "*" ? value * factor() : value / factor();
+    return value;
+  };
+  const factor = () => {
+    const token = tokens[place++];
+    if (token === "-") return -factor();
+    if (token === "+") return factor();
+    if (token === "(") {
+      const value = sum();
+      return tokens[place++] === ")" ? value : NaN;
+    }
+    return token !== undefined && /^[\d.]/.test(token) ? Number(token) : NaN;
+  };
+  const value = sum();
+  return place === tokens.length && !Number.isNaN(value) ? value : null;
+}
+
+// As it stands in a field: six digits, in the unit that is shown.
+export function fieldText(value, unit) {
+  const [factor] = shown(unit);
+  return value === null || value === undefined ? "" : String(Number((value * factor).toPrecision(6)));
+}

@@ -1,0 +1,113 @@
+"""Typed text counts as the number that was meant, or not at all; no picture shows other values."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from playwright.sync_api import Page, expect
+
+FRICTION = "#value-friction"
+
+
+def settled(page: Page) -> None:
+    expect(page.locator("#picture")).to_have_attribute("aria-busy", "false")
+
+
+def opened(page: Page, address: str) -> None:
+    page.goto(address)
+    settled(page)
+    expect(page.locator("#progress")).to_contain_text("Shown after")
+
+
+def typed(page: Page, field: str, text: str) -> None:
+    page.locator(field).fill(text)
+    page.locator(field).press("Enter")
+    settled(page)
+
+
+def in_address(page: Page, name: str) -> float:
+    """Return a parameter of the link; what has its default value stands there, too."""
+    (value,) = re.findall(rf"p\.{name}=([^&]+)", page.url)
+    return float(value)
+
+
+@pytest.mark.parametrize("nonsense", ["", "abc", "1e400", "0.3.1", "3 mm", "--"])
+def test_what_is_no_number_changes_nothing(page: Page, address: str, nonsense: str) -> None:
+    opened(page, address)
+    before, said = page.url, page.locator(".field:has(#value-friction) [role=alert]")
+    typed(page, FRICTION, nonsense)
+    assert page.locator(FRICTION).input_value() == "0.3"
+    assert page.url == before
+    expect(said).to_contain_text("It stays 0.3.")
+
+
+@pytest.mark.parametrize(
+    ("field", "name", "text", "value"),
+    [
+        (FRICTION, "friction", "0,35", 0.35),
+        (FRICTION, "friction", "25 %", 0.25),
+        ("#value-frequency", "frequency", "3000/60", 50.0),
+        ("#value-frequency", "frequency", "3300 rpm", 55.0),
+        ("#value-frequency", "frequency", "53,5", 53.5),
+    ],
+)
+def test_numbers_as_people_type_them(
+    page: Page, address: str, field: str, name: str, text: str, value: float
+) -> None:
+    opened(page, address)
+    typed(page, field, "0.31" if name == "friction" else "49")
+    typed(page, field, text)
+    assert in_address(page, name) == pytest.approx(value, rel=1e-12)
+    assert float(page.locator(field).input_value()) == pytest.approx(value, rel=1e-5)
+    slider = page.locator(f".field:has({field}) input[type=range]")
+    spoken = slider.get_attribute("aria-valuetext")
+    assert spoken is not None
+    assert float(re.sub(r"[^\d.]", "", spoken)) == pytest.approx(value, rel=1e-3)
+
+
+def test_arrow_keys_change_the_last_digit(page: Page, address: str) -> None:
+    opened(page, address)
+    page.locator(FRICTION).press("ArrowUp")
+    settled(page)
+    assert in_address(page, "friction") == pytest.approx(0.4)
+
+
+def test_a_crosshair_stays_where_it_was_put(page: Page, address: str) -> None:
+    """A drag shows another grid; before, the crosshair held its place in the old one."""
+    opened(page, address)
+    box = page.locator("#host .map").bounding_box()
+    assert box is not None
+    page.mouse.click(box["x"] + 0.9 * box["width"], box["y"] + 0.2 * box["height"])
+    lines = page.locator("#host .cursor line")
+    expect(lines).to_have_count(2)
+
+    def crossing() -> tuple[float, float]:
+        return float(lines.nth(0).get_attribute("x1") or 0), float(
+            lines.nth(1).get_attribute("y1") or 0
+        )
+
+    before = crossing()
+    slider = page.get_by_label("Frequency, slider")
+    thumb = slider.bounding_box()
+    assert thumb is not None
+    x, y = thumb["x"] + 0.5 * thumb["width"], thumb["y"] + 0.5 * thumb["height"]
+    page.mouse.move(x, y)
+    page.mouse.down()
+    for step in range(1, 6):
+        page.mouse.move(x + 8 * step, y)
+        settled(page)
+        assert crossing() == pytest.approx(before, abs=0.6)  # px; held: the map is a coarse one
+    page.mouse.up()
+    settled(page)
+    assert crossing() == pytest.approx(before, abs=0.6)
+
+
+def test_a_picture_of_other_values_is_dimmed(page: Page, address: str) -> None:
+    opened(page, address)
+    typed(page, FRICTION, "-1")
+    expect(page.locator("#picture")).to_have_class(re.compile("stale"))
+    expect(page.locator("#stale")).to_contain_text("Not drawn")
+    typed(page, FRICTION, "0.3")
+    expect(page.locator("#picture")).not_to_have_class(re.compile("stale"))
+    expect(page.locator("#stale")).to_be_empty()
