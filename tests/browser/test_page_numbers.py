@@ -111,3 +111,46 @@ def test_a_picture_of_other_values_is_dimmed(page: Page, address: str) -> None:
     typed(page, FRICTION, "0.3")
     expect(page.locator("#picture")).not_to_have_class(re.compile("stale"))
     expect(page.locator("#stale")).to_be_empty()
+
+
+def test_a_choice_keeps_the_focus_and_going_back_undoes_it(page: Page, address: str) -> None:
+    opened(page, address)
+    first = page.url
+    page.locator("#choose-output").focus()
+    page.locator("#choose-output").select_option("hop_height")
+    settled(page)
+    assert page.evaluate("document.activeElement.id") == "choose-output"
+    typed(page, FRICTION, "0.4")
+    page.go_back()
+    settled(page)
+    expect(page.locator(FRICTION)).to_have_value("0.3")
+    expect(page.locator("#choose-output")).to_have_value("hop_height")
+    page.go_back()
+    settled(page)
+    expect(page.locator("#choose-output")).to_have_value("conveying_velocity")
+    assert page.url == first
+
+
+def test_a_job_begun_before_a_reload_is_followed_to_its_end(page: Page, address: str) -> None:
+    opened(page, address)
+    study = {
+        "kind": "simulate",
+        "scene": "rectangle-on-plane",
+        "outputs": ["conveying_velocity"],
+        "parameters": {"frequency": 50, "amplitude": 0.0002, "beta": 30, "friction": 0.321},
+    }
+    job = page.evaluate(
+        """async (study) => (await fetch("processes/simulate/execution", {
+            method: "POST",
+            headers: {"Content-Type": "application/json", Prefer: "respond-async"},
+            body: JSON.stringify(study),
+        })).json()""",
+        study,
+    )
+    frozen = [{**job, "status": "running", "progress": 1, "message": "as it stood"}]
+    page.evaluate(
+        "(jobs) => sessionStorage.setItem('vibrafeed-jobs', JSON.stringify(jobs))", frozen
+    )
+    page.reload()
+    line = page.locator("#jobs li").first
+    expect(line.get_by_role("button", name="NetCDF")).to_be_visible()

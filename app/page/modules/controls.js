@@ -1,6 +1,6 @@
 // The fields of a view: parameters with sliders, which of them run across and up, what is shown.
 
-import { element, fill } from "./elements.js";
+import { element, refill } from "./elements.js";
 import { choiceField, numberInput } from "./fields.js";
 import { capital, label, shown, withUnit, words } from "./words.js";
 import { places } from "./computed.js";
@@ -30,7 +30,7 @@ export class Controls {
     const parameters = shownParameters(scene, view.output, given);
     const further = furtherParameters(scene, view.output, given);
     this.parameters = parameters;
-    fill(
+    refill(
       this.host,
       this.what(scenes),
       element(

@@ -16,6 +16,13 @@ export function fill(parent, ...children) {
   parent.replaceChildren(...children.filter((child) => child !== null && child !== undefined));
 }
 
+// The same; what had the focus has it still, if an element of that id is there again.
+export function refill(parent, ...children) {
+  const { id } = parent.contains(document.activeElement) ? document.activeElement : {};
+  fill(parent, ...children);
+  if (id) document.getElementById(id)?.focus({ preventScroll: true });
+}
+
 export function byId(id) {
   return document.getElementById(id);
 }

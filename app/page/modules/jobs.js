@@ -1,13 +1,14 @@
 // The jobs of this browser's tab: how they stand, to be cancelled and their results taken.
 
 import { element, fill } from "./elements.js";
-import { file, remove } from "./service.js";
+import { Refusal, file, get, remove } from "./service.js";
 import { save } from "./saving.js";
 import { duration } from "./words.js";
 
 const STORE = "vibrafeed-jobs";
 const MOST = 20;
 const ACTIVE = new Set(["accepted", "running"]);
+const LOOK = 2000; // ms between two looks at jobs that were begun before this page was
 
 export class Jobs {
   constructor(host) {
@@ -21,6 +22,24 @@ export class Jobs {
       sessionStorage.removeItem(STORE);
     }
     this.draw();
+    this.lookAfter([...this.jobs.values()].filter(({ status }) => ACTIVE.has(status)));
+  }
+
+  // Ask how jobs stand that nothing on this page follows, until they are over.
+  async lookAfter(left) {
+    while (left.length) {
+      for (const { jobID } of left) {
+        try {
+          this.note(await get(`/jobs/${jobID}`));
+        } catch (error) {
+          if (!(error instanceof Refusal)) continue; // the service is away
+          const job = this.jobs.get(jobID);
+          if (error.status === 404) this.note({ ...job, status: "dismissed", message: "The service no longer has it." });
+        }
+      }
+      left = left.filter(({ jobID }) => ACTIVE.has(this.jobs.get(jobID)?.status));
+      await new Promise((done) => setTimeout(done, LOOK));
+    }
   }
 
   // Note how a job stands now.

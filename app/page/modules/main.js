@@ -3,12 +3,12 @@
 import { Accuracy } from "./accuracy.js";
 import { Away as TakeAway } from "./away.js";
 import { Catalogue } from "./catalogue.js";
-import { Source, courseAt } from "./computed.js";
+import { Source } from "./computed.js";
 import { Controls } from "./controls.js";
-import { Course, courseOf } from "./course.js";
 import { byId } from "./elements.js";
 import { tellFigures, viewOf } from "./figures.js";
 import { Jobs } from "./jobs.js";
+import { MotionAtPoint } from "./motion.js";
 import { Notice } from "./notice.js";
 import { begun, complete } from "./opening.js";
 import { Optimum } from "./optimum.js";
@@ -36,8 +36,13 @@ class Page {
       onpick: (point) => this.pick(point, { isSeen: true }),
       onpoint: (point) => this.optimum.pointed(point),
     });
+    this.motion = new MotionAtPoint(byId("detail"), byId("course"), {
+      notice: this.notice,
+      onshown: (point) => this.picture.mark([{ ...point, text: "" }], "chosen"),
+    });
     this.isComputing = false;
     this.waiting = null; // what is to be computed next
+    this.isChosen = false; // whether the next address is a step that can be undone
     this.turn = 0; // of views that were opened: the last one counts
     byId("skip").addEventListener("click", (event) => {
       event.preventDefault(); // the address is that of the view
@@ -70,6 +75,7 @@ class Page {
   }
 
   async restore() {
+    this.isChosen = false;
     busy(true);
     const { wanted, complaints } = fromLink(location.hash);
     const question = wanted.question ?? "speed";
@@ -113,9 +119,10 @@ class Page {
     complaints.push(...made.complaints, ...(isSwitching ? [] : made.foreign));
     this.view = view;
     this.seen = scene;
-    tellQuestions(byId("questions"), view.question, (question) =>
-      question === "thesis" ? this.openFigure(null) : this.open(begun(question)),
-    );
+    tellQuestions(byId("questions"), view.question, (question) => {
+      this.isChosen = true;
+      return question === "thesis" ? this.openFigure(null) : this.open(begun(question));
+    });
     this.controls.show(view, this.catalogue.scenes, scene);
     this.picture.begin(view, scene);
     if (isSwitching && view.best) view.best.isFound = false;
@@ -140,19 +147,23 @@ class Page {
     this.optimum.forget();
     if (question === "thesis") {
       const figures = await this.catalogue.figures();
-      tellFigures(byId("figures"), figures, figure, (chosen) => this.openFigure(chosen));
+      tellFigures(byId("figures"), figures, figure, (chosen) => {
+        this.isChosen = true;
+        return this.openFigure(chosen);
+      });
     }
     return [];
   }
 
   async changed(view, { dragged, isNew = false }) {
+    if (!dragged) this.isChosen = true;
     if (isNew) {
       await this.open({ ...view, point: null }, { isSwitching: true });
       return;
     }
     this.view = view;
     const drawn = this.compute({ dragged });
-    if (view.point) this.follow();
+    if (view.point) this.motion.follow(view);
     await drawn;
   }
 
@@ -232,10 +243,13 @@ class Page {
     if (!dragged) this.keep(view);
   }
 
-  // The address restores the view.
+  // The address restores the view; what somebody chose can be undone by going back.
   keep(view) {
     this.link = toLink(view);
-    history.replaceState(null, "", this.link);
+    const isStep = this.isChosen && this.link !== location.hash;
+    this.isChosen = false;
+    if (isStep) history.pushState(null, "", this.link);
+    else history.replaceState(null, "", this.link);
   }
 
   tellJob(job) {
@@ -262,39 +276,8 @@ class Page {
     if (!this.catalogue.scene(view.scene)?.methods.length) return;
     view.point = point;
     this.keep(view);
-    await this.follow();
+    await this.motion.follow(this.view);
     if (isSeen) byId("course").scrollIntoView({ block: "nearest" });
-  }
-
-  // Show the motion at the chosen point; of the changes meanwhile only the last counts.
-  async follow() {
-    this.isStale = true;
-    if (this.isFollowing) return;
-    this.isFollowing = true;
-    try {
-      while (this.isStale) {
-        this.isStale = false;
-        await this.showMotion(this.view);
-      }
-    } finally {
-      this.isFollowing = false;
-    }
-  }
-
-  async showMotion(view) {
-    const { point } = view;
-    if (!point || !this.catalogue.scene(view.scene)?.methods.length) return;
-    try {
-      const dataset = await this.notice.persist(() => courseAt(view, point));
-      byId("detail").hidden = false;
-      this.course ??= new Course(byId("course"));
-      this.course.show(courseOf(dataset));
-      this.picture.mark([{ ...point, text: "" }], "chosen");
-    } catch (error) {
-      if (error instanceof Refusal) {
-        this.notice.tell([error.errors[0]?.message ?? error.message]);
-      } else throw error;
-    }
   }
 }
 

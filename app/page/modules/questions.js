@@ -1,6 +1,6 @@
 // The questions that the page answers, as buttons.
 
-import { element, fill } from "./elements.js";
+import { element, refill } from "./elements.js";
 
 const TITLES = {
   speed: "How fast does my part travel?",
@@ -11,12 +11,13 @@ const TITLES = {
 
 // `onask(question)` hears which of them is asked; `current` is the one that is.
 export function tellQuestions(host, current, onask) {
-  fill(
+  refill(
     host,
     ...Object.entries(TITLES).map(([question, title]) =>
       element(
         "button",
         {
+          id: `question-${question}`,
           type: "button",
           "aria-current": question === current ? "true" : "false",
           onclick: () => onask(question),
