@@ -21,7 +21,7 @@ export class Picture {
     this.scene = scene;
     this.kind = null;
     this.marks = {};
-    if (this.drawing) this.dim("Computing ...");
+    this.dim("Computing ...");
     fill(byId("headline"), capital(words(view.output)), " ", element("small", {}, scene.title));
     byId("worst").hidden = true;
   }
@@ -55,6 +55,7 @@ export class Picture {
 
   // What is drawn is not, or not yet, of the fields: it is dimmed, and why is said over it.
   dim(reason) {
+    if (!this.drawing) return;
     byId("picture").classList.add("stale");
     byId("stale").textContent = reason;
   }
