@@ -154,3 +154,26 @@ def test_a_job_begun_before_a_reload_is_followed_to_its_end(page: Page, address:
     page.reload()
     line = page.locator("#jobs li").first
     expect(line.get_by_role("button", name="NetCDF")).to_be_visible()
+
+
+def test_an_exact_point_is_typed_and_answered_in_one_line(page: Page, address: str) -> None:
+    """2 pi 50 Hz, 0.35 mm, 25 degrees: throw number (A w^2/g) sin(beta) = 1.489."""
+    opened(page, address)
+    for field, text in (("#here-x", "0,35 mm"), ("#here-y", "25")):
+        page.locator(field).fill(text)
+        page.locator(field).press("Enter")
+    answer = page.locator("#part .answer")
+    expect(answer).to_contain_text("throw number 1.49 (lifts off at 0.235 mm of amplitude)")
+    expect(answer).to_contain_text("Hopping")
+    study = {
+        "kind": "simulate",
+        "scene": "rectangle-on-plane",
+        "outputs": ["conveying_velocity"],
+        "parameters": {"frequency": 50, "amplitude": 0.35e-3, "beta": 25, "friction": 0.3},
+    }
+    reply = page.request.post(f"{address}/processes/simulate/execution", data=study).json()
+    speed = reply["variables"]["conveying_velocity"]["data"]
+    expect(answer).to_contain_text(f"{1e3 * speed:.4g}\u00a0mm/s")
+    assert page.url.endswith("point=0.00035%3A25")
+    typed(page, FRICTION, "0.4")
+    expect(answer).not_to_contain_text(f"{1e3 * speed:.4g}\u00a0mm/s")

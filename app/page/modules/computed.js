@@ -11,6 +11,7 @@ const BAND = [-1, -0.5, 0, 0.5, 1]; // places within what is not known exactly
 const DRAGGED = 101; // places of a slider
 const MOST_KEPT = 32; // slices, of 0.4 MB
 const MOST_UNDER_WAY = 2;
+const AT_A_POINT = ["conveying_velocity", "throw_number"]; // beside the course of a part
 
 function span(axis, num) {
   return { start: axis.from, stop: axis.to, num };
@@ -214,8 +215,12 @@ export function places(low, high) {
   return { from: low, to: high, num: DRAGGED, at: (k) => low + (k / (DRAGGED - 1)) * (high - low) };
 }
 
+function hasAll(scene, names) {
+  return names.every((name) => scene.outputs.some((one) => one.name === name));
+}
+
 // The course of the one part at a point of the view.
-export async function courseAt(view, point, { signal } = {}) {
+export async function courseAt(view, scene, point, { signal } = {}) {
   const parameters = { ...givenValues(view), [view.x.name]: point.x };
   if (view.y && point.y !== null && point.y !== undefined) parameters[view.y.name] = point.y;
   const study = {
@@ -223,6 +228,7 @@ export async function courseAt(view, point, { signal } = {}) {
     scene: view.scene,
     ...(view.kind === "simulate" && view.choice ? { method: view.choice } : {}),
     trajectory: 400,
+    ...(hasAll(scene, AT_A_POINT) ? { outputs: AT_A_POINT } : {}),
     parameters,
   };
   const { dataset } = await carryOut("simulate", study, { signal });

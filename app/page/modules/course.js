@@ -34,7 +34,15 @@ export function courseOf(dataset) {
     radius: values("radius") ?? null,
     unit: all.position_along?.units ?? "m",
     velocity: values("conveying_velocity"),
+    throwNumber: values("throw_number") ?? null,
+    amplitude: values("amplitude") ?? null,
+    regime: nameOf(all.regime),
   };
+}
+
+// The name of the one value of a flag.
+function nameOf({ data, flags = {} } = {}) {
+  return Object.keys(flags).find((name) => flags[name] === data) ?? "";
 }
 
 function between(course, values, time) {

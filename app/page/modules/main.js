@@ -12,6 +12,7 @@ import { MotionAtPoint } from "./motion.js";
 import { Notice } from "./notice.js";
 import { begun, complete } from "./opening.js";
 import { Optimum } from "./optimum.js";
+import { PartHere } from "./part.js";
 import { Picture } from "./picture.js";
 import { tellQuestions } from "./questions.js";
 import { Refusal, get } from "./service.js";
@@ -38,7 +39,14 @@ class Page {
     });
     this.motion = new MotionAtPoint(byId("detail"), byId("course"), {
       notice: this.notice,
-      onshown: (point) => this.picture.mark([{ ...point, text: "" }], "chosen"),
+      onshown: (point, course) => {
+        this.picture.mark([{ ...point, text: "" }], "chosen");
+        this.part.tell(point, course);
+      },
+    });
+    this.part = new PartHere(byId("part"), (point) => {
+      this.isChosen = true;
+      return this.pick(point);
     });
     this.isComputing = false;
     this.waiting = null; // what is to be computed next
@@ -125,6 +133,7 @@ class Page {
     });
     this.controls.show(view, this.catalogue.scenes, scene);
     this.picture.begin(view, scene);
+    this.part.show(view, scene);
     if (isSwitching && view.best) view.best.isFound = false;
     const left = await this.tellQuestion();
     if (isLeft()) return;
@@ -163,7 +172,7 @@ class Page {
     }
     this.view = view;
     const drawn = this.compute({ dragged });
-    if (view.point) this.motion.follow(view);
+    if (view.point) this.motion.follow(view, this.seen);
     await drawn;
   }
 
@@ -276,7 +285,7 @@ class Page {
     if (!this.catalogue.scene(view.scene)?.methods.length) return;
     view.point = point;
     this.keep(view);
-    await this.motion.follow(this.view);
+    await this.motion.follow(this.view, this.seen);
     if (isSeen) byId("course").scrollIntoView({ block: "nearest" });
   }
 }

@@ -5,40 +5,41 @@ import { Course, courseOf } from "./course.js";
 import { Refusal } from "./service.js";
 
 export class MotionAtPoint {
-  // `onshown(point)` hears whose motion is shown.
+  // `onshown(point, course)` hears whose motion is shown.
   constructor(section, host, { notice, onshown }) {
     this.section = section;
     this.host = host;
     this.notice = notice;
     this.onshown = onshown;
-    this.next = null; // the view whose motion is wanted
+    this.next = null; // the view and scene whose motion is wanted
     this.isFollowing = false;
   }
 
   // Show the motion at the point of a view; of the views meanwhile only the last counts.
-  async follow(view) {
-    this.next = view;
+  async follow(view, scene) {
+    this.next = { view, scene };
     if (this.isFollowing) return;
     this.isFollowing = true;
     try {
       while (this.next) {
         const { next } = this;
         this.next = null;
-        await this.show(next, next.point);
+        await this.show(next.view, next.scene, next.view.point);
       }
     } finally {
       this.isFollowing = false;
     }
   }
 
-  async show(view, point) {
+  async show(view, scene, point) {
     if (!point) return;
     try {
-      const dataset = await this.notice.persist(() => courseAt(view, point));
+      const dataset = await this.notice.persist(() => courseAt(view, scene, point));
       this.section.hidden = false;
       this.course ??= new Course(this.host);
-      this.course.show(courseOf(dataset));
-      this.onshown(point);
+      const course = courseOf(dataset);
+      this.course.show(course);
+      this.onshown(point, course);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
       this.notice.tell([error.errors[0]?.message ?? error.message]);
