@@ -75,12 +75,16 @@ class Served:
         return int(fields[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
+def free_port() -> int:
+    """Return a port of this machine that nobody listens at now."""
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        return int(probe.getsockname()[1])
+
+
 @contextmanager
 def served(open_files: int | None = None, **settings: object) -> Iterator[Served]:
     """Yield a server with these settings, and at most so many open files; stop it at the end."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder) / "data"
         given = {"data_directory": data, **settings}

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
-
 import pytest
 
-from benchmarks.browsing import CHROMIUM, browsed
+from benchmarks.browsing import browsed
 from benchmarks.serving import served
+from tools import tool
 
 
 @pytest.fixture(scope="module")
@@ -18,10 +17,7 @@ def address():
 
 @pytest.fixture(scope="module")
 def browser():
-    if CHROMIUM is None:
-        if os.environ.get("VIBRAFEED_REQUIRE_TOOLS") == "1":
-            pytest.fail("chromium is not installed")
-        pytest.skip("chromium is not installed")
+    tool("chromium")
     from playwright.sync_api import expect
 
     expect.set_options(timeout=60_000)  # ms; a busy machine takes its time

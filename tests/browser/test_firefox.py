@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import csv
-import shutil
 
 from bidi import firefox
-from services import absent
+from tools import tool
 
 LINK = (
     "#question=speed&kind=simulate&scene=rectangle-on-plane&output=conveying_velocity"
@@ -47,7 +46,7 @@ async def carried_out(program, address, folder):
 
 
 def test_from_the_empty_page_to_a_file(address, tmp_path):
-    program = shutil.which("firefox-esr") or shutil.which("firefox") or absent("no firefox here")
+    program = tool("firefox-esr", "firefox")
     painted, said, text, tab = asyncio.run(carried_out(program, address, tmp_path))
     assert painted == "100 x 100, true"
     assert "Mean speed" in said

@@ -18,6 +18,7 @@ import yaml
 
 from core.kinds import prepare_content, tabulate
 from core.study import parse_study
+from tools import tool
 
 ROOT = Path(__file__).parents[2]
 SCALE = (ROOT / "docs" / "scale.md").read_text(encoding="utf-8")
@@ -33,7 +34,9 @@ PARTS, JOIN = blocks(SCALE, "bash")
 
 @pytest.mark.parametrize("script", [*blocks(SCALE, "bash"), *blocks(SCALE, "sh")])
 def test_scripts_are_shell(script: str) -> None:
-    done = subprocess.run(["bash", "-n"], input=script, text=True, capture_output=True, check=False)
+    done = subprocess.run(
+        [tool("bash"), "-n"], input=script, text=True, capture_output=True, check=False
+    )
     assert (done.returncode, done.stderr) == (0, "")
     linter = shutil.which("shellcheck")
     if linter is not None and script.startswith("#!"):
@@ -59,9 +62,9 @@ def test_an_array_of_jobs_and_their_joining(tmp_path: Path) -> None:
     parts = PARTS.replace("PARTS=4096", "PARTS=3")
     for task in range(3):
         environment = {**os.environ, "PATH": path, "SLURM_ARRAY_TASK_ID": str(task)}
-        subprocess.run(["bash", "-c", parts], cwd=tmp_path, env=environment, check=True)
+        subprocess.run([tool("bash"), "-c", parts], cwd=tmp_path, env=environment, check=True)
     environment = {**os.environ, "PATH": path}
-    subprocess.run(["bash", "-c", JOIN], cwd=tmp_path, env=environment, check=True)
+    subprocess.run([tool("bash"), "-c", JOIN], cwd=tmp_path, env=environment, check=True)
     want = tabulate(prepare_content(study)).to_xarray()
     with xarray.open_dataset(tmp_path / "result.nc") as found:
         # In a file bounds are no coordinates but named by them.

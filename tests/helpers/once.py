@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-PATIENCE = 300.0  # s
+from waiting import wait_for
 
 
 def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], object]) -> Path:
@@ -21,11 +20,12 @@ def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path],
     try:
         folder.mkdir()
     except FileExistsError:
-        until = time.monotonic() + PATIENCE
-        while not done.exists():
+
+        def is_made() -> bool:
             assert not failed.exists(), f"another process could not make {name}"
-            assert time.monotonic() < until, f"{name} is not made"
-            time.sleep(0.2)
+            return done.exists()
+
+        wait_for(is_made, lambda: f"{name} is not made")
         return folder
     try:
         make(folder)

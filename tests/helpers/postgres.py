@@ -5,10 +5,8 @@ from __future__ import annotations
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import tempfile
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,6 +14,9 @@ from typing import Any
 
 import psycopg
 from sqlalchemy import URL
+
+from benchmarks.serving import free_port
+from waiting import PATIENCE, wait_for
 
 PASSWORD = "very-secret"
 
@@ -26,8 +27,7 @@ class Postgres:
     def __init__(self, programs: Path, folder: Path):
         self._programs, self._folder = programs, folder
         self._data = folder / "data"
-        with socket.create_server(("127.0.0.1", 0)) as free:
-            self.port = free.getsockname()[1]
+        self.port = free_port()
         self._count = 0
         word = folder / "password"
         word.write_text(PASSWORD)
@@ -57,19 +57,21 @@ class Postgres:
             cwd=self._folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL, **self._user(),
         )  # fmt: skip
-        while True:
+
+        def answers() -> bool:
+            assert self._process.poll() is None
             try:
                 psycopg.connect(self.url("postgres")).close()
             except psycopg.OperationalError:
-                assert self._process.poll() is None
-                time.sleep(0.05)
-            else:
-                return
+                return False
+            return True
+
+        wait_for(answers)
 
     def stop(self, how: signal.Signals = signal.SIGINT) -> None:
         """Stop it; `SIGQUIT` is what a crash does."""
         self._process.send_signal(how)
-        self._process.wait(120)
+        self._process.wait(PATIENCE)
 
     def _own(self, *paths: Path) -> None:
         if os.geteuid() == 0:

@@ -1,29 +1,22 @@
-"""A service of one's own, run as users run it; and what is said where a tool is not there."""
+"""A service of one's own, run as users run it."""
 
 from __future__ import annotations
 
 import os
-import socket
 import subprocess
 import sys
-import time
 import urllib.request
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import pytest
 
+from benchmarks.serving import free_port
+from waiting import PATIENCE, wait_for
+
 ROOT = Path(__file__).parents[2]
-REQUIRED = "VIBRAFEED_REQUIRE_TOOLS"
-
-
-def absent(reason: str) -> NoReturn:
-    """Skip, or fail where the tools must be there."""
-    if os.environ.get(REQUIRED) == "1":
-        pytest.fail(f"{reason}, and {REQUIRED}=1 asks for it")
-    pytest.skip(reason)
 
 
 class Service:
@@ -31,8 +24,7 @@ class Service:
 
     def __init__(self, folder: Path, **settings: Any):
         self.folder = folder
-        with socket.create_server(("127.0.0.1", 0)) as free:
-            self.port = free.getsockname()[1]
+        self.port = free_port()
         self.address = f"http://127.0.0.1:{self.port}"
         self._environment = {**os.environ, "VIBRAFEED_DATA_DIRECTORY": str(folder / "data")}
         for name, value in settings.items():
@@ -47,25 +39,28 @@ class Service:
             self.process = subprocess.Popen(
                 command, cwd=ROOT, env=self._environment, stdout=file, stderr=file
             )
-        for _ in range(300):
+
+        def answers() -> bool:
+            assert self.process is not None
+            assert self.process.poll() is None, log.read_text()
             try:
-                urllib.request.urlopen(f"{self.address}/healthz", timeout=1).close()
-                return
+                urllib.request.urlopen(f"{self.address}/healthz", timeout=PATIENCE).close()
             except OSError:
-                assert self.process.poll() is None, log.read_text()
-                time.sleep(0.1)
-        pytest.fail("the service does not answer\n" + log.read_text())
+                return False
+            return True
+
+        wait_for(answers, log.read_text)
 
     def kill(self) -> None:
         """Kill it, as a power cut would."""
         assert self.process is not None
         self.process.kill()
-        self.process.wait(20)
+        self.process.wait(PATIENCE)
 
     def stop(self) -> None:
         assert self.process is not None
         self.process.terminate()
-        self.process.wait(20)
+        self.process.wait(PATIENCE)
 
 
 @contextmanager

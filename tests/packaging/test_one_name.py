@@ -5,13 +5,14 @@ Each environment is a fresh one that borrows the dependencies of this one.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import pickle
+import shutil
 import socket
 import subprocess
 import sys
-import time
 import urllib.request
 import zipfile
 from collections.abc import Iterator
@@ -21,6 +22,8 @@ from pathlib import Path
 import pytest
 
 import vibrafeed
+from tools import tool
+from waiting import PATIENCE, wait_for
 
 pytestmark = pytest.mark.slow
 
@@ -64,7 +67,7 @@ class Environment:
         """Return what a Python command prints; what it says as it fails, if it has to."""
         done = subprocess.run(
             [self.python, *arguments], cwd=home or self.folder, env=self.variables,
-            capture_output=True, text=True, timeout=120, check=False,
+            capture_output=True, text=True, timeout=PATIENCE, check=False,
         )  # fmt: skip
         assert bool(done.returncode) == wrong, done.stdout + done.stderr
         return done.stderr if wrong else done.stdout
@@ -77,7 +80,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     build = [sys.executable, "-m", "hatchling", "build", "--directory", folder, "--target"]
     subprocess.run([*build, "sdist"], cwd=ROOT, check=True, capture_output=True)
     (archive,) = folder.glob("*.tar.gz")
-    subprocess.run(["tar", "-xf", archive], cwd=folder, check=True)
+    shutil.unpack_archive(archive, folder, filter="data")
     (source,) = (path for path in folder.iterdir() if path.is_dir())
     subprocess.run([*build, "wheel"], cwd=source, check=True, capture_output=True)
     (made,) = folder.glob("*.whl")
@@ -134,7 +137,10 @@ def test_the_wheel_owns_one_name(wheel):
     top = {name.partition("/")[0] for name in names}
     assert top == {"vibrafeed", f"vibrafeed-{vibrafeed.__version__}.dist-info"}
     tracked = subprocess.run(
-        ["git", "ls-files", "vibrafeed", "core", "app"], cwd=ROOT, capture_output=True, text=True
+        [tool("git"), "ls-files", "vibrafeed", "core", "app"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
     ).stdout.split()
     assert "vibrafeed/py.typed" in names
     inside = {name if name.startswith("vibrafeed/") else f"vibrafeed/{name}" for name in tracked}
@@ -252,21 +258,22 @@ def ask(address: str, body: object = None) -> dict[str, object]:
 
 def finished(port: int) -> dict[str, object]:
     """Return how a job ends that is posted to the service there."""
-    address, until = f"http://127.0.0.1:{port}", time.monotonic() + 90
+    address = f"http://127.0.0.1:{port}"
     parameters = {name: value for name, value in POINT.items() if name != "scene"}
     study = {"scene": POINT["scene"], "outputs": ["acceleration_x"], "parameters": parameters}
-    while True:
-        try:
-            job = ask(f"{address}/processes/sweep/execution", study)
-            break
-        except OSError:
-            assert time.monotonic() < until
-            time.sleep(0.2)
-    while job["status"] in ("accepted", "running"):
-        assert time.monotonic() < until, job
-        time.sleep(0.1)
-        job = ask(f"{address}/jobs/{job['jobID']}")
-    return job
+
+    def posted() -> dict[str, object] | None:
+        with contextlib.suppress(OSError):
+            return ask(f"{address}/processes/sweep/execution", study)
+        return None
+
+    number = wait_for(posted)["jobID"]
+
+    def ended() -> dict[str, object] | None:
+        job = ask(f"{address}/jobs/{number}")
+        return None if job["status"] in ("accepted", "running") else job
+
+    return wait_for(ended)
 
 
 def test_its_own_workers_carry_out_a_job(installed, tmp_path):

@@ -2,28 +2,17 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import pytest
 
-from services import Service, absent, services
+from services import Service, services
+from tools import tool
 
 
 @pytest.fixture(scope="session")
-def find_tool() -> Callable[[str | Path, str], str]:
-    """Return a function that finds a program, or skips with a reason."""
-
-    def find(program: str | Path, reason: str) -> str:
-        return shutil.which(program) or absent(reason)
-
-    return find
-
-
-@pytest.fixture(scope="session")
-def curl(find_tool: Callable[[str | Path, str], str]) -> str:
-    return find_tool("curl", "curl is not installed")
+def curl() -> str:
+    return tool("curl")
 
 
 @pytest.fixture(scope="module")

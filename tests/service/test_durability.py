@@ -10,7 +10,6 @@ import os
 import random
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -22,9 +21,11 @@ from pathlib import Path
 import netCDF4
 import pytest
 
+from benchmarks.serving import free_port
 from core.dataset.netcdf import write_netcdf
 from core.kinds import prepare_content, tabulate
 from postgres import PASSWORD
+from waiting import PATIENCE, wait_for
 
 KILLS = int(os.environ.get("KILLS", "4"))
 JOBS = 8
@@ -59,12 +60,6 @@ def simulation(number):
     }
 
 
-def free_port():
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        return found.getsockname()[1]
-
-
 class Server:
     """A server that can be killed and started again."""
 
@@ -85,23 +80,23 @@ class Server:
             env=self.environment, stderr=self.log, stdout=self.log,
         )  # fmt: skip
 
-    def ask(self, path, content=None, method=None, headers=(), patience=60.0):
+    def ask(self, path, content=None, method=None, headers=()):
         """Return a reply's content; a server that is being started again is waited for."""
-        until = time.monotonic() + patience
         body = None if content is None else json.dumps(content).encode()
-        while True:
+
+        def replied():
             request = urllib.request.Request(
                 f"http://127.0.0.1:{self.port}{path}", body, dict(headers), method=method
             )
             try:
-                with urllib.request.urlopen(request, timeout=30) as reply:
-                    return reply.read()
+                with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
+                    return (reply.read(),)
             except urllib.error.HTTPError:
                 raise
             except OSError:
-                if time.monotonic() > until:
-                    raise
-                time.sleep(0.1)
+                return None
+
+        return wait_for(replied)[0]
 
     def job(self, number):
         return json.loads(self.ask(f"/jobs/{number}"))
@@ -110,16 +105,17 @@ class Server:
         path = f"/processes/{study['kind']}/execution"
         return json.loads(self.ask(path, study, headers=[("Prefer", "respond-async")]))["jobID"]
 
-    def waited(self, number, enough, seconds=400.0):
+    def waited(self, number, enough):
         """Return a job once it is as it should be, or over."""
-        until = time.monotonic() + seconds
-        while (job := self.job(number))["status"] in ("accepted", "running") and not enough(job):
-            assert time.monotonic() < until, job
-            time.sleep(0.1)
-        return job
 
-    def finished(self, number, seconds=400.0):
-        return self.waited(number, lambda job: False, seconds)
+        def reached():
+            job = self.job(number)
+            return (job["status"] not in ("accepted", "running") or enough(job)) and job
+
+        return wait_for(reached, lambda: self.job(number))
+
+    def finished(self, number):
+        return self.waited(number, lambda job: False)
 
     def begun(self, number):
         """Return a job that has done some of its cells; it must not be over."""
@@ -265,10 +261,8 @@ def test_a_stopped_server_hands_its_work_on_at_once(tmp_path):
         number = server.post(simulation(0))
         job = server.waited(number, lambda job: job["status"] == "running")
         assert job["status"] == "running", job
-        started = time.monotonic()
         server.process.terminate()
-        assert server.process.wait(30) in (0, -signal.SIGTERM)
-        assert time.monotonic() - started < 25
+        assert server.process.wait(PATIENCE) in (0, -signal.SIGTERM)
         server.start()
         assert server.finished(number)["status"] == "successful"
 
@@ -326,16 +320,15 @@ def test_a_scheduler_that_is_not_there_is_told_and_waited_for(tmp_path):
     address = f"tcp://127.0.0.1:{free_port()}"
     with serving(tmp_path, **QUICK, VIBRAFEED_SCHEDULER=address) as server:
         number = server.post(simulation(0))
-        until = time.monotonic() + 60
-        while True:
+
+        def is_told():
             try:
                 server.ask("/readyz")
             except urllib.error.HTTPError as refused:
-                text = refused.read().decode()
-                if "workers cannot be reached" in text:
-                    break
-            assert time.monotonic() < until
-            time.sleep(0.5)
+                return "workers cannot be reached" in refused.read().decode()
+            return False
+
+        wait_for(is_told)
         assert server.job(number)["status"] in ("accepted", "running")
 
 

@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 
+from tools import tool
+
 ROOT = Path(__file__).parents[2]
 GENERATOR = "VIBRAFEED_CLIENT_GENERATOR"
 # The generator reads bytes of one media type only, and has to be told that ours is bytes, too.
@@ -163,11 +165,11 @@ PARSED = {
 
 
 @pytest.fixture(scope="module")
-def generator(find_tool: Callable[[str | Path, str], str]) -> str:
+def generator() -> str:
     """Return the generator, which needs an environment of its own."""
     default = ROOT / ".venv-client" / "bin" / "openapi-python-client"
     wanted = os.environ.get(GENERATOR) or str(default)
-    return find_tool(wanted, f"no openapi-python-client: neither {GENERATOR} nor .venv-client")
+    return tool(wanted, GENERATOR)
 
 
 @pytest.fixture(scope="module")

@@ -10,13 +10,13 @@ import shutil
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from once import made_once
+from tools import tool
 
 ROOT = Path(__file__).parents[2]
 # Calibrations have no regime; their files are written by the same hand.
@@ -78,16 +78,16 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 @pytest.fixture(scope="module")
-def ncdump(find_tool: Callable[[str | Path, str], str]) -> str:
-    return find_tool("ncdump", "ncdump is not installed (Debian package netcdf-bin)")
+def ncdump() -> str:
+    return tool("ncdump")
 
 
 @pytest.fixture(scope="module")
-def compliance_checker(find_tool: Callable[[str | Path, str], str]) -> str:
+def compliance_checker() -> str:
     """Return the checker, which needs an environment of its own."""
     default = ROOT / ".venv-cf" / "bin" / "compliance-checker"
     wanted = os.environ.get(CHECKER) or str(default)
-    return find_tool(wanted, f"no compliance-checker: neither {CHECKER} nor .venv-cf names one")
+    return tool(wanted, CHECKER)
 
 
 @pytest.fixture(scope="module")

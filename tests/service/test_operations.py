@@ -11,13 +11,16 @@ import socket
 import ssl
 import subprocess
 import tarfile
-import time
 import urllib.parse
 import urllib.request
 from pathlib import Path
 
 import yaml
 from dockerfile_parse import DockerfileParser
+
+from benchmarks.serving import free_port
+from tools import tool
+from waiting import wait_for
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "operations.md").read_text(encoding="utf-8")
@@ -45,24 +48,20 @@ def ask(address, path, study=None, context=None):
 
 
 def finished(address, number, context=None):
-    until = time.monotonic() + 300
-    while (job := ask(address, f"/jobs/{number}", context=context))["status"] in (
-        "accepted",
-        "running",
-    ):
-        assert time.monotonic() < until, job
-        time.sleep(0.1)
-    return job
+    def ended():
+        job = ask(address, f"/jobs/{number}", context=context)
+        return job["status"] not in ("accepted", "running") and job
+
+    return wait_for(ended)
 
 
 @contextlib.contextmanager
 def proxied(nginx, folder, service):
     """Run nginx with the page's server block; yield its port and its certificate."""
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
+    port = free_port()
     certificate, key = folder / "vibrafeed.pem", folder / "vibrafeed.key"
     subprocess.run(
-        ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj",
+        [tool("openssl"), "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj",
          "/CN=localhost", "-addext", "subjectAltName=DNS:localhost", "-keyout", key, "-out",
          certificate],
         check=True, capture_output=True,
@@ -87,21 +86,24 @@ def proxied(nginx, folder, service):
     )
     process = subprocess.Popen([nginx, "-c", configuration, "-e", folder / "errors"])
     try:
-        for _ in range(300):
+
+        def answers():
+            assert process.poll() is None
             with contextlib.suppress(OSError):
                 socket.create_connection(("127.0.0.1", port), 1).close()
-                break
-            assert process.poll() is None
-            time.sleep(0.1)
+                return True
+            return False
+
+        wait_for(answers)
         yield f"https://localhost:{port}/vibrafeed", ssl.create_default_context(cafile=certificate)
     finally:
         process.terminate()
         process.wait(20)
 
 
-def test_a_proxy_with_tls_and_a_path(serve, find_tool, tmp_path):
-    nginx = find_tool("nginx", "nginx is not installed")
-    find_tool("openssl", "openssl is not installed")
+def test_a_proxy_with_tls_and_a_path(serve, tmp_path):
+    nginx = tool("nginx")
+    tool("openssl")
     service = serve(root_path="/vibrafeed", workers=1)
     with proxied(nginx, tmp_path, service) as (address, context):
         # Every link of the landing page, and of a job, leads through the proxy to what it names.
@@ -136,9 +138,9 @@ def shell(commands, **variables):
     subprocess.run(["sh", "-eu", "-c", commands], env=environment, check=True, timeout=60)
 
 
-def test_backup_and_restore(serve, find_tool, tmp_path):
-    for tool in ("sqlite3", "rsync"):
-        find_tool(tool, f"{tool} is not installed")
+def test_backup_and_restore(serve, tmp_path):
+    for program in ("sqlite3", "rsync"):
+        tool(program)
     backup, restore = blocks("sh", "Backup and restore")
     service = serve(workers=1)
     number = ask(service.address, "/processes/sweep/execution", SWEEP)["jobID"]

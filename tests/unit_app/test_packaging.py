@@ -12,6 +12,8 @@ from pathlib import Path
 import pytest
 from dockerfile_parse import DockerfileParser
 
+from tools import tool
+
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
@@ -76,7 +78,7 @@ def test_the_repository_names_no_registry():
     # written in pieces, so that the search does not find itself
     bare = "index.ur[l]|" + "py" + r"pi\.org|python" + "hosted"
     done = subprocess.run(
-        ["git", "grep", "-nIohE", f"[a-z]+://[A-Za-z0-9.{{-]+|{bare}", "--", ".", *sources],
+        [tool("git"), "grep", "-nIohE", f"[a-z]+://[A-Za-z0-9.{{-]+|{bare}", "--", ".", *sources],
         cwd=ROOT,
         capture_output=True,
         text=True,

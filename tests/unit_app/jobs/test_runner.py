@@ -6,7 +6,6 @@ import asyncio
 import errno
 import sqlite3
 import threading
-import time
 import uuid
 from collections.abc import Callable, Coroutine
 from pathlib import Path
@@ -23,6 +22,7 @@ from app.jobs.runner import Runner
 from app.jobs.store import Store
 from app.settings import Settings
 from core.kinds import prepare_content
+from waiting import awaited
 
 STUDY = {
     "kind": "simulate",
@@ -108,7 +108,7 @@ def carried_out(folder: Path, workers: Workers, play: Play | None = None, **sett
             if play is not None:
                 await play(runner, desk, job)
             else:
-                await until(lambda: ledger.job(job.id).state not in ACTIVE)
+                await awaited(lambda: ledger.job(job.id).state not in ACTIVE)
             found = ledger.job(job.id)
             assert found is not None
             return found
@@ -117,15 +117,6 @@ def carried_out(folder: Path, workers: Workers, play: Play | None = None, **sett
             ledger.close()
 
     return asyncio.run(scene())
-
-
-async def until(condition: Callable[[], bool], seconds: float = 30.0) -> float:
-    """Wait for a condition; return how long that took."""
-    started = time.monotonic()
-    while not condition():
-        assert time.monotonic() - started < seconds
-        await asyncio.sleep(0.02)
-    return time.monotonic() - started
 
 
 def test_work_is_carried_out(tmp_path):
@@ -141,7 +132,7 @@ def test_time_runs_out_while_a_block_runs(tmp_path):
     workers = Workers(1, compute_block=lambda *_: done.wait(30))
 
     async def play(runner: Runner, desk: Desk, job: Job) -> None:
-        await until(lambda: desk.ledger.job(job.id).state == "failed")
+        await awaited(lambda: desk.ledger.job(job.id).state == "failed")
         done.set()
 
     job = carried_out(tmp_path, workers, play, max_job_seconds=0.5)
@@ -155,7 +146,7 @@ def test_time_does_not_run_out_while_a_job_waits_and_it_says_for_what(tmp_path, 
     workers = Workers(0)
 
     async def play(runner: Runner, desk: Desk, job: Job) -> None:
-        await until(lambda: runner.waits() == "there are no workers")
+        await awaited(lambda: runner.waits() == "there are no workers")
         await asyncio.sleep(0.6)  # longer than it may run
         found = desk.ledger.job(job.id)
         assert found is not None
@@ -169,9 +160,9 @@ def test_a_worker_that_does_not_stop_what_was_dismissed_is_killed(tmp_path):
     workers = Workers(1, compute_block=lambda *_: done.wait(60))
 
     async def play(runner: Runner, desk: Desk, job: Job) -> None:
-        await until(lambda: desk.ledger.job(job.id).state == "running")
+        await awaited(lambda: desk.ledger.job(job.id).state == "running")
         desk.dismiss(job.id)
-        await until(lambda: workers.restarted == ["worker"])
+        await awaited(lambda: workers.restarted == ["worker"])
         done.set()
 
     carried_out(tmp_path, workers, play, grace_seconds=0.2)
@@ -183,12 +174,12 @@ def test_a_worker_without_a_nanny_is_waited_for(tmp_path, caplog):
     workers.nannies = False
 
     async def play(runner: Runner, desk: Desk, job: Job) -> None:
-        await until(lambda: desk.ledger.job(job.id).state == "running")
+        await awaited(lambda: desk.ledger.job(job.id).state == "running")
         desk.dismiss(job.id)
-        await until(lambda: "has no nanny" in caplog.text)
+        await awaited(lambda: "has no nanny" in caplog.text)
         assert runner._carrier.hands._ending  # its place is taken
         done.set()
-        await until(lambda: not runner._carrier.hands._ending)
+        await awaited(lambda: not runner._carrier.hands._ending)
 
     carried_out(tmp_path, workers, play, grace_seconds=0.1)
     assert workers.restarted == []
@@ -199,11 +190,11 @@ def test_a_worker_that_stops_in_time_is_left_alone(tmp_path):
     workers = Workers(1, compute_block=lambda *_: done.wait(60))
 
     async def play(runner: Runner, desk: Desk, job: Job) -> None:
-        await until(lambda: desk.ledger.job(job.id).state == "running")
+        await awaited(lambda: desk.ledger.job(job.id).state == "running")
         desk.dismiss(job.id)
-        await until(lambda: not runner._active)
+        await awaited(lambda: not runner._active)
         done.set()
-        await until(lambda: not runner._carrier.hands._ending)
+        await awaited(lambda: not runner._carrier.hands._ending)
 
     carried_out(tmp_path, workers, play)
     assert workers.restarted == []
@@ -224,9 +215,9 @@ def test_that_there_are_no_workers_is_told_while_work_waits_for_them(tmp_path, m
 
     async def play(runner: Runner, desk: Desk, job: Job) -> None:
         assert runner.wrong() is None
-        await until(lambda: runner.wrong() == "there are no workers")
+        await awaited(lambda: runner.wrong() == "there are no workers")
         desk.dismiss(job.id)
-        await until(lambda: runner.wrong() is None)
+        await awaited(lambda: runner.wrong() is None)
 
     carried_out(tmp_path, Workers(0), play, lease_seconds=0.4)
 
@@ -237,12 +228,12 @@ def test_workers_that_go_and_come_again_are_noticed(tmp_path, monkeypatch):
     workers = Workers(1, compute_block=lambda *_: go_on.wait(30))
 
     async def play(runner: Runner, desk: Desk, job: Job) -> None:
-        await until(lambda: "compute_block" in workers.calls)
+        await awaited(lambda: "compute_block" in workers.calls)
         assert runner.wrong() is None
         workers.count = 0
-        await until(lambda: runner.wrong() == "there are no workers")
+        await awaited(lambda: runner.wrong() == "there are no workers")
         workers.count = 1
-        await until(lambda: runner.wrong() is None)
+        await awaited(lambda: runner.wrong() is None)
         go_on.set()
 
     carried_out(tmp_path, workers, play)
@@ -268,10 +259,10 @@ def test_a_dismissal_is_noticed_soon(tmp_path):
     """By another server, which cannot wake this one, and long before the lease is renewed."""
 
     async def play(runner: Runner, desk: Desk, job: Job) -> None:
-        await until(lambda: bool(runner._active))
+        await awaited(lambda: bool(runner._active))
         await asyncio.sleep(0.1)
         desk.ledger.dismiss(job.id)
-        assert await until(lambda: not runner._active) < 2.5
+        assert await awaited(lambda: not runner._active) < 2.5
 
     carried_out(tmp_path, Workers(0), play, lease_seconds=600)
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
+
+from tools import tool
 
 MODULES = Path(__file__).parents[3] / "app" / "page" / "modules"
 NUMBERS = [
@@ -35,11 +36,6 @@ NONSENSE = [
 
 
 def test_typed_numbers(tmp_path: Path) -> None:
-    node = shutil.which("node")
-    if node is None:
-        if os.environ.get("VIBRAFEED_REQUIRE_TOOLS") == "1":
-            pytest.fail("node is not installed")
-        pytest.skip("node is not installed")
     typed = [(text, unit) for text, unit, _ in NUMBERS] + NONSENSE
     shutil.copytree(MODULES, tmp_path, dirs_exist_ok=True)
     (tmp_path / "package.json").write_text('{"type": "module"}')
@@ -48,7 +44,7 @@ def test_typed_numbers(tmp_path: Path) -> None:
         f"const typed = {json.dumps(typed)};\n"
         "console.log(JSON.stringify(typed.map(([text, unit]) => readNumber(text, unit))));\n"
     )
-    program = [node, tmp_path / "main.js"]
+    program = [tool("node"), tmp_path / "main.js"]
     done = subprocess.run(program, capture_output=True, text=True, check=True)
     read = json.loads(done.stdout)
     for (text, unit, value), found in zip(NUMBERS, read, strict=False):

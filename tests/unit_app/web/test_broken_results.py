@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 import threading
-import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from fastapi.testclient import TestClient
 from app.jobs.manifest import JSON, NETCDF, ZARR
 from app.main import create_app
 from app.settings import Settings
-from local_client import local_client
+from local_client import ended, local_client
 from posted_sweeps import STUDY, problem, with_axes
 
 WAIT = {"Prefer": "respond-async, wait=300"}
@@ -61,15 +60,6 @@ def carried_out(client: TestClient, study: dict[str, Any]) -> tuple[str, Path]:
     status = client.get(address).json()
     assert status["status"] == "successful"
     return address, client.app.state.store.folder(status["study"])
-
-
-def ended(client: TestClient, address: str) -> dict[str, Any]:
-    """Return the status of a job once it has ended again."""
-    until = time.monotonic() + 30
-    while (status := client.get(address).json())["status"] in ("accepted", "running"):
-        assert time.monotonic() < until, status
-        time.sleep(0.05)
-    return status
 
 
 def assert_mended(client: TestClient, address: str, path: str, before: bytes) -> None:

@@ -20,6 +20,7 @@ from app.web import wrong_keys
 from benchmarks.two_keys import ASYNC, SLICE, study
 from local_client import local_client
 from posted_sweeps import problem
+from waiting import wait_for
 
 EXECUTION = "/processes/sweep/execution"
 UNKNOWN = "0" * 64
@@ -55,10 +56,7 @@ class House:
     def carried_out(self, ask: Any, number: int) -> str:
         """Return a job that has ended well."""
         job = ask("POST", EXECUTION, json=study(number), headers=ASYNC).json()
-        until = time.monotonic() + 60
-        while ask("GET", f"/jobs/{job['jobID']}").json()["status"] != "successful":
-            assert time.monotonic() < until
-            time.sleep(0.05)
+        wait_for(lambda: ask("GET", f"/jobs/{job['jobID']}").json()["status"] == "successful")
         return job["jobID"]
 
 
@@ -124,10 +122,7 @@ class TestLimits:
         with ThreadPoolExecutor(8) as threads:
             lab = house.key("crowd", "admin")
             streams = [threads.submit(lab, "GET", f"/jobs/{job}/events") for _ in range(6)]
-            until = time.monotonic() + 60
-            while sum(stream.done() for stream in streams) < 4:
-                assert time.monotonic() < until
-                time.sleep(0.05)
+            wait_for(lambda: sum(stream.done() for stream in streams) >= 4)
             refused = [stream.result() for stream in streams if stream.done()]
             assert house.key("other")("GET", "/scenes").status_code == 200
             app.state.stopping.set()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,7 +12,7 @@ from fastapi.testclient import TestClient
 from app.main import create_app
 from app.settings import Settings
 from core.kinds import prepare_content, tabulate
-from local_client import local_client
+from local_client import ended, local_client
 
 pytestmark = pytest.mark.service  # a server with workers of its own
 
@@ -64,13 +63,7 @@ def test_a_short_one_is_replied_to_at_once(client: TestClient) -> None:
 def test_a_job_of_more_cells_than_may_be_stored(client: TestClient, tmp_path) -> None:
     reply = client.post(PATH, json=study(30_000), headers=ASIDE)
     assert reply.status_code == 201, reply.text
-    until = time.monotonic() + 300  # the workers load first, and may have a busy machine
-    job = reply.json()
-    while job["status"] in ("accepted", "running"):
-        assert time.monotonic() < until, job
-        time.sleep(0.2)
-        job = client.get(reply.headers["location"]).json()
-    assert job["status"] == "successful"
+    assert ended(client, reply.headers["location"])["status"] == "successful"
     links = client.get(f"{reply.headers['location']}/results").json()
     href = next(one["href"] for one in _links(links) if "netcdf" in one.get("type", ""))
     path = tmp_path / "result.nc"

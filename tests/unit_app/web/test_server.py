@@ -28,7 +28,9 @@ from app.jobs.keys import new_key
 from app.jobs.manifest import NETCDF, Manifest
 from app.main import create_app
 from app.settings import Settings
+from benchmarks.serving import free_port
 from local_client import local_client
+from waiting import wait_for
 
 ROOT = Path(__file__).parents[3]
 KEY, HASH = new_key()
@@ -92,8 +94,7 @@ def server(
     folder: Path, *arguments: str, code: str = SERVE, **environment: str
 ) -> Iterator[tuple[subprocess.Popen[bytes], int, Path]]:
     """Run `vibrafeed serve` until it answers; yield its process, its port and its log."""
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port = free.getsockname()[1]
+    port = free_port()
     log = folder / "log"
     with log.open("wb") as stream:
         process = subprocess.Popen(
@@ -104,15 +105,15 @@ def server(
             stderr=stream,
         )
     try:
-        for _ in range(300):
-            try:
+
+        def listens() -> bool:
+            assert process.poll() is None, log.read_text()
+            with contextlib.suppress(OSError):
                 socket.create_connection(("127.0.0.1", port), 1).close()
-                break
-            except OSError:
-                assert process.poll() is None, log.read_text()
-                time.sleep(0.1)
-        else:
-            pytest.fail(log.read_text())
+                return True
+            return False
+
+        wait_for(listens, log.read_text)
         yield process, port, log
     finally:
         process.kill()
@@ -126,20 +127,14 @@ def is_warm(port: int) -> bool:
 
 def test_a_service_says_when_all_is_compiled(tmp_path):
     with server(tmp_path, VIBRAFEED_WARM_AT_START="true") as (_, port, _log):
-        until = time.monotonic() + 300
-        while not is_warm(port):
-            assert time.monotonic() < until
-            time.sleep(0.2)
+        wait_for(lambda: is_warm(port))
 
 
 def test_a_service_that_stops_compiles_no_more(tmp_path):
     cache = tmp_path / "empty"
     settings = {"VIBRAFEED_WARM_AT_START": "true", "NUMBA_CACHE_DIR": str(cache)}
     with server(tmp_path, **settings) as (process, port, _):
-        until = time.monotonic() + 120
-        while not list(cache.glob("kernels-*/*.nbi")):  # it compiles
-            assert time.monotonic() < until
-            time.sleep(0.2)
+        wait_for(lambda: list(cache.glob("kernels-*/*.nbi")))  # it compiles
         assert not is_warm(port)
         process.terminate()
         process.wait(30)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
@@ -16,6 +15,7 @@ from app import traces
 from app.main import create_app
 from app.settings import Settings
 from local_client import local_client
+from waiting import wait_for
 
 TRACE = "0af7651916cd43dd8448eb211c80319c"
 STUDY = {
@@ -72,10 +72,7 @@ def test_request_job_and_blocks_share_a_trace(receiver, tmp_path):
     with local_client(app) as client:
         path = "/processes/sweep/execution?secret=word"
         number = client.post(path, json=STUDY, headers=parent).json()["jobID"]
-        until = time.monotonic() + 120
-        while client.get(f"/jobs/{number}").json()["status"] != "successful":
-            assert time.monotonic() < until
-            time.sleep(0.1)
+        wait_for(lambda: client.get(f"/jobs/{number}").json()["status"] == "successful")
     ours = {span.name: span for span in spans(receiver) if span.trace_id.hex() == TRACE}
     request = ours["POST /processes/sweep/execution"]
     assert request.parent_span_id.hex() == "b7ad6b7169203331"

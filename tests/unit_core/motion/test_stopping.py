@@ -8,10 +8,10 @@ import pytest
 from core.kinds import KINDS, study_of, tabulate
 from core.quantities import MOTION_STATUSES
 from core.watch import Watch
+from waiting import wait_for
 
 NOT_COMPUTED = MOTION_STATUSES["not_computed"].value
-DEADLINE = 0.2  # s, before any of these cells can end
-GENEROUS = 5.0  # s beyond it, on a machine that does much else
+DEADLINE = 0.2  # s; these cells take hours, so that a test that ends at all has been stopped
 
 HOPS = {"frequency": 50, "amplitude": "2.1 mm", "beta": 41, "friction": 0.4, "restitution": 0.6}
 CURVE = {**HOPS, "alpha": 5, "delta": 5, "radius": 0.3}
@@ -62,9 +62,7 @@ def quick(name):
 @pytest.mark.parametrize("name", ENDLESS)
 def test_a_deadline_ends_a_cell(name):
     tabulate(quick(name), watch=Watch(deadline=time.monotonic() + 600))  # compiles
-    started = time.monotonic()
-    table = tabulate(prepared(name), watch=Watch(deadline=started + DEADLINE))
-    assert time.monotonic() - started < DEADLINE + GENEROUS
+    table = tabulate(prepared(name), watch=Watch(deadline=time.monotonic() + DEADLINE))
     assert table.variables["motion_status"].values == NOT_COMPUTED
     for output in set(table.variables) & {"drift_velocity", "conveying_velocity"}:
         assert np.isnan(table.variables[output].values)
@@ -74,9 +72,8 @@ def test_a_deadline_ends_a_cell(name):
 def test_a_course_ends_too(name):
     tabulate(prepared(name, trajectory=10, **dict.fromkeys(ENDLESS[name][2], 8))
              if "space" in name else quick(name))  # fmt: skip
-    started = time.monotonic()
-    table = tabulate(prepared(name, trajectory=10), watch=Watch(deadline=started + DEADLINE))
-    assert time.monotonic() - started < DEADLINE + GENEROUS
+    deadline = time.monotonic() + DEADLINE
+    table = tabulate(prepared(name, trajectory=10), watch=Watch(deadline=deadline))
     assert table.variables["motion_status"].values == NOT_COMPUTED
 
 
@@ -93,10 +90,10 @@ def test_cells_that_were_done_before_the_stop_are_kept():
 
 def test_a_stop_that_is_asked_for_ends_a_cell_as_a_deadline_does():
     tabulate(quick("events tumbling"))
-    until = time.monotonic() + DEADLINE
-    watch = Watch(stop=lambda: time.monotonic() > until)
+    looks = iter((False, False, True))
+    watch = Watch(stop=lambda: next(looks, True))
     table = tabulate(prepared("events tumbling"), watch=watch)
-    assert time.monotonic() - until < GENEROUS
+    assert next(looks, None) is None  # it was asked until it said so
     assert table.variables["motion_status"].values == NOT_COMPUTED
 
 
@@ -112,7 +109,4 @@ def test_without_a_stop_nothing_looks():
     with Watch().flag() as flag:
         assert not flag
     with Watch(deadline=time.monotonic()).flag() as flag:
-        until = time.monotonic() + GENEROUS
-        while not flag and time.monotonic() < until:
-            time.sleep(0.01)
-        assert flag
+        assert wait_for(lambda: bool(flag))

@@ -21,6 +21,7 @@ from core.sweep import tabulate
 from core.sweep.stream import outline, stream
 from core.sweep.targets import is_complete, open_target
 from core.watch import Watch
+from tools import tool
 
 STUDY = {
     "kind": "sweep",
@@ -85,7 +86,7 @@ def test_the_file_is_the_one_written_from_memory(sweep, compression, tmp_path):
             np.testing.assert_array_equal(h5[name][...], variable.values)
         assert found.attrs["verified_cells"] == 5
     dump = subprocess.run(
-        ["ncdump", "-h", tmp_path / "tiles.nc"], capture_output=True, text=True, check=True
+        [tool("ncdump"), "-h", tmp_path / "tiles.nc"], capture_output=True, text=True, check=True
     )
     assert "double transport_velocity(frequency, amplitude, alpha, beta)" in dump.stdout
 
