@@ -9,7 +9,7 @@ RUNNING := $(VENV)/.running
 TESTING := $(VENV)/.testing
 FIGURE := fig-5-1
 
-.PHONY: run test quick check docs serve clean
+.PHONY: run test night quick check docs serve clean
 
 run: $(RUNNING)
 	$(BIN)/vibrafeed run configs/figures/$(FIGURE).toml -o results/$(FIGURE).nc --force
@@ -17,6 +17,10 @@ run: $(RUNNING)
 
 test: $(TESTING)
 	scripts/test $(BIN)
+
+# The searches besides: hours of one processor.
+night: $(TESTING)
+	VIBRAFEED_NIGHT=1 scripts/test $(BIN)
 
 quick: $(TESTING)
 	scripts/quick $(BIN)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,19 +16,53 @@ from tools import absent
 os.environ.setdefault("VIBRAFEED_WARM_AT_START", "false")
 
 HERE = Path(__file__).parent
-SLOW = frozenset((HERE / "slow.txt").read_text().split())
-"""Tests that take an eighth of a second or more, as `scripts/slow` measured: file and name."""
+DURATIONS: dict[str, float] = json.loads((HERE / "durations.json").read_text())
+"""Seconds of each test with all its cases, on a quiet machine; `scripts/durations` writes it."""
+SLOW = 0.125  # s; `make quick` leaves out what takes as long
+NIGHT = os.environ.get("VIBRAFEED_NIGHT") == "1"
+"""Whether searches run too: they look for faults at random, for as long as one likes."""
+
+measured: dict[str, float] = {}
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the tests of the service, and the slow ones."""
+def name_of(node: str) -> str:
+    """Return file and name of a test, without the case."""
+    return node.removeprefix("tests/").partition("[")[0]
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark tests by place and duration, leave out the night's, begin with the longest files."""
+    whole: dict[Path, float] = {}
     for item in items:
-        place = item.path.relative_to(HERE)
-        if place.parts[0] in ("service", "browser", "packaging"):
+        seconds = DURATIONS.get(name_of(item.nodeid), 0.0)
+        whole.setdefault(item.path, 0.0)
+        if item.path.relative_to(HERE).parts[0] in ("service", "browser", "packaging"):
             item.add_marker(pytest.mark.service)
-        name = item.nodeid.partition("::")[2].partition("[")[0]
-        if f"{place.name}::{name}" in SLOW:
+        if seconds >= SLOW:
             item.add_marker(pytest.mark.slow)
+    for name, seconds in DURATIONS.items():
+        path = HERE / name.partition("::")[0]
+        if path in whole:
+            whole[path] += seconds
+    if not NIGHT:
+        left = [item for item in items if item.get_closest_marker("night")]
+        config.hook.pytest_deselected(items=left)
+        items[:] = [item for item in items if not item.get_closest_marker("night")]
+    items.sort(key=lambda item: -whole[item.path])
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Add up what each test took."""
+    name = name_of(report.nodeid)
+    measured[name] = measured.get(name, 0.0) + report.duration
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Write what was measured, where it is asked for."""
+    file = os.environ.get("VIBRAFEED_DURATIONS")
+    if file and not hasattr(session.config, "workerinput"):
+        worth = {name: round(took, 2) for name, took in sorted(measured.items()) if took >= 0.05}
+        Path(file).write_text(json.dumps(worth, indent=0) + "\n")
 
 
 @pytest.fixture(scope="session")

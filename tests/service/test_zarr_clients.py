@@ -52,25 +52,19 @@ def post(server: str, content: dict[str, Any]) -> str:
     request = urllib.request.Request(
         f"{server}/sweeps", json.dumps(content).encode(), {"Content-Type": "application/json"}
     )
-    with urllib.request.urlopen(request, timeout=10) as response:
+    with urllib.request.urlopen(request, timeout=PATIENCE) as response:
         return f"{server}/sweeps/{json.load(response)['id']}"
 
 
 CLIENT = """
-import json, sys, time, warnings
+import json, sys, warnings
 import numpy, xarray
-from waiting import PATIENCE
 first, second, path = sys.argv[1:]
 xarray.open_zarr(first + "/zarr", chunks=None)  # loads what a client needs for its first group
-started = time.perf_counter()
 sweep = xarray.open_zarr(second + "/zarr", chunks=None)
-seconds = time.perf_counter() - started
 piece = sweep.isel(frequency=[0, 333, 999], amplitude=500, beta=slice(100, 900, 97)).sel(alpha=90)
-started = time.perf_counter()
 piece.load()
 print(json.dumps({
-    "seconds": seconds,
-    "slice": time.perf_counter() - started,
     "cells": sweep.transport_velocity.size,
     "dims": sweep.throw_number.dims,
     "regime": [str(sweep.regime.dtype), sweep.regime.attrs["flag_meanings"]],
@@ -81,17 +75,27 @@ numpy.savez(path, **{name: piece[name].values for name in piece.variables})
 """
 
 
+def zarr_requests(server):
+    """Return how many requests for parts of Zarr groups the service has answered."""
+    with urllib.request.urlopen(f"{server}/metrics", timeout=PATIENCE) as reply:
+        lines = reply.read().decode().splitlines()
+    counts = (line for line in lines if line.startswith("vibrafeed_requests_total"))
+    return sum(float(line.rpartition(" ")[2]) for line in counts if "zarr" in line)
+
+
 def test_xarray_opens_a_trillion_cells_at_once_and_slices_them(server, tmp_path):
     path = tmp_path / "piece.npz"
     addresses = [post(server, content) for content in (LONG, TRILLION)]
+    before = zarr_requests(server)
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", CLIENT, *addresses, str(path)],
-        capture_output=True, text=True, timeout=60, check=False,
+        capture_output=True, text=True, timeout=PATIENCE, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     report = json.loads(done.stdout)
     assert report["cells"] == 10**12
-    assert report["seconds"] < 1
+    # What describes the two groups, ends of axes and the chunks of the piece: no more is fetched.
+    assert zarr_requests(server) - before < 200
     assert report["dims"] == ["frequency", "amplitude", "beta"]
     assert report["regime"][0] == "int8"
     assert "flight" in report["regime"][1].split()
@@ -112,7 +116,7 @@ def test_a_million_values_on_an_axis_are_chunks_too(server):
     view = ZarrView(prepare_content(LONG))
     address = post(server, LONG)
     for key in ("frequency/c/15", "transport_velocity/c/3906/3906"):
-        with urllib.request.urlopen(f"{address}/zarr/{key}", timeout=10) as response:
+        with urllib.request.urlopen(f"{address}/zarr/{key}", timeout=PATIENCE) as response:
             assert response.read() == view.read(key)
 
 
@@ -122,7 +126,7 @@ def test_sixteen_readers_at_a_time_get_identical_bytes(server):
 
     def read(number: int) -> tuple[str, str]:
         key = keys[number % len(keys)]
-        with urllib.request.urlopen(f"{address}/zarr/{key}", timeout=20) as response:
+        with urllib.request.urlopen(f"{address}/zarr/{key}", timeout=PATIENCE) as response:
             return key, hashlib.sha256(response.read()).hexdigest()
 
     with ThreadPoolExecutor(16) as pool:
@@ -140,7 +144,7 @@ def test_sixteen_readers_at_a_time_get_identical_bytes(server):
 def test_no_path_leads_out_of_the_group(server, path):
     """Sent as it stands: most clients would tidy it first."""
     address = post(server, TRILLION)
-    connection = http.client.HTTPConnection(server.removeprefix("http://"), timeout=10)
+    connection = http.client.HTTPConnection(server.removeprefix("http://"), timeout=PATIENCE)
     connection.request("GET", address.removeprefix(server) + "/zarr" + path)
     response = connection.getresponse()
     assert response.status == 404
@@ -152,7 +156,7 @@ def test_no_path_leads_out_of_the_group(server, path):
 def test_a_head_is_followed_by_nothing(server):
     """A body after a HEAD would be taken for the next reply."""
     address = post(server, TRILLION).removeprefix(server)
-    connection = http.client.HTTPConnection(server.removeprefix("http://"), timeout=10)
+    connection = http.client.HTTPConnection(server.removeprefix("http://"), timeout=PATIENCE)
     for key in ("zarr.json", "acceleration_x/c/0/0/0/0"):
         lengths = []
         for method in ("HEAD", "GET"):

@@ -9,7 +9,6 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +17,7 @@ import xarray
 from typer.testing import CliRunner
 
 from app.cli import app
+from waiting import PATIENCE, wait_for
 
 STUDY = """
 kind = "sweep"
@@ -356,13 +356,14 @@ main()
         [sys.executable, "-c", code, "run", str(slow)], stdout=subprocess.PIPE,
         stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
-    until = time.monotonic() + 120
-    while not begun.exists():  # the first cells are done
+
+    def has_begun():
         assert process.poll() is None, process.communicate()
-        assert time.monotonic() < until
-        time.sleep(0.05)
+        return begun.exists()
+
+    wait_for(has_begun)  # the first cells are done
     process.send_signal(signal.SIGINT)
-    output, errors = process.communicate(timeout=60)
+    output, errors = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1, output + errors
     assert "not computed" in errors
     with xarray.open_dataset(slow.with_suffix(".nc"), decode_times=False) as found:

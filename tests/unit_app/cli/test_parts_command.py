@@ -9,7 +9,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,7 @@ from typer.testing import CliRunner
 from app.cli import app
 from core.kinds import prepare_content
 from core.sweep.parts import Parts, PartsMissingError, ranges
+from waiting import PATIENCE, wait_for
 
 SWEEP: dict[str, Any] = {
     "kind": "sweep",
@@ -102,9 +102,7 @@ def test_64_parts_of_four_processes_two_of_them_killed(content, ending, tmp_path
     shares = [list(range(k, 64, 4)) for k in range(4)]
     working = [worker(content, where, 64, share, 0.1) for share in shares]
     parts = Parts(prepare_content(content), str(where), 64)
-    until = time.monotonic() + 120
-    while len(parts.records.names()) < 12 and time.monotonic() < until:
-        time.sleep(0.02)
+    wait_for(lambda: len(parts.records.names()) >= 12)
     for one in working[:2]:
         one.send_signal(signal.SIGKILL)
     assert [one.wait() for one in working] == [-9, -9, 0, 0]
@@ -270,11 +268,9 @@ def test_a_scheduler_with_two_workers_one_of_them_killed(study: Path, tmp_path: 
              address, "--parts", "200"],
         )  # fmt: skip
         records = tmp_path / "result.nc.parts"
-        until = time.monotonic() + 120
-        while not records.exists() and time.monotonic() < until and running.poll() is None:
-            time.sleep(0.01)
+        wait_for(lambda: records.exists() or running.poll() is not None)
         workers[0].send_signal(signal.SIGKILL)
-        assert running.wait(timeout=200) == 0
+        assert running.wait(timeout=PATIENCE) == 0
     finally:
         for process in (*workers, scheduler):
             process.kill()

@@ -69,12 +69,11 @@ def test_the_pace_is_that_of_the_claim(ledgers):
     here.release(first.owner)
     second = there.claim("b", LEASE)
     assert here.job(job.id).began is None
-    before = time.time()
     there.advance(second, done=6, seconds=0.0)
     there.advance(second, done=8, seconds=0.0)
     found = here.job(job.id)
     assert (found.done_then, found.done) == (6, 8)
-    assert before <= found.began <= time.time()
+    assert found.began is not None
     there.succeed(second)
     assert here.job(job.id).began is None
 

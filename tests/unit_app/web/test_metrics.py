@@ -52,7 +52,7 @@ def test_requests_are_counted_by_route_and_timed(client):
     assert found["vibrafeed_requests_total", "POST", "/sweeps", "422"] == 1
     assert found["vibrafeed_request_seconds_count", "GET", "/scenes/{name}"] == 4
     assert found["vibrafeed_request_seconds_bucket", "+Inf", "GET", "/scenes/{name}"] == 4
-    assert 0 < found["vibrafeed_request_seconds_sum", "GET", "/scenes/{name}"] < 60
+    assert found["vibrafeed_request_seconds_sum", "GET", "/scenes/{name}"] > 0
 
 
 def test_clients_cannot_make_new_labels(client):
