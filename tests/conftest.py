@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import postgres
+from night import NIGHT
 from tools import absent
 
 # `scripts/test` has compiled everything: services that tests start need not look.
@@ -19,8 +20,6 @@ HERE = Path(__file__).parent
 DURATIONS: dict[str, float] = json.loads((HERE / "durations.json").read_text())
 """Seconds of each test with all its cases, on a quiet machine; `scripts/durations` writes it."""
 SLOW = 0.125  # s; `make quick` leaves out what takes as long
-NIGHT = os.environ.get("VIBRAFEED_NIGHT") == "1"
-"""Whether searches run too: they look for faults at random, for as long as one likes."""
 
 measured: dict[str, float] = {}
 

@@ -1,9 +1,8 @@
 """Studies of motion with settings at random, at their bounds and beyond, fail with our words only.
 
-`VIBRAFEED_FUZZ_CASES=5000 pytest tests/laws/test_random_settings.py` searches for longer.
+By night they are 5,000; `VIBRAFEED_FUZZ_CASES` says how many else.
 """
 
-import os
 import time
 
 import numpy as np
@@ -14,8 +13,9 @@ from core.kinds import prepare_content, tabulate
 from core.motion.methods import regularised
 from core.motion.systems import CONTACTS, SYSTEMS
 from core.watch import Watch
+from night import count
 
-CASES = int(os.environ.get("VIBRAFEED_FUZZ_CASES", "25"))
+CASES = count(25, 5000, "VIBRAFEED_FUZZ_CASES")
 # Bounds of the schema; floats are drawn evenly in their logarithm.
 FLOATS = {"tolerance": (1e-13, 1.0), "slip_speed": (1e-12, 1.0), "contact_stiffness": (100, 1e16)}
 COUNTS = {"most_periods": (8, 100_000), "steps_per_period": (8, 100_000)}

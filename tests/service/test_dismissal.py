@@ -93,6 +93,7 @@ def test_a_small_job_does_not_wait_for_long_ones(tmp_path: Path) -> None:
         server.stop()
 
 
+@pytest.mark.night
 def test_accuracy_is_measured_in_blocks_and_can_be_dismissed(tmp_path: Path) -> None:
     server = Server(tmp_path, **QUICK, VIBRAFEED_WORKERS="1")
     try:

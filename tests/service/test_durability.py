@@ -1,6 +1,6 @@
 """Jobs survive what kills a server or its workers, and run on any Dask cluster.
 
-``KILLS=20 pytest tests/service/test_durability.py`` is the long run. With ``LEDGER=postgresql`` the
+By night there are 20 kills; ``KILLS`` says how many else. With ``LEDGER=postgresql`` the
 ledger of each test is a database of Debian's PostgreSQL.
 """
 
@@ -24,10 +24,11 @@ import pytest
 from benchmarks.serving import free_port
 from core.dataset.netcdf import write_netcdf
 from core.kinds import prepare_content, tabulate
+from night import count
 from postgres import PASSWORD
 from waiting import PATIENCE, wait_for
 
-KILLS = int(os.environ.get("KILLS", "4"))
+KILLS = count(2, 20, "KILLS")
 JOBS = 8
 SIZE = 61 if KILLS <= 4 else 301  # of two axes: the last kill is to meet work
 QUICK = {"VIBRAFEED_LEASE_SECONDS": "3", "VIBRAFEED_BLOCK_SECONDS": "0.3"}
@@ -201,6 +202,7 @@ def test_jobs_survive_kills_of_server_and_workers(tmp_path):
 
 
 @pytest.mark.timeout(400)
+@pytest.mark.night
 def test_a_database_that_is_restarted_under_jobs_loses_none(tmp_path, in_postgresql):
     """Stopped, crashed, and crashed at the same time as the server."""
     studies = [simulation(number) for number in range(3)]
@@ -279,6 +281,7 @@ def test_a_dismissed_job_stops(tmp_path):
         assert server.job(numbers[0])["cellsDone"] < SIZE**2
 
 
+@pytest.mark.night
 def test_work_on_a_scheduler_elsewhere(tmp_path):
     """A scheduler and two workers as processes of their own; the service starts none."""
     address = f"tcp://127.0.0.1:{free_port()}"

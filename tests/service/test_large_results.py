@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import random
 import signal
 import time
@@ -20,9 +19,10 @@ from obstore.store import HTTPStore
 from zarr.storage import ObjectStore
 
 from core.kinds import prepare_content, tabulate
+from night import count
 from tests.service.test_durability import QUICK, Server
 
-KILLS = int(os.environ.get("KILLS", "2"))
+KILLS = count(1, 4, "KILLS")
 
 STUDY: dict[str, Any] = {
     "kind": "sweep",

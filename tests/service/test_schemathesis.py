@@ -1,13 +1,11 @@
 """What schemathesis makes of the OpenAPI document, sent to a server of its own: no reply surprises.
 
-Few cases here; `VIBRAFEED_FUZZ_CASES=500 pytest tests/service/test_schemathesis.py -s` is the long
-run.
+A few cases a route by day, 500 and three seeds by night; `VIBRAFEED_FUZZ_CASES` says how many else.
 """
 
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 import time
@@ -20,8 +18,9 @@ import pytest
 
 from app.jobs.keys import new_key
 from benchmarks import serving
+from night import count
 
-CASES = int(os.environ.get("VIBRAFEED_FUZZ_CASES", "6"))
+CASES = count(2, 500, "VIBRAFEED_FUZZ_CASES")
 SEEDS = (1, 2, 3) if CASES > 100 else (1,)
 KEY, HASH = new_key()
 STUDY = {

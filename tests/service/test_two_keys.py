@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from benchmarks.two_keys import LIMITED, STRICT, make_keys, play
+from night import count
 
-CALLS = 200  # `python -m benchmarks.two_keys` makes 2,000
+CALLS = count(100, 2000, "VIBRAFEED_FUZZ_CASES")
 
 
 def test_random_calls_of_both_tell_nothing_of_the_other(serve):
