@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import itertools
 import json
-import os
 import urllib.request
 
 import pytest
 
 from benchmarks.page import WITNESS, dragged, finished, loaded, moved
 from links import links
+from night import count
 
-LINKS = int(os.environ.get("VIBRAFEED_FUZZ_LINKS", "25"))
+LINKS = count(12, 500, "VIBRAFEED_FUZZ_LINKS")
 
 # Follow a link within the page; return what it shows once it is at rest.
 FOLLOWED = """async (link) => {
