@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
+import urllib.error
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -18,12 +20,15 @@ from waiting import PATIENCE, wait_for
 
 ROOT = Path(__file__).parents[2]
 
+QUICK = {"lease_seconds": 3, "block_seconds": 0.3}
+"""Settings with which work that was left behind is soon taken up again."""
+
 
 class Service:
     """`vibrafeed serve` on a folder; it can be killed and started again, on the same port."""
 
     def __init__(self, folder: Path, **settings: Any):
-        self.folder = folder
+        self.folder, self.log = folder, folder / "log"
         self.port = free_port()
         self.address = f"http://127.0.0.1:{self.port}"
         self._environment = {**os.environ, "VIBRAFEED_DATA_DIRECTORY": str(folder / "data")}
@@ -31,25 +36,29 @@ class Service:
             self._environment[f"VIBRAFEED_{name.upper()}"] = str(value)
         self.process: subprocess.Popen[bytes] | None = None
 
-    def start(self) -> None:
+    def launch(self) -> None:
+        """Start it, and do not wait for it."""
         serve = "from app.cli import main; main()"  # as `vibrafeed` does, from this source tree
         command = [sys.executable, "-c", serve, "serve", "--port", str(self.port)]
-        log = self.folder / "log"
-        with log.open("ab") as file:
+        with self.log.open("ab") as file:
             self.process = subprocess.Popen(
                 command, cwd=ROOT, env=self._environment, stdout=file, stderr=file
             )
 
+    def start(self) -> None:
+        """Start it, and wait until it answers."""
+        self.launch()
+
         def answers() -> bool:
             assert self.process is not None
-            assert self.process.poll() is None, log.read_text()
+            assert self.process.poll() is None, self.log.read_text()
             try:
                 urllib.request.urlopen(f"{self.address}/healthz", timeout=PATIENCE).close()
             except OSError:
                 return False
             return True
 
-        wait_for(answers, log.read_text)
+        wait_for(answers, self.log.read_text)
 
     def kill(self) -> None:
         """Kill it, as a power cut would."""
@@ -58,9 +67,64 @@ class Service:
         self.process.wait(PATIENCE)
 
     def stop(self) -> None:
+        """Ask it to stop, if it runs."""
         assert self.process is not None
-        self.process.terminate()
-        self.process.wait(PATIENCE)
+        if self.process.poll() is None:
+            self.process.terminate()
+            self.process.wait(PATIENCE)
+
+
+class Server(Service):
+    """A service with a client that follows its jobs, while it is killed and started again."""
+
+    def ask(
+        self,
+        path: str,
+        content: object = None,
+        method: str | None = None,
+        headers: Iterable[tuple[str, str]] = (),
+    ) -> bytes:
+        """Return a reply's content; a server that is being started again is waited for."""
+        body = None if content is None else json.dumps(content).encode()
+
+        def replied() -> tuple[bytes] | None:
+            request = urllib.request.Request(
+                f"{self.address}{path}", body, dict(headers), method=method
+            )
+            try:
+                with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
+                    return (reply.read(),)
+            except urllib.error.HTTPError:
+                raise
+            except OSError:
+                return None
+
+        return wait_for(replied)[0]
+
+    def job(self, number: str) -> Any:
+        return json.loads(self.ask(f"/jobs/{number}"))
+
+    def post(self, study: Mapping[str, Any]) -> str:
+        path = f"/processes/{study['kind']}/execution"
+        return json.loads(self.ask(path, study, headers=[("Prefer", "respond-async")]))["jobID"]
+
+    def waited(self, number: str, enough: Callable[[Any], bool]) -> Any:
+        """Return a job once it is as it should be, or over."""
+
+        def reached() -> Any:
+            job = self.job(number)
+            return (job["status"] not in ("accepted", "running") or enough(job)) and job
+
+        return wait_for(reached, lambda: self.job(number))
+
+    def finished(self, number: str) -> Any:
+        return self.waited(number, lambda job: False)
+
+    def begun(self, number: str) -> Any:
+        """Return a job that has done some of its cells; it must not be over."""
+        job = self.waited(number, lambda job: job["cellsDone"] > 0)
+        assert job["status"] == "running", job
+        return job
 
 
 @contextmanager

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from tests.service.test_durability import QUICK, Server
+from services import QUICK, Server
 
 # Some bytes that ask for hours: a part that hops and never repeats, by the method that is slowest.
 HOURS: dict[str, Any] = {
@@ -42,7 +42,8 @@ CLOSED_FORMS = {
 
 @pytest.fixture
 def server(tmp_path: Path) -> Iterator[Server]:
-    one = Server(tmp_path, **QUICK, VIBRAFEED_WORKERS="1")
+    one = Server(tmp_path, **QUICK, workers=1)
+    one.launch()
     yield one
     one.stop()
 
@@ -58,12 +59,13 @@ def test_dismissed_work_frees_its_worker(server: Server) -> None:
 
 def test_work_over_its_time_fails_alone(tmp_path: Path) -> None:
     """What waited behind it as long has not run for so long."""
-    server = Server(tmp_path, **QUICK, VIBRAFEED_WORKERS="1", VIBRAFEED_MAX_JOB_SECONDS="10")
+    server = Server(tmp_path, **QUICK, workers=1, max_job_seconds=20)
+    server.launch()
     try:
         long = server.post(HOURS)
         server.waited(long, lambda job: job["status"] == "running")
         number = server.post(SMALL)
-        waits = server.waited(number, lambda job: "all workers are busy" in job["message"], 60)
+        waits = server.waited(number, lambda job: "all workers are busy" in job["message"])
         assert (waits["status"], waits.get("started")) == ("accepted", None)
         over = server.finished(long)
         assert over["status"] == "failed"
@@ -75,7 +77,8 @@ def test_work_over_its_time_fails_alone(tmp_path: Path) -> None:
 
 
 def test_a_small_job_does_not_wait_for_long_ones(tmp_path: Path) -> None:
-    server = Server(tmp_path, **QUICK, VIBRAFEED_WORKERS="2")
+    server = Server(tmp_path, **QUICK, workers=2)
+    server.launch()
     try:
         grid = {"start": "0.05 mm", "stop": "0.75 mm", "num": 1001}
         long = [
@@ -95,7 +98,8 @@ def test_a_small_job_does_not_wait_for_long_ones(tmp_path: Path) -> None:
 
 @pytest.mark.night
 def test_accuracy_is_measured_in_blocks_and_can_be_dismissed(tmp_path: Path) -> None:
-    server = Server(tmp_path, **QUICK, VIBRAFEED_WORKERS="1")
+    server = Server(tmp_path, **QUICK, workers=1)
+    server.launch()
     try:
         path = "/processes/accuracy/execution"
         number = json.loads(server.ask(path, CLOSED_FORMS))["jobID"]

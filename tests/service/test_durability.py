@@ -26,12 +26,12 @@ from core.dataset.netcdf import write_netcdf
 from core.kinds import prepare_content, tabulate
 from night import count
 from postgres import PASSWORD
+from services import QUICK, Server
 from waiting import PATIENCE, wait_for
 
 KILLS = count(2, 20, "KILLS")
 JOBS = 8
 SIZE = 61 if KILLS <= 4 else 301  # of two axes: the last kill is to meet work
-QUICK = {"VIBRAFEED_LEASE_SECONDS": "3", "VIBRAFEED_BLOCK_SECONDS": "0.3"}
 
 
 ELSEWHERE = {}  # settings of a test whose ledger is no file
@@ -40,7 +40,7 @@ ELSEWHERE = {}  # settings of a test whose ledger is no file
 @pytest.fixture(autouse=os.environ.get("LEDGER") == "postgresql")
 def in_postgresql(postgresql):
     """Keep the ledger of a test in PostgreSQL."""
-    ELSEWHERE["VIBRAFEED_LEDGER_URL"] = postgresql.new_database()
+    ELSEWHERE["ledger_url"] = postgresql.new_database()
     yield postgresql
     ELSEWHERE.clear()
 
@@ -61,79 +61,6 @@ def simulation(number):
     }
 
 
-class Server:
-    """A server that can be killed and started again."""
-
-    def __init__(self, folder, **environment):
-        self.port, self.folder = free_port(), folder
-        self.environment = {
-            **{k: v for k, v in os.environ.items() if not k.startswith("VIBRAFEED_")},
-            "VIBRAFEED_DATA_DIRECTORY": str(folder / "data"),
-            **ELSEWHERE,
-            **environment,
-        }
-        self.log = (folder / "log").open("ab")
-        self.start()
-
-    def start(self):
-        self.process = subprocess.Popen(
-            [Path(sys.executable).with_name("vibrafeed"), "serve", "--port", str(self.port)],
-            env=self.environment, stderr=self.log, stdout=self.log,
-        )  # fmt: skip
-
-    def ask(self, path, content=None, method=None, headers=()):
-        """Return a reply's content; a server that is being started again is waited for."""
-        body = None if content is None else json.dumps(content).encode()
-
-        def replied():
-            request = urllib.request.Request(
-                f"http://127.0.0.1:{self.port}{path}", body, dict(headers), method=method
-            )
-            try:
-                with urllib.request.urlopen(request, timeout=PATIENCE) as reply:
-                    return (reply.read(),)
-            except urllib.error.HTTPError:
-                raise
-            except OSError:
-                return None
-
-        return wait_for(replied)[0]
-
-    def job(self, number):
-        return json.loads(self.ask(f"/jobs/{number}"))
-
-    def post(self, study):
-        path = f"/processes/{study['kind']}/execution"
-        return json.loads(self.ask(path, study, headers=[("Prefer", "respond-async")]))["jobID"]
-
-    def waited(self, number, enough):
-        """Return a job once it is as it should be, or over."""
-
-        def reached():
-            job = self.job(number)
-            return (job["status"] not in ("accepted", "running") or enough(job)) and job
-
-        return wait_for(reached, lambda: self.job(number))
-
-    def finished(self, number):
-        return self.waited(number, lambda job: False)
-
-    def begun(self, number):
-        """Return a job that has done some of its cells; it must not be over."""
-        job = self.waited(number, lambda job: job["cellsDone"] > 0)
-        assert job["status"] == "running", job
-        return job
-
-    def workers(self):
-        return descendants(self.process.pid)
-
-    def stop(self):
-        if self.process.poll() is None:
-            self.process.terminate()
-            self.process.wait(30)
-        self.log.close()
-
-
 def descendants(parent):
     """Return the processes below one, deepest last."""
     done = subprocess.run(
@@ -151,8 +78,9 @@ def descendants(parent):
 
 
 @contextlib.contextmanager
-def serving(folder, **environment):
-    server = Server(folder, **environment)
+def serving(folder, **settings):
+    server = Server(folder, **ELSEWHERE, **settings)
+    server.launch()
     try:
         yield server
     finally:
@@ -174,13 +102,13 @@ def test_jobs_survive_kills_of_server_and_workers(tmp_path):
             numbers = list(pool.map(server.post, studies))
         for kill in range(KILLS):
             time.sleep(chance.uniform(0.2, 3.0))
-            workers = server.workers()
+            workers = descendants(server.process.pid)
             if kill % 2 and workers:
                 os.kill(chance.choice(workers), signal.SIGKILL)
             else:
                 server.process.kill()
                 server.process.wait(30)
-                server.start()
+                server.launch()
         before = [server.job(number) for number in numbers]
         assert any(job["status"] in ("accepted", "running") for job in before)
         jobs = [server.finished(number) for number in numbers]
@@ -188,7 +116,7 @@ def test_jobs_survive_kills_of_server_and_workers(tmp_path):
         contents = [server.ask(f"/jobs/{number}/results/dataset") for number in numbers]
         server.process.kill()
         server.process.wait(30)
-        server.start()
+        server.launch()
         server.ask("/healthz")
         assert len(json.loads(server.ask("/jobs"))["jobs"]) == JOBS
         left = [
@@ -225,7 +153,7 @@ def test_a_database_that_is_restarted_under_jobs_loses_none(tmp_path, in_postgre
         server.process.kill()
         server.process.wait(30)
         in_postgresql.start()
-        server.start()
+        server.launch()
         jobs = [server.finished(number) for number in numbers]
         assert [job["status"] for job in jobs] == ["successful"] * 3, jobs
         contents = [server.ask(f"/jobs/{number}/results/dataset") for number in numbers]
@@ -245,7 +173,7 @@ def test_a_block_that_is_done_is_not_computed_again(tmp_path):
         time.sleep(2)  # for its workers to see that they are alone
         done = {path: path.stat().st_mtime_ns for path in folder.rglob("*.block")}
         assert done
-        server.start()
+        server.launch()
 
         def is_untouched(_):
             for path, stamp in done.items():
@@ -258,14 +186,14 @@ def test_a_block_that_is_done_is_not_computed_again(tmp_path):
 
 def test_a_stopped_server_hands_its_work_on_at_once(tmp_path):
     """SIGTERM gives leases back: the next server need not wait for them to run out."""
-    patient = {**QUICK, "VIBRAFEED_LEASE_SECONDS": "600"}
+    patient = {**QUICK, "lease_seconds": 600}
     with serving(tmp_path, **patient) as server:
         number = server.post(simulation(0))
         job = server.waited(number, lambda job: job["status"] == "running")
         assert job["status"] == "running", job
         server.process.terminate()
         assert server.process.wait(PATIENCE) in (0, -signal.SIGTERM)
-        server.start()
+        server.launch()
         assert server.finished(number)["status"] == "successful"
 
 
@@ -303,14 +231,14 @@ def test_work_on_a_scheduler_elsewhere(tmp_path):
             )
         )  # fmt: skip
     try:
-        with serving(tmp_path, **QUICK, VIBRAFEED_SCHEDULER=address) as server:
+        with serving(tmp_path, **QUICK, scheduler=address) as server:
             study = simulation(3)
             number = server.post(study)
             # Of its two workers one dies on the way.
             server.begun(number)
             cluster[-1].kill()
             assert server.finished(number)["status"] == "successful"
-            assert server.workers() == []
+            assert descendants(server.process.pid) == []
             content = server.ask(f"/jobs/{number}/results/dataset")
         assert content == expected(study, tmp_path / "whole.nc")
     finally:
@@ -321,7 +249,7 @@ def test_work_on_a_scheduler_elsewhere(tmp_path):
 
 def test_a_scheduler_that_is_not_there_is_told_and_waited_for(tmp_path):
     address = f"tcp://127.0.0.1:{free_port()}"
-    with serving(tmp_path, **QUICK, VIBRAFEED_SCHEDULER=address) as server:
+    with serving(tmp_path, **QUICK, scheduler=address) as server:
         number = server.post(simulation(0))
 
         def is_told():

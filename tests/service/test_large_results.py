@@ -20,7 +20,7 @@ from zarr.storage import ObjectStore
 
 from core.kinds import prepare_content, tabulate
 from night import count
-from tests.service.test_durability import QUICK, Server
+from services import QUICK, Server
 
 KILLS = count(1, 4, "KILLS")
 
@@ -39,12 +39,13 @@ STUDY: dict[str, Any] = {
         "distance": "0.2 mm",
     },
 }
-LIMITS = {**QUICK, "VIBRAFEED_MAX_CELLS": "1000000", "VIBRAFEED_WORKERS": "1"}
+LIMITS = {**QUICK, "max_cells": 1_000_000, "workers": 1}
 
 
 @pytest.fixture
 def server(tmp_path: Path) -> Iterator[Server]:
     one = Server(tmp_path, **LIMITS)
+    one.launch()
     yield one
     one.stop()
 
@@ -80,7 +81,7 @@ def test_it_is_read_while_it_grows_and_survives_kills(server: Server, tmp_path: 
         time.sleep(chance.uniform(0.3, 1.5))
         server.process.send_signal(signal.SIGKILL)
         server.process.wait()
-        server.start()
+        server.launch()
     job = server.finished(number)
     assert job["status"] == "successful", job
     assert any(link["href"].endswith("/results/zarr") for link in job["links"])
