@@ -22,6 +22,7 @@ from pathlib import Path
 import pytest
 
 import vibrafeed
+from night import first_by_day
 from tools import tool
 from waiting import PATIENCE, wait_for
 
@@ -105,7 +106,7 @@ def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.fixture(scope="module", params=["wheel", "editable", "clone"])
+@pytest.fixture(scope="module", params=first_by_day(["wheel", "editable", "clone"]))
 def place(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, wheel: Path,
     foreign: Path,

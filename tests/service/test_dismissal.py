@@ -76,6 +76,7 @@ def test_work_over_its_time_fails_alone(tmp_path: Path) -> None:
         server.stop()
 
 
+@pytest.mark.night
 def test_a_small_job_does_not_wait_for_long_ones(tmp_path: Path) -> None:
     server = Server(tmp_path, **QUICK, workers=2)
     server.launch()

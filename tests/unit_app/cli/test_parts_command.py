@@ -239,6 +239,7 @@ def test_numbers_are_told_as_a_queue_takes_them() -> None:
     assert ranges([3, 0, 1, 2, 7, 9, 10]) == "0-3,7,9-10"
 
 
+@pytest.mark.night
 @pytest.mark.service
 def test_a_scheduler_with_two_workers_one_of_them_killed(study: Path, tmp_path: Path) -> None:
     where = tmp_path / "result.nc"

@@ -92,7 +92,9 @@ def comparable(path: Path) -> object:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-@pytest.mark.parametrize("options", [["a.nc"], ["a.nc", "--plain"], ["a.zarr"]])
+@pytest.mark.parametrize(
+    "options", [["a.nc"], pytest.param(["a.nc", "--plain"], marks=pytest.mark.night), ["a.zarr"]]
+)
 def test_a_killed_run_leaves_nothing_and_goes_on_to_the_same_result(study, tmp_path, options):
     target, whole = tmp_path / options[0], tmp_path / f"whole-{options[0]}"
     assert run(study, "-o", whole, *options[1:]).exit_code == 0
@@ -222,6 +224,7 @@ def test_an_unknown_store_is_told_in_one_line(study):
     assert "Traceback" not in result.output
 
 
+@pytest.mark.night
 @pytest.mark.service
 def test_an_object_store_takes_the_shards_and_xarray_reads_them(study, tmp_path, monkeypatch):
     from moto.server import ThreadedMotoServer

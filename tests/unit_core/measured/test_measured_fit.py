@@ -173,7 +173,9 @@ def counted(fits, line):
     return np.array(found)
 
 
-@pytest.mark.parametrize(("colour", "draws"), [(0.0, 200), (0.9, 100)])
+@pytest.mark.parametrize(
+    ("colour", "draws"), [(0.0, 200), pytest.param(0.9, 100, marks=pytest.mark.night)]
+)
 def test_stated_errors_are_as_large_as_true_ones(colour, draws):
     """Of 200 recordings with noise, drift and a clock 1 % wrong, 95 % lie within two errors.
 

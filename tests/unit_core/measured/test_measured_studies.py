@@ -19,6 +19,7 @@ from core.kinds import study_of as sound
 from core.measured import study as measured
 from core.motion.drive_error import drive_error
 from core.study import parse_json, parse_study
+from night import first_by_day
 from recordings import DRIVE, csv_of, signal_of
 
 ROOT = Path(__file__).parents[3]
@@ -193,7 +194,7 @@ def test_the_config_runs_beside_its_recording():
 # --- the error of a speed
 
 
-@pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize("part", first_by_day(PARTS))
 def test_a_known_drive_has_a_speed_within_the_stated_error(part):
     """Of 30 sound ones 95 % have 26 or more within, but for one time in 300."""
     true = true_speed(PARTS[part])
