@@ -6,6 +6,7 @@ COPY app app
 COPY core core
 COPY vibrafeed vibrafeed
 COPY configs configs
+COPY scripts scripts
 RUN python -m venv /opt/vibrafeed \
     && /opt/vibrafeed/bin/python -m pip install --no-cache-dir --constraint constraints.txt '.[plot,cluster,postgres,tables,traces]'
 

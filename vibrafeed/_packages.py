@@ -1,7 +1,8 @@
-"""Makes the packages `core` and `app` vibrafeed's own, whatever else has these names.
+"""Finds the packages `core` and `app` of a clone, whatever else has these names.
 
-They are folders at the top of the repository, and stand within the folder of this package once it
-is installed: an environment may hold another `core`, and so may the folder that one works in.
+They are folders at the top of the repository. Installed from a wheel they are `vibrafeed.core` and
+`vibrafeed.app`, and nothing has to be found. A clone, and an editable install of it, has them under
+their own names, and an environment may hold another `core`, as may the folder that one works in.
 docs/decisions/2026-11-22-one-name-to-import.md says what else was tried.
 """
 
@@ -18,7 +19,8 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 _HERE = __file__.rpartition(os.sep)[0]
-_PLACES = [_HERE, _HERE.rpartition(os.sep)[0]]  # installed; in a clone
+_PLACES = [_HERE.rpartition(os.sep)[0]]
+_IS_INSTALLED = os.path.isdir(os.path.join(_HERE, "core"))  # noqa: PTH112, PTH118 - pathlib is dear
 
 
 class ForeignPackageError(ImportError):
@@ -56,13 +58,17 @@ _FINDER = _Finder()
 
 
 def claim(*packages: str) -> None:
-    """Let imports of these packages find vibrafeed's own, from now on.
+    """Let imports of these packages find those of the clone, from now on.
+
+    Installed from a wheel vibrafeed needs no such thing, and claims nothing.
 
     Raises
     ------
     ForeignPackageError
         If another package of that name is imported already.
     """
+    if _IS_INSTALLED:
+        return
     for package in packages:
         imported = sys.modules.get(package)
         if imported is not None and not _is_ours(imported):
@@ -76,6 +82,14 @@ def claim(*packages: str) -> None:
     _FINDER.claimed.update(packages)
     if _FINDER not in sys.meta_path:
         sys.meta_path.insert(0, _FINDER)
+
+
+def load(name: str) -> ModuleType:
+    """Return a module of vibrafeed by its name in the repository, such as `app.jobs.work`."""
+    from importlib import import_module
+
+    claim("core", "app")
+    return import_module(f"vibrafeed.{name}" if _IS_INSTALLED else name)
 
 
 def _is_ours(imported: ModuleType) -> bool:

@@ -130,7 +130,8 @@ def by_name(function: Callable[..., _T]) -> Callable[..., _T]:
     It is sent with all it holds, tells that it begins, and finds the rest by the name `vibrafeed`:
     schedulers and workers may have other packages called `app` and `core`.
     """
-    module, name, topic = function.__module__, function.__name__, BEGUN
+    module = function.__module__.removeprefix("vibrafeed.")  # as the repository has it
+    name, topic = function.__name__, BEGUN
 
     def call(*arguments: Any) -> _T:
         from contextlib import suppress
@@ -142,8 +143,8 @@ def by_name(function: Callable[..., _T]) -> Callable[..., _T]:
             worker = get_worker()
             told = {"key": worker.get_current_task(), "worker": worker.address}
             worker.log_event(topic, told)
-        import_module("vibrafeed._packages").claim("core", "app")
-        called: _T = getattr(import_module(module), name)(*arguments)
+        home = import_module("vibrafeed._packages").load(module)
+        called: _T = getattr(home, name)(*arguments)
         return called
 
     call.__name__ = name

@@ -5,12 +5,12 @@ Each environment is a fresh one that borrows the dependencies of this one.
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import json
 import os
-import pickle
+import runpy
 import shutil
-import socket
 import subprocess
 import sys
 import urllib.request
@@ -22,6 +22,7 @@ from pathlib import Path
 import pytest
 
 import vibrafeed
+from benchmarks.serving import free_port
 from night import first_by_day
 from tools import tool
 from waiting import PATIENCE, wait_for
@@ -29,6 +30,7 @@ from waiting import PATIENCE, wait_for
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
+rewritten = runpy.run_path(str(ROOT / "scripts" / "wheel.py"))["rewritten"]
 POINT = {
     "scene": "rectangle-on-plane", "frequency": "50 Hz", "amplitude": "0.25 mm", "beta": 30,
     "friction": 0.5,
@@ -106,18 +108,17 @@ def foreign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.fixture(scope="module", params=first_by_day(["wheel", "editable", "clone"]))
+@pytest.fixture(scope="module", params=first_by_day(["clone", "editable"]))
 def place(
-    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, wheel: Path,
-    foreign: Path,
-) -> Environment:  # fmt: skip
-    """Return an environment that has vibrafeed, one way or another, beside the foreign one."""
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, foreign: Path
+) -> Environment:
+    """Return an environment that has the repository, one way or another, beside the foreign one."""
     folder = tmp_path_factory.mktemp(request.param)
     if request.param == "clone":
         environment = Environment(folder, path=str(ROOT))
     else:
         environment = Environment(folder)
-        environment.install(*([wheel] if request.param == "wheel" else ["--editable", ROOT]))
+        environment.install("--editable", ROOT)
     environment.install(foreign)
     return environment
 
@@ -167,7 +168,7 @@ except ImportError as error:
     assert float(value) == pytest.approx(
         vibrafeed.sweep(POINT, outputs="acceleration_x").acceleration_x.item()
     )
-    assert Path(file).parents[1] in (ROOT, place.packages / "vibrafeed")
+    assert Path(file).parents[1] == ROOT
     assert refused == "True"
 
 
@@ -197,6 +198,76 @@ def test_what_another_distribution_took_away_is_not_missed(installed):
     )
 
 
+def test_a_wheel_lives_beside_a_core_and_an_app_of_the_user(installed):
+    """In one process: a sweep, a motion, a picture and the service, and packages of these names."""
+    lines = installed.run(
+        "-c",
+        f"""
+import core, app
+{SWEEP}
+import warnings
+import vibrafeed.core.motion
+from vibrafeed.app.main import create_app
+from vibrafeed.app.settings import Settings
+from fastapi.testclient import TestClient
+motion = vibrafeed.simulate(method="reference", **{POINT})
+print(motion.conveying_velocity.item())
+many = vibrafeed.sweep(outputs="acceleration_x", **{{**{POINT}, "beta": range(0, 41, 5)}})
+print(vibrafeed.plot(many).get_suptitle())
+with TestClient(create_app(Settings(data_directory="data")), base_url="http://127.0.0.1") as client:
+    print(client.get("/healthz").status_code)
+assert (core.OWNER, app.OWNER) == ("the user", "the user")
+import sys
+assert sys.modules["core"] is core and not hasattr(core, "study")
+""",
+    ).splitlines()
+    value, file = lines[0].split()
+    sweep = vibrafeed.sweep(POINT, outputs="acceleration_x")
+    assert float(value) == pytest.approx(sweep.acceleration_x.item())
+    assert Path(file) == installed.packages / "vibrafeed" / "core" / "__init__.py"
+    speed = vibrafeed.simulate(POINT, method="reference").conveying_velocity.item()
+    assert float(lines[1]) == pytest.approx(speed)
+    assert lines[2:] == ["Acceleration along the track", "200"]
+
+
+def test_no_import_of_the_wheel_needs_a_name_of_its_own_at_the_top(wheel, tmp_path):
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(tmp_path)
+    for file in (tmp_path / "vibrafeed").rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            names = [one.name for one in node.names] if isinstance(node, ast.Import) else []
+            if isinstance(node, ast.ImportFrom) and node.level == 0:
+                names = [str(node.module)]
+            assert not {"core", "app"} & {name.partition(".")[0] for name in names}, file
+        if file.name != "_packages.py":
+            written = (ROOT / file.relative_to(tmp_path / "vibrafeed")).exists()
+            source = ROOT / file.relative_to(tmp_path / ("vibrafeed" if written else ""))
+            assert file.read_text().count("\n") == source.read_text().count("\n"), file
+
+
+@pytest.mark.parametrize(
+    ("line", "wanted"),
+    [
+        ("import core", "from vibrafeed import core"),
+        ("from core.plan import plan", "from vibrafeed.core.plan import plan"),
+        ("from app import main", "from vibrafeed.app import main"),
+        ("import core.errors as wrong", "import vibrafeed.core.errors as wrong"),
+        ("from cores import x", "from cores import x"),
+        ("home = 'core.study'", "home = 'vibrafeed.core.study'"),
+        ("word = 'core.nowhere'", "word = 'core.nowhere'"),
+        ("code = 'from core.kinds import x'", "code = 'from vibrafeed.core.kinds import x'"),
+        ("é = 'µ'; from core import plan", "é = 'µ'; from vibrafeed.core import plan"),
+    ],
+)
+def test_what_is_rewritten(line, wanted):
+    assert rewritten(line, ROOT) == wanted
+
+
+def test_an_import_that_would_bind_another_name_is_refused():
+    with pytest.raises(ValueError, match=r"give 'import core\.plan' a name"):
+        rewritten("import core.plan", ROOT)
+
+
 def test_studies_go_to_processes_however_they_are_started(installed):
     script = installed.folder / "processes.py"
     script.write_text(f"""
@@ -222,11 +293,13 @@ if __name__ == "__main__":
     assert found[0] == found[1]
 
 
-def test_a_pickle_is_read_by_who_has_imported_vibrafeed(installed):
-    study = vibrafeed.study(kind="simulate", **POINT)
-    (installed.folder / "study.pickle").write_bytes(pickle.dumps(study))
-    read = "import pickle, vibrafeed; study = pickle.load(open('study.pickle', 'rb'));"
-    assert installed.run("-c", read + "print(study.key())").strip() == study.key()
+def test_a_pickle_is_read_by_itself(installed):
+    begin = "import pickle, vibrafeed; "
+    made = f"study = vibrafeed.study(kind='simulate', **{POINT}); "
+    installed.run("-c", begin + made + "pickle.dump(study, open('study.pickle', 'wb'))")
+    read = "import pickle; study = pickle.load(open('study.pickle', 'rb')); "
+    key = vibrafeed.study(kind="simulate", **POINT).key()
+    assert installed.run("-c", read + "print(study.key())").strip() == key
 
 
 @contextmanager
@@ -241,11 +314,6 @@ def running(environment: Environment, *arguments: str, **more: str) -> Iterator[
     finally:
         process.kill()
         process.wait(30)
-
-
-def free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        return int(free.getsockname()[1])
 
 
 def ask(address: str, body: object = None) -> dict[str, object]:
