@@ -236,8 +236,9 @@ def plot(
         Values of other dimensions, numbers in the unit of the dataset or text with a unit; the
         middle one if left out.
     kind : str, optional
-        contour, surface, line, map, levels, thresholds, parallel, trajectory, front or landscape;
-        of uncertain parameters distribution, indices, effects or tornado; what fits if left out.
+        The name of a picture: posterior, speeds, residuals, distribution, indices, effects,
+        tornado, front, trajectory, animation, line, map, contour, levels, surface, thresholds,
+        parallel or landscape; the first that fits if left out.
     title : str, optional
         The name of the picture; that of what it shows if left out.
     units : str or sequence of str, optional

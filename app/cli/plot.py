@@ -10,6 +10,7 @@ import typer
 from app.cli.options import FAILED
 from app.cli.studies import refuse
 from core.errors import Problem
+from core.plots.pictures import PICTURES
 
 
 def plot(
@@ -44,9 +45,8 @@ def plot(
         typer.Option(
             "--kind",
             "-k",
-            help="contour, surface, line, map, levels, thresholds, parallel, trajectory, "
-            "animation, front or landscape; of uncertain parameters distribution, indices, effects "
-            "or tornado; of a calibration posterior, speeds or residuals.",
+            help="; ".join(f"{one.name}: {one.says}" for one in PICTURES.values())
+            + ". The first that fits if left out.",
         ),
     ] = None,
     slow: Annotated[

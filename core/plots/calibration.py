@@ -15,6 +15,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from core.plots.heading import finish, source_of
+from core.plots.options import Options
 from core.plots.problem import PlotError
 from core.plots.style import Style, mix
 from core.plots.text import axis_label, number, scaled, shown_in, with_unit
@@ -33,28 +34,27 @@ def is_calibration(dataset: xarray.Dataset) -> bool:
     return "log_density" in dataset.data_vars and "unknowns" in dataset.attrs
 
 
-def draw_calibration(
-    dataset: xarray.Dataset,
-    kind: str | None,
-    style: Style,
-    units: ShownUnits,
-    *,
-    title: str | None = None,
-) -> Figure:
-    """Return a picture of a calibration: posterior (the default), speeds or residuals.
+def fits(dataset: xarray.Dataset, options: Options) -> bool:
+    """True of a calibration, for its posterior."""
+    return options.kind == "posterior" and is_calibration(dataset)
+
+
+def draw(dataset: xarray.Dataset, options: Options) -> Figure:
+    """Return a picture of a calibration: posterior, speeds or residuals.
 
     Raises
     ------
     PlotError
         If the dataset is no result of a calibration, or the kind is none of these.
     """
+    kind = str(options.kind)
     if not is_calibration(dataset):
         fix = "Draw what `vibrafeed run` wrote of a study of kind 'calibrate'"
         raise PlotError("kind", f"the dataset has no {kind}", fix)
-    if kind is not None and kind not in KINDS:
+    if kind not in KINDS:
         fix = f"Choose among {', '.join(KINDS)}"
         raise PlotError("kind", f"a calibration is not drawn as {kind}", fix)
-    return KINDS[kind or "posterior"](dataset, style, units, title)
+    return KINDS[kind](dataset, options.style, options.units, options.title)
 
 
 def _draw_posterior(

@@ -19,6 +19,7 @@ from core.plots.parts import add_colour_bar, say_nothing_is_finite, set_log
 from core.plots.regimes import Look, shade, veiled_swatch
 from core.plots.scale import Scale, scale_of
 from core.plots.selection import Selection, thin
+from core.plots.sliced import drawn_by, fits_as
 from core.plots.style import Style
 from core.plots.text import number
 from core.quantities.pictures import LEVELS
@@ -96,3 +97,7 @@ def _mark_level(
         colors=[style.accent],
     )[:1]:  # fmt: skip
         label.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])
+
+
+fits = fits_as("contour")
+draw = drawn_by(draw_contour, "contour", beyond="{pale} and hatched")

@@ -2,61 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import xarray
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from core.plots.calibration import KINDS as CALIBRATION
-from core.plots.calibration import draw_calibration, is_calibration
-from core.plots.categories import looks_of_categories
-from core.plots.contour import draw_contour
-from core.plots.heading import finish, source_of
-from core.plots.levels import draw_levels
-from core.plots.line import draw_line
-from core.plots.parallel import draw_parallel
+from core.errors import suggestion
+from core.plots import calibration
+from core.plots.options import Options
+from core.plots.pictures import NAMES, PICTURES
 from core.plots.problem import PlotError
-from core.plots.regime_map import draw_map
-from core.plots.regimes import Look, looks_of
-from core.plots.selection import Selection, select
 from core.plots.style import Style
-from core.plots.surface import draw_surface
-from core.plots.text import long_name, units_of
-from core.plots.thresholds import draw_thresholds
+from core.plots.text import units_of
 from core.plots.together import draw_together
-from core.plots.trajectory import TIME, check_trajectory, draw_trajectory, read_trajectory
-from core.plots.tumbling import draw_tumbling, read_tumbling
-from core.plots.uncertain import PAINTERS as UNCERTAIN
-from core.plots.uncertain import draw_uncertain, kind_of
-
-NOT_DESCRIBED = "the closed forms do not describe a part there"
-Painter = Callable[[Figure, Selection, Sequence[Look], Style], tuple[Axes, list[Artist]]]
-PAINTERS: dict[str, Painter] = {
-    "contour": draw_contour,
-    "surface": draw_surface,
-    "line": draw_line,
-    "map": draw_map,
-    "levels": draw_levels,
-}
-WHOLE: dict[str, Callable[..., Figure]] = {
-    "thresholds": draw_thresholds,
-    "parallel": draw_parallel,
-}
-"""Kinds that choose for themselves what they show."""
-BEYOND = {
-    "contour": "{pale} and hatched",
-    "surface": "Grey",
-    "line": "Hatched or dashed",
-    "map": "Hatched",
-    "levels": "Hatched",
-}
-"""How kinds of picture show values that do not hold."""
-MOTIONS = {
-    "track": "Motion of the part on the moving track",
-    "tumbling": "Course of the part as it falls and tumbles",
-}
 
 
 def draw(
@@ -86,13 +45,9 @@ def draw(
     at : mapping of str to float, optional
         Values of other dimensions, in the unit of the dataset; the middle one if left out.
     kind : str, optional
-        contour, surface, line, map, levels, thresholds, parallel, trajectory, front or landscape;
-        of uncertain parameters distribution, indices, effects or tornado; of a calibration
-        posterior, speeds or residuals. If left out: contour over two axes, line over one,
-        trajectory where the dataset holds a motion over a cycle, distribution where it tells of
-        uncertain parameters, posterior of a calibration. A line with
-        two axes is a family of curves, at most seven, and what is drawn where an axis has no more
-        values than that. A map shows the regimes, or an output whose numbers stand for words.
+        The name of a picture, one of `core.plots.pictures.PICTURES`; the first that fits if left
+        out. A line with two axes is a family of curves, at most seven, and what is drawn where an
+        axis has no more values than that.
     title : str, optional
         The name of the picture; that of what it shows if left out.
     units : str or sequence of str, optional
@@ -128,67 +83,20 @@ def draw(
     if not datasets:
         raise PlotError("dataset", "there is none", "Give one or more")
     dataset = datasets[0]
-    style, shown = Style(dark=dark, small=small), units_of(dataset, units)
+    options = Options(
+        kind, variable, axes, at or {}, nearest, title, Style(dark=dark, small=small),
+        units_of(dataset, units),
+    )  # fmt: skip
+    if kind is not None and kind not in PICTURES:
+        raise PlotError("kind", f"'{kind[:40]}' is unknown", suggestion(kind, NAMES))
     if len(datasets) > 1:
         if kind not in (None, "line"):
             fix = "Leave the kind out, or draw each by itself"
             raise PlotError("kind", "several datasets are drawn as lines", fix)
-        return draw_together(
-            datasets, style, shown, variable=variable, axes=axes, at=at, nearest=nearest,
-            title=title,
-        )  # fmt: skip
-    if kind == "animation":
-        fix = "Call vibrafeed.animate, or end the name in .gif or .mp4"
-        raise PlotError("kind", "an animation is a file, not a figure", fix)
-    if kind in CALIBRATION or is_calibration(dataset):
-        return draw_calibration(dataset, kind, style, shown, title=title)
-    if kind is None and (variable, axes) == (None, None):
-        kind = kind_of(dataset)
-    if kind in UNCERTAIN:
-        return draw_uncertain(
-            kind, dataset, style, shown, variable=variable, at=at, nearest=nearest, title=title
-        )
-    if kind in ("front", "landscape") or (kind is None and not axes and "knee" in dataset):
-        from core.plots.front import draw_front  # loads the optimiser
-        from core.plots.landscape import draw_landscape
-
-        if kind == "landscape":
-            return draw_landscape(dataset, at, style, shown, title=title, nearest=nearest)
-        return draw_front(dataset, style, shown, title=title)
-    if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
-        fix = "Draw a file that `vibrafeed run` wrote"
-        raise PlotError("dataset", "it is no result of vibrafeed: no regime or no scene", fix)
-    if kind in WHOLE:
-        return WHOLE[kind](
-            dataset, style, shown, variable=variable, axes=axes, at=at, nearest=nearest, title=title
-        )
-    figure = style.sheet()
-    if kind == "trajectory" or (
-        (kind, variable, axes) == (None, None, None) and TIME in dataset.dims
-    ):
-        check_trajectory(dataset, variable, axes, at or {})
-        if "path_gap" in dataset:
-            course = read_tumbling(dataset, shown)
-            top, entries = draw_tumbling(figure, course, style)
-            name, facts, note = MOTIONS["tumbling"], course.facts, ""
-        else:
-            trajectory = read_trajectory(dataset, shown)
-            top, entries = draw_trajectory(figure, trajectory, style)
-            name, facts, note = MOTIONS["track"], trajectory.facts, ""
-    else:
-        selection = select(dataset, variable, axes, at or {}, kind, shown, nearest=nearest)
-        if selection.categories:
-            looks = looks_of_categories(selection.categories, style)
-        else:
-            looks = looks_of(dataset["regime"], selection.regimes, style, exact=selection.exact)
-        top, entries = PAINTERS[selection.kind](figure, selection, looks, style)
-        bare = selection.variable.name == "regime"
-        name = "Regimes" if bare else long_name(selection.variable)
-        facts = list(selection.fixed)
-        beyond = any(look.beyond for look in looks)
-        how = BEYOND[selection.kind].format(pale="Dim" if dark else "Pale")
-        note = f"{how}: {NOT_DESCRIBED}" if beyond else ""
-    return finish(
-        figure, top, style, name=title or name, facts=facts, source=source_of(dataset),
-        entries=entries, note=note,
-    )  # fmt: skip
+        return draw_together(datasets, options)
+    if kind is None:
+        named = (replace(options, kind=name, is_natural=True) for name in PICTURES)
+        options = next(one for one in named if PICTURES[str(one.kind)].fits(dataset, one))
+    elif calibration.is_calibration(dataset):
+        return calibration.draw(dataset, options)  # who says what else there is
+    return PICTURES[str(options.kind)].draw(dataset, options)

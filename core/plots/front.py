@@ -10,21 +10,21 @@ from matplotlib.lines import Line2D
 from core.optimise.labels import criterion_in_words
 from core.plots.heading import finish, source_of
 from core.plots.optimum import prepared_of
+from core.plots.options import Options
 from core.plots.problem import PlotError
 from core.plots.selection import FEW, held_fixed
-from core.plots.style import LIGHT, RGB, Style
+from core.plots.style import RGB
 from core.plots.text import axis_label, name_in_words, number, scaled, shown_in, with_unit
 from core.study.optimise_study import Pareto
 from core.study.shown import ShownUnits
 
 
-def draw_front(
-    dataset: xarray.Dataset,
-    style: Style = LIGHT,
-    units: ShownUnits | None = None,
-    *,
-    title: str | None = None,
-) -> Figure:
+def fits(dataset: xarray.Dataset, options: Options) -> bool:
+    """True of a dataset that holds a front, if no axes of it are asked for."""
+    return not options.axes and "knee" in dataset
+
+
+def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """Return the picture of a trade-off: both outputs along the front, with its knee.
 
     Of a dataset with several designs up to seven fronts are drawn, evenly taken.
@@ -34,7 +34,7 @@ def draw_front(
     PlotError
         If the dataset holds no front.
     """
-    units = units or ShownUnits()
+    style, units = options.style, options.units
     problem = prepared_of(dataset).problem
     criterion = problem.criterion
     if not isinstance(criterion, Pareto):
@@ -71,7 +71,7 @@ def draw_front(
     axes.set_ylabel(axis_label(output, height.unit))
     style.add_grid(axes)
     return finish(
-        figure, axes, style, name=title or "Trade-off along a front",
+        figure, axes, style, name=options.title or "Trade-off along a front",
         facts=[criterion_in_words(problem), *held_fixed(dataset, units)],
         source=source_of(dataset), entries=entries,
     )  # fmt: skip

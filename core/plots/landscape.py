@@ -31,11 +31,12 @@ from core.plots.fixed import fixed_positions
 from core.plots.heading import finish, source_of
 from core.plots.names import gives_way
 from core.plots.optimum import prepared_of
+from core.plots.options import Options
 from core.plots.parts import add_room, plain
 from core.plots.problem import PlotError
 from core.plots.scale import scale_of
 from core.plots.selection import held_at, held_fixed
-from core.plots.style import LIGHT, Style, mix
+from core.plots.style import Style, mix
 from core.plots.text import axis_label, scaled, shown_in, words
 from core.quantities import QUANTITIES
 from core.study.shown import ShownUnits
@@ -72,49 +73,39 @@ class Landscape(NamedTuple):
     best: Array
 
 
-def draw_landscape(
-    dataset: xarray.Dataset,
-    at: Mapping[str, float] | None = None,
-    style: Style = LIGHT,
-    units: ShownUnits | None = None,
-    *,
-    title: str | None = None,
-    nearest: bool = False,
-) -> Figure:
+def fits(dataset: xarray.Dataset, options: Options) -> bool:
+    """False: it is drawn where it is asked for."""
+    return False
+
+
+def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """Return the picture of the objective over one variable or two, with optimum and limits.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The result of an optimisation.
-    at : mapping of str to float, optional
-        Values of the ranged parameters; the middle ones if left out.
-    nearest : bool
-        Whether a value that the dataset does not have stands for the nearest one.
+    Ranged parameters are held at `options.at`, at their middle values if left out.
 
     Raises
     ------
     PlotError
         If the study has more variables, or the dataset does not have a value.
     """
-    units = units or ShownUnits()
+    style, units, at = options.style, options.units, options.at
     prepared = prepared_of(dataset)
     problem = prepared.problem
     if len(problem.names) not in POINTS:
         message = f"the study has {len(problem.names)} variables, a landscape needs 1 or 2"
         raise PlotError("dataset", message, "Draw best values as lines instead")
-    for name in at or {}:
+    for name in at:
         if name not in prepared.designs.axes:
             known = ", ".join(prepared.designs.axes) or "none"
             raise PlotError("at", f"{name} is not ranged", f"Ranged parameters: {known}")
-    place = fixed_positions(dataset, at or {}, prepared.designs.axes, (), nearest=nearest)
+    place = fixed_positions(dataset, at, prepared.designs.axes, (), nearest=options.nearest)
     shown = _computed(dataset, prepared, place, units)
     figure = style.sheet()
     axes = figure.add_subplot()
     entries = (_draw_curve if len(problem.names) == 1 else _draw_plane)(axes, shown, style)
     held = [held_at(dataset[name], units, position) for name, position in place.items()]
     return finish(
-        figure, axes, style, name=title or f"Objective: {_name(problem)}",
+        figure, axes, style, name=options.title or f"Objective: {_name(problem)}",
         facts=[criterion_in_words(problem), *held, *held_fixed(dataset, units)],
         source=source_of(dataset), entries=entries,
     )  # fmt: skip

@@ -22,6 +22,7 @@ from core.plots.regime_map import MOST_POINTS, add_borders, fill_cells, share_en
 from core.plots.regimes import HATCH_WIDTH, Look
 from core.plots.scale import value_range
 from core.plots.selection import Selection, thin
+from core.plots.sliced import drawn_by, fits_as
 from core.plots.style import Style, mix
 from core.plots.text import number, with_unit
 
@@ -150,3 +151,7 @@ def _line_entries(signs: set[int], unit: str, style: Style) -> list[Artist]:
                 Line2D([], [], color=colour, linewidth=width, linestyle=dashes, label=label)
             )
     return entries
+
+
+fits = fits_as("levels")
+draw = drawn_by(draw_levels, "levels", beyond="Hatched")

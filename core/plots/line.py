@@ -19,6 +19,7 @@ from core.plots.parts import add_room, cell_edges, say_nothing_is_finite, set_lo
 from core.plots.regimes import HATCH_WIDTH, MOTION, PLAIN, Look, swatch
 from core.plots.scale import value_range
 from core.plots.selection import FEW, Axis, Selection, thin
+from core.plots.sliced import drawn_by, fits_as
 from core.plots.style import Style, mix
 from core.plots.text import axis_label, number, short_label, with_unit
 from core.quantities.pictures import LEVELS
@@ -289,3 +290,7 @@ def _limit(axes: Axes, across: Axis, values: NDArray[np.float64], style: Style) 
     axes.set_ylim(*add_room(*ends))
     if ends[0] < 0 < ends[1]:
         axes.axhline(0.0, color=style.quiet, linewidth=0.7, zorder=1)
+
+
+fits = fits_as("line")
+draw = drawn_by(draw_line, "line", beyond="Hatched or dashed")

@@ -9,11 +9,13 @@ from types import ModuleType
 
 import numpy as np
 import xarray
+from matplotlib.figure import Figure
 from PIL import Image
 
 from core.dataset.files import whole
 from core.plots.animation import Frame, draw_frames
 from core.plots.film import FRAMES_PER_SECOND, read_film
+from core.plots.options import Options
 from core.plots.problem import PlotError
 from core.plots.style import Style
 from core.plots.text import units_of
@@ -23,6 +25,17 @@ DOTS = {".gif": 100, ".mp4": 150}  # an inch
 COLOURS = 32  # of a GIF; text stays smooth
 SAMPLED = 8  # frames from which they are taken
 QUALITY = 7.0
+
+
+def fits(dataset: xarray.Dataset, options: Options) -> bool:
+    """False: it is a file, and no figure."""
+    return False
+
+
+def draw(dataset: xarray.Dataset, options: Options) -> Figure:
+    """Raise `PlotError`: an animation is written by `animate`."""
+    fix = "Call vibrafeed.animate, or end the name in .gif or .mp4"
+    raise PlotError("kind", "an animation is a file, not a figure", fix)
 
 
 def animate(

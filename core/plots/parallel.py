@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,9 +21,11 @@ from numpy.typing import NDArray
 from core.errors import suggestion
 from core.plots.fixed import fixed_positions
 from core.plots.heading import finish, source_of
+from core.plots.options import Options
 from core.plots.parts import add_room
 from core.plots.problem import PlotError
 from core.plots.selection import held_fixed
+from core.plots.sliced import check_result
 from core.plots.style import Style
 from core.plots.text import in_brackets, long_name, number, scaled, shown_in
 from core.quantities import REGIMES
@@ -70,17 +72,12 @@ class Designs:
     total: int
 
 
-def draw_parallel(
-    dataset: xarray.Dataset,
-    style: Style,
-    units: ShownUnits,
-    *,
-    variable: str | None = None,
-    axes: tuple[str, ...] | None = None,
-    at: Mapping[str, float] | None = None,
-    nearest: bool = False,
-    title: str | None = None,
-) -> Figure:
+def fits(dataset: xarray.Dataset, options: Options) -> bool:
+    """False: it is drawn where it is asked for."""
+    return False
+
+
+def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """Return the picture of all designs of a dataset.
 
     Columns are the axes of the dataset, what was optimised, further outputs that the study asks
@@ -92,15 +89,16 @@ def draw_parallel(
     PlotError
         If there is no such output, or there are not two designs with a value.
     """
-    if axes is not None:
+    check_result(dataset)
+    style, units, held = options.style, options.units, options.at
+    if options.axes is not None:
         fix = "Leave them out, or hold one by --at"
         raise PlotError("axes", "parallel coordinates show all axes", fix)
-    held = at or {}
     places = fixed_positions(
-        dataset, held, [n for n in held if n in dataset.dims], (), nearest=nearest
+        dataset, held, [n for n in held if n in dataset.dims], (), nearest=options.nearest
     )
     dataset = dataset.isel(places)
-    designs = read_designs(dataset, units, variable)
+    designs = read_designs(dataset, units, options.variable)
     figure = style.sheet()
     sheet = figure.add_subplot()
     _draw_lines(sheet, designs, style)
@@ -118,7 +116,7 @@ def draw_parallel(
         Line2D([], [], color=style.one_sign(0.35), linewidth=2.0, label=f"small {last.name}"),
     ]
     finish(
-        figure, sheet, style, name=title or f"Designs by {last.name}",
+        figure, sheet, style, name=options.title or f"Designs by {last.name}",
         facts=held_fixed(dataset, units), source=source_of(dataset), entries=entries, note=note,
     )  # fmt: skip
     for spine in sheet.spines.values():

@@ -18,6 +18,7 @@ from core.plots.names import add_names
 from core.plots.parts import cell_edges, set_log
 from core.plots.regimes import HATCH_WIDTH, Look, swatch
 from core.plots.selection import Axis, Selection, thin
+from core.plots.sliced import drawn_by, fits_as
 from core.plots.style import RGB, Style
 
 MOST_POINTS = 500  # of an axis; a cell is then two points of the picture wide
@@ -119,3 +120,7 @@ def _entry(look: Look, fill: RGB, share: float) -> Artist:
     entry = swatch(look, fill, ink, hatched=not look.valid)
     entry.set_label(f"{look.label}, {percent(share)}")
     return entry
+
+
+fits = fits_as("map")
+draw = drawn_by(draw_map, "map", beyond="Hatched")

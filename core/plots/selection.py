@@ -19,10 +19,6 @@ from core.plots.text import axis_label, name_in_words, number, scaled, shown_in,
 from core.quantities import QUANTITIES
 from core.study.shown import ShownUnits
 
-KINDS = (
-    "contour", "surface", "line", "map", "levels", "thresholds", "parallel", "trajectory",
-    "animation", "front", "landscape", "distribution", "indices", "effects", "tornado",
-)  # fmt: skip
 LOG_TOLERANCE = 1e-6
 FEW = 7  # values of an axis between which nothing is drawn: curves, not contours
 
@@ -85,12 +81,36 @@ class Selection:
     spread: NDArray[np.float64] | None = None
 
 
+def natural(
+    dataset: xarray.Dataset, variable: str | None, axes: tuple[str, ...] | None
+) -> tuple[str, str, tuple[str, ...]]:
+    """Return how an output is drawn if no kind is named: kind, output and axes.
+
+    Lines over one axis, and where an axis has a few values only; a map of what has names in place
+    of heights; else contours.
+
+    Raises
+    ------
+    PlotError
+        If the dataset does not have it.
+    """
+    whole = dataset[_variable(dataset, variable)]
+    names = _axes(whole, axes, 2)
+    is_named = bool(categories_of(whole))
+    few = len(names) == 2 and min(whole.sizes[name] for name in names) <= FEW
+    if len(names) == 1 or (few and not is_named):
+        if axes is None:
+            names = tuple(sorted(names, key=lambda name: -whole.sizes[name]))
+        return "line", str(whole.name), names
+    return "map" if is_named else "contour", str(whole.name), names
+
+
 def select(
     dataset: xarray.Dataset,
     variable: str | None,
     axes: tuple[str, ...] | None,
     at: Mapping[str, float],
-    kind: str | None,
+    kind: str,
     units: ShownUnits | None = None,
     *,
     nearest: bool = False,
@@ -102,8 +122,6 @@ def select(
     PlotError
         If the dataset does not have it.
     """
-    if kind is not None and kind not in KINDS:
-        raise PlotError("kind", f"'{kind[:40]}' is unknown", suggestion(kind, KINDS))
     units = units or ShownUnits()
     whole = dataset["regime"] if kind == "map" else dataset[_variable(dataset, variable)]
     if kind == "map" and variable not in (None, "regime"):
@@ -114,13 +132,6 @@ def select(
     if categories and kind in ("contour", "surface", "levels"):
         message = f"{whole.name} has names, not heights"
         raise PlotError("kind", message, "Leave the kind out, or ask for map")
-    if kind is None:
-        few = len(names) == 2 and min(whole.sizes[name] for name in names) <= FEW
-        kind = "line" if len(names) == 1 or (few and not categories) else "contour"
-        if kind == "line" and axes is None:
-            names = tuple(sorted(names, key=lambda name: -whole.sizes[name]))
-        if kind == "contour" and categories:
-            kind = "map"
     if kind != "line" and len(names) == 1:
         line = "Draw an output as a line" if kind == "map" else "Draw it as a line"
         fix = "Name two axes" if len(_ranged(whole)) > 1 else line

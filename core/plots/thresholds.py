@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -16,12 +16,13 @@ from numpy.typing import NDArray
 
 from core.plots.heading import finish, source_of, text_width
 from core.plots.line import draw_line
+from core.plots.options import Options
 from core.plots.problem import PlotError
 from core.plots.regimes import looks_of
 from core.plots.selection import Selection, select
+from core.plots.sliced import check_result
 from core.plots.style import Style
 from core.plots.text import long_name, number, with_unit, words
-from core.study.shown import ShownUnits
 
 SPEED = "conveying_velocity"
 MULTIPLE = "period_multiple"
@@ -55,17 +56,12 @@ class Threshold:
     best: bool = False
 
 
-def draw_thresholds(
-    dataset: xarray.Dataset,
-    style: Style,
-    units: ShownUnits,
-    *,
-    variable: str | None = None,
-    axes: tuple[str, ...] | None = None,
-    at: Mapping[str, float] | None = None,
-    nearest: bool = False,
-    title: str | None = None,
-) -> Figure:
+def fits(dataset: xarray.Dataset, options: Options) -> bool:
+    """False: it is drawn where it is asked for."""
+    return False
+
+
+def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """Return the picture of an output over one parameter with its thresholds.
 
     Each kind of threshold is marked where it comes first; the best value is that of the largest
@@ -76,10 +72,13 @@ def draw_thresholds(
     PlotError
         If the dataset does not hold what is asked for.
     """
+    check_result(dataset)
+    style, units, axes, at = options.style, options.units, options.axes, options.at
+    nearest = options.nearest
     if axes is not None and len(axes) != 1:
         raise PlotError("axes", "thresholds are marked along one axis", "Write, say, amplitude")
-    variable = variable or (SPEED if SPEED in dataset.data_vars else None)
-    selection = select(dataset, variable, axes, at or {}, "line", units, nearest=nearest)
+    variable = options.variable or (SPEED if SPEED in dataset.data_vars else None)
+    selection = select(dataset, variable, axes, at, "line", units, nearest=nearest)
     if selection.categories:
         message = f"{selection.variable.name} has names, not heights"
         raise PlotError("variable", message, "Choose another output, or leave the kind out")
@@ -94,7 +93,7 @@ def draw_thresholds(
     multiples = None
     if MULTIPLE in dataset and selection.axes[0].name in dataset[MULTIPLE].dims:
         chosen = (selection.axes[0].name,)
-        multiples = select(dataset, MULTIPLE, chosen, at or {}, "line", units, nearest=nearest)
+        multiples = select(dataset, MULTIPLE, chosen, at, "line", units, nearest=nearest)
     found, left = find_thresholds(
         selection.axes[0].values,
         np.where(valid, selection.values, np.nan),
@@ -106,8 +105,9 @@ def draw_thresholds(
     note = f"Thresholds are known to half a step of {_step(selection)}."
     if left:
         note += f" {left} later changes of these kinds are not marked."
+    name = options.title or f"{long_name(selection.variable)} and its thresholds"
     return finish(
-        figure, top, style, name=title or f"{long_name(selection.variable)} and its thresholds",
+        figure, top, style, name=name,
         facts=selection.fixed, source=source_of(dataset), entries=entries, note=note,
     )  # fmt: skip
 

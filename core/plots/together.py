@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from core.plots.heading import finish
+from core.plots.options import Options
 from core.plots.parts import add_room, set_log
 from core.plots.problem import PlotError
 from core.plots.regimes import looks_of
@@ -32,17 +33,7 @@ ORIGIN = ("scene", "variant", "method")
 BEYOND = "Pale: there the values do not describe a real part"
 
 
-def draw_together(
-    datasets: Sequence[xarray.Dataset],
-    style: Style,
-    units: ShownUnits,
-    *,
-    variable: str | None = None,
-    axes: tuple[str, ...] | None = None,
-    at: Mapping[str, float] | None = None,
-    nearest: bool = False,
-    title: str | None = None,
-) -> Figure:
+def draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figure:
     """Return the picture of one output of several datasets over one axis.
 
     Each line is named by the parameters in which its dataset differs from the others, or by its
@@ -53,6 +44,7 @@ def draw_together(
     PlotError
         If they share no output or no axis, or there are too many.
     """
+    style, units = options.style, options.units
     if len(datasets) > MOST:
         message = f"{len(datasets)} datasets are too many for one picture, {MOST} are drawn"
         raise PlotError("dataset", message, "Leave some out")
@@ -60,11 +52,11 @@ def draw_together(
         if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
             fix = "Draw files that `vibrafeed run` wrote"
             raise PlotError("dataset", f"{_name(dataset)} is no result of vibrafeed", fix)
-    output = _output(datasets, variable)
-    axis = _axis(datasets, output, axes)
-    held = _held(datasets, at or {}, axis)
+    output = _output(datasets, options.variable)
+    axis = _axis(datasets, output, options.axes)
+    held = _held(datasets, options.at, axis)
     selections = [
-        select(dataset, output, (axis,), kept, "line", units, nearest=nearest)
+        select(dataset, output, (axis,), kept, "line", units, nearest=options.nearest)
         for dataset, kept in zip(datasets, held, strict=True)
     ]
     if len({selection.unit for selection in selections}) > 1:
@@ -72,7 +64,7 @@ def draw_together(
         raw = str(selections[0].variable.attrs.get("units", "1"))
         units = ShownUnits(units.system, {**units.wanted, raw: units.of(raw, largest)})
         selections = [
-            select(dataset, output, (axis,), kept, "line", units, nearest=nearest)
+            select(dataset, output, (axis,), kept, "line", units, nearest=options.nearest)
             for dataset, kept in zip(datasets, held, strict=True)
         ]
     labels, common = _labels(datasets, selections, units)
@@ -97,7 +89,7 @@ def draw_together(
         for colour, dashes, label in zip(style.series, DASHES, labels, strict=False)
     ]
     return finish(
-        figure, sheet, style, name=title or long_name(first.variable), facts=common,
+        figure, sheet, style, name=options.title or long_name(first.variable), facts=common,
         source=_source(datasets), entries=entries, note=BEYOND if beyond else "",
     )  # fmt: skip
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from core.errors import suggestion
 from core.plots.fixed import fixed_positions
 from core.plots.heading import finish, source_of
+from core.plots.options import Options
 from core.plots.problem import PlotError
 from core.plots.selection import held_at, held_fixed
 from core.plots.style import Style, mix
@@ -109,17 +110,13 @@ def kind_of(dataset: xarray.Dataset) -> str | None:
     return None
 
 
-def draw_uncertain(
-    kind: str,
-    dataset: xarray.Dataset,
-    style: Style,
-    units: ShownUnits,
-    *,
-    variable: str | None = None,
-    at: Mapping[str, float] | None = None,
-    nearest: bool = False,
-    title: str | None = None,
-) -> Figure:
+def fits(dataset: xarray.Dataset, options: Options) -> bool:
+    """True of the first kind of picture that a study of uncertain parameters has numbers for."""
+    asked = (options.variable, options.axes) != (None, None)
+    return not asked and options.kind == kind_of(dataset)
+
+
+def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """Return one of the pictures of a study of uncertain parameters, of one design.
 
     Raises
@@ -127,13 +124,16 @@ def draw_uncertain(
     PlotError
         If the dataset does not hold what is asked for.
     """
-    told = _told(kind, dataset, variable, at or {}, units, nearest=nearest)
+    style, kind = options.style, str(options.kind)
+    told = _told(
+        kind, dataset, options.variable, options.at, options.units, nearest=options.nearest
+    )
     figure = style.sheet(height=5.0)
     axes = figure.add_subplot()
     name, entries, note = PAINTERS[kind](axes, told, style)
     return finish(
-        figure, axes, style, name=title or name, facts=told.facts, source=source_of(dataset),
-        entries=entries, note=note,
+        figure, axes, style, name=options.title or name, facts=told.facts,
+        source=source_of(dataset), entries=entries, note=note,
     )  # fmt: skip
 
 
