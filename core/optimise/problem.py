@@ -158,6 +158,22 @@ class Problem:
             value = value - self.weight * np.abs(self.output(self.against, known))
         return value
 
+    def counted(self, x: Array, design: Mapping[str, Array]) -> Array:
+        """Return the objective as it counts: under uncertain parameters over all of their nodes.
+
+        That is the worst case, the mean or the quantile that the study asks for; NaN where an
+        output has no value at a node. Shape of one candidate of `x`, broadcast with the design.
+        """
+        if self.uncertain is None:
+            return self.objective(self.known(x, design))
+        over = self.over(design, x)
+        values = self.objective(self.known(x, over))
+        nodes = over[next(iter(self.uncertain.values))]
+        values = np.broadcast_to(values, np.broadcast_shapes(values.shape, nodes.shape))
+        lost = np.isnan(values).any(axis=0)
+        counts = self.uncertain.counts(np.where(lost, 0.0, values), self.sign)
+        return np.where(lost, np.nan, counts)
+
     def margin(self, kept: Kept, known: Arrays, design: Mapping[str, Array]) -> Array:
         """Return how far an output is from its bound; negative beyond it."""
         value = self.output(kept.output, known)

@@ -122,7 +122,10 @@ def _computed(
     place: Mapping[str, int],
     units: ShownUnits,
 ) -> Landscape:
-    """Return the objective of the design at a place, on a grid of the variables."""
+    """Return the objective of the design at a place, on a grid of the variables.
+
+    Under uncertain parameters it is the worst case, mean or quantile that the optimiser looked at.
+    """
     problem, count = prepared.problem, POINTS[len(prepared.problem.names)]
     flat = np.ravel_multi_index(tuple(place.values()), tuple(prepared.designs.shape.values()))
     cell = int(flat) if place else 0
@@ -132,7 +135,6 @@ def _computed(
         for low, high in zip(problem.lower, problem.upper, strict=True)
     ]
     grid = np.stack(np.meshgrid(*sides, indexing="ij"))
-    known = problem.known(grid, design)
 
     def over(values: Array) -> Array:
         return np.array(np.broadcast_to(values, grid.shape[1:]))
@@ -147,7 +149,7 @@ def _computed(
         labels.append(axis_label(variable, unit.unit))
         tops.append(unit.factor * np.atleast_1d(best[f"best_{name}"].values))
     output = problem.criterion.output
-    value = _array(output, problem.sign * over(problem.objective(known)))
+    value = _array(output, problem.sign * over(problem.counted(grid, design)))
     unit = shown_in(value, units)
     label = axis_label(value, unit.unit)
     return Landscape(
@@ -155,7 +157,7 @@ def _computed(
         labels=tuple(labels),
         value=scaled(value, unit.factor),
         label=label,
-        margins={kept.name: over(problem.margin(kept, known, design)) for kept in problem.kept},
+        margins={kept.name: over(problem.safe_margin(kept, grid, design)) for kept in problem.kept},
         best=np.array(tops) if solved else np.empty((len(tops), 0)),
     )
 
@@ -163,11 +165,16 @@ def _computed(
 def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
     """Draw the objective over two variables; return the legend's entries."""
     (y, x), value = shown.variables, np.ma.masked_invalid(shown.value)
-    scale = scale_of(shown.value, style)
+    # The scale is that of what may be chosen: what is excluded may be far larger.
+    allowed = np.ones(shown.value.shape, dtype=bool)
+    for margin in shown.margins.values():
+        allowed &= margin >= 0
+    some = np.where(allowed, shown.value, np.nan)
+    scale = scale_of(some if np.isfinite(some).any() else shown.value, style)
     if scale is not None:
         filled = axes.contourf(
             x, y, value, levels=scale.levels, cmap=scale.colours, norm=scale.norm,
-            extend=scale.extend,
+            extend=scale.extend if allowed.all() else "both",
         )  # fmt: skip
         figure = axes.get_figure()
         bar = figure.colorbar(  # type: ignore[union-attr]
