@@ -140,3 +140,25 @@ def test_adding_a_method(tree: Path) -> None:
     )
     said = run(tree, "-m", "vibrafeed", "scenes", "rectangle-on-plane", "--method", "midpoint")
     assert "method midpoint" in said
+
+
+def test_adding_a_picture(tree: Path) -> None:
+    page = (ROOT / "docs" / "adding-a-picture.md").read_text(encoding="utf-8")
+    assert carry_out(page, tree) == ["core/plots/histogram.py", "core/plots/pictures.py"]
+    run(
+        tree,
+        "-c",
+        "import vibrafeed\n"
+        "from core.plots import PlotError\n"
+        "dataset = vibrafeed.sweep(scene='rectangle-on-plane', outputs='acceleration_x',\n"
+        "    frequency=50, amplitude='0.1 mm', beta=range(0, 41), friction=0.3)\n"
+        "figure = vibrafeed.plot(dataset, kind='histogram')\n"
+        "assert sum(bar.get_height() for bar in figure.axes[0].patches) == 41\n"
+        "assert vibrafeed.plot(dataset).axes[0].patches != figure.axes[0].patches\n"
+        "try:\n"
+        "    vibrafeed.plot(dataset, kind='histogramm')\n"
+        "except PlotError as error:\n"
+        "    assert 'histogram' in str(error)\n",
+    )
+    assert "histogram" in run(tree, "-m", "vibrafeed", "plot", "--help")
+
