@@ -11,7 +11,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from core.dataset.files import whole
-from core.plots.draw import draw
+from core.plots.drawing import draw
 from core.plots.fixed import read_fixed
 from core.plots.movie import MOVING, animate
 from core.plots.problem import PlotError
