@@ -1,7 +1,7 @@
 """`python -m benchmarks.keywords` writes the keywords that editors and `help` show of studies.
 
-From quantities, scenes and the models of studies it writes `vibrafeed/_names.py`, and in
-`vibrafeed/_studies.py` the signatures and the sections "Parameters" of docstrings, in place.
+From quantities, scenes and the models of studies it writes `vibrafeed/_names.py`, and around the
+functions of `vibrafeed/_functions.py`, which are written by hand, `vibrafeed/_studies.py`.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from core.study.models import STUDIES
 
 PACKAGE = Path(__file__).parents[1] / "vibrafeed"
 NAMES, STUDIES_FILE = PACKAGE / "_names.py", PACKAGE / "_studies.py"
+FUNCTIONS_FILE = PACKAGE / "_functions.py"
 LENGTH = 100
 
 KINDS = {
@@ -253,18 +254,56 @@ def _wrapped(text: str, indent: int) -> list[str]:
     return textwrap.wrap(text, LENGTH, initial_indent=margin, subsequent_indent=margin)
 
 
-def rewritten(source: str) -> str:
-    """Return the source of the functions with the keywords of today."""
+HEAD = '''"""Making a study, and carrying it out: what users call with keywords.
+
+Written by `python -m benchmarks.keywords` from `vibrafeed/_functions.py`, and from quantities,
+scenes and the models of studies.
+"""
+
+from __future__ import annotations
+
+from vibrafeed import _functions
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from typing import Any, Literal, Unpack
+
+    import xarray
+
+    from core.motion.drive_error import DriveError
+    from core.study import Study
+    from core.study.gather import Given
+    from vibrafeed._names import (
+        DriveNumbers,
+        NoMore,
+        Output,
+        SimulatedOutput,
+        SimulatedScene,
+        SweptOutput,
+        SweptScene,
+    )
+    from vibrafeed._values import Bounds, Values
+'''
+
+
+def studies_module(source: str) -> str:
+    """Return the source of the functions with keywords, from that of the functions without."""
     lines = source.splitlines()
     functions = [node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)]
-    for node in reversed(functions):  # so that lines before stay where they are
+    written = [HEAD]
+    for node in functions:
         if node.name not in KINDS:
             continue
+        docstring = lines[node.body[0].lineno - 1 : node.body[0].end_lineno]
         if node.name in TOLD:
-            begin, end = _entries(lines, node)
-            lines[begin:end] = section(node.name)
-        lines[node.lineno - 1 : node.body[0].lineno - 1] = _signature(node)
-    return "\n".join(lines) + "\n"
+            end = docstring.index("", docstring.index("    Parameters"))
+            docstring[end:end] = section(node.name)
+        study = node.args.posonlyargs[0].arg
+        call = f"    return _functions.{node.name}({study}, **keywords)"
+        said = "    keywords = _functions.said(locals())"
+        written += ["", *_signature(node), *docstring, said, call, ""]
+    return "\n".join(written)
 
 
 def own_of(function: str) -> list[str]:
@@ -272,18 +311,10 @@ def own_of(function: str) -> list[str]:
     return [name for name in OWN if name not in keys(KINDS[function])]
 
 
-def _entries(lines: list[str], node: ast.FunctionDef) -> tuple[int, int]:
-    """Return where the entries of the keywords stand in a docstring: behind those of its own."""
-    begin = lines.index("    Parameters", node.lineno) + 2
-    end = lines.index("", begin)
-    names = [k for k in range(begin, end) if re.match(r"    \S", lines[k])]
-    others = [k for k in names if lines[k].split()[0] not in own_of(node.name)]
-    return (others or [end])[0], end
-
-
 def _signature(node: ast.FunctionDef) -> list[str]:
-    given, rest = node.args.posonlyargs, node.args.kwarg
-    assert rest is not None
+    rest = "others: Unpack[NoMore]"
+    if KINDS[node.name] != ("sweep",):
+        rest = "numbered: Unpack[DriveNumbers]"
     own = [
         f"    {ast.unparse(arg)} = {ast.unparse(value)},"
         for arg, value in zip(node.args.kwonlyargs, node.args.kw_defaults, strict=True)
@@ -291,17 +322,16 @@ def _signature(node: ast.FunctionDef) -> list[str]:
     ]
     return [
         f"def {node.name}(",
-        *(f"    {arg.arg}: Given | None = None," for arg in given),
+        *(f"    {arg.arg}: Given | None = None," for arg in node.args.posonlyargs),
         "    /,",
         "    *,",
         *own,
         *(f"    {name}: {how} | None = None," for name, how in annotations(node.name).items()),
-        f"    **{ast.unparse(rest)},",
+        f"    **{rest},",
         f") -> {ast.unparse(node.returns or ast.Constant(None))}:",
     ]
 
 
 if __name__ == "__main__":
     NAMES.write_text(names_module(), encoding="utf-8")
-    text = rewritten(STUDIES_FILE.read_text(encoding="utf-8"))
-    STUDIES_FILE.write_text(text, encoding="utf-8")
+    STUDIES_FILE.write_text(studies_module(FUNCTIONS_FILE.read_text("utf-8")), encoding="utf-8")

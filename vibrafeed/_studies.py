@@ -1,11 +1,12 @@
 """Making a study, and carrying it out: what users call with keywords.
 
-The keywords of each function, and what its docstring says of them, are written from the quantities,
-the scenes and the models of studies by `python -m benchmarks.keywords`, in place: all else here is
-written by hand.
+Written by `python -m benchmarks.keywords` from `vibrafeed/_functions.py`, and from quantities,
+scenes and the models of studies.
 """
 
 from __future__ import annotations
+
+from vibrafeed import _functions
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -177,12 +178,8 @@ def study(
     >>> dict(vibrafeed.sweep(drive, beta=20).sizes)
     {'frequency': 101}
     """
-    first, keywords = _split(locals())
-    from core.kinds import study_of
-    from core.study.gather import gather
-
-    found = gather(first, keywords)
-    return study_of(found) if isinstance(found, dict) else found
+    keywords = _functions.said(locals())
+    return _functions.study(given, **keywords)
 
 
 def sweep(
@@ -481,7 +478,8 @@ def sweep(
     >>> dataset.acceleration_x.dims, dataset.acceleration_x.units
     (('beta',), 'm s-2')
     """
-    return _carry_out("sweep", locals())
+    keywords = _functions.said(locals())
+    return _functions.sweep(study, **keywords)
 
 
 def simulate(
@@ -712,7 +710,8 @@ def simulate(
     >>> motion.conveying_velocity.dims, motion.conveying_velocity.units
     (('amplitude',), 'm s-1')
     """
-    return _carry_out("simulate", locals())
+    keywords = _functions.said(locals())
+    return _functions.simulate(study, **keywords)
 
 
 def optimise(
@@ -1103,7 +1102,8 @@ def optimise(
     >>> best.best_beta.units
     'degree'
     """
-    return _carry_out("optimise", locals())
+    keywords = _functions.said(locals())
+    return _functions.optimise(study, **keywords)
 
 
 def sensitivity(
@@ -1486,7 +1486,8 @@ def sensitivity(
     >>> 0 < float(told.probability_acceleration_x_at_least) < 1
     True
     """
-    return _carry_out("sensitivity", locals())
+    keywords = _functions.said(locals())
+    return _functions.sensitivity(study, **keywords)
 
 
 def calibrate(
@@ -1741,7 +1742,8 @@ def calibrate(
     >>> bool(told.lower_95_friction < told.best_friction < told.upper_95_friction)
     True
     """
-    return _carry_out("calibrate", locals())
+    keywords = _functions.said(locals())
+    return _functions.calibrate(study, **keywords)
 
 
 def open_lazily(
@@ -1863,11 +1865,8 @@ def open_lazily(
     >>> lazy.acceleration_x[99_999, 0].values > lazy.acceleration_x[0, 0].values
     np.True_
     """
-    prepared = _prepared("sweep", locals())
-    from core.sweep.lazy import open_lazily
-
-    _import_accessor()
-    return open_lazily(prepared)
+    keywords = _functions.said(locals())
+    return _functions.open_lazily(study, **keywords)
 
 
 def drive_error(
@@ -1957,46 +1956,5 @@ def drive_error(
     >>> isinstance(told, vibrafeed.DriveError)
     True
     """
-    given = {name: value for name, value in locals().items() if name not in ("draws", "seed")}
-    import numpy as np
-
-    from core.kinds import study_and_fit
-    from core.motion.drive_error import drive_error
-    from core.study.gather import gather
-
-    first, keywords = _split(given)
-    found = gather(first, keywords, "simulate")
-    asked, fit = study_and_fit(found if isinstance(found, dict) else found.content())
-    return drive_error(asked, fit, draws, np.random.default_rng(seed))
-
-
-def _split(given: Mapping[str, Any]) -> tuple[Given | None, dict[str, Any]]:
-    """Return the study that a function was given, and the keywords that say something."""
-    (_, first), *named = given.items()
-    keywords = dict(named)
-    for name in ("others", "numbered"):
-        keywords |= keywords.pop(name, {})
-    return first, {name: value for name, value in keywords.items() if value is not None}
-
-
-def _prepared(kind: str, given: Mapping[str, Any]) -> Any:
-    """Return a study of one kind, ready to be carried out."""
-    from core.kinds import prepare, prepare_content
-    from core.study.gather import gather
-
-    first, keywords = _split(given)
-    found = gather(first, keywords, kind)
-    return prepare_content(found, files=True) if isinstance(found, dict) else prepare(found)
-
-
-def _carry_out(kind: str, given: Mapping[str, Any]) -> xarray.Dataset:
-    from core.kinds import tabulate
-
-    prepared = _prepared(kind, given)
-    _import_accessor()
-    return tabulate(prepared).to_xarray()
-
-
-def _import_accessor() -> None:
-    """Give datasets their `.vf`."""
-    from vibrafeed import accessor  # noqa: F401
+    keywords = _functions.said(locals())
+    return _functions.drive_error(study, **keywords)

@@ -1,0 +1,372 @@
+"""Making a study, and carrying it out: the functions that users call, before they have keywords.
+
+`python -m benchmarks.keywords` writes `vibrafeed/_studies.py` from them: each function with all the
+keywords of its studies in its signature and in its docstring. It calls the one here.
+"""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from typing import Any
+
+    import xarray
+
+    from core.motion.drive_error import DriveError
+    from core.study import Study
+    from core.study.gather import Given
+
+
+def study(given: Given | None = None, /, **keywords: Any) -> Study:
+    """Return the study that a mapping or keywords describe; `kind` says which one it is.
+
+    Its values are right by themselves. Whether they make a whole is seen when it is carried out.
+
+    Parameters
+    ----------
+    given : mapping, study or path, optional
+        What the keywords are added to.
+    **keywords
+        Keys of the study and parameters: those of `sweep`, `simulate` and `optimise`.
+
+    Raises
+    ------
+    StudyError
+        With every problem.
+
+    Examples
+    --------
+    >>> drive = vibrafeed.study(
+    ...     kind="sweep", scene="rectangle-on-plane", outputs=["acceleration_x"],
+    ...     frequency=range(20, 121), amplitude="0.35 mm", beta=[15, 30], friction=0.3,
+    ... )
+    >>> dict(vibrafeed.sweep(drive, beta=20).sizes)
+    {'frequency': 101}
+    """
+    from core.kinds import study_of  # loads the models of studies
+    from core.study.gather import gather
+
+    found = gather(given, keywords)
+    return study_of(found) if isinstance(found, dict) else found
+
+
+def sweep(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
+    """Return closed-form quantities of one scene over a grid of parameters.
+
+    They are a snapshot at the drive's peak, with the `regime` that says where they hold.
+
+    *Values* are a number in the unit that is named, text with a unit such as ``"0.25 mm"``, or
+    several of either, which become an axis of the dataset: a list, a range, an array, or a mapping
+    such as ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``. ``None`` is a keyword left out.
+
+    Parameters
+    ----------
+    study : Study, mapping or path, optional
+        The study, which keywords add to; its `kind` is ``"sweep"``, and may be left out.
+
+    Returns
+    -------
+    xarray.Dataset
+        The outputs, each with the axes that it depends on, units and equation numbers.
+
+    Raises
+    ------
+    StudyError
+        With every problem, also where it is a study of another kind.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> dataset = vibrafeed.sweep(
+    ...     scene="rectangle-on-plane", outputs=["acceleration_x"], frequency="50 Hz",
+    ...     amplitude="0.25 mm", beta=np.linspace(0, 40, 9), friction=0.5,
+    ... )
+    >>> dataset.acceleration_x.dims, dataset.acceleration_x.units
+    (('beta',), 'm s-2')
+    """
+    return _carry_out("sweep", study, keywords)
+
+
+def simulate(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
+    """Return the motion in time of one scene over a grid of parameters: mean velocities and more.
+
+    Without `outputs` it is the mean conveying velocity [m s-1]. `trajectory` gives the course of
+    one point in time.
+
+    *Values* are a number in the unit that is named, text with a unit such as ``"0.25 mm"``, or
+    several of either, which become an axis of the dataset: a list, a range, an array, or a mapping
+    such as ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``. ``None`` is a keyword left out.
+
+    Parameters
+    ----------
+    study : Study, mapping or path, optional
+        The study, which keywords add to; its `kind` is ``"simulate"``, and may be left out.
+
+    Returns
+    -------
+    xarray.Dataset
+        The outputs, each with the axes that it depends on, and units; `regime` says what the part
+        does, `motion_status` how the value was found.
+
+    Raises
+    ------
+    StudyError
+        With every problem, also where it is a study of another kind.
+
+    Examples
+    --------
+    >>> motion = vibrafeed.simulate(
+    ...     scene="rectangle-on-plane", frequency="50 Hz", amplitude=["0.25 mm", "0.4 mm"], beta=30,
+    ...     friction=0.5,
+    ... )
+    >>> motion.conveying_velocity.dims, motion.conveying_velocity.units
+    (('amplitude',), 'm s-1')
+    """
+    return _carry_out("simulate", study, keywords)
+
+
+def optimise(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
+    """Return the best values of some parameters, over a grid of the others.
+
+    The `criterion` says what is looked for, and `variables` what may be chosen between which
+    bounds.
+
+    *Values* are a number in the unit that is named, text with a unit such as ``"0.25 mm"``, or
+    several of either, which become an axis of the dataset: a list, a range, an array, or a mapping
+    such as ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``. ``None`` is a keyword left out.
+
+    Parameters
+    ----------
+    study : Study, mapping or path, optional
+        The study, which keywords add to; its `kind` is ``"optimise"``, and may be left out.
+
+    Returns
+    -------
+    xarray.Dataset
+        The best values, `best_beta` and so on, and the outputs there, over the axes; units, and
+        `optimum_status`, which says what sort of optimum it is.
+
+    Raises
+    ------
+    StudyError
+        With every problem, also where it is a study of another kind.
+
+    Examples
+    --------
+    >>> best = vibrafeed.optimise(
+    ...     scene="rectangle-on-plane", criterion={"kind": "maximise", "output": "acceleration_x"},
+    ...     variables={"beta": {"lower": 0, "upper": 60}}, frequency="50 Hz", amplitude="0.25 mm",
+    ...     friction=0.5,
+    ... )
+    >>> best.best_beta.units
+    'degree'
+    """
+    return _carry_out("optimise", study, keywords)
+
+
+def sensitivity(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
+    """Return how outputs vary with parameters that are not known exactly, over a grid.
+
+    `uncertain` gives parameters and their distributions. What is told of each output (mean and
+    quantiles, probabilities, Sobol indices, a tolerance budget) is said by `analyses`.
+
+    *Values* are a number in the unit that is named, text with a unit such as ``"0.25 mm"``, or
+    several of either, which become an axis of the dataset: a list, a range, an array, or a mapping
+    such as ``{"start": "20 Hz", "stop": "120 Hz", "num": 101}``. ``None`` is a keyword left out.
+
+    Parameters
+    ----------
+    study : Study, mapping or path, optional
+        The study, which keywords add to; its `kind` is ``"sensitivity"``, and may be left out.
+
+    Returns
+    -------
+    xarray.Dataset
+        What is told of each output, over the axes; units, errors, and `regime` of the nominal
+        values. Along `uncertain` are the uncertain parameters, in the order of its
+        `flag_meanings`.
+
+    Raises
+    ------
+    StudyError
+        With every problem, also where it is a study of another kind.
+
+    Examples
+    --------
+    >>> told = vibrafeed.sensitivity(
+    ...     scene="rectangle-on-plane", outputs="acceleration_x", frequency="50 Hz",
+    ...     amplitude="0.1 mm", beta=30,
+    ...     uncertain={"friction": {"mean": 0.3, "deviation": 0.03}},
+    ...     demands=[{"output": "acceleration_x", "at_least": "7 m/s^2"}],
+    ... )
+    >>> 0 < float(told.probability_acceleration_x_at_least) < 1
+    True
+    """
+    return _carry_out("sensitivity", study, keywords)
+
+
+def calibrate(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
+    """Return what measured speeds tell of unknown parameters.
+
+    `observations` are the runs, each with the parameters that are its own, what was measured and
+    its error; they may stand in a CSV or XLSX file. `unknowns`, `offsets` and `factors` are what is
+    looked for.
+
+    *Values* are a number in the unit that is named, or text with a unit such as ``"0.25 mm"``.
+    ``None`` is a keyword left out.
+
+    Parameters
+    ----------
+    study : Study, mapping or path, optional
+        The study, which keywords add to; its `kind` is ``"calibrate"``, and may be left out.
+
+    Returns
+    -------
+    xarray.Dataset
+        Best values, means and intervals (`best_friction`, `lower_95_friction`, ...), the posterior
+        (`log_density`) over its axes, and what is predicted of each run; `findings` among its
+        attributes says it in words. See docs/calibrate.md.
+
+    Raises
+    ------
+    StudyError
+        With every problem of the study, each with its place, what is wrong, and what would be
+        right.
+
+    Examples
+    --------
+    >>> told = vibrafeed.calibrate(
+    ...     scene="rectangle-on-plane", frequency="50 Hz", beta=20,
+    ...     observations=[
+    ...         {"amplitude": "0.2 mm", "conveying_velocity": "13 mm/s", "error": "1 mm/s"},
+    ...         {"amplitude": "0.3 mm", "conveying_velocity": "33 mm/s", "error": "1 mm/s"},
+    ...     ],
+    ...     unknowns={"friction": {"lower": 0.1, "upper": 0.6}},
+    ... )
+    >>> bool(told.lower_95_friction < told.best_friction < told.upper_95_friction)
+    True
+    """
+    return _carry_out("calibrate", study, keywords)
+
+
+def open_lazily(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
+    """Return the dataset of a sweep of any size; what is read of it is computed when it is read.
+
+    It needs zarr: ``pip install 'vibrafeed[cluster]'``.
+
+    Parameters
+    ----------
+    study : Study, mapping or path, optional
+        The study, which keywords add to.
+    **keywords
+        Keys of the study and parameters, as those of `sweep`.
+
+    Returns
+    -------
+    xarray.Dataset
+        What `sweep` returns, without a value yet.
+
+    Raises
+    ------
+    StudyError
+        With every problem.
+    VibrafeedError
+        If zarr is not installed.
+
+    Examples
+    --------
+    >>> lazy = vibrafeed.open_lazily(
+    ...     scene="rectangle-on-plane", outputs=["acceleration_x"], frequency="50 Hz",
+    ...     amplitude={"start": "0.1 mm", "stop": "1 mm", "num": 100_000},
+    ...     beta={"start": 0, "stop": 40, "num": 100_000}, friction=0.5,
+    ... )
+    >>> f"{lazy.acceleration_x.size:,}"
+    '10,000,000,000'
+    >>> lazy.acceleration_x[99_999, 0].values > lazy.acceleration_x[0, 0].values
+    np.True_
+    """
+    from core.sweep.lazy import open_lazily  # loads the plan
+
+    prepared = _prepared("sweep", study, keywords)
+    _import_accessor()
+    return open_lazily(prepared)
+
+
+def drive_error(
+    study: Given | None = None, /, *, draws: int = 200, seed: int = 0, **keywords: Any
+) -> DriveError:
+    """Return how far the errors of a measured drive move the conveying velocity of one part.
+
+    The part is followed under drives that the recording cannot tell from the fitted one. Errors of
+    friction and other parameters, of the model and of the sensor's scale are not among them.
+
+    Parameters
+    ----------
+    study : mapping or path, optional
+        A study to simulate, of one cell, whose `drive` names a recording.
+    draws : int
+        How many such drives.
+    seed : int
+        Of the random numbers; equal ones give equal results.
+    **keywords
+        Keys of the study and parameters, as those of `simulate`.
+
+    Returns
+    -------
+    DriveError
+        velocity, standard_deviation, lower and upper (of 95 %), draws, without [m s-1].
+
+    Raises
+    ------
+    StudyError
+        With every problem.
+
+    Examples
+    --------
+    >>> told = vibrafeed.drive_error("configs/measured-drive.toml", drive_factor=1, friction=0.3)
+    >>> told.lower < told.velocity < told.upper
+    True
+    >>> isinstance(told, vibrafeed.DriveError)
+    True
+    """
+    import numpy as np  # a library
+
+    from core.kinds import study_and_fit  # loads the models of studies
+    from core.motion.drive_error import drive_error
+    from core.study.gather import gather
+
+    found = gather(study, keywords, "simulate")
+    asked, fit = study_and_fit(found if isinstance(found, dict) else found.content())
+    return drive_error(asked, fit, draws, np.random.default_rng(seed))
+
+
+def said(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the keywords that say something, by name, of all that a function was given."""
+    _, *named = given.items()  # the first is the study
+    keywords = dict(named)
+    for name in ("others", "numbered"):
+        keywords |= keywords.pop(name, {})
+    return {name: value for name, value in keywords.items() if value is not None}
+
+
+def _prepared(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> Any:
+    """Return a study of one kind, ready to be carried out."""
+    from core.kinds import prepare, prepare_content  # loads the models of studies
+    from core.study.gather import gather
+
+    found = gather(given, keywords, kind)
+    return prepare_content(found, files=True) if isinstance(found, dict) else prepare(found)
+
+
+def _carry_out(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> xarray.Dataset:
+    from core.kinds import tabulate  # loads the models of studies
+
+    prepared = _prepared(kind, given, keywords)
+    _import_accessor()
+    return tabulate(prepared).to_xarray()
+
+
+def _import_accessor() -> None:
+    """Give datasets their `.vf`."""
+    from vibrafeed import accessor  # noqa: F401 - loads xarray
