@@ -19,7 +19,7 @@ from core.plan.plan import scene_parameters
 from core.plan.posteriors import with_posteriors
 from core.plan.prepared import Prepared
 from core.plan.sample import FAILED, LEFT_OUT
-from core.quantities import MOTION_STATUSES, OPTIMUM_STATUSES
+from core.quantities import FLAGS
 from core.scenes import SCENES, Scene
 from core.study.drive import names_recording
 from core.study.grid_study import PARAMETERS
@@ -79,8 +79,7 @@ PLACES: Mapping[str, tuple[Mapping[str, Scene], ...]] = {
 """Where the scenes of each kind of study are found."""
 
 STATUSES = {
-    "motion_status": MOTION_STATUSES["not_computed"].value,
-    "optimum_status": OPTIMUM_STATUSES["not_computed"].value,
+    name: flags["not_computed"].value for name, flags in FLAGS.items() if "not_computed" in flags
 }
 """Variables that tell of each cell whether it was computed, and their value where it was not."""
 

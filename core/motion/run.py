@@ -24,7 +24,7 @@ from core.plan.derived import cells_of
 from core.plan.equations import regimes, run_equations
 from core.plan.labels import coordinates_of, global_attributes, outputs_of
 from core.plan.pieces import Computed, carry_out
-from core.quantities import DIRECTIONS, MOTION_STATUSES
+from core.quantities import FLAGS
 from core.watch import Watch
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
     """Return what was computed of a simulation, labelled; `watch` may stop verifying it."""
     plan, arrays = prepared.plan, computed.arrays
     variables = outputs_of(prepared, arrays)
-    for name, states in (("motion_status", MOTION_STATUSES), ("direction", DIRECTIONS)):
+    for name, states in FLAGS.items():
         if name in variables:
             told = flag_attributes(name, states, tuple(states))
             variables[name] = replace(variables[name], attributes=told)

@@ -26,9 +26,6 @@ SOUND = [STATUS[name] for name in ("periodic", "at_rest", "neutral", "settled")]
 
 SPEED = ("drive_number", "velocity_scale")
 
-NOT_COMPARED = (ERROR, "motion_status", "direction", "impacts_per_period", "impact_count")
-"""What each method has of its own: of shrinking hops each counts those that it resolves."""
-
 
 def accuracy(plan: Plan) -> str:
     """Return what is known of the error of a method, in words."""
@@ -117,7 +114,7 @@ def compare(
     """
     scene = plan.scene
     has = scene.outputs(method)
-    outputs = [name for name in got if name in has and name not in NOT_COMPARED]
+    outputs = [name for name in got if name in has and QUANTITIES[name].compared]
     told = [name for name in (ERROR, "motion_status") if name in has]
     count = next(iter(got.values())).size
     theirs = _followed(scene, method, (*outputs, *told, *SPEED), cells, count, watch)

@@ -7,13 +7,11 @@ from dataclasses import replace
 
 from core.errors import Problem as Wrong
 from core.optimise.robust import MOST_UNCERTAIN
+from core.quantities import FLAGS
 from core.scenes import SCENES, Scene
 from core.study.distributions import Distribution
 from core.study.optimise_study import Limited, OptimiseStudy, OutputLimit, Pareto
 from core.study.values import Between, Values
-
-NAMES_OF_STATES = ("regime", "motion_status", "direction")
-"""Outputs that are names and no numbers."""
 
 
 def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Wrong]:
@@ -26,7 +24,7 @@ def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Wr
     places |= {"criterion.output": criterion.output}
     places |= {"criterion.against": getattr(criterion, "against", "")}
     for place, name in places.items():
-        if name in NAMES_OF_STATES:
+        if name in FLAGS:
             yield Wrong(place, f"{name} is a name and not a number", "Take another output")
     if len(set(criterion_outputs(study))) < len(criterion_outputs(study)):
         yield Wrong("criterion.against", "it is the output itself", "Name another output")

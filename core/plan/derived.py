@@ -25,12 +25,6 @@ PLACE = "sensitivities"
 MOST_DERIVED = 2_000_000
 """Cells times outputs times parameters of a study that asks for derivatives."""
 
-NOT_DERIVED = frozenset({
-    "conveying_velocity_error", "conveying_velocity_spread", "motion_status", "direction",
-    "period_multiple", "impacts_per_period", "regime",
-})  # fmt: skip
-"""Outputs that say how a value was found, or only count."""
-
 Dims = Mapping[str, tuple[str, ...]]
 """The axes of each variable."""
 
@@ -168,7 +162,7 @@ def asked_of(
     """
     if not wish:
         return None
-    outputs = tuple(name for name in plan.outputs if name not in NOT_DERIVED)
+    outputs = tuple(name for name in plan.outputs if QUANTITIES[name].is_derived)
     names = wish if isinstance(wish, tuple) else tuple(given)
     known = [name for name in (*plan.parameters, *plan.defaults) if QUANTITIES[name].parameter]
     problems = [

@@ -13,7 +13,7 @@ from core.errors import SEARCHED, LimitError, Problem, StudyError, nearest
 from core.plan.derived import Asked, is_status
 from core.plan.grid import Grid, from_si
 from core.plan.plan import Plan, plan_scene
-from core.quantities import QUANTITIES
+from core.quantities import FLAGS, QUANTITIES
 from core.scenes import Scene
 from core.study.grid_study import MOST_OUTPUTS, PARAMETERS, GridStudy
 from core.study.models import Study
@@ -23,8 +23,6 @@ Box = Mapping[str, tuple[int, int]]
 """A part of a grid: start and stop on the axes of which it is not the whole."""
 
 MOST_SECONDS_TO_VERIFY = 100.0
-
-BYTES = {"regime": 1, "motion_status": 1, "direction": 1}  # of one value; 8 for all others
 
 
 @dataclass(frozen=True)
@@ -73,11 +71,11 @@ class Prepared:
 
     def width(self, name: str) -> int:
         """Return the bytes of one stored value of an output."""
-        return 1 if is_status(name) else BYTES.get(name, 8)
+        return 1 if is_status(name) or name in FLAGS else 8
 
     def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
         """Return computed values of an output as files and replies have them."""
-        return values if name in BYTES else from_si(name, values)
+        return values if name in FLAGS else from_si(name, values)
 
     @property
     def sizes(self) -> Mapping[str, int]:

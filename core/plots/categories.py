@@ -11,25 +11,11 @@ from numpy.typing import NDArray
 from core.plots.regimes import Look
 from core.plots.style import Style
 from core.plots.text import words
+from core.quantities import QUANTITIES
 from core.quantities.pictures import FILLS
 
 MOST = 8  # categories of a picture; more are drawn as numbers
 NO_VALUE = -1
-
-CODED: Mapping[str, Mapping[int, str]] = {
-    "resting_side": {
-        0: "no side", 1: "the side at pitch 0°", 2: "the side at pitch 90°",
-        3: "the side at pitch 180°", 4: "the side at pitch 270°",
-    },
-    "contact_form": {
-        0: "no form", 1: "rim on face", 2: "rim on side", 3: "face on face", 4: "side on side",
-        5: "side on face",
-    },
-    "period_multiple": {0: "does not repeat", 1: "repeats every period"},
-    "path_corners": {},
-}  # fmt: skip
-"""Words of numbers, as the descriptions of the quantities have them."""
-OTHERS = {"period_multiple": "repeats every {} periods", "path_corners": "corners: {}"}
 
 COLOURS = (
     "stick", "hopping", "hop_after_hop", "stick_slip", "period_doubled", "slip", "no_motion",
@@ -49,8 +35,8 @@ def categories_of(array: xarray.DataArray) -> dict[int, str] | None:
         meanings = map(words, str(array.attrs.get("flag_meanings", "")).split())
         named = dict(zip(numbers, meanings, strict=False))
         other = "{}"
-    elif name in CODED:
-        named, other = dict(CODED[name]), OTHERS.get(name, "{}")
+    elif name in QUANTITIES and QUANTITIES[name].other_words:
+        named, other = dict(QUANTITIES[name].words), QUANTITIES[name].other_words
     else:
         return None
     present = np.unique(codes_of(array.values)).tolist()

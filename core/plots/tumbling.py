@@ -14,12 +14,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from core.plots.categories import CODED
 from core.plots.parts import add_room
 from core.plots.problem import PlotError
 from core.plots.selection import held_fixed
 from core.plots.style import Style, mix
 from core.plots.text import number, shown_in, with_unit
+from core.quantities import QUANTITIES
 from core.study.shown import ShownUnits
 
 TIME = "cycle_time"
@@ -187,7 +187,7 @@ def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
     facts = []
     side, settled = dataset.get("resting_side"), dataset.get("settling_time")
     if side is not None and not side.ndim and np.isfinite(side):
-        facts.append(f"rests on {CODED['resting_side'].get(int(side), 'a side')}")
+        facts.append(f"rests on {QUANTITIES['resting_side'].words.get(int(side), 'a side')}")
     if settled is not None and not settled.ndim and np.isfinite(settled):
         shown = units.of("s", float(settled))
         after = with_unit(number(shown.factor * float(settled), 3), shown.unit)

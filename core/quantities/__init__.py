@@ -7,6 +7,8 @@ show are read from here. Inside the code all values are SI and angles are radian
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from core.quantities.directions import DIRECTIONS
 from core.quantities.drive import DRIVE
 from core.quantities.flags import (
@@ -27,6 +29,7 @@ from core.quantities.track import TRACK
 __all__ = [
     "DIRECTIONS",
     "FAMILIES",
+    "FLAGS",
     "MOTION_MODES",
     "MOTION_STATUSES",
     "OPTIMUM_STATUSES",
@@ -41,3 +44,7 @@ FAMILIES = (TRACK, DRIVE, ROLLING, ISOLATED, IMPACTS, MOTION, OPTIMUM)
 QUANTITIES: dict[str, Quantity] = {
     name: quantity for family in FAMILIES for name, quantity in family.items()
 }
+FLAGS: dict[str, Mapping[str, Flag]] = {
+    name: quantity.flags for name, quantity in QUANTITIES.items() if quantity.flags is not None
+}
+"""The states of each quantity that is a flag."""

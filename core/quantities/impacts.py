@@ -131,6 +131,10 @@ BOTH: dict[str, Quantity] = {
         "1", "form", "Contact form",
         "0 none of the five, 1 rim on face, 2 rim on side, 3 face on face, 4 side on side, "
         "5 side on face.",
+        words={
+            0: "no form", 1: "rim on face", 2: "rim on side", 3: "face on face",
+            4: "side on side", 5: "side on face",
+        }, other_words="{}",
     ),
     "contact_z": Quantity("m", "P_z", "Contact point, z", "Point where the impulse acts, z."),
     "normal_z": Quantity("1", "n_z", "Normal, z", "Unit normal from body 2 to body 1, z."),

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from core.quantities.quantity import Quantity, acceleration, number, velocity
+from core.quantities.directions import DIRECTIONS
+from core.quantities.flags import MOTION_STATUSES
+from core.quantities.quantity import Quantity, acceleration, flag, number, velocity
 
 
 def _fraction(label: str, description: str) -> Quantity:
@@ -98,13 +100,14 @@ RESULTS: dict[str, Quantity] = {
     "conveying_velocity": velocity(
         "v", "Conveying velocity", "Mean velocity along the track once the motion repeats."
     ),
-    "conveying_velocity_spread": velocity(
-        "s(v)", "Spread of the conveying velocity",
+    "conveying_velocity_spread": Quantity(
+        "m s-1", "s(v)", "Spread of the conveying velocity",
         "Standard deviation of the means of runs from several phases; 0 where the motion "
-        "repeats.",
+        "repeats.", error_of="conveying_velocity",
     ),
-    "conveying_velocity_error": velocity(
-        "e(v)", "Error of the conveying velocity", "The method's own estimate of its error."
+    "conveying_velocity_error": Quantity(
+        "m s-1", "e(v)", "Error of the conveying velocity",
+        "The method's own estimate of its error.", error_of="conveying_velocity", compared=False,
     ),
     "efficiency": number(
         "v/v_b", "Transport efficiency",
@@ -124,14 +127,16 @@ RESULTS: dict[str, Quantity] = {
     "forward_fraction": _fraction("Forward sliding share", "the part slides forward"),
     "backward_fraction": _fraction("Backward sliding share", "the part slides backward"),
     "flight_fraction": _fraction("Flight share", "the part is off the floor"),
-    "impacts_per_period": number(
-        "", "Impacts per period",
+    "impacts_per_period": Quantity(
+        "1", "", "Impacts per period",
         "Impacts on the floor per period of the drive; a run of ever smaller hops counts as "
-        "those resolved.",
+        "those resolved.", count=True, compared=False,
     ),
-    "period_multiple": number(
-        "", "Period multiple",
-        "Periods of the drive after which the motion repeats; 0 where it does not.",
+    "period_multiple": Quantity(
+        "1", "", "Period multiple",
+        "Periods of the drive after which the motion repeats; 0 where it does not.", count=True,
+        words={0: "does not repeat", 1: "repeats every period"},
+        other_words="repeats every {} periods",
     ),
     "landing_speed": velocity(
         "u_N", "Landing speed", "Largest speed normal to the floor before an impact."
@@ -142,7 +147,7 @@ RESULTS: dict[str, Quantity] = {
         for name, (unit, label, says) in _SPENT_PER.items()
         for kind, (title, what) in _SPENT.items()
     },
-    "motion_status": number("", "Status of the motion", "How the motion ended."),
+    "motion_status": flag("Status of the motion", "How the motion ended.", MOTION_STATUSES),
 }  # fmt: skip
 FEEDING: dict[str, Quantity] = {
     "part_gap": Quantity(
@@ -158,8 +163,9 @@ FEEDING: dict[str, Quantity] = {
         "min-1", "", "Feed rate",
         "Parts a minute that pass a place of the track; negative where they travel backwards.",
     ),
-    "direction": number(
-        "", "Direction of travel", "Which way the part travels: forwards, backwards, or it rests."
+    "direction": flag(
+        "Direction of travel", "Which way the part travels: forwards, backwards, or it rests.",
+        DIRECTIONS,
     ),
 }  # fmt: skip
 TUMBLING: dict[str, Quantity] = {
@@ -176,16 +182,21 @@ TUMBLING: dict[str, Quantity] = {
     "final_pitch": Quantity(
         "degree", "xi_e", "Final pitch", "Pitch at the end, clockwise, with all its turns."
     ),
-    "resting_side": number(
-        "", "Resting side",
+    "resting_side": Quantity(
+        "1", "", "Resting side",
         "Side that lies on the plane at the end: 1 as at pitch 0, 2 at 90 degrees, 3 at 180, "
         "4 at 270; 0 if none does.",
+        words={
+            0: "no side", 1: "the side at pitch 0°", 2: "the side at pitch 90°",
+            3: "the side at pitch 180°", 4: "the side at pitch 270°",
+        }, other_words="{}",
     ),
     "settling_time": Quantity(
         "s", "t_s", "Settling time", "Time from which the part lies at rest for good."
     ),
-    "impact_count": number(
-        "", "Impacts", "Impacts until the end; both ends of a side at once count as one."
+    "impact_count": Quantity(
+        "1", "", "Impacts", "Impacts until the end; both ends of a side at once count as one.",
+        count=True, compared=False,
     ),
     "largest_bounce": Quantity(
         "m", "z_b", "Largest bounce",
@@ -206,7 +217,9 @@ TUMBLING: dict[str, Quantity] = {
     "path_height": Quantity("m", "y", "Height of the centre", "Height of the centre."),
     "path_pitch": Quantity("degree", "xi", "Pitch", "Pitch, clockwise, with all its turns."),
     "path_gap": Quantity("m", "g_N", "Lowest gap", "Height of the lowest corner."),
-    "path_corners": number("", "Corners in contact", "Corners that carry the part."),
+    "path_corners": Quantity(
+        "1", "", "Corners in contact", "Corners that carry the part.", other_words="corners: {}"
+    ),
 }  # fmt: skip
 TRAJECTORY: dict[str, Quantity] = {
     "cycle_time": Quantity(

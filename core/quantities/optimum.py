@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from core.quantities.quantity import Quantity, number
+from core.quantities.flags import OPTIMUM_STATUSES
+from core.quantities.quantity import Quantity, flag, number
 
 OPTIMUM: dict[str, Quantity] = {
     "front": number(
@@ -15,7 +16,9 @@ OPTIMUM: dict[str, Quantity] = {
         "How far off the objective may be: what the method states of the mean velocity, and what "
         "chance leaves of a motion that rounding decides.",
     ),
-    "optimum_status": number("", "Status of the optimum", "How the search ended."),
+    "optimum_status": flag(
+        "Status of the optimum", "How the search ended.", OPTIMUM_STATUSES
+    ),
     "optimality_residual": number(
         "", "Optimality residual",
         "What the first-order conditions of an optimum leave of the objective's gradient, as "

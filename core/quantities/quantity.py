@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from core.quantities.flags import Flag
 
 
 @dataclass(frozen=True)
@@ -33,6 +36,18 @@ class Quantity:
         impulse; equations read them, files do not hold them.
     usual : tuple of float, optional
         Least and largest size of values that feeders have, in `unit`; others are asked about.
+    flags : mapping of str to Flag, optional
+        The states of a flag, by name: its values are names and no numbers.
+    count : bool
+        True for what is counted: it does not change inside a regime.
+    error_of : str
+        The quantity whose error, or spread, this one is.
+    compared : bool
+        False for what each method of motion has of its own.
+    words : mapping of int to str
+        What whole numbers stand for.
+    other_words : str
+        The words for those that are not among them; empty if all numbers are values.
     """
 
     unit: str
@@ -46,6 +61,22 @@ class Quantity:
     examples: tuple[str, ...] = ()
     bundle: bool = False
     usual: tuple[float, float] | None = None
+    flags: Mapping[str, Flag] | None = field(default=None, hash=False)
+    count: bool = False
+    error_of: str = ""
+    compared: bool = True
+    words: Mapping[int, str] = field(default_factory=dict, hash=False)
+    other_words: str = ""
+
+    @property
+    def width(self) -> int:
+        """Bytes of one stored value."""
+        return 8 if self.flags is None else 1
+
+    @property
+    def is_derived(self) -> bool:
+        """Whether it has derivatives: flags, counts and errors have none."""
+        return self.flags is None and not self.count and not self.error_of
 
     @property
     def is_angle(self) -> bool:
@@ -101,3 +132,8 @@ def force(symbol: str, label: str, description: str) -> Quantity:
 def number(symbol: str, label: str, description: str) -> Quantity:
     """Return a quantity without unit."""
     return Quantity("1", symbol, label, description)
+
+
+def flag(label: str, description: str, flags: Mapping[str, Flag], symbol: str = "") -> Quantity:
+    """Return a quantity whose values are names of states."""
+    return Quantity("1", symbol, label, description, flags=flags, compared=False)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from core.quantities.flags import REGIMES
 from core.quantities.quantity import (
     Quantity,
     acceleration,
     angle,
+    flag,
     force,
     friction,
     length,
@@ -244,5 +246,5 @@ TRACK: dict[str, Quantity] = {
     "pressure_offset_y": Quantity(
         "m", "e_y", "Centre of pressure, y", "Offset of the floor resultant across the track."
     ),
-    "regime": Quantity("1", "regime", "Regime", "State of the contacts in each cell."),
+    "regime": flag("Regime", "State of the contacts in each cell.", REGIMES, "regime"),
 }  # fmt: skip

@@ -15,12 +15,11 @@ from core.motion.prepare import choose_system, price_of
 from core.motion.systems import CONTACTS as DRIVEN
 from core.motion.systems import methods_of
 from core.optimise.prepare import choose_problem_scene
-from core.optimise.wrong import NAMES_OF_STATES
 from core.plan.grid import Grid, to_si
 from core.plan.plan import Plan
 from core.plan.prepared import Chosen, Prepared, further_problems, names_meant, plan_study
 from core.plan.price import pace
-from core.quantities import REGIMES
+from core.quantities import FLAGS, REGIMES
 from core.sensitivity.answers import LEVEL, QUANTILE, UNCERTAIN, Answer, answers
 from core.sensitivity.budget import Budget
 from core.sensitivity.indices import MOST_INPUTS
@@ -224,7 +223,7 @@ def _wrong(study: SensitivityStudy) -> Iterable[Problem]:
         message = f"there are {len(uncertain)} of them"
         yield Problem("uncertain", message, f"Keep the {MOST_INPUTS} that matter most")
     for name in study.outputs:
-        if name in NAMES_OF_STATES:
+        if name in FLAGS:
             fix = 'Ask for its probability: [[demands]] regime = "hopping"'
             yield Problem("outputs", f"{name} is a name and not a number", fix)
     if study.verify is not None:
@@ -242,7 +241,7 @@ def _wrong(study: SensitivityStudy) -> Iterable[Problem]:
             yield Problem(place, "a regime has no bounds", fix)
         elif one.at_least is not None and one.at_most is not None and one.at_least > one.at_most:
             yield Problem(place, "at_least is above at_most", "Swap them")
-        if one.output in NAMES_OF_STATES:
+        if one.output in FLAGS:
             fix = 'Name the regime, for example regime = "hopping"'
             yield Problem(f"{place}.output", f"{one.output} is a name and not a number", fix)
         if one.name in seen:
