@@ -8,69 +8,18 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import KINDS, tabulate
 
-DRIVE = {"frequency": 50, "amplitude": "0.2 mm", "beta": 30, "friction": 0.4}
-PLANE = {"scene": "rectangle-on-plane", "parameters": DRIVE}
-TRACK = {"scene": "rectangle-on-track", "parameters": {**DRIVE, "alpha": 5, "radius": "0.2 m"}}
-PIN = {
-    "scene": "cylinder-isolated",
-    "outputs": ["settling_time"],
-    "parameters": {
-        "length": "20 mm", "diameter": "8 mm", "drop_height": "10 mm", "pitch": 60,
-        "friction": 0.3, "restitution": 0.4, "duration": "0.1 s",
-    },
-}  # fmt: skip
-GROUPS: dict[str, list[dict[str, Any]]] = {
-    "space": [
-        {"kind": "simulate", **TRACK, "method": "events", **shown}
-        for shown in ({}, {"trajectory": 10})
-    ],
-    "conveying": [
-        {"kind": "simulate", **where, "method": method, **shown}
-        for where, method in (
-            (PLANE, "events"), (PLANE, "time-stepping"), (TRACK, "time-stepping"),
-        )
-        for shown in ({}, {"trajectory": 10})
-    ]
-    + [{"kind": "simulate", **PLANE, "sensitivities": True}],
-    "tumbling": [
-        {"kind": "simulate", **PIN, "method": "events"},
-        {"kind": "simulate", **PIN, "method": "events", "trajectory": 10},
-        {"kind": "simulate", **PIN, "method": "time-stepping"},
-    ],
-    "optimise": [
-        {
-            "kind": "optimise",
-            "scene": "rectangle-on-track",
-            "criterion": {"kind": "maximise", "output": "acceleration_x"},
-            "parameters": {name: DRIVE[name] for name in ("frequency", "amplitude", "friction")},
-        }
-    ],
-    "reduce": [
-        {
-            "kind": "sweep",
-            **PLANE,
-            "outputs": ["acceleration_x"],
-            "parameters": {**DRIVE, "frequency": [40, 50], "beta": [10, 20, 30]},
-            "reduce": {
-                "over": [over],
-                "statistics": ["max", "mean"],
-                "quantiles": [0.5],
-                "regimes": True,
-                "shares": {"slow": ["acceleration_x < 1"]},
-                "levels": {
-                    "one": {"output": "acceleration_x", "level": 1, "along": over}
-                },
-            },
-        }
-        for over in ("frequency", "beta")
-    ],
-}  # fmt: skip
+GROUPS: dict[str, tuple[Mapping[str, Any], ...]] = {
+    name: studies for kind in KINDS.values() for name, studies in kind.compiles.items()
+}
+"""The studies of each group, those of all kinds."""
 
 
 def warm(processes: int) -> Path | None:

@@ -200,7 +200,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     >>> study.kind, study.scene
     ('sweep', 'cylinder-on-plane')
     """
-    from core.kinds import load_study
+    from core.intake import load_study
 
     return load_study(path)
 

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
     import xarray
 
+    from core.intake.keywords import Given
     from core.motion.drive_error import DriveError
     from core.study import Study
-    from core.study.gather import Given
     from vibrafeed._names import (
         DriveNumbers,
         NoMore,
@@ -178,8 +178,7 @@ def study(
     {'frequency': 101}
     """
     first, keywords = _split(locals())
-    from core.kinds import study_of
-    from core.study.gather import gather
+    from core.intake import gather, study_of
 
     found = gather(first, keywords)
     return study_of(found) if isinstance(found, dict) else found
@@ -1960,9 +1959,8 @@ def drive_error(
     given = {name: value for name, value in locals().items() if name not in ("draws", "seed")}
     import numpy as np
 
-    from core.kinds import study_and_fit
+    from core.intake import gather, study_and_fit
     from core.motion.drive_error import drive_error
-    from core.study.gather import gather
 
     first, keywords = _split(given)
     found = gather(first, keywords, "simulate")
@@ -1981,8 +1979,8 @@ def _split(given: Mapping[str, Any]) -> tuple[Given | None, dict[str, Any]]:
 
 def _prepared(kind: str, given: Mapping[str, Any]) -> Any:
     """Return a study of one kind, ready to be carried out."""
-    from core.kinds import prepare, prepare_content
-    from core.study.gather import gather
+    from core.intake import gather, prepare_content
+    from core.kinds import prepare
 
     first, keywords = _split(given)
     found = gather(first, keywords, kind)

@@ -50,7 +50,7 @@ class Accessor:
             If the dataset holds none: it is no result of vibrafeed.
         """
         from core.errors import VibrafeedError
-        from core.study import parse_json
+        from core.intake import parse_json
 
         if "study" not in self._dataset.attrs:
             raise VibrafeedError("The dataset holds no study: it is no result of vibrafeed.")

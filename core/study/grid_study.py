@@ -177,7 +177,7 @@ OutputName = Annotated[str, Field(max_length=100)]
 OutputNames = Annotated[tuple[OutputName, ...], at_most(MOST_OUTPUTS)]
 
 
-class GridStudy(Frozen):
+class Study(Frozen):
     """What every kind of study has: a scene, and parameters that may range over a grid."""
 
     kind: str = Field(description="The kind of study.")
@@ -213,6 +213,14 @@ class GridStudy(Frozen):
         given = self.parameters.model_fields_set
         return {name: getattr(self.parameters, name) for name in PARAMETERS if name in given}
 
+    def places(self) -> dict[str, str]:
+        """Return where the study says parameters that do not stand under `parameters`."""
+        return {}
+
+    def output_places(self) -> dict[str, str]:
+        """Return where the study says outputs that do not stand under `outputs`."""
+        return {}
+
     def content(self) -> dict[str, Any]:
         """Return the study as plain values, ranges and units in one form."""
         content = self.model_dump(exclude_none=True, exclude={"parameters"})
@@ -230,7 +238,7 @@ class GridStudy(Frozen):
         return hashlib.sha256(self.canonical().encode()).hexdigest()
 
 
-class DrivenStudy(GridStudy):
+class DrivenStudy(Study):
     """What studies of motion in time have besides: a drive that may have been measured."""
 
     drive: Drive = Field(

@@ -91,7 +91,7 @@ def test_adding_a_scene(tree: Path) -> None:
         tree,
         "-c",
         "from core.quantities import REGIMES\n"
-        "from core.study import parse_study\n"
+        "from core.intake import parse_study\n"
         "from core.sweep import sweep\n"
         "found = sweep(parse_study({'kind': 'sweep', 'scene': 'ball-on-plane',\n"
         "    'outputs': ['acceleration_x'],\n"
@@ -117,7 +117,7 @@ def test_adding_a_method(tree: Path) -> None:
         "-c",
         "from core.catalogue import describe, describe_all\n"
         "from core.errors import StudyError\n"
-        "from core.kinds import prepare_content\n"
+        "from core.intake import prepare_content\n"
         "from core.motion.methods.midpoint import MIDPOINT\n"
         "methods = {line['name']: line['methods'] for line in describe_all()}\n"
         "assert {name for name in methods if 'midpoint' in methods[name]} == {\n"

@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 
 from core.errors import StudyError
-from core.kinds import prepare_content
+from core.intake import parse_study, prepare_content
 from core.motion import simulate, waves
 from core.motion.groups import Contacts, Groups, cells_of, each
 from core.motion.methods.events import energy_by_events, motion_by_events
 from core.motion.methods.spatial_events import spatial_path
 from core.motion.waves import TURN, Wave
-from core.study import parse_study
 
 SETTINGS = {"tolerance": 1e-12, "most_periods": 300}
 PLANE, TRACK, CYLINDER = Contacts(), Contacts(wall=True), Contacts(rolling=2.0)

@@ -11,7 +11,7 @@ import pytest
 
 from core.optimise import optimise
 from core.optimise.codes import STATUS
-from core.study import parse_study
+from core.intake import parse_study
 from work import calls
 
 RANDOM = np.random.default_rng(512)

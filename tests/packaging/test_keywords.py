@@ -9,9 +9,9 @@ import pytest
 
 import vibrafeed
 from benchmarks import keywords
+from core.kinds import KINDS
 from core.quantities import QUANTITIES
 from core.study.grid_study import PARAMETERS
-from core.study.models import STUDIES
 
 POINT = {
     "scene": "rectangle-on-plane", "frequency": "50 Hz", "amplitude": "0.25 mm", "beta": 30,
@@ -37,7 +37,7 @@ def test_what_is_out_of_date_is_written_again():
     assert "    gone: " not in keywords.rewritten(old)
 
 
-@pytest.mark.parametrize("kind", STUDIES)
+@pytest.mark.parametrize("kind", KINDS)
 def test_every_key_and_parameter_is_a_keyword_with_words(kind):
     function = getattr(vibrafeed, kind)
     signature = inspect.signature(function)
@@ -52,7 +52,7 @@ def test_every_key_and_parameter_is_a_keyword_with_words(kind):
 
 def test_no_parameter_is_left_out():
     """What no function takes, the sweeps and simulations of no scene take."""
-    taken = {*keywords.parameters(STUDIES), *keywords.numbered()}
+    taken = {*keywords.parameters(KINDS), *keywords.numbered()}
     assert taken == set(PARAMETERS)
 
 

@@ -178,7 +178,8 @@ def test_after_warming_no_study_waits_for_the_compiler():
     """Methods, drives and outputs of all kinds find what `vibrafeed warm` has compiled."""
     code = """
 from core.compiling import stopwatch
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from core.warm import GROUPS, carry_out
 [carry_out(group) for group in GROUPS]
 spent = stopwatch.spent

@@ -13,8 +13,8 @@ import pytest
 from app.main import create_app
 from app.settings import Settings
 from app.web.accept import takes_gzip
+from core.intake import parse_study
 from core.quantities import REGIMES
-from core.study import parse_study
 from core.sweep import sweep
 from local_client import local_client
 from posted_sweeps import STUDY, problem, with_axes

@@ -10,7 +10,8 @@ import pytest
 
 from benchmarks.derivatives import BAR, SURE, derived, errors, random_cells, repeating
 from core.errors import StudyError
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from core.motion.derivatives import derivatives_at, motion_sensitivities
 from core.motion.kernels.planar.derive import KINK
 from core.motion.kernels.planar.slope_tables import TOLD

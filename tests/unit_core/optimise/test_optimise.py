@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from core.errors import StudyError
-from core.kinds import prepare_content, tabulate
+from core.intake import load_study, parse_study, prepare_content
+from core.kinds import tabulate
 from core.optimise import METHODS, optimise
 from core.optimise.codes import STATUS
 from core.optimise.front import knee
@@ -18,7 +19,6 @@ from core.plots import PlotError
 from core.plots.front import draw_front
 from core.plots.landscape import draw_landscape
 from core.quantities import OPTIMUM_STATUSES, REGIMES
-from core.study import load_study, parse_study
 from core.sweep import sweep
 from core.watch import Watch
 

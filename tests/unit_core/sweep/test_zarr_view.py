@@ -18,7 +18,7 @@ import pytest
 import xarray
 
 from core.errors import VibrafeedError
-from core.kinds import prepare_content
+from core.intake import prepare_content
 from core.study.values import Points, Span
 from core.sweep import Sweep, tabulate
 from core.sweep.lazy import open_lazily
