@@ -6,7 +6,6 @@ from typing import Any
 
 from core.kinds import KINDS
 from core.motion.systems import CONTACTS, SYSTEMS
-from core.plan.kind import Kind
 from core.plan.plan import find_scene, scene_parameters
 from core.quantities import QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE
@@ -128,12 +127,13 @@ def study_schema() -> dict[str, Any]:
     """Return the JSON Schema of a study of any kind."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "oneOf": [kind_schema(kind) for kind in KINDS.values()],
+        "oneOf": [kind_schema(kind) for kind in KINDS],
     }
 
 
-def kind_schema(kind: Kind) -> dict[str, Any]:
+def kind_schema(name: str) -> dict[str, Any]:
     """Return the JSON Schema of one kind, with the names of scenes, variants and outputs."""
+    kind = KINDS[name]
     schema = kind.model.model_json_schema()
     first, properties = kind.scenes[0], schema["properties"]
     giving = [scene for scenes in kind.scenes for scene in scenes.values()]

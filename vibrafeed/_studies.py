@@ -9,7 +9,7 @@ from __future__ import annotations
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from typing import Any, Literal, Unpack
 
     import xarray
@@ -1993,6 +1993,17 @@ def _carry_out(kind: str, given: Mapping[str, Any]) -> xarray.Dataset:
     prepared = _prepared(kind, given)
     _import_accessor()
     return tabulate(prepared).to_xarray()
+
+
+def of_kind(kind: str) -> Callable[..., xarray.Dataset]:
+    """Return the function that carries out studies of a kind, as `sweep` does."""
+
+    def carry_out(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
+        return _carry_out(kind, {"study": study, **keywords})
+
+    carry_out.__name__ = kind
+    carry_out.__doc__ = f"Return the dataset of a study of kind '{kind}'; keywords are its keys."
+    return carry_out
 
 
 def _import_accessor() -> None:
