@@ -16,9 +16,8 @@ import pytest
 import xarray
 import yaml
 
-from core.intake import prepare_content
+from core.intake import parse_study, prepare_content
 from core.kinds import tabulate
-from core.intake import parse_study
 from tools import tool
 
 ROOT = Path(__file__).parents[2]
