@@ -9,7 +9,6 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Stop
-from core.motion.kernels.means import SURE
 from core.motion.kernels.planar.cycle import (
     FIRST_LOOK,
     LONGEST_CYCLE,
@@ -36,6 +35,7 @@ from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE, MODES, STATUS
 
 PHASES = 8  # runs of a motion that rounding decides, started at as many phases
+SURE = 5.41  # standard errors that hold the mean of eight numbers at 99.9 % (Student, 7 degrees)
 SEARCHES = 3  # of them look for a cycle; if none falls into one, the others do not wait for it
 PATIENCE = 512  # hops without rest after which a part is taken to fall into no cycle
 MORE_PATIENCE = 1024  # where others of its starts fell into one

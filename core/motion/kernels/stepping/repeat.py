@@ -7,11 +7,12 @@ import math
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.means import (
-    batch_spread,
+    batch_means,
     gains,
-    is_transient,
+    is_steady,
     mean_velocity,
     runs_away,
+    scatter,
 )
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS
@@ -209,6 +210,6 @@ def unsettled(
         friction += cell.wall_friction * max(0.0, cell.gravity_number_across)
     if runs_away(gain, before, pull, friction):
         return STATUS.runaway
-    spread = batch_spread(travel, done, period)
-    result[COLUMN.spread] = spread
-    return STATUS.limit_reached if is_transient(gain, before, spread) else STATUS.aperiodic
+    batches = batch_means(travel[:done]) / period
+    result[COLUMN.spread] = scatter(batches)
+    return STATUS.aperiodic if is_steady(batches, 0.0) else STATUS.limit_reached

@@ -9,14 +9,13 @@ import numpy as np
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Flags, Floats, Statuses, Stop
 from core.motion.kernels.means import (
-    BATCHES,
-    SURE,
-    batch_spread,
+    batch_means,
     gains,
-    is_monotone,
-    is_transient,
+    is_steady,
+    mean_error,
     mean_velocity,
     runs_away,
+    scatter,
 )
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS
@@ -97,15 +96,14 @@ def fill(history: History, first: int, last: int, result: Floats) -> None:
 
 
 @compiled
-def without_repeating(cell: Cell, wall: bool, history: History, done: int, result: Floats) -> int:
+def without_repeating(
+    cell: Cell, wall: bool, speed: float, history: History, done: int, result: Floats
+) -> int:
     """Fill the result of a motion that did not repeat; return its status.
 
-    The error of its mean is that of eight batches, and how far the part strayed from a steady
-    travel, over the time: of that the batches tell nothing.
+    Its mean is that of batches of periods, and so is its error; a mean that drifts is none.
     """
-    travel = history.tallies[:, TALLY.travel]
-    first = done // 4
-    fill(history, first, done, result)
+    travel = history.tallies[:done, TALLY.travel]
     gain, before = gains(travel, done, TURN)
     friction = cell.friction_kinetic * cell.gravity_number_normal
     if wall:
@@ -113,16 +111,14 @@ def without_repeating(cell: Cell, wall: bool, history: History, done: int, resul
     pull = abs(cell.gravity_number_along)
     if runs_away(gain, before, pull, friction):
         return STATUS.runaway
-    spread = batch_spread(travel, done, TURN)
-    ahead, behind, place = 0.0, 0.0, 0.0
-    for k in range(first, done):
-        place += travel[k] - result[COLUMN.velocity] * TURN
-        ahead, behind = max(ahead, place), min(behind, place)
-    result[COLUMN.spread] = spread
-    result[COLUMN.error] = SURE * spread / math.sqrt(BATCHES)
-    result[COLUMN.error] += (ahead - behind) / ((done - first) * TURN)
-    settles = is_transient(gain, before, spread) and is_monotone(travel, done, TURN)
-    return STATUS.limit_reached if settles else STATUS.aperiodic
+    batches = batch_means(travel) / TURN
+    if not is_steady(batches, LEAST_ERROR * speed):
+        return STATUS.limit_reached
+    fill(history, done // 4, done, result)
+    result[COLUMN.velocity] = np.mean(batches)
+    result[COLUMN.spread] = scatter(batches)
+    result[COLUMN.error] = mean_error(batches) + LEAST_ERROR * speed
+    return STATUS.aperiodic
 
 
 @compiled
@@ -151,7 +147,7 @@ def solve(row: Floats, wall: bool, rolling: float, history: History, result: Flo
     speed = drive.size(work)
     if found.multiple == 0:
         if found.status == STATUS.aperiodic:
-            status = without_repeating(cell, wall, history, found.done, result)
+            status = without_repeating(cell, wall, speed, history, found.done, result)
             return Settled(status, 0, found.done, math.inf)
         return found
     fill(history, found.done - found.multiple, found.done, result)
