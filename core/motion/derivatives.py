@@ -97,7 +97,7 @@ class PlanarRules:
         fields = motion._asdict()
         for place, name in enumerate(DERIVED):
             fields[name] = Dual(fields[name], _chained(slopes[:, place], by), [])
-        for name in ("spread", "error", "impacts", "multiple"):
+        for name in ("spread", "error", "impacts", "multiple", "across"):
             fields[name] = Dual(fields[name], 0.0, [])
         return Motion(**fields), self._status(groups, motion, table[:, -1])
 

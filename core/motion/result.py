@@ -23,7 +23,8 @@ class Motion(NamedTuple):
     velocity : ndarray
         Mean velocity along the track; NaN where there is none.
     spread : ndarray
-        Standard deviation of the means of runs from several phases; 0 where the motion repeats.
+        Standard deviation of the means of runs from several phases, or of batches of periods; 0
+        where the motion repeats.
     error : ndarray
         Estimate of the error of `velocity` by the method itself.
     stick, forward, backward, flight : ndarray
@@ -36,6 +37,8 @@ class Motion(NamedTuple):
         Largest distance from the floor.
     multiple : ndarray
         Periods of the drive after which the motion repeats; 0 where it does not.
+    across : ndarray
+        Mean velocity across the track, away from the wall; 0 where the part comes back to a wall.
     status : ndarray of int8
         Value of a `MOTION_STATUSES` entry.
     """
@@ -51,6 +54,7 @@ class Motion(NamedTuple):
     landing_speed: Array
     hop_height: Array
     multiple: Array
+    across: Array
     status: NDArray[np.int8]
 
     def only(self, name: str) -> Mask:

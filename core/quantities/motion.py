@@ -100,11 +100,16 @@ RESULTS: dict[str, Quantity] = {
     ),
     "conveying_velocity_spread": velocity(
         "s(v)", "Spread of the conveying velocity",
-        "Standard deviation of the means of runs from several phases; 0 where the motion "
-        "repeats.",
+        "Standard deviation of the means of runs from several phases, or of batches of periods; 0 "
+        "where the motion repeats.",
     ),
     "conveying_velocity_error": velocity(
         "e(v)", "Error of the conveying velocity", "The method's own estimate of its error."
+    ),
+    "velocity_across": velocity(
+        "v_y", "Velocity across",
+        "Mean velocity across the track, towards +y: away from the wall, if there is one. 0 where "
+        "the part comes back to the wall.",
     ),
     "efficiency": number(
         "v/v_b", "Transport efficiency",

@@ -124,6 +124,7 @@ def solve(
         )  # fmt: skip
     if math.isnan(result[COLUMN.velocity]):
         return status, 0, 0, 0.0
+    result[COLUMN.across] = 0.0
     return status, first, count, u
 
 

@@ -168,9 +168,11 @@ def means(tallies: Floats, first: int, last: int, period: float, result: Floats)
     """Put the means over the periods from `first` to before `last` into a result."""
     periods = last - first
     result[:] = 0.0
-    travel = 0.0
+    travel, across, at_wall = 0.0, 0.0, 0.0
     for k in range(first, last):
         travel += tallies[k, TALLY.travel]
+        across += tallies[k, TALLY.across]
+        at_wall += tallies[k, TALLY.at_wall]
         result[COLUMN.stick] += tallies[k, TALLY.stick]
         result[COLUMN.forward] += tallies[k, TALLY.forward]
         result[COLUMN.backward] += tallies[k, TALLY.backward]
@@ -179,6 +181,7 @@ def means(tallies: Floats, first: int, last: int, period: float, result: Floats)
         result[COLUMN.landing_speed] = max(result[COLUMN.landing_speed], tallies[k, TALLY.landing])
         result[COLUMN.hop_height] = max(result[COLUMN.hop_height], tallies[k, TALLY.height])
     result[COLUMN.velocity] = travel / (periods * period)
+    result[COLUMN.across] = across / (periods * period) if at_wall == 0.0 else 0.0
     counted = (
         result[COLUMN.stick]
         + result[COLUMN.forward]

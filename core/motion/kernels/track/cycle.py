@@ -36,6 +36,8 @@ NOISE = 20.0
 """Tolerances of a term: two states so near may differ by where the steps fell."""
 MOST_JUMPS = 16
 """Of a run; most motions that repeat take three, one in 1,000 takes ten."""
+FADES = 0.1
+"""A cycle is being neared whose changes fall to this share over the last quarter of all periods."""
 DEPTH = 3
 LARGEST_WEIGHT = 200.0
 INDEPENDENT = 1e-6
@@ -186,10 +188,35 @@ def settle(
     found, jumps = approach(
         cell, wall, rolling, series, most, MOST_JUMPS, state, hold, history, work
     )
-    if found.status != STATUS.aperiodic or jumps == 0:
-        return found
-    state[:], hold[:] = start, start_hold
-    return approach(cell, wall, rolling, series, most, 0, state, hold, history, work)[0]
+    if found.status == STATUS.aperiodic and jumps > 0:
+        state[:], hold[:] = start, start_hold
+        found, _ = approach(cell, wall, rolling, series, most, 0, state, hold, history, work)
+    if found.status == STATUS.aperiodic:
+        return neared(wall, rolling, history, found.done, APART_AT_MOST * drive.size(work))
+    return found
+
+
+@compiled
+def neared(wall: bool, rolling: float, history: History, done: int, near: float) -> Settled:
+    """Return how a motion without jumps repeats that comes nearer to a cycle, but slowly.
+
+    Its change over a cycle, d, fell from d0 within the last L cycles: with the ratio of a cycle
+    q = (d/d0)^(1/L) the state is still off by d q/(1 - q), less than `near`.
+    """
+    for multiple in range(1, min(MOST_MULTIPLE, done // 8) + 1):
+        cycles = done // 4 // multiple
+        change = apart(wall, rolling, history, done - 1, done - multiple)
+        if change >= near:
+            continue
+        last = done - 1 - cycles * multiple
+        before = apart(wall, rolling, history, last, last - multiple + 1)
+        if change >= FADES * before:
+            continue
+        ratio = (change / before) ** (1.0 / cycles)
+        left = change * ratio / (1.0 - ratio)
+        if left < near:
+            return Settled(STATUS.periodic, multiple, done, left)
+    return Settled(STATUS.aperiodic, 0, done, math.inf)
 
 
 @compiled

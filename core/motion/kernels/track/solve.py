@@ -76,11 +76,16 @@ def never_settles(cell: Cell, wall: bool) -> bool:
 
 @compiled
 def fill(history: History, first: int, last: int, result: Floats) -> None:
-    """Fill a result with the means over the periods from `first` to before `last`."""
+    """Fill a result with the means over the periods from `first` to before `last`.
+
+    A part that touched the wall meanwhile has no mean velocity across: it comes back.
+    """
     result[:] = 0.0
-    total = 0.0
+    total, across, at_wall = 0.0, 0.0, 0.0
     for k in range(first, last):
         tally = history.tallies[k]
+        at_wall += tally[TALLY.at_wall]
+        across += history.ends[k, STATE.y] - history.starts[k, STATE.y]
         result[COLUMN.stick] += tally[TALLY.stick]
         result[COLUMN.forward] += tally[TALLY.forward]
         result[COLUMN.backward] += tally[TALLY.backward]
@@ -93,6 +98,7 @@ def fill(history: History, first: int, last: int, result: Floats) -> None:
     result[COLUMN.stick : COLUMN.flight + 1] /= total
     result[COLUMN.impacts] /= last - first
     result[COLUMN.velocity] = mean_velocity(history.tallies[:, TALLY.travel], first, last, TURN)
+    result[COLUMN.across] = across / ((last - first) * TURN) if at_wall == 0.0 else 0.0
 
 
 @compiled

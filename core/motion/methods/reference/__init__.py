@@ -19,8 +19,8 @@ from core.errors import StoppedError
 from core.mechanics.arrays import Array
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, each
 from core.motion.method import Follow, Method
-from core.motion.methods.reference.laws import UX, UZ, Laws, X, Z
-from core.motion.methods.reference.part import FailedError, Part, Tally
+from core.motion.methods.reference.laws import UX, UZ, Laws, X, Y, Z
+from core.motion.methods.reference.part import FailedError, Part
 from core.motion.methods.reference.repeats import PERIOD, Run
 from core.motion.path import Path
 from core.motion.price import Price, Priced
@@ -106,22 +106,21 @@ def reference_motion(
         If the watch did.
     """
     if not _is_finite(groups):
-        return _result(math.nan, math.nan, math.nan, [], 0, "no_solution")
+        return _nothing()
     run = Run(Laws(groups, contacts, absolute_speed), watch or Watch())
     for _ in range(most_periods):
         try:
             run.follow()
             if run.rests:
-                return _result(0.0, 0.0, 0.0, run.tallies[-1:], 1, "at_rest")
+                return _result(0.0, 0.0, 0.0, run, 1, 1, "at_rest")
             if multiple := run.cycle():
                 velocity, error = run.mean(multiple)
                 if math.isfinite(error):
                     status = "neutral" if run.slides_free else "periodic"
-                    tallies = run.tallies[-multiple:]
-                    return _result(velocity, error, 0.0, tallies, multiple, status)
+                    return _result(velocity, error, 0.0, run, multiple, multiple, status)
             run.hasten()
         except FailedError:
-            return _result(math.nan, math.nan, math.nan, [], 0, "no_solution")
+            return _nothing()
     half = len(run.tallies) // 2
     travels = np.array([
         float(after[X] - before[X]) / PERIOD
@@ -131,7 +130,7 @@ def reference_motion(
     most = abs(velocity) + run.scale  # as fast as the drive, either way
     unsettled = run.lingers or run.drifts(len(run.tallies) - half)
     error = most if unsettled else _scatter(travels, most)
-    return _result(velocity, error, spread, run.tallies[half:], 0, "aperiodic")
+    return _result(velocity, error, spread, run, len(travels), 0, "aperiodic")
 
 
 def _is_finite(groups: Groups) -> bool:
@@ -160,11 +159,19 @@ def _scatter(means: Array, most: float) -> float:
     return max(error, most) if abs(second - first) > 2.0 * likely * jumps else error
 
 
+def _nothing() -> Motion:
+    """Return the result of a cell without a solution."""
+    values = (np.asarray(math.nan) for _ in Motion._fields[:-1])
+    return Motion._make((*values, np.asarray(STATUS["no_solution"], dtype=np.int8)))
+
+
 def _result(
-    velocity: float, error: float, spread: float, tallies: list[Tally], multiple: int, status: str
+    velocity: float, error: float, spread: float, run: Run, periods: int, multiple: int, status: str
 ) -> Motion:
-    """Return the counts of some periods as a result."""
-    phase = 2.0 * math.pi * max(1, len(tallies))
+    """Return the counts of the last periods as a result."""
+    tallies = run.tallies[-periods:]
+    phase = 2.0 * math.pi * periods
+    across = float(run.after[-1][Y] - run.before[-periods][Y]) / phase
 
     def total(name: str) -> float:
         return sum(getattr(tally, name) for tally in tallies)
@@ -175,8 +182,8 @@ def _result(
     values = (
         velocity, spread, error,
         *(total(name) / phase for name in ("stick", "forward", "backward", "flight")),
-        total("impacts") / max(1, len(tallies)), most("landing_speed"), most("hop_height"),
-        float(multiple),
+        total("impacts") / periods, most("landing_speed"), most("hop_height"),
+        float(multiple), across if run.at_large(periods) else 0.0,
     )  # fmt: skip
     arrays = (np.asarray(value, dtype=np.float64) for value in values)
     found = Motion._make((*arrays, np.asarray(STATUS[status], dtype=np.int8)))

@@ -146,6 +146,12 @@ class Orbit:
     multiple: int
     status: str
 
+    def across(self, coordinates: int) -> float:
+        """Return the mean velocity across; 0 in the plane."""
+        if coordinates < 3:
+            return 0.0
+        return float(np.mean([state[1] for state in self.states[-self.multiple :]])) / PERIOD
+
 
 def orbit_of(run: Run, state: Array, most_periods: int, closeness: float) -> Orbit:
     """Return the motion once it repeats, or what there is when the periods are used up."""
