@@ -8,6 +8,7 @@ one of its variants. Nothing that computes is loaded before it is called.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -77,7 +78,6 @@ RESULTS = (
     Equation("conveying_velocity", scales.conveying_velocity, "theory 13.8"),
     Equation("conveying_velocity_spread", scales.conveying_velocity_spread, "theory 13.8"),
     Equation("conveying_velocity_error", scales.conveying_velocity_error, "theory 13.8"),
-    Equation("velocity_across", scales.velocity_across, "theory 13.8"),
     Equation("efficiency", scales.efficiency, "theory 13.10"),
     Equation("share_of_fastest", best_wave.share_of_fastest, "docs/best-wave.md"),
     *fields(
@@ -113,9 +113,11 @@ RESULTS = (
     ),
     *feeding.RESULTS,
 )
+ACROSS = Equation("velocity_across", scales.velocity_across, "theory 13.8")
+"""Not of a part that rolls across: it keeps the speed at which it happens to."""
 ANY_RESULT = frozenset(
     equation.gives
-    for equation in (*RESULTS, *spending.RESULTS)
+    for equation in (*RESULTS, ACROSS, *spending.RESULTS)
     if not QUANTITIES[equation.gives].parameter
 ) | {"regime"}
 
@@ -206,6 +208,8 @@ def _conveying(
 
     def equations(method: Method) -> tuple[Equation, ...]:
         found = [Equation("motion", method.follow(contacts), method.source), *RESULTS]
+        if not contacts.rolling:
+            found.append(ACROSS)
         if method.energy is not None:
             energy = Equation("energy", method.energy(contacts), spending.SOURCE)
             found += [energy, *spending.RESULTS]
@@ -217,7 +221,10 @@ def _conveying(
             more.append(spending.UNBOUNDED)
         # They give way to what has no answer, as that of the efficiency does.
         place = [one.regime for one in CONDITIONS].index("unbounded")
-        return (*CONDITIONS[:place], *more, *CONDITIONS[place:])
+        found = (*CONDITIONS[:place], *more, *CONDITIONS[place:])
+        if not contacts.rolling:
+            return found
+        return tuple(replace(one, outputs=one.outputs - {ACROSS.gives}) for one in found)
 
     return Scene(
         name=name,
