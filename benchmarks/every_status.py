@@ -161,6 +161,8 @@ def judged(groups: Groups, *, most_periods: int, periods: int, threads: int = 1)
     def one(number: int) -> tuple[float, float, int]:
         piece = slice(number, number + 1)
         solve_cells(True, 0.0, rows[piece], table[piece], status[piece], NEVER)
+        if np.isnan(table[number, COLUMN.velocity]):
+            return np.nan, np.nan, 0  # nothing is told
         return course_of(rows[number], periods)
 
     with ThreadPoolExecutor(threads) as pool:

@@ -107,15 +107,17 @@ def motion_of(
 def checked(motion: Motion) -> Motion:
     """Return the motion with no value passed off as an answer that is none.
 
-    A cell that overflowed, or that was in the air all along without landing, has `limit_reached`.
+    A cell that overflowed, or that was in the air all along without landing, has `limit_reached`,
+    and what has that has no values: a method may have got some way.
     (Time stepping counts no impact slower than what a step changes: hops may have none.)
     """
     answered = np.isin(motion.status, [STATUS[name] for name in ANSWERED])
     finite = np.logical_and.reduce([np.isfinite(field) for field in motion[:-1]])
     never_landed = (motion.flight > 0) & (motion.impacts == 0) & (_on_floor(motion) == 0)
     lost = answered & (~finite | never_landed)
-    fields = [np.where(lost, np.nan, field) for field in motion[:-1]]
     status = np.where(lost, np.int8(STATUS["limit_reached"]), motion.status)
+    none = status == STATUS["limit_reached"]
+    fields = [np.where(none, np.nan, field) for field in motion[:-1]]
     return with_whole_shares(Motion._make([*fields, status]))
 
 
