@@ -38,7 +38,8 @@ class Motion(NamedTuple):
     multiple : ndarray
         Periods of the drive after which the motion repeats; 0 where it does not.
     across : ndarray
-        Mean velocity across the track, away from the wall; 0 where the part comes back to a wall.
+        Mean velocity across the track, away from the wall; 0 where the part comes back to a wall,
+        and of one that rolls, which keeps the speed that it happens to have.
     status : ndarray of int8
         Value of a `MOTION_STATUSES` entry.
     """

@@ -109,7 +109,8 @@ def spatial_period(
     state[STATE.spare], state[STATE.pressed] = spare, pressed
     if wall:
         state[STATE.y], state[STATE.leaning] = y, leaning
-    tally[TALLY.travel], tally[TALLY.peak], tally[TALLY.across] = x - start, peak, y - across
+    tally[TALLY.travel], tally[TALLY.peak] = x - start, peak
+    tally[TALLY.across] = 0.0 if rolling > 0.0 else y - across
 
 
 @compiled

@@ -182,7 +182,8 @@ def settle(
 ) -> Settled:  # fmt: skip
     """Follow a cell until its motion repeats, or for `most` periods; fill the history.
 
-    Where it does not repeat by jumps it is followed without: then the history holds that motion.
+    Where it does not repeat by jumps it is followed without: then the history holds that motion. If
+    that nears a cycle it is followed on, for as many periods more at most.
     """
     start, start_hold = state.copy(), hold.copy()
     found, jumps = approach(
@@ -191,8 +192,14 @@ def settle(
     if found.status == STATUS.aperiodic and jumps > 0:
         state[:], hold[:] = start, start_hold
         found, _ = approach(cell, wall, rolling, series, most, 0, state, hold, history, work)
-    if found.status == STATUS.aperiodic:
-        return neared(wall, rolling, history, found.done, APART_AT_MOST * drive.size(work))
+    if found.status != STATUS.aperiodic:
+        return found
+    near = APART_AT_MOST * drive.size(work)
+    found = neared(wall, rolling, history, found.done, near)
+    if found.multiple > 0:
+        found, _ = approach(cell, wall, rolling, series, most, 0, state, hold, history, work)
+        if found.status == STATUS.aperiodic:
+            return neared(wall, rolling, history, found.done, near)
     return found
 
 

@@ -154,9 +154,13 @@ def solve(row: Floats, wall: bool, rolling: float, history: History, result: Flo
     if found.multiple == 0:
         if found.status == STATUS.aperiodic:
             status = without_repeating(cell, wall, speed, history, found.done, result)
+            if rolling > 0.0:
+                result[COLUMN.across] = 0.0
             return Settled(status, 0, found.done, math.inf)
         return found
     fill(history, found.done - found.multiple, found.done, result)
+    if rolling > 0.0:
+        result[COLUMN.across] = 0.0
     result[COLUMN.multiple] = float(found.multiple)
     if found.status == STATUS.at_rest:
         result[COLUMN.velocity] = 0.0
