@@ -1,11 +1,7 @@
-"""On the track the mean that is told is that of the part's own course, whatever the status.
-
-`VIBRAFEED_LAW_CELLS=17000 pytest tests/laws/test_every_status.py` judges 10^5 cells, for a night.
-"""
+"""On the track the mean that is told is that of the part's own course, whatever the status."""
 
 from __future__ import annotations
 
-import os
 from functools import cache
 
 import numpy as np
@@ -19,9 +15,11 @@ from core.motion.methods.spatial_events import spatial_path
 from core.motion.result import STATUS
 from core.quantities import REGIMES
 from core.study import parse_study
+from night import count
 
-CELLS = int(os.environ.get("VIBRAFEED_LAW_CELLS", "40"))
-"""Of each family."""
+CELLS = count(40, 17_000)
+"""Of each of the six families: 10^5 by night."""
+pytestmark = pytest.mark.timeout(400 + CELLS // 2)  # a cell takes some 30 ms of a processor
 MOST, PERIODS = 1000, 3000
 """Periods that the method may follow a part for, and those of its course."""
 ODDS, CHANCE = 1e-3, 0.05
