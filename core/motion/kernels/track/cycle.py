@@ -183,23 +183,25 @@ def settle(
     """Follow a cell until its motion repeats, or for `most` periods; fill the history.
 
     Where it does not repeat by jumps it is followed without: then the history holds that motion. If
-    that nears a cycle it is followed on, for as many periods more at most.
+    that nears a cycle it is followed on. In one loop, since the compiler then keeps one copy of all
+    that is called.
     """
     start, start_hold = state.copy(), hold.copy()
-    found, jumps = approach(
-        cell, wall, rolling, series, most, MOST_JUMPS, state, hold, history, work
-    )
-    if found.status == STATUS.aperiodic and jumps > 0:
-        state[:], hold[:] = start, start_hold
-        found, _ = approach(cell, wall, rolling, series, most, 0, state, hold, history, work)
-    if found.status != STATUS.aperiodic:
-        return found
     near = APART_AT_MOST * drive.size(work)
-    found = neared(wall, rolling, history, found.done, near)
-    if found.multiple > 0:
-        found, _ = approach(cell, wall, rolling, series, most, 0, state, hold, history, work)
-        if found.status == STATUS.aperiodic:
-            return neared(wall, rolling, history, found.done, near)
+    found, most_jumps = Settled(STATUS.aperiodic, 0, 0, math.inf), MOST_JUMPS
+    for _ in range(3):
+        found, jumps = approach(
+            cell, wall, rolling, series, most, most_jumps, state, hold, history, work
+        )
+        if found.status != STATUS.aperiodic:
+            return found
+        most_jumps = 0
+        if jumps > 0:
+            state[:], hold[:] = start, start_hold
+            continue
+        found = neared(wall, rolling, history, found.done, near)
+        if found.multiple == 0:
+            return found
     return found
 
 
