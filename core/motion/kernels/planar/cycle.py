@@ -74,12 +74,17 @@ def rests(drive: Drive, tau: float, w: float, e: float, settled: float) -> bool:
     to what the floor gives in that time, less w: the last impact is taken as one without rebound,
     and the hops as a stay on the floor. The position is wrong by less than friction times
     `settled`.
+
+    Without rebound it stays too where it lands just as the floor lets go, n(tau) = 0, as at throw
+    number sqrt(1 + n^2 pi^2): it rests for no time. A landing up to a hair late counts as one (the
+    margin of `to_lift_off`, hundreds of roundings), since from there to fly on or to take off a
+    hair earlier is the same motion but for the square of the hair: dD/dtau = n0/w is 0 there.
     """
     n = load(drive, tau)
+    if w == 0:
+        return n > 0 or to_lift_off(drive, tau) == 0.0
     if n <= 0:
         return False
-    if w == 0:
-        return True
     if e >= 1:
         return False
     left = 2 * w / (n * (1 - e))
