@@ -99,7 +99,8 @@ class PlanarRules:
             fields[name] = Dual(fields[name], _chained(slopes[:, place], by), [])
         for name in ("spread", "error", "impacts", "multiple", "across"):
             fields[name] = Dual(fields[name], 0.0, [])
-        return Motion(**fields), self._status(groups, motion, table[:, -1])
+        jump = np.isnan(slopes[:, 0, BY.index("restitution")]) & (by[-1] != 0)
+        return Motion(**fields), self._status(groups, motion, np.where(jump, 0.0, table[:, -1]))
 
     def spent(self, given: Mapping[str, Any]) -> Ruled:
         """Return the energies with their derivative; the motion tells how they were found."""

@@ -225,7 +225,7 @@ def normal_cycle(
             # On the floor until lift-off; the cycle is closed if one began there before.
             span = to_lift_off(drive, tau)
             rows[count - 1, SEGMENT.impulse] = speed
-            write_segment(rows, count, tau, span, -1.0, 0.0, 0.0)
+            write_segment(rows, count, tau, span, -1.0, 0.0, w)
             count += 1
             total += span
             tau, w, doubt = lift_off(drive, tau), 0.0, CERTAIN
