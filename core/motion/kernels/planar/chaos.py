@@ -37,7 +37,7 @@ from core.motion.kernels.statuses import MODE, MODES, STATUS
 
 PHASES = 8  # runs of a motion that rounding decides, started at as many phases
 SURE = 5.41  # standard errors that hold the mean of eight numbers at 99.9 % (Student, 7 degrees)
-HALVES = 2  # batches of a run
+QUARTERS = 4  # of a run: two are a batch, and all tell whether the velocity goes one way
 SEARCHES = 3  # of them look for a cycle; if none falls into one, the others do not wait for it
 PATIENCE = 512  # hops without rest after which a part is taken to fall into no cycle
 MORE_PATIENCE = 1024  # where others of its starts fell into one
@@ -211,6 +211,31 @@ def means_of(
 
 
 @compiled
+def batch_error(quarters: Floats) -> float:
+    """Return the error of the mean velocity of runs, a row each, by quarters; NaN of a transient.
+
+    The statistical one of the halves of all runs, `mean_error`. Where the second halves differ from
+    the first by more than chance, |d| > t s(d)/sqrt(n) on the mean of n runs (Student, 99.9 %), the
+    runs are not yet independent of how they began, and that difference is added; where moreover the
+    mean over the runs rises, or falls, from each quarter to the next the motion still drifts, and a
+    mean over a drift is none.
+    """
+    runs = quarters.shape[0]
+    halves, drift = np.empty(2 * runs), np.empty(runs)
+    for run in range(runs):
+        first, last = quarters[run, :2].mean(), quarters[run, 2:].mean()
+        halves[2 * run], halves[2 * run + 1], drift[run] = first, last, last - first
+    error, gain = mean_error(halves), abs(drift.mean())
+    if gain <= SURE * scatter(drift) / math.sqrt(runs):
+        return error
+    rises = falls = 0
+    for quarter in range(1, QUARTERS):
+        step = quarters[:, quarter].mean() - quarters[:, quarter - 1].mean()
+        rises, falls = rises + (step > 0.0), falls + (step < 0.0)
+    return math.nan if QUARTERS - 1 in (rises, falls) else error + gain
+
+
+@compiled
 def from_phases(
     cell: Cell, phase: float, drive: Drive, rows: Floats, sums: Floats, result: Floats, stop: Stop
 ) -> int:
@@ -218,9 +243,7 @@ def from_phases(
 
     The means are those of runs from several phases of the drive. Where none of them ends in a cycle
     the motion is aperiodic. The mean velocity is then that of batches, the two halves of each run,
-    and its error is statistical: that of `mean_error`. Where the second halves differ from the
-    first ones by more than chance (Student, 99.9 %), the velocity still drifts, and a mean over a
-    drift is none.
+    and its error is statistical: `batch_error`.
 
     Where a run ends in a cycle, the part falls into it or into another one, or comes to rest and
     repeats the way from there; more starts tell into which, and the error holds what each of them
@@ -229,12 +252,11 @@ def from_phases(
     drive, e = rounded(drive), kept(cell.restitution)
     most_periods = int(cell.most_periods)
     starts = min(MOST_STARTS, max(PHASES, most_periods // PERIODS_A_START))
-    found, batches = np.empty((starts, RESULTS)), np.empty(HALVES * PHASES)
+    found, quarters = np.empty((starts, RESULTS)), np.empty((PHASES, QUARTERS))
     count, cycles, known, short = 0, 0, 0.0, False
     least, most = math.inf, -math.inf
     periods = max(1, most_periods // PHASES)
-    half = int((1.0 - SETTLING) * periods) // HALVES
-    travel = np.empty(HALVES * half)
+    travel = np.empty(int((1.0 - SETTLING) * periods))
     for number in range(starts):
         if number >= PHASES:
             if cycles == 0:
@@ -254,11 +276,11 @@ def from_phases(
             cycles += 1
             known = max(known, COARSER * one[COLUMN.error])
         elif number < PHASES:
-            part = run.periods // HALVES
+            part = run.periods // QUARTERS
             short = short or part == 0
-            for batch in range(HALVES):
-                covered = travel[batch * part : (batch + 1) * part].sum()
-                batches[HALVES * count + batch] = covered / (max(1, part) * TURN)
+            for quarter in range(QUARTERS):
+                covered = travel[quarter * part : (quarter + 1) * part].sum()
+                quarters[count, quarter] = covered / (max(1, part) * TURN)
         count += 1
     if count == 0:
         return STATUS.runaway
@@ -270,12 +292,11 @@ def from_phases(
     result[COLUMN.hop_height] = found[:count, COLUMN.hop_height].max()
     result[COLUMN.multiple], result[COLUMN.spread] = 0.0, spread
     if cycles == 0:
-        means = batches[: HALVES * count]
-        drift = means[1::HALVES] - means[::HALVES]
-        if short or count < HALVES or abs(drift.mean()) > SURE * scatter(drift) / math.sqrt(count):
+        error = math.nan if short or count == 1 else batch_error(quarters[:count])
+        if math.isnan(error):
             result[:] = math.nan
             return STATUS.limit_reached
-        result[COLUMN.velocity], result[COLUMN.error] = means.mean(), mean_error(means)
+        result[COLUMN.velocity], result[COLUMN.error] = quarters[:count].mean(), error
         return STATUS.aperiodic
     mean = result[COLUMN.velocity]
     least, most = min(least, velocities.min()), max(most, velocities.max())
