@@ -253,7 +253,7 @@ def from_phases(
     most_periods = int(cell.most_periods)
     starts = min(MOST_STARTS, max(PHASES, most_periods // PERIODS_A_START))
     found, quarters = np.empty((starts, RESULTS)), np.empty((PHASES, QUARTERS))
-    count, cycles, known, short = 0, 0, 0.0, False
+    count, cycles, known = 0, 0, 0.0
     least, most = math.inf, -math.inf
     periods = max(1, most_periods // PHASES)
     travel = np.empty(int((1.0 - SETTLING) * periods))
@@ -277,10 +277,10 @@ def from_phases(
             known = max(known, COARSER * one[COLUMN.error])
         elif number < PHASES:
             part = run.periods // QUARTERS
-            short = short or part == 0
-            for quarter in range(QUARTERS):
+            quarters[count] = one[COLUMN.velocity]  # of all of a run that took few periods
+            for quarter in range(QUARTERS if part > 0 else 0):
                 covered = travel[quarter * part : (quarter + 1) * part].sum()
-                quarters[count, quarter] = covered / (max(1, part) * TURN)
+                quarters[count, quarter] = covered / (part * TURN)
         count += 1
     if count == 0:
         return STATUS.runaway
@@ -292,7 +292,7 @@ def from_phases(
     result[COLUMN.hop_height] = found[:count, COLUMN.hop_height].max()
     result[COLUMN.multiple], result[COLUMN.spread] = 0.0, spread
     if cycles == 0:
-        error = math.nan if short or count == 1 else batch_error(quarters[:count])
+        error = batch_error(quarters[:count]) if count > 1 else math.nan
         if math.isnan(error):
             result[:] = math.nan
             return STATUS.limit_reached

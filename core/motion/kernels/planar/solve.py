@@ -12,7 +12,7 @@ from core.motion.kernels.planar.chaos import from_phases
 from core.motion.kernels.planar.cycle import normal_cycle
 from core.motion.kernels.planar.drive import Drive, always_holds, sizes
 from core.motion.kernels.planar.flow import Sine, sine_of
-from core.motion.kernels.planar.growth import MOST_GROWTH
+from core.motion.kernels.planar.growth import LAST_DIGIT, MOST_GROWTH
 from core.motion.kernels.planar.repeating import (
     ROUNDING,
     repeating,
@@ -29,7 +29,7 @@ from core.motion.kernels.planar.tables import (
     cell_of,
 )
 from core.motion.kernels.planar.wave import new_table, wave_of
-from core.motion.kernels.results import COLUMN
+from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import STATUS
 
 UNDECIDED = -1  # no status: the cell needs its cycle
@@ -100,6 +100,30 @@ def slides_on(drive: Sine, result: Floats) -> bool:
 
 
 @compiled
+def reach_way(
+    drive: Drive, phase: float, cell: Cell, rows: Floats, sums: Floats, result: Floats, stop: Stop
+) -> None:
+    """Widen the error of an aperiodic motion to the way from rest to rest that the part begins with.
+
+    Undisturbed it repeats that for ever. As long as roundings leave a digit of it, it is the motion
+    of these very numbers, though neighbouring ones go other ways.
+    """
+    own, no_log = np.full(RESULTS, math.nan), np.empty((0, len(PIECE)))
+    most_periods = int(cell.most_periods)
+    found = normal_cycle(drive, phase, cell.restitution, most_periods, LAST_DIGIT, rows)
+    first, count, periods = found
+    if periods < 1:
+        return
+    u = velocity_at_start(drive, phase, rows, first, count)
+    status, _ = repeating(
+        rows[first:], count - first, periods, phase, u, drive, cell, sums, no_log, own, stop
+    )
+    if status == STATUS.periodic:
+        apart = abs(own[COLUMN.velocity] - result[COLUMN.velocity])
+        result[COLUMN.error] = max(result[COLUMN.error], apart)
+
+
+@compiled
 def solve(
     drive: Drive, phase: float, cell: Cell, rows: Floats, sums: Floats, log: Floats, result: Floats,
     stop: Stop,
@@ -115,6 +139,8 @@ def solve(
         status = STATUS.limit_reached
         if periods == 0:
             status = from_phases(cell, phase, drive, rows, sums, result, stop)
+        if status == STATUS.aperiodic:
+            reach_way(drive, phase, cell, rows, sums, result, stop)
         first, count, u = 0, 0, 0.0
     else:
         u = velocity_at_start(drive, phase, rows, first, count)
