@@ -195,7 +195,7 @@ def halley(value: float, slope: float, bend: float) -> float:
 
 @borrowing
 def is_near_root(value: float, slope: float, bend: float, nearness: float) -> bool:
-    """True where Halley's step leads to a root of the local parabola: |f f''| <= nearness f'^2.
+    """Return whether Halley's step ends at a root of the parabola here: |f f''| <= nearness f'^2.
 
     A short step alone tells nothing: where the slope f' vanishes it is some 2 f'/f'', however far
     off the root. The height f'^2/(2 |f''|) of the parabola above or below its vertex is the scale

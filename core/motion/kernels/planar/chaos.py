@@ -37,7 +37,8 @@ from core.motion.kernels.statuses import MODE, MODES, STATUS
 
 PHASES = 8  # runs of a motion that rounding decides, started at as many phases
 SURE = 5.41  # standard errors that hold the mean of eight numbers at 99.9 % (Student, 7 degrees)
-QUARTERS = 4  # of a run: two are a batch, and all tell whether the velocity goes one way
+QUARTERS = 4  # of a run: two are a batch, and they tell whether the velocity drifts
+SLOWING = 0.9  # at most, of a drift from one half of the runs to the next
 SEARCHES = 3  # of them look for a cycle; if none falls into one, the others do not wait for it
 PATIENCE = 512  # hops without rest after which a part is taken to fall into no cycle
 MORE_PATIENCE = 1024  # where others of its starts fell into one
@@ -211,28 +212,38 @@ def means_of(
 
 
 @compiled
-def batch_error(quarters: Floats) -> float:
-    """Return the error of the mean velocity of runs, a row each, by quarters; NaN of a transient.
+def sure_change(later: Floats, before: Floats) -> float:
+    """Return by how much numbers have changed on the mean, 0 if that may be chance.
 
-    The statistical one of the halves of all runs, `mean_error`. Where the second halves differ from
-    the first by more than chance, |d| > t s(d)/sqrt(n) on the mean of n runs (Student, 99.9 %), the
-    runs are not yet independent of how they began, and that difference is added; where moreover the
-    mean over the runs rises, or falls, from each quarter to the next the motion still drifts, and a
-    mean over a drift is none.
+    d of n pairs, where |d| > t s(d)/sqrt(n) with Student's t for 99.9 %.
+    """
+    change = later - before
+    mean = change.mean()
+    return mean if abs(mean) > SURE * scatter(change) / math.sqrt(change.size) else 0.0
+
+
+@compiled
+def batch_error(quarters: Floats) -> float:
+    """Return the error of the mean velocity of runs, a row each, by quarters.
+
+    The statistical one of the halves of all runs, `mean_error`, and by how much the second halves
+    surely differ from the first, d: as far as that the runs still know how they began. Where the
+    last quarters surely go on in that way, the drift slows by a factor q from half to half, that of
+    the steps within them, and ends d (1 + q)/(2 (1 - q)) from the mean. Under little friction it
+    hardly slows; there it shows in the scatter, too: the runs begin with slips of both ways.
     """
     runs = quarters.shape[0]
-    halves, drift = np.empty(2 * runs), np.empty(runs)
+    halves = np.empty(2 * runs)
     for run in range(runs):
-        first, last = quarters[run, :2].mean(), quarters[run, 2:].mean()
-        halves[2 * run], halves[2 * run + 1], drift[run] = first, last, last - first
-    error, gain = mean_error(halves), abs(drift.mean())
-    if gain <= SURE * scatter(drift) / math.sqrt(runs):
-        return error
-    rises = falls = 0
-    for quarter in range(1, QUARTERS):
-        step = quarters[:, quarter].mean() - quarters[:, quarter - 1].mean()
-        rises, falls = rises + (step > 0.0), falls + (step < 0.0)
-    return math.nan if QUARTERS - 1 in (rises, falls) else error + gain
+        halves[2 * run] = quarters[run, :2].mean()
+        halves[2 * run + 1] = quarters[run, 2:].mean()
+    drift = sure_change(halves[1::2], halves[::2])
+    late, beyond = sure_change(quarters[:, 3], quarters[:, 2]), 1.0
+    if drift * late > 0.0:
+        early = abs((quarters[:, 1] - quarters[:, 0]).mean())
+        slows = abs(late) / max(early, abs(late) / SLOWING)
+        beyond = max(1.0, 0.5 * (1.0 + slows) / (1.0 - slows))
+    return mean_error(halves) + abs(drift) * beyond
 
 
 @compiled
@@ -292,11 +303,11 @@ def from_phases(
     result[COLUMN.hop_height] = found[:count, COLUMN.hop_height].max()
     result[COLUMN.multiple], result[COLUMN.spread] = 0.0, spread
     if cycles == 0:
-        error = batch_error(quarters[:count]) if count > 1 else math.nan
-        if math.isnan(error):
+        if count == 1:  # all others run away
             result[:] = math.nan
             return STATUS.limit_reached
-        result[COLUMN.velocity], result[COLUMN.error] = quarters[:count].mean(), error
+        result[COLUMN.velocity] = quarters[:count].mean()
+        result[COLUMN.error] = batch_error(quarters[:count])
         return STATUS.aperiodic
     mean = result[COLUMN.velocity]
     least, most = min(least, velocities.min()), max(most, velocities.max())

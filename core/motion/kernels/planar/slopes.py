@@ -230,6 +230,44 @@ def on_floor(
 
 
 @borrowing
+def in_hops(drive: Sine, e: float, at: float, nearest: Floats) -> tuple[float, float, float]:
+    """Return what small hops, left out after a landing that stops the slip, do to a part.
+
+    The way in which they drive it into a slip, as `skids`; the way in which it then slips, which at
+    e = 0, where there are none, is up to static friction; and for how long per w it slips before
+    it sticks: (2 |a|/n - mu_k (1 + eps))/((1 - eps) (mu_k n - |a|)), if above 0.
+    """
+    n, skid = load(drive, at), skids(drive, at)
+    forced, rubbed = abs(drive.c * math.sin(at) - drive.gs), drive.mu_k * n
+    pull = abs(drive.c) + abs(drive.gs) + drive.mu_k * (drive.s + drive.gn)
+    nearest[0] = min(nearest[0], abs(forced - rubbed) / pull)
+    if skid != 0.0:
+        return skid, skid if e > 0.0 or forced > drive.mu_s * n else 0.0, 0.0
+    gained = max(0.0, 2.0 * forced / max(n, 1e-300) - drive.mu_k * (1.0 + e))
+    return 0.0, 0.0, gained / ((1.0 - e) * max(1e-300, rubbed - forced))
+
+
+@borrowing
+def land(
+    drive: Sine, w: float, tau: float, span: float, speed: float, size: int, d: Floats
+) -> None:
+    """Fill how a landing moves: its phase by (delta z)/w, its speed by n tau1. - delta w."""
+    cubic, square = arc(span)
+    sine, cosine = math.sin(tau), math.cos(tau)
+    swing, sway = cosine * square + sine * (span - cubic), cosine * cubic + sine * square
+    n0, n1 = load(drive, tau), load(drive, tau + span)
+    for i in range(size):
+        begin = d[ROW.normal, i] + n0 * d[ROW.phase, i]
+        height, fall = begin * span - w * d[ROW.phase, i], begin
+        if i == BY.s:
+            height, fall = height + sway, fall + swing
+        elif i == BY.gn:
+            height, fall = height - span * span / 2, fall - span
+        d[ROW.end, i] = height / speed
+        d[ROW.normal, i] = n1 * d[ROW.end, i] - fall
+
+
+@borrowing
 def in_air(
     drive: Sine, e: float, rows: Floats, row: int, rests: bool, u: float, energy: bool, size: int,
     d: Floats, nearest: Floats,
@@ -245,19 +283,8 @@ def in_air(
     grazing = speed / (size_of * min(1.0, span))
     nearest[0] = min(nearest[0], grazing * grazing, low_passage(drive, w, tau, span))
     highest(drive, w, tau, span, size, d, nearest)
-    cubic, square = arc(span)
-    sine, cosine = math.sin(tau), math.cos(tau)
-    swing, sway = cosine * square + sine * (span - cubic), cosine * cubic + sine * square
-    n0, n1 = load(drive, tau), load(drive, tau + span)
-    for i in range(size):
-        begin = d[ROW.normal, i] + n0 * d[ROW.phase, i]
-        height, fall = begin * span - w * d[ROW.phase, i], begin
-        if i == BY.s:
-            height, fall = height + sway, fall + swing
-        elif i == BY.gn:
-            height, fall = height - span * span / 2, fall - span
-        d[ROW.end, i] = height / speed
-        d[ROW.normal, i] = n1 * d[ROW.end, i] - fall  # of the speed at the landing
+    land(drive, w, tau, span, speed, size, d)
+    n1 = load(drive, tau + span)
     after = fly(drive, u, tau, span)[0]
     along(drive, 0.0, u, after, tau, span, False, MODE.flight, size, d)
     if speed > nearest[1]:
@@ -284,15 +311,8 @@ def in_air(
     steep = drive.s * math.cos(tau + span)
     skid, slips, slides = 0.0, 0.0 if stops else sign, 0.0
     if rests and stops:
-        skid = skids(drive, tau + span)
-        forced = abs(drive.c * math.sin(tau + span) - drive.gs)
-        nearest[0] = min(nearest[0], abs(forced - drive.mu_k * n1) / pull)
+        skid, slips, slides = in_hops(drive, e, tau + span, nearest)
         slow = skid * drive.mu_k * e * speed
-        if skid == 0.0:
-            gained = max(0.0, 2.0 * forced / carried - drive.mu_k * (1.0 + e))
-            slides = gained / ((1.0 - e) * max(1e-300, drive.mu_k * n1 - forced))
-        elif e > 0.0 or forced > drive.mu_s * n1:
-            slips = skid
     mode = MODE.stick if slips == 0 else MODE.forward if slips > 0 else MODE.backward
     way = MODE.forward if drive.c * math.sin(tau + span) > drive.gs else MODE.backward
     for i in range(size):

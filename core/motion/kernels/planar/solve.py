@@ -103,7 +103,7 @@ def slides_on(drive: Sine, result: Floats) -> bool:
 def reach_way(
     drive: Drive, phase: float, cell: Cell, rows: Floats, sums: Floats, result: Floats, stop: Stop
 ) -> None:
-    """Widen the error of an aperiodic motion to the way from rest to rest that the part begins with.
+    """Widen the error of an aperiodic motion to the way from rest to rest that it begins with.
 
     Undisturbed it repeats that for ever. As long as roundings leave a digit of it, it is the motion
     of these very numbers, though neighbouring ones go other ways.
