@@ -100,11 +100,12 @@ def after_hops(drive: Drive, tau: float, u: float, w: float) -> float:
     The landing has taken mu_k times its speed off the slip, as if there were no rebound: a slip up
     to mu_k w stops there after all. A part that then skids leaves the hops as if it had entered the
     stay with mu_k w: the landing had no slip to take, and the hops after it rub by w less than the
-    floor does in their time.
+    floor does in their time. One that does not skid is stopped by the floor.
     """
     if w == 0.0 or abs(u) > drive.mu_k * w:
         return u
-    return skids(drive, tau) * drive.mu_k * w
+    way = skids(drive, tau)
+    return u if way == 0.0 else way * drive.mu_k * w
 
 
 @borrowing
@@ -122,10 +123,9 @@ def follow_cycle(
         tau, span = rows[row, SEGMENT.phase], rows[row, SEGMENT.span]
         w = rows[row, SEGMENT.take_off]
         if w < 0:
-            rebound = rows[row, SEGMENT.impulse]
-            if rebound > 0.0 and abs(u) <= mu_k * rebound:
-                slope = 0.0 if mu_k > 0.0 else slope
-                u = after_hops(drive, tau, u, rebound)
+            entered = after_hops(drive, tau, u, rows[row, SEGMENT.impulse])
+            if entered != u:
+                u, slope = entered, 0.0
             u, factor, used = contact(tau, span, u, drive, sums, log, used)
             if used < 0:
                 return u, slope, used
