@@ -120,7 +120,7 @@ def reach_way(
     )
     if status == STATUS.periodic:
         apart = abs(own[COLUMN.velocity] - result[COLUMN.velocity])
-        result[COLUMN.error] = max(result[COLUMN.error], apart)
+        result[COLUMN.error] = max(result[COLUMN.error], apart + own[COLUMN.error])
 
 
 @compiled
