@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import math
-import os
 from typing import NamedTuple
 
 import numpy as np
@@ -28,8 +27,9 @@ from core.motion.kernels.planar.wave import new_table, wave_of
 from core.motion.methods.events import planar_motion
 from core.motion.result import STATUS, Motion
 from core.study import parse_study
+from night import count
 
-CELLS = int(os.environ.get("VIBRAFEED_LAW_CELLS", "300"))
+CELLS = count(day=300, night=10_000)
 DECIDED_BY_ROUNDING = [STATUS["aperiodic"], STATUS["sensitive"]]
 CLOSE = 1e-12
 """Of the drive: some thousand roundings of a cycle of some twenty flows."""
