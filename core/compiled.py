@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import inspect
 import math
@@ -17,7 +16,7 @@ from numba.core import event, types
 from numba.extending import intrinsic
 
 from core.compiling import stopwatch
-from core.kernel_cache import KernelCache, loop_name
+from core.kernel_cache import cache_of, loop_name
 from core.linking import Choice, EntryDispatcher
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -138,10 +137,7 @@ def by_type(argument: str, ways: Mapping[type, Any]) -> Callable[[Function], Fun
 
 def _compiled(function: Any, change: Callable[[Any], None] | None = None, **options: bool) -> Any:
     options = {"nopython": True, "nogil": True, **options}
-    dispatcher = EntryDispatcher(function, {"error_model": "numpy", **options}, change)
-    with contextlib.suppress(RuntimeError):  # no folder for it
-        dispatcher._cache = KernelCache(function)  # type: ignore[no-untyped-call]
-    return dispatcher
+    return EntryDispatcher(function, {"error_model": "numpy", **options}, cache_of, change)
 
 
 class _Told(event.Listener):

@@ -48,7 +48,8 @@ KEPT = 8
 """Folders of a package that stay, the last used: a branch or two, and versions side by side."""
 
 IMPORT = re.compile(
-    r"^[ \t]*(?:from[ \t]+(core[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+(core[\w.]*))",
+    r"^[ \t]*from[ \t]+(core[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|.*)"
+    r"|^[ \t]*import[ \t]+(core[\w.]*)",
     re.MULTILINE,
 )
 """An import of ours. A parser finds the same in fifty times the time, at every start: a test
@@ -195,12 +196,19 @@ class _Results(caching.CompileResultCacheImpl):
     _locator_classes: list[type[object]] = [_Place]  # noqa: RUF012 numba declares it so
 
 
-class KernelCache(caching.FunctionCache):
+class _Cache(caching.FunctionCache):
     """The cached code of one function; what cannot be written is compiled again next time."""
 
     _impl_class = _Results
 
     def save_overload(self, signature: Any, data: Any) -> None:
-        """Keep the code of one signature."""
         with contextlib.suppress(OSError):
             super().save_overload(signature, data)  # type: ignore[no-untyped-call]
+
+
+def cache_of(function: Callable[..., Any]) -> Any:
+    """Return what keeps the code of a function for numba; None if there is no folder for it."""
+    try:
+        return _Cache(function)  # type: ignore[no-untyped-call]
+    except RuntimeError:
+        return None

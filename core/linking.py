@@ -15,12 +15,15 @@ from contextlib import contextmanager
 from typing import Any
 
 from llvmlite.binding import Linkage
-from numba.core import types
+from numba.core import dispatcher, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Flags, compile_extra
-from numba.core.dispatcher import _FunctionCompiler
 from numba.core.environment import lookup_environment
 from numba.core.registry import CPUDispatcher
+
+_NumbasLibrary: Any = JITCodeLibrary
+_NumbasCompiler: Any = vars(dispatcher)["_FunctionCompiler"]
+_NumbasDispatcher: Any = CPUDispatcher
 
 ENVIRONMENT = "_ZN08NumbaEnv"
 """What the names of the globals begin with that hold what a function needs of Python."""
@@ -35,7 +38,7 @@ Change = Callable[[Any], None]
 """What changes flags of the compiler that are no options."""
 
 
-class _Library(JITCodeLibrary):
+class _Library(_NumbasLibrary):  # type: ignore[misc]
     """The code of one function, and the libraries whose functions it calls."""
 
     def _optimize_functions(self, module: Any) -> None:
@@ -51,6 +54,8 @@ class _Library(JITCodeLibrary):
 
 class _Part(_Library):
     """The code of a function for compiled callers: LLVM's input, no machine code."""
+
+    _shared_module: Any
 
     @property
     def has_dynamic_globals(self) -> bool:
@@ -76,7 +81,7 @@ class _Entry(_Library):
         super().finalize()
         for variable in self._final_module.global_variables:
             if variable.name.startswith(ENVIRONMENT):
-                environment = lookup_environment(variable.name)
+                environment = lookup_environment(variable.name)  # type: ignore[no-untyped-call]
                 if environment is not None:
                     self._codegen.set_env(variable.name, environment)
 
@@ -91,7 +96,7 @@ def _reached(library: Any, known: dict[Any, None]) -> dict[Any, None]:
     return known
 
 
-class _Compiler(_FunctionCompiler):
+class _Compiler(_NumbasCompiler):  # type: ignore[misc]
     """Compiles a function into a library of ours."""
 
     def __init__(self, of_numba: Any, library: type[_Library], change: Change | None) -> None:
@@ -106,7 +111,7 @@ class _Compiler(_FunctionCompiler):
         if self._change is not None:
             self._change(flags)
         typing, target = self.targetdescr.typing_context, self.targetdescr.target_context
-        library: Any = self._library(target.codegen(), self.py_func.__qualname__)  # type: ignore[no-untyped-call]
+        library: Any = self._library(target.codegen(), self.py_func.__qualname__)
         library.enable_object_caching()
         with _without_collecting():
             result: Any = compile_extra(  # type: ignore[no-untyped-call]
@@ -119,11 +124,13 @@ class _Compiler(_FunctionCompiler):
         return result
 
 
-class _PartDispatcher(CPUDispatcher):
+class _PartDispatcher(_NumbasDispatcher):  # type: ignore[misc]
     """A function as compiled code sees it."""
 
+    _compiler: Any
+
     def __init__(self, function: Callable[..., Any], options: Options, change: Change | None):
-        super().__init__(function, targetoptions=dict(options))  # type: ignore[no-untyped-call]
+        super().__init__(function, targetoptions=dict(options))
         self._compiler = _Compiler(self._compiler, _Part, change)
 
     def add_overload(self, result: Any) -> None:
@@ -131,7 +138,7 @@ class _PartDispatcher(CPUDispatcher):
         self.overloads[tuple(result.signature.args)] = result
 
 
-class EntryDispatcher(CPUDispatcher):
+class EntryDispatcher(_NumbasDispatcher):  # type: ignore[misc]
     """A function as Python sees it; compiled code is handed its part.
 
     Parameters
@@ -139,24 +146,41 @@ class EntryDispatcher(CPUDispatcher):
     function : callable
     options : mapping
         Options of the compiler, as `numba.njit` takes them.
+    cache : callable
+        Returns what keeps the code of a function, asked when it is first compiled; None if nothing
+        does.
     change : callable, optional
         What changes flags of the compiler that are no options.
     """
 
+    _cache: Any
+    _compiler: Any
+
     def __init__(
-        self, function: Callable[..., Any], options: Options, change: Change | None = None
+        self,
+        function: Callable[..., Any],
+        options: Options,
+        cache: Callable[[Callable[..., Any]], Any],
+        change: Change | None = None,
     ) -> None:
-        super().__init__(function, targetoptions=dict(options))  # type: ignore[no-untyped-call]
+        super().__init__(function, targetoptions=dict(options))
         self._compiler = _Compiler(self._compiler, _Entry, change)
         self._part = _PartDispatcher(function, options, change)
+        self._keeper: Any = cache
+
+    def compile(self, signature: Any) -> Any:
+        """Compile the function for types of arguments, or find it compiled."""
+        if self._keeper is not None:
+            self._cache, self._keeper = self._keeper(self.py_func) or self._cache, None
+        return super().compile(signature)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Return what tells the compiler of a caller the type of a call."""
-        return self._part.get_call_template(args, kws)  # type: ignore[no-untyped-call]
+        return self._part.get_call_template(args, kws)
 
     def get_overload(self, signature: Any) -> Any:
         """Return what the compiler of a caller finds the code by."""
-        return self._part.get_overload(signature)  # type: ignore[no-untyped-call]
+        return self._part.get_overload(signature)
 
 
 class Choice:
@@ -177,7 +201,8 @@ class Choice:
     def __init__(self, function: Callable[..., Any], place: int, ways: Mapping[type, Any]) -> None:
         self.py_func, self._place, self._ways = function, place, ways
         self.__name__, self.__doc__ = function.__name__, function.__doc__
-        self._numba_type_ = types.Dispatcher(self)  # type: ignore[no-untyped-call]
+        dispatched: Any = types.Dispatcher
+        self._numba_type_ = dispatched(self)
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the function itself."""
