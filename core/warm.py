@@ -1,7 +1,8 @@
 """Kernels compiled before anybody waits for them: when an image is built, or a service starts.
 
-Each package of kernels has studies that need all of it. The first of them needs what the first study
-of a user does; these come before the rest. Packages are compiled in several processes at a time. Where everything is compiled already, it takes no time.
+Each package of kernels has studies that need all of it. The first of them needs what the first
+study of a user does; these come before the rest. Packages are compiled in several processes at a
+time. Where everything is compiled already, it takes no time.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ WAVE = {
 }  # fmt: skip
 RESTLESS = {"restitution": [0.2, 0.4, 0.6, 0.8]}
 SPEED = {"outputs": ["conveying_velocity"]}
-ENERGY = {"outputs": ["conveying_velocity", "efficiency"]}
+ENERGY = {"outputs": ["conveying_velocity", "friction_power"]}
 PATH = {"trajectory": 10}
 
 
