@@ -25,6 +25,7 @@ import numba
 import numpy as np
 from numba.core import caching
 from numba.core.registry import cpu_target
+from numba.core.runtime.nrt import rtsys
 from numba.misc.appdirs import AppDirs
 
 CORE = Path(__file__).resolve().parent
@@ -200,6 +201,16 @@ class _Cache(caching.FunctionCache):
     """The cached code of one function; what cannot be written is compiled again next time."""
 
     _impl_class = _Results
+
+    def load_overload(self, signature: Any, target_context: Any) -> Any:
+        """Find the code of one signature.
+
+        numba would first load all that it knows how to compile, and scipy with it: half a second.
+        Code that is compiled needs the counts of users of arrays and no more.
+        """
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(signature, target_context)  # type: ignore[no-untyped-call]
 
     def save_overload(self, signature: Any, data: Any) -> None:
         with contextlib.suppress(OSError):

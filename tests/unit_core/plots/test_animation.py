@@ -105,7 +105,7 @@ def test_a_film_for_browsers(hop: xarray.Dataset, tmp_path: Path):
 
 def test_what_is_missing_for_mp4_is_said(hop, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(PlotError, match=r"pip install 'vibrafeed\[video\]'"):
+    with pytest.raises(PlotError, match=re.escape(installing("imageio-ffmpeg", "video"))):
         vibrafeed.animate(hop, tmp_path / "part.mp4")
     assert not list(tmp_path.iterdir())
 
