@@ -45,7 +45,7 @@ def written_by(form: str) -> str:
     if form not in PACKAGES:
         return form
     FORMATS[f".{form}"].needs()
-    return f"{form} {version(PACKAGES[form])}"
+    return f"{form} {version(PACKAGES[form][0])}"
 
 
 def most_rows(settings: Settings, form: str, most: int) -> int:

@@ -13,6 +13,7 @@ import xarray
 from typer.testing import CliRunner
 
 from app.cli import app
+from core.extras import installing
 
 FIXED = {"frequency": "50 Hz", "friction": 0.4}
 STUDIES = {

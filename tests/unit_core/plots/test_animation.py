@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 import sys
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from PIL import Image
 
 import vibrafeed
 from core.errors import VibrafeedError
+from core.extras import installing
 from core.plots import PlotError, draw, draw_file
 from core.plots.animation import COLOURS, draw_frames
 from core.plots.film import FRAMES_PER_SECOND, read_film
