@@ -36,11 +36,8 @@ def _motion(scene: str, parameters: Mapping[str, Any], method: str, **more: Any)
 
 
 def _all(scene: str, method: str) -> list[dict[str, Any]]:
-    return [
-        _motion(scene, drive, method, **more)
-        for drive in (SINE, WAVE)
-        for more in (SPEED, ENERGY, PATH)
-    ]
+    asked = (SPEED, ENERGY, PATH) if method == "events" else (SPEED, PATH)  # steps tell no energy
+    return [_motion(scene, drive, method, **more) for drive in (SINE, WAVE) for more in asked]
 
 
 PIN = {
