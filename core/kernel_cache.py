@@ -53,8 +53,9 @@ IMPORT = re.compile(
     r"|^[ \t]*import[ \t]+(?:vibrafeed\.)?(core[\w.]*)",
     re.MULTILINE,
 )
-"""An import of ours, in a clone or installed. A parser finds the same in fifty times the time, at every start: a test
-compares them over all kernels."""
+"""An import of ours, in a clone or installed.
+
+A parser finds the same in fifty times the time, at every start: a test compares them."""
 
 _settings: Any = numba.config
 _user_caches = AppDirs(appname="vibrafeed", appauthor=False)  # type: ignore[no-untyped-call]
