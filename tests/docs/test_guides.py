@@ -159,4 +159,3 @@ def test_adding_a_picture(tree: Path) -> None:
         "    assert 'histogram' in str(error)\n",
     )
     assert "histogram" in run(tree, "-m", "vibrafeed", "plot", "--help")
-
