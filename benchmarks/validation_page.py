@@ -84,7 +84,8 @@ counts where the load is near 0 for a while, as under the ellipse.
 [extra](install.md#extras) `engines` brings MuJoCo, PyBullet and pymunk, `pip install dartpy`
 DART, Debian's package `python3-siconos` (4.4.0, which calls itself 4.5.0) Siconos, for Debian's
 own Python (`--python siconos=/usr/bin/python3`). Times depend on the machine: these are of two
-cores that others used too. [motion.md](motion.md#speed-and-accuracy) has engines with a plate that moves."""
+cores that others used too. [motion.md](motion.md#speed-and-accuracy) has engines with
+a plate that moves."""
 
 
 def page() -> str:
