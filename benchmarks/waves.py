@@ -16,9 +16,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from core.motion import waves
+from core.motion import planar, waves
 from core.motion.groups import Contacts, Groups, cells_of, each
-from core.motion.kernels import planar, track
+from core.motion.kernels import track
 from core.motion.kernels.arrays import NEVER
 from core.motion.methods.events import planar_motion
 from core.motion.methods.reference import reference_motion

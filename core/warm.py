@@ -1,7 +1,8 @@
 """Kernels compiled before anybody waits for them: when an image is built, or a service starts.
 
-Each group of studies has kernels of its own, so that several processes can do them at a time. Where
-everything is compiled already, it takes seconds.
+Each package of kernels has studies that need all of it. The first of them needs what the first
+study of a user does; these come before the rest. Packages are compiled in several processes at a
+time. Where everything is compiled already, it takes no time.
 """
 
 from __future__ import annotations
@@ -16,10 +17,13 @@ from typing import Any
 from core.intake import prepare_content
 from core.kinds import KINDS, tabulate
 
-GROUPS: dict[str, tuple[Mapping[str, Any], ...]] = {
-    name: studies for kind in KINDS.values() for name, studies in kind.compiles.items()
+STUDIES: dict[str, tuple[Mapping[str, Any], ...]] = {
+    package: studies for kind in KINDS.values() for package, studies in kind.compiles.items()
 }
-"""The studies of each group, those of all kinds."""
+"""Studies that need all kernels, by package; those of all kinds."""
+
+FIRST, REST = slice(1), slice(1, None)
+"""The study of a package that comes first, and the others."""
 
 
 def warm(processes: int) -> Path | None:
@@ -35,36 +39,39 @@ def warm(processes: int) -> Path | None:
     Path or None
         Where compiled code is kept; None if no folder can be written.
     """
-    from core.compiled import folder
+    from core.kernel_cache import root
 
-    place = folder()
-    if place is None or is_warm():
-        return place
-    if not os.access(place, os.W_OK):  # an image ships it, for another processor
-        return None
-    spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(processes, len(GROUPS)), mp_context=spawn) as pool:
-        list(pool.map(carry_out, GROUPS))
-    _mark(place).touch()
-    return place
+    marks = {package: _mark(package) for package in STUDIES}
+    left = {package: mark for package, mark in marks.items() if mark is None or not mark.exists()}
+    for mark in left.values():
+        if mark is None or not os.access(mark.parent, os.W_OK):  # an image's, of another processor
+            return None
+    if left:
+        spawn = multiprocessing.get_context("spawn")
+        with ProcessPoolExecutor(min(processes, len(left)), mp_context=spawn) as pool:
+            for part in (FIRST, REST):
+                list(pool.map(carry_out, left, len(left) * [part]))
+        for mark in left.values():
+            assert mark is not None
+            mark.touch()
+    return root()
 
 
 def is_warm() -> bool:
     """Return whether every kernel has been compiled for this processor, and kept."""
-    from core.compiled import folder
-
-    place = folder()
-    return place is not None and _mark(place).exists()
+    marks = [_mark(package) for package in STUDIES]
+    return all(mark is not None and mark.exists() for mark in marks)
 
 
-def carry_out(group: str) -> None:
-    """Carry out the studies of a group."""
-    for study in GROUPS[group]:
+def carry_out(package: str, part: slice = slice(None)) -> None:
+    """Carry out studies of a package."""
+    for study in STUDIES[package][part]:
         tabulate(prepare_content(study))
 
 
-def _mark(place: Path) -> Path:
+def _mark(package: str) -> Path | None:
     """Return the file that says so; it goes with the code that it speaks of."""
-    from core.compiled import processor
+    from core.kernel_cache import folder, processor
 
-    return place / f"warm-{processor()}"
+    place = folder(package)
+    return None if place is None else place / f"warm-{processor()}"

@@ -221,7 +221,7 @@ def plot(
 ) -> Figure:
     """Return the picture of an output with its regimes, of the regimes alone, or of one motion.
 
-    It needs matplotlib: ``pip install 'vibrafeed[plot]'``. A notebook shows the figure; its method
+    It needs matplotlib, of the extra `plot`. A notebook shows the figure; its method
     `savefig` writes it.
 
     Parameters
@@ -289,7 +289,7 @@ def animate(
 ) -> None:
     """Write the motion of one part as an animation, GIF or MP4 by the suffix of the file.
 
-    It needs matplotlib, and imageio-ffmpeg for MP4: ``pip install 'vibrafeed[video]'``.
+    It needs matplotlib, and imageio-ffmpeg for MP4: the extra `video`.
 
     Parameters
     ----------

@@ -1829,8 +1829,6 @@ def open_lazily(
 ) -> xarray.Dataset:
     """Return the dataset of a sweep of any size; what is read of it is computed when it is read.
 
-    It needs zarr: ``pip install 'vibrafeed[cluster]'``.
-
     Parameters
     ----------
     study : Study, mapping or path, optional

@@ -126,8 +126,7 @@ class Accessor:
     def to_excel(self, path: str | os.PathLike[str]) -> None:
         """Write an Excel workbook: one row a cell, with units in the headings.
 
-        Further sheets explain the columns and hold the study. It needs openpyxl:
-        ``pip install 'vibrafeed[tables]'``.
+        Further sheets explain the columns and hold the study.
 
         Parameters
         ----------

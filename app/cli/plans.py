@@ -86,9 +86,5 @@ def more(prepared: Prepared, checked: float) -> Iterator[str]:
     plan = prepared.plan
     yield f"  checked in {checked:.3f} s; {plan.scene.choice} {plan.variant}"
     yield f"  equations: {', '.join(equation.gives for equation in plan.equations)}"
-    compiler = sys.modules.get("core.compiled")  # who needs no kernel does not load it
-    if compiler is None:
-        yield "  kernels: none, all in numpy"
-    else:
-        place = compiler.folder()
-        yield f"  kernels: compiled, kept in {place}" if place else "  kernels: compiled, not kept"
+    kept = sys.modules.get("core.kernel_cache")  # who needs no kernel does not load it
+    yield f"  kernels: compiled, kept in {kept.root()}" if kept else "  kernels: none, all in numpy"

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final, NoReturn
 
 from core.errors import Problem, StudyError
+from core.extras import installing
 from core.intake.section import Content, Resolved, Section, Stranger, dotted
 from core.study.grid_study import PARAMETERS
 from core.study.observations import MOST_RUNS, OBSERVED
@@ -118,7 +119,7 @@ def _workbook(path: Path) -> Iterable[list[Any]]:
     try:
         import openpyxl
     except ImportError:
-        fix = "pip install 'vibrafeed[tables]', or save the table as CSV"
+        fix = f"{installing('openpyxl')}, or save the table as CSV"
         _fail("reading XLSX needs openpyxl, which is not installed", fix)
     try:
         book = openpyxl.load_workbook(path, read_only=True, data_only=True)

@@ -32,7 +32,7 @@ _Share = Annotated[_Finite, Field(ge=0)]
 class RecordedDrive(BaseModel):
     """A recording of an accelerometer, whose harmonics become parameters of the study."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     file: Path | None = Field(
         None, description="Its CSV, beside the study; over HTTP give data instead."
@@ -71,7 +71,7 @@ class MeasuredDrive(BaseModel):
     holds, for example.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     name: str = Field(description="Name of the recording's file.", max_length=300)
     sha256: str = Field(description="Of the recording's content.", pattern="^[0-9a-f]{64}$")

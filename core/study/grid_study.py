@@ -30,7 +30,9 @@ PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.par
 class Frozen(BaseModel):
     """A model that cannot be changed and knows all its keys."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", defer_build=True, arbitrary_types_allowed=True
+    )
 
 
 def _values_schema(name: str, quantity: Quantity) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from core.errors import VibrafeedError
+from core.extras import installing
 from core.plan.prepared import Prepared
 from core.sweep.zarr_view import ZarrView
 
@@ -27,8 +28,7 @@ def open_lazily(sweep: Prepared) -> xarray.Dataset:
         from core.sweep.zarr_store import ViewStore  # loads zarr, which few need
     except ModuleNotFoundError as error:
         raise VibrafeedError(
-            f"Reading a sweep that is not stored needs {error.name}: "
-            "pip install 'vibrafeed[cluster]'"
+            f"Reading a sweep that is not stored needs {error.name}: {installing('zarr')}"
         ) from error
     import xarray
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from core.compiled import folder
+from core.kernel_cache import root
 
 ROOT = Path(__file__).parents[2]
 HEADING = re.compile(r"^## The (?:file|line|test|example): `([^`]+)`$", re.MULTILINE)
@@ -52,9 +52,7 @@ def changed(text: str, diff: str) -> str:
 def run(tree: Path, *arguments: str) -> str:
     """Return what a fresh Python says that imports from the tree; it has to succeed."""
     environment = {**os.environ, "PYTHONPATH": str(tree), "COLUMNS": "200", "NO_COLOR": "1"}
-    compiled = folder()  # of the same kernels
-    if compiled is not None:
-        environment["NUMBA_CACHE_DIR"] = str(compiled.parent)
+    environment["NUMBA_CACHE_DIR"] = str(root())  # most kernels are the same
     done = subprocess.run(
         [sys.executable, *arguments], cwd=tree, env=environment, capture_output=True, text=True
     )

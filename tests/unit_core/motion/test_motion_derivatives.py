@@ -67,7 +67,7 @@ def test_shares_add_up_and_so_do_energies():
 def test_energy_of_the_drive_is_the_mean_of_its_push():
     # The kernel takes it from the balance; here each energy is judged by itself.
     from core.motion.kernels.arrays import NEVER
-    from core.motion.kernels.planar import spend_cells
+    from core.motion.planar import spend_cells
 
     cells = repeating(random_cells(60, 8))
     found, h = derived(cells), 1e-5

@@ -173,7 +173,7 @@ class TestDatasets:
         assert prepared.dims["flight_fraction"] == ()
 
     def test_a_repeated_or_idle_axis_costs_nothing_more(self, monkeypatch):
-        from core.motion.kernels import planar
+        from core.motion import planar
 
         cells: list[int] = []
         kernel = planar.solve_cells

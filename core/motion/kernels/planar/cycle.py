@@ -19,6 +19,7 @@ from core.motion.kernels.planar.drive import (
 from core.motion.kernels.planar.flow import EPSILON, TURN
 from core.motion.kernels.planar.growth import CERTAIN, grown, growth
 from core.motion.kernels.planar.tables import MOST_SEGMENTS, SEGMENT
+from core.motion.kernels.rebounds import SETTLED_EXACTLY, SETTLED_TIME
 
 SEARCH_HOPS = 512  # before a motion without contact phase is taken to be aperiodic
 SEARCH_PERIODS = 400
@@ -30,8 +31,6 @@ SAME_STATE = 1e-7  # distance of two states of a cycle that are one
 NEAR = 1e-2  # recurrence that a search for a cycle starts from
 FEWEST_PERIODS = 8  # of a run that a limit ended, for its mean to be given as that of the motion
 SAME_LIFT_OFF = 1e-9  # of phase: lift-offs that are one
-SETTLED_EXACTLY = 1e-13  # rebound times remaining time, below which a run of shrinking hops ends
-SETTLED_TIME = 1e-3  # its remaining time, as a share of the time to lift-off
 
 
 @compiled

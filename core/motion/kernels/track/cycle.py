@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Flags, Floats, Stop
+from core.motion.kernels.arrays import Flags, Floats, Stop, copy
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.advance import advance
@@ -312,7 +312,7 @@ def jump(wall: bool, history: History, last: int, since: int, state: Floats) -> 
             value -= weights[j] * (history.ends[last - j, i] - history.ends[last - j - 1, i])
         state[i] = value
     if state[STATE.z] < 0.0 or (wall and state[STATE.y] < 0.0):
-        state[:] = history.ends[last]
+        copy(history.ends[last], state)
         return False
     return True
 
