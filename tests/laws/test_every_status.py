@@ -14,7 +14,7 @@ from core.motion.kernels.results import COLUMN
 from core.motion.methods.spatial_events import spatial_path
 from core.motion.result import STATUS
 from core.quantities import REGIMES
-from core.study import parse_study
+from core.intake import parse_study
 from night import count
 
 CELLS = count(40, 17_000)

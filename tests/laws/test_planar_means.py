@@ -26,7 +26,7 @@ from core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS, cell_of
 from core.motion.kernels.planar.wave import new_table, wave_of
 from core.motion.methods.events import planar_motion
 from core.motion.result import STATUS, Motion
-from core.study import parse_study
+from core.intake import parse_study
 from night import count
 
 CELLS = count(day=300, night=10_000)

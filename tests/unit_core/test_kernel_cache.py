@@ -263,7 +263,8 @@ def tree(tmp_path: Path) -> Path:
 
 PLANAR = """
 from core.compiling import stopwatch
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from core.warm import STUDIES, carry_out
 carry_out("motion-planar", slice(1))
 print(stopwatch.spent)

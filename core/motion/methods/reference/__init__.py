@@ -28,6 +28,9 @@ from core.motion.result import STATUS, Motion, motion_of, with_whole_shares
 from core.scenes import Constraint
 from core.watch import Watch
 
+LARGEST = 1e140
+"""Of a number of a part: it is squared, and times phases."""
+
 
 def reference_path(
     groups: Groups,
@@ -84,7 +87,9 @@ def reference_motion(
     finely, and rounding at every event, each with what the cycle makes of it. A motion that was
     not shown to repeat, and to attract, is `aperiodic`: its means are over the second half of the
     periods run, its spread is that of the single periods, and its error comes from their scatter;
-    whether it runs away is for the reader to see.
+    whether it runs away is for the reader to see. One that was still on its way, to a cycle or
+    from one that does not attract, has no mean yet: `limit_reached`. So has one under numbers
+    whose squares are none.
 
     Parameters
     ----------
@@ -107,6 +112,8 @@ def reference_motion(
     """
     if not _is_finite(groups):
         return _nothing()
+    if max(np.abs(part).max(initial=0.0) for part in _numbers(groups)) > LARGEST:
+        return _nothing("limit_reached")
     run = Run(Laws(groups, contacts, absolute_speed), watch or Watch())
     for _ in range(most_periods):
         try:
@@ -121,6 +128,8 @@ def reference_motion(
             run.hasten()
         except FailedError:
             return _nothing()
+    if run.is_on_its_way:
+        return _nothing("limit_reached")
     half = len(run.tallies) // 2
     travels = np.array([
         float(after[X] - before[X]) / PERIOD
@@ -135,7 +144,12 @@ def reference_motion(
 
 def _is_finite(groups: Groups) -> bool:
     """Return whether every number of a part is one, those of its drive included."""
-    return all(np.isfinite(part).all() for part in (*groups.numbers, *(groups.wave or ())))
+    return all(np.isfinite(part).all() for part in _numbers(groups))
+
+
+def _numbers(groups: Groups) -> list[Array]:
+    """Return the numbers of a part and of its drive."""
+    return [np.asarray(part) for part in (*groups.numbers, *(groups.wave or ()))]
 
 
 def _scatter(means: Array, most: float) -> float:
@@ -159,10 +173,10 @@ def _scatter(means: Array, most: float) -> float:
     return max(error, most) if abs(second - first) > 2.0 * likely * jumps else error
 
 
-def _nothing() -> Motion:
-    """Return the result of a cell without a solution."""
+def _nothing(status: str = "no_solution") -> Motion:
+    """Return the result of a cell without a solution, or without an answer."""
     values = (np.asarray(math.nan) for _ in Motion._fields[:-1])
-    return Motion._make((*values, np.asarray(STATUS["no_solution"], dtype=np.int8)))
+    return Motion._make((*values, np.asarray(STATUS[status], dtype=np.int8)))
 
 
 def _result(
