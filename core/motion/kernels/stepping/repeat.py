@@ -21,6 +21,9 @@ from core.motion.kernels.stepping.tables import FLOOR, STATE, TALLY, WALL, Cell
 MOST_MULTIPLE = 12
 WINDOW = 16
 SHARP = 0.03
+SLOWS = 0.8
+"""Largest share that is left of a drift after a third of a window, of a part that hops: landings
+fall on steps by chance, and a drift that goes on must not look as if it slowed down."""
 APART = 3.0
 """States of a cycle that differ by less than so many times what one step changes are one state.
 
@@ -51,26 +54,31 @@ def difference(states: Floats, tallies: Floats, later: int, earlier: int) -> flo
 
 
 @compiled
-def limit(tallies: Floats, done: int, part: int, period: float) -> tuple[float, float]:
+def limit(
+    tallies: Floats, done: int, part: int, slows: float, rounding: float, period: float
+) -> tuple[float, float]:
     """Return where the mean velocity drifts to, and how far it still is from there.
 
     From the means of three parts of so many periods: a transient dies out as a power, so that what
-    is to come is the last change times ratio/(1 - ratio).
+    is to come is the last change times ratio/(1 - ratio). A drift whose ratio is above `slows`, and
+    which is no rounding, has no end in sight: infinite.
     """
     travel = tallies[:, TALLY.travel]
     first = mean_velocity(travel, done - 3 * part, done - 2 * part, period)
     second = mean_velocity(travel, done - 2 * part, done - part, period)
     third = mean_velocity(travel, done - part, done, period)
     last, before = third - second, second - first
-    if last * before > 0.0 and abs(last) < abs(before):
-        rest = last * last / (before - last)
-        return third + rest, abs(last) + abs(rest)
-    return third, abs(last)
+    if last * before <= 0.0 or abs(last) <= rounding:
+        return third, abs(last)
+    if abs(last) >= slows * abs(before):
+        return third, math.inf
+    rest = last * last / (before - last)
+    return third + rest, abs(last) + abs(rest)
 
 
 @compiled
 def settled(
-    tallies: Floats, done: int, multiple: int, window: int, allowed: float,
+    tallies: Floats, done: int, multiple: int, window: int, rounding: float, allowed: float,
     period: float, result: Floats,
 ) -> bool:  # fmt: skip
     """Return whether the mean velocity has settled; if so, put it and its doubt into the result.
@@ -85,14 +93,15 @@ def settled(
     hops = False
     for k in range(done - 4 * part, done):
         hops = hops or tallies[k, TALLY.flight] > 0.0
-    end, rest = limit(tallies, done, part, period)
+    slows = SLOWS if hops else 1.0
+    end, rest = limit(tallies, done, part, slows, rounding, period)
     if hops:
         if rest > 0.1 * allowed:
             return False
         result[COLUMN.error] = rest
         return True
-    before, _ = limit(tallies, done - part, part, period)
-    if abs(end - before) > 1e-3 * allowed:
+    before, _ = limit(tallies, done - part, part, slows, rounding, period)
+    if not math.isfinite(rest) or abs(end - before) > 1e-3 * allowed:
         return False
     result[COLUMN.velocity] = end
     # What the extrapolation changed by, or at most would in what is left of the transient.
@@ -136,7 +145,7 @@ def repeats(
                 break
         if good:
             means(tallies, done - window, done, period, result)
-            if settled(tallies, done, multiple, window, bound, period, result):
+            if settled(tallies, done, multiple, window, rounding, bound, period, result):
                 return told_apart(states, tallies, done, multiple, allowed)
     return 0
 
