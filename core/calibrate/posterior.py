@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -298,7 +299,7 @@ def heaps_of(posterior: Posterior, axes: Sequence[Array]) -> list[Heap]:
         high = np.zeros(mass.size, dtype=bool)
         high[order[: int(np.searchsorted(below, share)) + 1]] = True
         wide = ndimage.binary_dilation(high.reshape(shape), around)
-        found = _heaviest(ndimage.label(wide, around)[0], mass)
+        found = _heaviest(np.asarray(ndimage.label(wide, around)[0]), mass)
         best = found if found.max() > best.max() else best
     depth = np.full(mass.size, DEEPEST)
     np.minimum.at(depth, flat, posterior.log.max() - posterior.log)
@@ -306,7 +307,7 @@ def heaps_of(posterior: Posterior, axes: Sequence[Array]) -> list[Heap]:
     return _heaps(posterior, ndimage.watershed_ift(steps, best, around).ravel()[flat])
 
 
-def _heaviest(labels: NDArray[np.int64], mass: Array) -> NDArray[np.int16]:
+def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16]:
     """Return labels of the heaps that are heavy enough, from 1 on, and 0 elsewhere."""
     shares = np.bincount(labels.ravel(), mass)
     shares[0] = 0.0  # between them

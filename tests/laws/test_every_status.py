@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from benchmarks.every_status import FAMILIES, Judged, judged
+from core.intake import parse_study
 from core.motion import simulate
 from core.motion.groups import Contacts, Groups
 from core.motion.kernels.results import COLUMN
 from core.motion.methods.spatial_events import spatial_path
 from core.motion.result import STATUS
 from core.quantities import REGIMES
-from core.intake import parse_study
 from night import count
 
 CELLS = count(40, 17_000)

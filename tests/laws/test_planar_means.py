@@ -13,6 +13,7 @@ import pytest
 from numba import njit
 
 from benchmarks.waves import PLANAR, as_harmonic, bouncing
+from core.intake import parse_study
 from core.motion import simulate
 from core.motion.groups import Groups, cells_of
 from core.motion.kernels.arrays import Floats
@@ -26,7 +27,6 @@ from core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS, cell_of
 from core.motion.kernels.planar.wave import new_table, wave_of
 from core.motion.methods.events import planar_motion
 from core.motion.result import STATUS, Motion
-from core.intake import parse_study
 from night import count
 
 CELLS = count(day=300, night=10_000)

@@ -173,8 +173,11 @@ def orbit_of(run: Run, state: Array, most_periods: int, closeness: float) -> Orb
         """Return whether the gaps still to come are small, or nothing but the integrator's noise.
 
         They are a geometric series of the rate at which they shrink. Noise does not add up over
-        cycles as a drift does that hardly shrinks.
+        cycles as a drift does that hardly shrinks. Where friction changes less in a period than
+        noise does, nobody can tell.
         """
+        if 0.0 < PERIOD * weight <= NOISE * closeness:
+            return False
         now, before = gap(-1, multiple), gap(-2, multiple)
         if now < closeness * (1 - now / max(before, closeness * 1e-9)):
             return True
