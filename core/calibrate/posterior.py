@@ -290,7 +290,7 @@ def heaps_of(posterior: Posterior, axes: Sequence[Array]) -> list[Heap]:
     ).astype(np.int64)
     shape = tuple(len(axis) for axis in axes)
     flat = np.ravel_multi_index(tuple(places.T), shape)
-    mass = np.bincount(flat, posterior.weights, int(np.prod(shape)))
+    mass: Array = np.bincount(flat, posterior.weights, int(np.prod(shape))).astype(np.float64)
     order = np.argsort(-mass)
     below = np.cumsum(mass[order])
     around = np.ones((3,) * count)
