@@ -222,7 +222,7 @@ def _followed(
 
 
 def _apart(ours: Mapping[str, Array], theirs: Mapping[str, Array]) -> tuple[Array, Array]:
-    """Return how far apart mean velocities are, and what both methods state; infinite if nothing."""
+    """Return how far apart mean velocities are, and what both methods state; else infinity."""
     if not {VELOCITY, ERROR} <= set(ours) or not {VELOCITY, ERROR} <= set(theirs):
         nothing = np.zeros_like(theirs["motion_status"])
         return nothing, nothing + np.inf
