@@ -10,20 +10,19 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from numba import njit
 
 from benchmarks.waves import PLANAR, as_harmonic, bouncing
+from core.compiled import compiled
 from core.intake import parse_study
 from core.motion import simulate
 from core.motion.groups import Groups, cells_of
 from core.motion.kernels.arrays import Floats
-from core.motion.kernels.planar import Cell
 from core.motion.kernels.planar.cycle import SETTLED_EXACTLY, one_hop, rests
 from core.motion.kernels.planar.drive import Drive, fly, lift_off, lifts, to_lift_off
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.planar.slide import after_hops, contact
 from core.motion.kernels.planar.solve import upright
-from core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS, cell_of
+from core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS, Cell, cell_of
 from core.motion.kernels.planar.wave import new_table, wave_of
 from core.motion.methods.events import planar_motion
 from core.motion.result import STATUS, Motion
@@ -121,7 +120,7 @@ class Course(NamedTuple):
     slip: Floats
 
 
-@njit
+@compiled
 def follow_from_rest(
     drive: Drive, start: float, e: float, jolts: Floats, phase: Floats, place: Floats, slip: Floats
 ) -> None:

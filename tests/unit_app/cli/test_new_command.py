@@ -149,7 +149,7 @@ def test_a_starter_is_toml(tmp_path):
 
 
 def test_every_question_has_its_option():
-    options = set(inspect.signature(new).parameters) - {"context", "file", "yes", "force"}
+    options = set(inspect.signature(new).parameters) - {"context", "file", "kind", "yes", "force"}
     assert options == {question.name for question in QUESTIONS}
     assert all(question.parameter or question.choices for question in QUESTIONS)
 
