@@ -15,6 +15,7 @@ from pydantic import BeforeValidator, Field, SecretStr, field_serializer, field_
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from core.errors import Problem, suggestion
+from core.extras import installing
 
 PREFIX = "VIBRAFEED_"
 # Read by the tests only; whoever runs them may serve with the same environment.
@@ -60,7 +61,7 @@ def wrong_url(url: str) -> str | None:
     if not is_right or parts.fragment:
         return f"{form}; write /, ?, # and @ in a password as %2F, %3F, %23 and %40"
     if find_spec("psycopg") is None:
-        return "psycopg is not installed, which comes with vibrafeed[postgres]"
+        return f"psycopg is not installed: {installing('psycopg[binary]', 'postgres')}"
     return None
 
 
@@ -252,7 +253,9 @@ class Settings(BaseSettings):
     @classmethod
     def _store(cls, url: str) -> str:
         if url and find_spec("obstore") is None:
-            raise ValueError("it takes a package that is missing: pip install vibrafeed[cluster]")
+            raise ValueError(
+                f"it takes obstore, which is missing: {installing('obstore', 'cluster')}"
+            )
         return url
 
     @field_validator("cors_origins")

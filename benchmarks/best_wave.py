@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from core.intake import parse_study
 from core.motion.driven import driven
 from core.motion.drives import shape_of
 from core.motion.methods.events import planar_path
@@ -22,7 +23,6 @@ from core.motion.waves import ALONG, speed
 from core.optimise import optimise
 from core.plan.equations import run_equations
 from core.plan.plan import plan_scene
-from core.study import parse_study
 
 Array = np.ndarray
 PICTURE = Path(__file__).parents[1] / "docs" / "generated" / "best-wave.png"

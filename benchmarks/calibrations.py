@@ -23,7 +23,7 @@ from core.calibrate.calibration import Calibration
 from core.calibrate.leaves import explore
 from core.calibrate.posterior import posterior_of
 from core.calibrate.scatter import NONE_BEFORE
-from core.kinds import prepare_content
+from core.intake import prepare_content
 from core.watch import Watch
 
 RANGES: dict[str, dict[str, dict[str, Any]]] = {
@@ -67,7 +67,6 @@ def drawn(random: np.random.Generator, kind: str) -> tuple[Calibration, np.ndarr
     """Return a random calibration and the truth."""
     content = random_study(random, kind)
     prepared = prepare_content(content)
-    assert isinstance(prepared, Calibration)
     model = prepared.model
     truth = model.lower + random.random(len(model.unknowns)) * model.width
     speeds = model.predict(truth[np.newaxis], Watch()).value[0]
@@ -81,7 +80,6 @@ def drawn(random: np.random.Generator, kind: str) -> tuple[Calibration, np.ndarr
         if kind != "none known":
             row["error"] = error
     again = prepare_content(content)
-    assert isinstance(again, Calibration)
     return again, truth
 
 

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.motion.kernels.arrays import NEVER
-from core.motion.kernels.planar import follow, solve_cells
-from core.motion.kernels.planar.derive import DERIVED_COLUMNS, KINK, MARGIN, derive_cells
+from core.motion.kernels.planar.derive import DERIVED_COLUMNS, KINK, MARGIN
 from core.motion.kernels.planar.slope_tables import DERIVED_BY, TOLD
 from core.motion.kernels.planar.tables import PIECE
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE, STATUS
+from core.motion.planar import derive_cells, follow, solve_cells
 
 Floats = NDArray[np.float64]
 

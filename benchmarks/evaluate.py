@@ -31,7 +31,7 @@ import xarray
 from numpy.typing import NDArray
 
 from core.errors import StudyError
-from core.kinds import prepare_content
+from core.intake import prepare_content
 from core.plan.blocks import evaluate_in_blocks
 from core.plan.evaluate import empty_results
 from core.plan.grid import Grid
@@ -115,7 +115,7 @@ def idiom(grid: Grid) -> xarray.DataArray:
 
 BEFORE = """
 import json, sys, time
-from core.kinds import prepare_content
+from core.intake import prepare_content
 from core.plan.evaluate import evaluate
 prepared = prepare_content(json.loads(sys.argv[1]))
 started = time.perf_counter()

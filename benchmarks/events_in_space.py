@@ -16,6 +16,7 @@ import numpy as np
 from core.motion.groups import SOLID_CYLINDER, Contacts, Groups, cells_of
 from core.motion.kernels.arrays import NEVER, Floats
 from core.motion.kernels.means import mean_velocity
+from core.motion.kernels.results import RESULTS
 from core.motion.kernels.track import Cell, drive, solve_cells
 from core.motion.kernels.track.cycle import Series, new_history, settle
 from core.motion.kernels.track.tables import TALLY, TURN, at_rest, cell_of, new_work
@@ -112,7 +113,7 @@ def witnessed(wall: bool, rolling: float, series: Series, rows: Floats, found: F
 def timed(kind: Kind, rows: Floats, repeats: int) -> tuple[Motion, Floats]:
     """Return the motion of cells, one by one on one core, and the least seconds of each."""
     seconds = np.full(len(rows), np.inf)
-    table, status = np.empty((len(rows), 11)), np.zeros(len(rows), dtype=np.int8)
+    table, status = np.empty((len(rows), RESULTS)), np.zeros(len(rows), dtype=np.int8)
     for number in range(len(rows)):
         piece = slice(number, number + 1)
         for _ in range(repeats):
@@ -160,7 +161,12 @@ def main() -> None:
         groups = random_groups(kind, arguments.cells, arguments.seed + place)
         rows, _ = cells_of(Cell._fields, groups, **SETTINGS)
         solve_cells(
-            kind.wall, kind.rolling, rows[:1], np.empty((1, 11)), np.zeros(1, dtype=np.int8), NEVER
+            kind.wall,
+            kind.rolling,
+            rows[:1],
+            np.empty((1, RESULTS)),
+            np.zeros(1, dtype=np.int8),
+            NEVER,
         )
         motion, seconds = timed(kind, rows, arguments.repeats)
         truth = np.empty((len(rows), 2))

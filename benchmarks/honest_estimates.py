@@ -23,6 +23,7 @@ from benchmarks.motions import (
     regularised_motion,
     stepped_motion,
 )
+from core.intake import parse_study
 from core.motion.result import STATUS, Motion
 from core.optimise.codes import STATUS as OPTIMUM
 from core.optimise.known_answers import by_closed_form, is_closed
@@ -31,7 +32,6 @@ from core.optimise.optimisation import Optimisation
 from core.optimise.prepare import prepare
 from core.optimise.run import compute, designs_of
 from core.optimise.scipy_methods import SEARCH_BUDGET, one_by_one, search
-from core.study import parse_study
 from core.watch import Watch
 
 Groups = dict[str, Any]

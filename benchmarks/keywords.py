@@ -7,52 +7,39 @@ functions of `vibrafeed/_functions.py`, which are written by hand, `vibrafeed/_s
 from __future__ import annotations
 
 import ast
+import json
 import math
 import re
 import textwrap
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 
 from core.catalogue import scene_parameters
+from core.kinds import KINDS
 from core.motion.systems import SYSTEMS
 from core.quantities import QUANTITIES, Quantity
 from core.quantities.drive import DRIVE
-from core.scenes import SCENES, Scene
-from core.study.models import STUDIES
+from core.scenes import SCENES
 
 PACKAGE = Path(__file__).parents[1] / "vibrafeed"
 NAMES, STUDIES_FILE = PACKAGE / "_names.py", PACKAGE / "_studies.py"
 FUNCTIONS_FILE = PACKAGE / "_functions.py"
 LENGTH = 100
 
-KINDS = {
-    "study": tuple(STUDIES),
-    "sweep": ("sweep",),
-    "simulate": ("simulate",),
-    "optimise": ("optimise",),
-    "sensitivity": ("sensitivity",),
-    "calibrate": ("calibrate",),
+FUNCTIONS = {
+    "study": tuple(KINDS),
+    **{name: (name,) for name in KINDS},
     "open_lazily": ("sweep",),
     "drive_error": ("simulate",),
 }
 """The kinds of study of each function."""
-REGISTRIES: dict[str, tuple[Mapping[str, Scene], ...]] = {
-    "sweep": (SCENES,),
-    "simulate": (SYSTEMS,),
-    "optimise": (SCENES, SYSTEMS),
-    "sensitivity": (SCENES, SYSTEMS),
-    "calibrate": (SYSTEMS,),
-}
-"""The scenes of each kind."""
-TOLD = ("sweep", "simulate", "optimise", "sensitivity", "calibrate")
-"""Functions whose docstrings tell of each keyword."""
 OWN = ("study", "given", "draws", "seed")
 """Parameters of functions that are written by hand, unless their studies have such a key."""
 
 MAPPING = "Mapping[str, Any]"
 MAPPINGS = f"Mapping[str, {MAPPING}]"
 TYPES = {
-    "kind": 'Literal["sweep", "simulate", "optimise", "sensitivity", "calibrate"]',
+    "kind": f"Literal[{', '.join(map(json.dumps, KINDS))}]",
     "scene": "{scenes}",
     "outputs": "{outputs} | Sequence[{outputs}]",
     "variant": 'Literal["thesis", "derived", "physical"] | str',
@@ -154,7 +141,7 @@ def parameters(kinds: Iterable[str]) -> list[str]:
     taken = {
         name
         for kind in kinds
-        for registry in REGISTRIES[kind]
+        for registry in KINDS[kind].scenes
         for scene in registry.values()
         for variant in scene.variants
         for name in scene_parameters(scene, variant)
@@ -170,7 +157,9 @@ def keys(kinds: Iterable[str]) -> dict[str, str]:
     KeyError
         If `TYPES` does not say how one is written.
     """
-    fields = {name: field for kind in kinds for name, field in STUDIES[kind].model_fields.items()}
+    fields = {
+        name: field for kind in kinds for name, field in KINDS[kind].model.model_fields.items()
+    }
     missing = fields.keys() - TYPES.keys()
     if missing:
         raise KeyError(f"TYPES of {Path(__file__).name} has no {', '.join(sorted(missing))}")
@@ -179,12 +168,13 @@ def keys(kinds: Iterable[str]) -> dict[str, str]:
 
 def annotations(function: str) -> dict[str, str]:
     """Return the keywords of a function and how each is written, in order."""
-    kinds = KINDS[function]
+    kinds = FUNCTIONS[function]
     own = keys(kinds)
     if function != "study":
         del own["kind"]  # the function says it
-    stems = {"sweep": "Swept", "simulate": "Simulated", "calibrate": "Simulated"}
-    stem = stems.get("".join(kinds), "")
+    registries = [registry for kind in kinds for registry in KINDS[kind].scenes]
+    stem = "Swept" if registries[0] is SCENES else "Simulated"
+    stem = stem if len(registries) == 1 else ""
     words = {"scenes": f"{stem or 'Swept'}Scene", "outputs": f"{stem}Output"}
     written = {name: TYPES[name].format(**words) for name in own}
     first = {name: written.pop(name) for name in FIRST if name in written}
@@ -218,7 +208,7 @@ def _bounds(quantity: Quantity) -> str:
 
 def section(function: str) -> list[str]:
     """Return the entries of a docstring for the keywords of a function."""
-    words, lines = keys(KINDS[function]), []
+    words, lines = keys(FUNCTIONS[function]), []
     for name, written in annotations(function).items():
         lines.append(f"    {name} : {_in_words(written)}, optional")
         lines += _wrapped(words[name] if name in words else meaning(name), 8)
@@ -271,9 +261,9 @@ if TYPE_CHECKING:
 
     import xarray
 
+    from core.intake.keywords import Given
     from core.motion.drive_error import DriveError
     from core.study import Study
-    from core.study.gather import Given
     from vibrafeed._names import (
         DriveNumbers,
         NoMore,
@@ -293,10 +283,10 @@ def studies_module(source: str) -> str:
     functions = [node for node in ast.parse(source).body if isinstance(node, ast.FunctionDef)]
     written = [HEAD]
     for node in functions:
-        if node.name not in KINDS:
+        if node.name not in FUNCTIONS:
             continue
         docstring = lines[node.body[0].lineno - 1 : node.body[0].end_lineno]
-        if node.name in TOLD:
+        if node.name in KINDS:
             end = docstring.index("", docstring.index("    Parameters"))
             docstring[end:end] = section(node.name)
         study = node.args.posonlyargs[0].arg
@@ -308,12 +298,12 @@ def studies_module(source: str) -> str:
 
 def own_of(function: str) -> list[str]:
     """Return the parameters of a function that are written by hand."""
-    return [name for name in OWN if name not in keys(KINDS[function])]
+    return [name for name in OWN if name not in keys(FUNCTIONS[function])]
 
 
 def _signature(node: ast.FunctionDef) -> list[str]:
     rest = "others: Unpack[NoMore]"
-    if KINDS[node.name] != ("sweep",):
+    if FUNCTIONS[node.name] != ("sweep",):
         rest = "numbered: Unpack[DriveNumbers]"
     own = [
         f"    {ast.unparse(arg)} = {ast.unparse(value)},"

@@ -23,9 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.waves import CLOSE, NAMES, PLANAR, REPEATS, SPATIAL, harmonics, parts, steps
-from core.motion import waves
+from core.motion import planar, waves
 from core.motion.groups import Contacts, Groups, cells_of
-from core.motion.kernels import planar, track
+from core.motion.kernels import track
 from core.motion.kernels.arrays import NEVER
 from core.motion.kernels.planar.tables import PIECE
 from core.motion.kernels.statuses import MODE

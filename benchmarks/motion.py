@@ -19,7 +19,7 @@ import numpy as np
 from benchmarks.lockstep import lockstep_velocities
 from benchmarks.motions import planar_motion
 from core.motion.kernels.arrays import NEVER
-from core.motion.kernels.planar import solve_cells
+from core.motion.planar import solve_cells
 from core.motion.result import COLUMNS
 from core.quantities import MOTION_STATUSES
 

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import xarray
 
-from core.kinds import prepare_content
+from core.intake import prepare_content
 from core.plan.evaluate import evaluate
 from core.sweep import Sweep
 from core.sweep.lazy import open_lazily
@@ -70,7 +70,6 @@ def main() -> None:
     asked = parser.parse_args()
     content = study(asked.cells)
     sweep = prepare_content(content)
-    assert isinstance(sweep, Sweep)
     shape = sweep.grid.shape
     print(f"{sweep.cells:,} cells, {shape}; slices of two axes")
     with tempfile.TemporaryDirectory() as folder:

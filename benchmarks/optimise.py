@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from core.accuracy.optimisers import answer
+from core.intake import parse_study
 from core.mechanics.arrays import Array
 from core.optimise import METHODS, optimise
 from core.optimise.codes import ANGLE_PROBLEMS, AngleProblem
@@ -24,7 +25,6 @@ from core.optimise.newton import fastest
 from core.optimise.prepare import prepare
 from core.optimise.problem import chosen_cells
 from core.optimise.run import designs_of
-from core.study import parse_study
 from core.watch import Watch
 
 PICTURE = Path(__file__).parents[1] / "docs" / "generated" / "optimise-methods.png"

@@ -12,22 +12,20 @@ import time
 from pathlib import Path
 
 from benchmarks.reduce import ASKED, TABLE, study
-from core.kinds import prepare_content, tabulate
-from core.sweep import ReducedSweep
-from core.sweep.parts import Parts
+from core.intake import prepare_content
+from core.kinds import tabulate
 
 
 def main(cells: int, count: int) -> None:
     """Print the figures of a reduced sweep, in parts and at once."""
     content = study(cells, ASKED["all statistics"], TABLE)
     prepared = prepare_content(content)
-    assert isinstance(prepared, ReducedSweep)
     prepared.work.seconds()  # what repays compiling is compiled
     started = time.perf_counter()
     tabulate(prepared)
     at_once = time.perf_counter() - started
     with tempfile.TemporaryDirectory() as folder:
-        parts = Parts(prepared, str(Path(folder) / "result.nc"), count)
+        parts = prepared.parts(str(Path(folder) / "result.nc"), count)
         times, sizes = [], []
         for part in range(count):
             started = time.perf_counter()

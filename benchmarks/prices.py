@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from core.errors import StudyError
-from core.kinds import prepare_content, tabulate
+from core.intake import load_study, prepare_content
+from core.kinds import tabulate
 from core.motion.systems import CONTACTS, SYSTEMS, methods_of
-from core.study import load_study
 from core.watch import Watch
 
 NOTHING = 0.01  # s: shorter times are those of labels and of looking things up

@@ -26,7 +26,7 @@ import numpy as np
 from benchmarks.serving import Served, served
 from core.catalogue import describe
 from core.errors import StudyError, VibrafeedError
-from core.kinds import prepare_content
+from core.intake import prepare_content
 from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS
 from core.quantities import QUANTITIES

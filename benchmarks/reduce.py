@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 
 ASKED: dict[str, dict[str, Any]] = {
     "argmax": {"statistics": ["argmax"]},

@@ -91,8 +91,14 @@ def studies() -> dict[str, Any]:
 
 def compute(folder: Path) -> None:
     """Carry out every study with the code that is imported; write its arrays."""
-    from core.kinds import prepare_content, tabulate
-    from core.study.load import read_toml
+    from core.kinds import tabulate
+
+    try:
+        from core.intake import prepare_content, read_toml
+    except ModuleNotFoundError:  # of a checkout in which that room was not yet built
+        from core.study.load import read_toml
+
+        from core.kinds import prepare_content
 
     contents: dict[str, Any] = json.loads((folder / "studies.json").read_text())
     for name, content in contents.items():

@@ -29,8 +29,8 @@ from app.jobs.store import Store
 from app.web.routes.sweeps import NUMPY, binary
 from benchmarks.serving import Served, percentile, served
 from core.dataset.document import to_document
-from core.kinds import prepare_content, tabulate
-from core.study.load import read_json
+from core.intake import prepare_content, read_json
+from core.kinds import tabulate
 from core.sweep.slice import cut
 
 FREE = {"alpha": 250, "beta": 400}  # 10^5 values

@@ -80,11 +80,12 @@ law on impulses, and only the time differs. Their error is of first order in the
 erratic: slip turns at the end of a step, never within it. Contacts of MuJoCo give way, which
 counts where the load is near 0 for a while, as under the ellipse.
 
-`python -m benchmarks.validation_engines` runs what is installed: `pip install
-'vibrafeed[engines]'` brings MuJoCo, PyBullet and pymunk, `pip install dartpy` DART, Debian's
-package `python3-siconos` (4.4.0, which calls itself 4.5.0) Siconos, for Debian's own Python
-(`--python siconos=/usr/bin/python3`). Times depend on the machine: these are of two cores that
-others used too. [motion.md](motion.md#speed-and-accuracy) has engines with a plate that moves."""
+`python -m benchmarks.validation_engines` runs what is installed: the
+[extra](install.md#extras) `engines` brings MuJoCo, PyBullet and pymunk, `pip install dartpy`
+DART, Debian's package `python3-siconos` (4.4.0, which calls itself 4.5.0) Siconos, for Debian's
+own Python (`--python siconos=/usr/bin/python3`). Times depend on the machine: these are of two
+cores that others used too. [motion.md](motion.md#speed-and-accuracy) has engines with
+a plate that moves."""
 
 
 def page() -> str:

@@ -1,8 +1,9 @@
 """Prints how exact motion under any drive agrees and what it costs; `python -m benchmarks.waves`.
 
 Random drives of one to eight harmonics on each axis, and of two to twelve steps, with random parts: closed forms in the
-plane against series in space, and some of them against the reference. Then the time of a cell under more and more
-harmonics as a ratio to the plain sine, both measured in turns in one run, on one thread.
+plane against series in space, and some of them against the reference. Bouncing parts under a plain sine against the same
+as one harmonic, and under random drives against series in space: which of them repeat. Then the time of a cell under
+more and more harmonics as a ratio to the plain sine, both measured in turns in one run, on one thread.
 """  # noqa: E501
 
 from __future__ import annotations
@@ -15,9 +16,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from core.motion import waves
+from core.motion import planar, waves
 from core.motion.groups import Contacts, Groups, cells_of, each
-from core.motion.kernels import planar, track
+from core.motion.kernels import track
 from core.motion.kernels.arrays import NEVER
 from core.motion.methods.events import planar_motion
 from core.motion.methods.reference import reference_motion
@@ -72,6 +73,101 @@ def parts(pick: Pick, wave: Wave) -> Groups:
     return Groups(
         along, normal, np.sin(gamma), np.cos(gamma), more * kinetic, kinetic, bounce, wave=wave
     )
+
+
+def bouncing(pick: Pick, cells: int, *, clean: bool) -> Groups:
+    """Return hopping parts under a plain sine, two in three with rebounds, on numbers as typed or not.
+
+    Throw numbers from 1 to 9; of some static friction is the larger.
+    """  # noqa: E501
+    if clean:
+        throw, beta = pick.integers(11, 81, cells) / 10, pick.integers(2, 16, cells) * 5.0
+        gamma = pick.choice([0.0, 0.0, 2.0, 5.0, -3.0], cells)
+        kinetic, more = pick.integers(1, 10, cells) / 10, pick.choice([1.0, 1.0, 1.2, 1.5], cells)
+        bounce = pick.choice([0.0, 0.0, 0.1, 0.2, 0.3, 0.4, 0.5], cells)
+    else:
+        throw, beta = (
+            np.exp(pick.uniform(np.log(1.02), np.log(9), cells)),
+            pick.uniform(8, 75, cells),
+        )
+        gamma, kinetic = pick.uniform(-5, 5, cells), pick.uniform(0.1, 0.9, cells)
+        more = np.where(pick.random(cells) < 0.4, pick.uniform(1, 1.5, cells), 1.0)
+        bounce = np.where(pick.random(cells) < 0.65, pick.uniform(0, 0.7, cells), 0.0)
+    beta, gamma = np.radians(beta), np.radians(gamma)
+    normal = throw * np.cos(gamma)
+    return Groups(
+        normal / np.tan(beta), normal, np.sin(gamma), np.cos(gamma), more * kinetic, kinetic, bounce
+    )
+
+
+def as_harmonic(sine: Groups) -> Groups:
+    """Return the same parts under the same drive, told as one harmonic."""
+    pushes = np.broadcast_arrays(sine.drive_number_along, sine.drive_number_normal)
+    found = np.zeros((3, 2, 1, pushes[0].size))
+    found[0, 0, 0], found[2, 0, 0] = (np.ravel(push) for push in pushes)
+    wave = Wave(found, np.zeros((4, 0, pushes[0].size)))
+    return sine._replace(wave=wave)
+
+
+def lifting(pick: Pick, wave: Wave, *, clean: bool) -> Groups:
+    """Return random parts, two in three with rebounds, under a wave that lifts them 1.5 to 5 g."""
+    size, cells = pick.uniform(1.5, 5.0, wave.cells), wave.cells[0]
+    size = np.round(size, 1) if clean else size
+    found, steps_of = wave.harmonics.copy(), wave.steps.copy()
+    scale = size / waves.bound(wave, 2)
+    found[2] *= scale
+    steps_of[2] *= scale
+    groups = parts(pick, Wave(found, steps_of))
+    bounce = np.where(pick.random(cells) < 0.65, pick.uniform(0.0, 0.7, cells), 0.0)
+    if not clean:
+        return groups._replace(restitution=bounce)
+    kinetic = pick.integers(1, 10, cells) / 10
+    level = {"gravity_number_along": 0.0, "gravity_number_normal": 1.0}
+    more = pick.choice([1.0, 1.0, 1.2, 1.5], cells)
+    return groups._replace(
+        **level, friction_static=more * kinetic, friction_kinetic=kinetic,
+        restitution=np.round(bounce, 1),
+    )  # fmt: skip
+
+
+def repetition(cells: int, seed: int) -> None:
+    """Print how often a motion that repeats is said not to, and whose means differ."""
+    pick = np.random.default_rng(seed)
+    decided = [STATUS["aperiodic"], STATUS["sensitive"]]
+    for clean in (True, False):
+        kind = "clean" if clean else "random"
+        groups = bouncing(pick, cells, clean=clean)
+        sine, wave = (planar_motion(one, **PLANAR) for one in (groups, as_harmonic(groups)))
+        drive = np.hypot(groups.drive_number_along, groups.drive_number_normal)
+        compare(f"{kind} sines and the same as one harmonic", sine, wave, drive)
+        lost = np.isin(wave.status, decided) & np.isin(sine.status, REPEATS)
+        print(f"   one harmonic said not to repeat where the sine does: {lost.sum()}")
+        for name, one in (("sine", sine), ("harmonic", wave)):
+            wild = one.status == STATUS["aperiodic"]
+            print(
+                f"   aperiodic under the {name}: {wild.sum()}, stated error of the median "
+                f"{np.median((one.error / drive)[wild]):.1%} of the drive's speed"
+            )
+    for clean in (True, False):
+        for make in (harmonics, steps):
+            total, lost, apart = 0, 0, 0
+            for orders in range(1, 9):
+                count = orders if make is harmonics else orders + 1
+                groups = lifting(pick, make(pick, cells // 16, count), clean=clean)
+                flat, spatial = planar_motion(groups, **PLANAR), spatial_motion(
+                    groups, Contacts(), **SPATIAL
+                )  # fmt: skip
+                both = np.isin(spatial.status, REPEATS)
+                wild = np.isin(flat.status, decided) & both
+                far = np.abs(flat.velocity - spatial.velocity) > flat.error + spatial.error
+                total, lost = total + both.sum(), lost + wild.sum()
+                apart += (far & wild).sum()
+            kind = "clean" if clean else "random"
+            print(
+                f"{kind} {make.__name__}, lifting: of {total:,} that repeat in space {lost} "
+                f"({lost / total:.2%}) do not in the plane, the means of {apart} of them apart by "
+                f"more than both errors"
+            )
 
 
 def compare(name: str, one: Motion, other: Motion, speed: NDArray[np.float64]) -> None:
@@ -185,11 +281,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cells", type=int, default=2000)
     parser.add_argument("--judged", type=int, default=160, help="cells of them by the reference")
+    parser.add_argument("--bouncing", type=int, default=4000, help="of each kind of bouncing parts")
     parser.add_argument("--timed", type=int, default=300)
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--seed", type=int, default=7)
     given = parser.parse_args()
     agreement(given.cells, given.judged, given.seed)
+    repetition(given.bouncing, given.seed)
     flat = feeder_parts(given.timed, given.seed, 0.0)
     times("In the plane", flat, planar.solve_cells, planar.Cell._fields, given.rounds)
 

@@ -28,7 +28,8 @@ import numpy as np
 
 from core.dataset.files import Behind, sync
 from core.dataset.growing import SYNC_BYTES
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from core.plan.tiles import Tiled
 from core.sweep import Sweep
 from core.sweep.stream import outline
@@ -108,7 +109,6 @@ def table(runs: dict[str, list[float]], sizes: dict[str, int], base: str) -> Non
 def write(folder: Path, gigabytes: float, count: int) -> None:
     """Compare the ways of writing one sweep."""
     sweep = prepare_content(study(gigabytes * 1e9 / 9))
-    assert isinstance(sweep, Sweep)
     tiled = Tiled(sweep)
     shapes = {tuple(b - a for a, b in tile.box): tile for tile in tiled.tiles}
     some = [tiled.tiles[k] for k in range(0, len(tiled.tiles), -(-len(tiled.tiles) // DIFFERENT))]

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
+from core.kinds import KINDS
 from core.motion.systems import CONTACTS, SYSTEMS
-from core.optimise.methods import METHODS
 from core.plan.plan import find_scene, scene_parameters
 from core.quantities import QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE
 from core.quantities.pictures import INKS, LEVELS, colour_of
 from core.scenes import ALIASES, SCENES, Equation, Scene
 from core.scenes.graph import behind
-from core.study.models import STUDIES
 from core.study.units import read_number
 
 
@@ -128,34 +127,25 @@ def study_schema() -> dict[str, Any]:
     """Return the JSON Schema of a study of any kind."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "oneOf": [kind_schema(kind) for kind in STUDIES],
+        "oneOf": [kind_schema(kind) for kind in KINDS],
     }
 
 
-def kind_schema(kind: str) -> dict[str, Any]:
+def kind_schema(name: str) -> dict[str, Any]:
     """Return the JSON Schema of one kind, with the names of scenes, variants and outputs."""
-    schema = STUDIES[kind].model_json_schema()
-    known = SYSTEMS if kind in ("simulate", "calibrate") else SCENES
-    scenes = known.values()
-    giving = [*scenes, *SYSTEMS.values()] if kind in ("optimise", "sensitivity") else scenes
+    kind = KINDS[name]
+    schema = kind.model.model_json_schema()
+    first, properties = kind.scenes[0], schema["properties"]
+    giving = [scene for scenes in kind.scenes for scene in scenes.values()]
     outputs = {name for scene in giving for v in scene.variants for name in scene.outputs(v)}
-    variants = {variant for scene in scenes for variant in scene.variants}
-    choice = next(iter(scenes)).choice
-    properties = schema["properties"]
-    properties["scene"] |= {"enum": list(known)}
+    variants = sorted({variant for scene in first.values() for variant in scene.variants})
+    choice = next(iter(first.values())).choice
+    properties["scene"] |= {"enum": list(first)}
     if "outputs" in properties:
         properties["outputs"]["items"] = {"enum": [name for name in QUANTITIES if name in outputs]}
-    properties[choice] = {
-        "enum": [*sorted(variants), None],
-        "default": None,
-        "description": properties[choice]["description"],
-    }
-    if kind == "optimise":
-        properties["method"] = {
-            "enum": [*METHODS, None],
-            "default": None,
-            "description": properties["method"]["description"],
-        }
+    for key, values in {choice: variants, **kind.choices}.items():
+        said = properties[key]["description"]
+        properties[key] = {"enum": [*values, None], "default": None, "description": said}
     return schema
 
 

@@ -1,76 +1,29 @@
 """Kernels compiled before anybody waits for them: when an image is built, or a service starts.
 
-Each group of studies has kernels of its own, so that several processes can do them at a time. Where
-everything is compiled already, it takes seconds.
+Each package of kernels has studies that need all of it. The first of them needs what the first
+study of a user does; these come before the rest. Packages are compiled in several processes at a
+time. Where everything is compiled already, it takes no time.
 """
 
 from __future__ import annotations
 
 import multiprocessing
 import os
+from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import KINDS, tabulate
 
-DRIVE = {"frequency": 50, "amplitude": "0.2 mm", "beta": 30, "friction": 0.4}
-PLANE = {"scene": "rectangle-on-plane", "parameters": DRIVE}
-TRACK = {"scene": "rectangle-on-track", "parameters": {**DRIVE, "alpha": 5, "radius": "0.2 m"}}
-PIN = {
-    "scene": "cylinder-isolated",
-    "outputs": ["settling_time"],
-    "parameters": {
-        "length": "20 mm", "diameter": "8 mm", "drop_height": "10 mm", "pitch": 60,
-        "friction": 0.3, "restitution": 0.4, "duration": "0.1 s",
-    },
-}  # fmt: skip
-GROUPS: dict[str, list[dict[str, Any]]] = {
-    "space": [
-        {"kind": "simulate", **TRACK, "method": "events", **shown}
-        for shown in ({}, {"trajectory": 10})
-    ],
-    "conveying": [
-        {"kind": "simulate", **where, "method": method, **shown}
-        for where, method in (
-            (PLANE, "events"), (PLANE, "time-stepping"), (TRACK, "time-stepping"),
-        )
-        for shown in ({}, {"trajectory": 10})
-    ]
-    + [{"kind": "simulate", **PLANE, "sensitivities": True}],
-    "tumbling": [
-        {"kind": "simulate", **PIN, "method": "events"},
-        {"kind": "simulate", **PIN, "method": "events", "trajectory": 10},
-        {"kind": "simulate", **PIN, "method": "time-stepping"},
-    ],
-    "optimise": [
-        {
-            "kind": "optimise",
-            "scene": "rectangle-on-track",
-            "criterion": {"kind": "maximise", "output": "acceleration_x"},
-            "parameters": {name: DRIVE[name] for name in ("frequency", "amplitude", "friction")},
-        }
-    ],
-    "reduce": [
-        {
-            "kind": "sweep",
-            **PLANE,
-            "outputs": ["acceleration_x"],
-            "parameters": {**DRIVE, "frequency": [40, 50], "beta": [10, 20, 30]},
-            "reduce": {
-                "over": [over],
-                "statistics": ["max", "mean"],
-                "quantiles": [0.5],
-                "regimes": True,
-                "shares": {"slow": ["acceleration_x < 1"]},
-                "levels": {
-                    "one": {"output": "acceleration_x", "level": 1, "along": over}
-                },
-            },
-        }
-        for over in ("frequency", "beta")
-    ],
-}  # fmt: skip
+STUDIES: dict[str, tuple[Mapping[str, Any], ...]] = {
+    package: studies for kind in KINDS.values() for package, studies in kind.compiles.items()
+}
+"""Studies that need all kernels, by package; those of all kinds."""
+
+FIRST, REST = slice(1), slice(1, None)
+"""The study of a package that comes first, and the others."""
 
 
 def warm(processes: int) -> Path | None:
@@ -86,36 +39,39 @@ def warm(processes: int) -> Path | None:
     Path or None
         Where compiled code is kept; None if no folder can be written.
     """
-    from core.compiled import folder
+    from core.kernel_cache import root
 
-    place = folder()
-    if place is None or is_warm():
-        return place
-    if not os.access(place, os.W_OK):  # an image ships it, for another processor
-        return None
-    spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(processes, len(GROUPS)), mp_context=spawn) as pool:
-        list(pool.map(carry_out, GROUPS))
-    _mark(place).touch()
-    return place
+    marks = {package: _mark(package) for package in STUDIES}
+    left = {package: mark for package, mark in marks.items() if mark is None or not mark.exists()}
+    for mark in left.values():
+        if mark is None or not os.access(mark.parent, os.W_OK):  # an image's, of another processor
+            return None
+    if left:
+        spawn = multiprocessing.get_context("spawn")
+        with ProcessPoolExecutor(min(processes, len(left)), mp_context=spawn) as pool:
+            for part in (FIRST, REST):
+                list(pool.map(carry_out, left, len(left) * [part]))
+        for mark in left.values():
+            assert mark is not None
+            mark.touch()
+    return root()
 
 
 def is_warm() -> bool:
     """Return whether every kernel has been compiled for this processor, and kept."""
-    from core.compiled import folder
-
-    place = folder()
-    return place is not None and _mark(place).exists()
+    marks = [_mark(package) for package in STUDIES]
+    return all(mark is not None and mark.exists() for mark in marks)
 
 
-def carry_out(group: str) -> None:
-    """Carry out the studies of a group."""
-    for study in GROUPS[group]:
+def carry_out(package: str, part: slice = slice(None)) -> None:
+    """Carry out studies of a package."""
+    for study in STUDIES[package][part]:
         tabulate(prepare_content(study))
 
 
-def _mark(place: Path) -> Path:
+def _mark(package: str) -> Path | None:
     """Return the file that says so; it goes with the code that it speaks of."""
-    from core.compiled import processor
+    from core.kernel_cache import folder, processor
 
-    return place / f"warm-{processor()}"
+    place = folder(package)
+    return None if place is None else place / f"warm-{processor()}"

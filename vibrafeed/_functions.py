@@ -8,14 +8,14 @@ from __future__ import annotations
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
     from typing import Any
 
     import xarray
 
+    from core.intake.keywords import Given
     from core.motion.drive_error import DriveError
     from core.study import Study
-    from core.study.gather import Given
 
 
 def study(given: Given | None = None, /, **keywords: Any) -> Study:
@@ -44,8 +44,7 @@ def study(given: Given | None = None, /, **keywords: Any) -> Study:
     >>> dict(vibrafeed.sweep(drive, beta=20).sizes)
     {'frequency': 101}
     """
-    from core.kinds import study_of  # loads the models of studies
-    from core.study.gather import gather
+    from core.intake import gather, study_of  # loads the models of studies
 
     found = gather(given, keywords)
     return study_of(found) if isinstance(found, dict) else found
@@ -253,8 +252,6 @@ def calibrate(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
 def open_lazily(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
     """Return the dataset of a sweep of any size; what is read of it is computed when it is read.
 
-    It needs zarr: ``pip install 'vibrafeed[cluster]'``.
-
     Parameters
     ----------
     study : Study, mapping or path, optional
@@ -332,9 +329,8 @@ def drive_error(
     """
     import numpy as np  # a library
 
-    from core.kinds import study_and_fit  # loads the models of studies
+    from core.intake import gather, study_and_fit  # loads the models of studies
     from core.motion.drive_error import drive_error
-    from core.study.gather import gather
 
     found = gather(study, keywords, "simulate")
     asked, fit = study_and_fit(found if isinstance(found, dict) else found.content())
@@ -352,8 +348,8 @@ def said(given: Mapping[str, Any]) -> dict[str, Any]:
 
 def _prepared(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> Any:
     """Return a study of one kind, ready to be carried out."""
-    from core.kinds import prepare, prepare_content  # loads the models of studies
-    from core.study.gather import gather
+    from core.intake import gather, prepare_content  # loads the models of studies
+    from core.kinds import prepare
 
     found = gather(given, keywords, kind)
     return prepare_content(found, files=True) if isinstance(found, dict) else prepare(found)
@@ -365,6 +361,17 @@ def _carry_out(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> x
     prepared = _prepared(kind, given, keywords)
     _import_accessor()
     return tabulate(prepared).to_xarray()
+
+
+def of_kind(kind: str) -> Callable[..., xarray.Dataset]:
+    """Return the function that carries out studies of a kind, as `sweep` does."""
+
+    def carry_out(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
+        return _carry_out(kind, study, said({"study": study, **keywords}))
+
+    carry_out.__name__ = kind
+    carry_out.__doc__ = f"Return the dataset of a study of kind '{kind}'; keywords are its keys."
+    return carry_out
 
 
 def _import_accessor() -> None:

@@ -217,6 +217,7 @@ SimulatedOutput: TypeAlias = (
         "conveying_velocity",
         "conveying_velocity_spread",
         "conveying_velocity_error",
+        "velocity_across",
         "efficiency",
         "fastest_velocity",
         "share_of_fastest",

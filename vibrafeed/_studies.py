@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
     import xarray
 
+    from core.intake.keywords import Given
     from core.motion.drive_error import DriveError
     from core.study import Study
-    from core.study.gather import Given
     from vibrafeed._names import (
         DriveNumbers,
         NoMore,
@@ -1831,8 +1831,6 @@ def open_lazily(
     **others: Unpack[NoMore],
 ) -> xarray.Dataset:
     """Return the dataset of a sweep of any size; what is read of it is computed when it is read.
-
-    It needs zarr: ``pip install 'vibrafeed[cluster]'``.
 
     Parameters
     ----------

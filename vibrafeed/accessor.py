@@ -50,7 +50,7 @@ class Accessor:
             If the dataset holds none: it is no result of vibrafeed.
         """
         from core.errors import VibrafeedError
-        from core.study import parse_json
+        from core.intake import parse_json
 
         if "study" not in self._dataset.attrs:
             raise VibrafeedError("The dataset holds no study: it is no result of vibrafeed.")
@@ -126,8 +126,7 @@ class Accessor:
     def to_excel(self, path: str | os.PathLike[str]) -> None:
         """Write an Excel workbook: one row a cell, with units in the headings.
 
-        Further sheets explain the columns and hold the study. It needs openpyxl:
-        ``pip install 'vibrafeed[tables]'``.
+        Further sheets explain the columns and hold the study.
 
         Parameters
         ----------

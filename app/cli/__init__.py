@@ -29,13 +29,15 @@ from app.cli import (
     validate,
     warm,
 )
+from core.kinds import KINDS
 
 app = typer.Typer(
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",  # folds paragraphs as wholes
-    help="Sweeps, motion in time and best drives of parts on vibratory feeder tracks.",
+    help="Sweeps, motion in time and best drives of parts on vibratory feeder tracks.\n\n"
+    f"Kinds of study: {', '.join(KINDS)}.",
 )
 
 

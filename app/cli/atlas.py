@@ -13,6 +13,7 @@ from app.cli.existing import REMOVE, REPLACE
 from app.cli.options import FAILED
 from app.cli.studies import interruption, refuse
 from core.errors import Problem, StoppedError
+from core.extras import installing
 
 if TYPE_CHECKING:
     from core.watch import Watch
@@ -49,7 +50,7 @@ def atlas(
         try:
             from core.plots.book import write_book
         except ModuleNotFoundError as error:
-            console.fail(f"{error.name} is missing. Install it: pip install 'vibrafeed[plot]'.")
+            console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
             raise typer.Exit(FAILED) from None
     if output is not None:
         _carried_out(output, lambda watch: _write_atlas(output, resolution, watch))

@@ -122,9 +122,15 @@ def progress(label: str, size: int | None = None) -> Iterator[Callable[[float], 
     with bar:
         task = bar.add_task(label, total=size or 1.0)
 
+        told = stdout.quiet
+
         def tell(compiles: bool) -> None:
+            nonlocal told
             more = ", compiling once" if compiles else ""
             bar.update(task, description=f"{label}{more}")
+            if compiles and bar.disable and not told:  # nobody sees the bar
+                told = True
+                stderr.print(f"{label}: compiling once, some seconds; it is kept", markup=False)
 
         with stopwatch.telling(tell):
             yield lambda done: bar.advance(task, done * (size or 1.0))

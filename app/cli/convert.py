@@ -34,16 +34,13 @@ def convert(
     all of its forms have the same key: the service computes equal studies once. Exit code 2 means
     that the study or an option is wrong, 1 that the file could not be written.
     """
-    from core.plan.posteriors import with_posteriors
-    from core.study.forms import FORMS, SERVICE, placed, to_curl
+    from core.intake.forms import FORMS, SERVICE, placed, to_curl
 
     if to not in FORMS:
         refuse(
             {file: [Problem("to", f"'{to[:40]}' is not a form of a study", suggestion(to, FORMS))]}
         )
     content = _checked(file)
-    if to == "curl":  # a service reads no files of ours
-        content = with_posteriors(content, files=True)[0]
     folder = output.parent if output is not None else Path()
     try:
         found = placed(content, to, folder)
@@ -60,7 +57,7 @@ def convert(
 
 def _checked(file: Path) -> Mapping[str, Any]:
     """Return the content of a sound study, as it was typed; report every error and exit."""
-    from core.kinds import prepare_content
+    from core.intake import prepare_content
 
     try:
         content = content_of(file)

@@ -10,6 +10,7 @@ import typer
 from app.cli.options import FAILED, Json, Units
 from app.cli.studies import refuse
 from core.errors import Problem, StudyError
+from core.extras import installing
 
 if TYPE_CHECKING:
     from core.measured import Fit, Recording
@@ -141,7 +142,7 @@ def _wrong_picture(plot: Path | None) -> list[Problem]:
         from core.plots.files import check_format
         from core.plots.problem import PlotError
     except ModuleNotFoundError as error:
-        console.fail(f"{error.name} is missing. Install it: pip install 'vibrafeed[plot]'.")
+        console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
         raise typer.Exit(FAILED) from None
     try:
         check_format(plot)

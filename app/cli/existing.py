@@ -74,6 +74,6 @@ def _is_whole(prepared: Prepared, target: str) -> bool:
     from core.plan.sample import LEFT_OUT
     from core.sweep.targets import attributes_there
 
-    if prepared.study.kind == "sweep":  # which may be large, and is written when it is computed
+    if not prepared.keeps_some:  # it may be large, and is written when it is computed
         return LEFT_OUT not in attributes_there(target)
     return is_whole(read_result(target))

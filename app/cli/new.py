@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,7 +12,8 @@ import typer
 from app.cli.questions import QUESTIONS, Question
 from app.cli.studies import STANDARD, refuse
 from app.cli.texts import refuse_taken, write_text
-from core.errors import Problem
+from core.errors import Problem, suggestion
+from core.kinds import KINDS
 
 _BY_NAME = {question.name: question for question in reversed(QUESTIONS)}  # the first of a name
 Answer = str | None
@@ -32,6 +34,10 @@ def new(
     file: Annotated[Path, typer.Argument(help="The file to write; - is the screen.")] = Path(
         "study.toml"
     ),
+    kind: Annotated[
+        str | None,
+        typer.Option(help=f"The example of a kind of study, and no questions: {', '.join(KINDS)}."),
+    ] = None,
     question: Annotated[Answer, _option("question")] = None,
     part: Annotated[Answer, _option("part")] = None,
     track: Annotated[Answer, _option("track")] = None,
@@ -60,12 +66,16 @@ def new(
     The study runs at once. Exit code 2 means that an answer is wrong or that the file is there
     already, 1 that it could not be written.
     """
-    from app.cli.starter import starter_study
+    from app.cli.starter import example_study, starter_study
 
     _check_name(file, force)
     given = {name: context.params[name] for name in _BY_NAME if context.params[name] is not None}
-    answers = _answered(given, asks=is_terminal() and not yes)
-    text = starter_study(answers, str(file) if file != STANDARD else "study.toml")
+    name = str(file) if file != STANDARD else "study.toml"
+    if kind is not None:
+        _check_kind(kind, given)
+        text = example_study(kind, name)
+    else:
+        text = starter_study(_answered(given, asks=is_terminal() and not yes), name)
     if file == STANDARD:
         typer.echo(text, nl=False)
         return
@@ -84,6 +94,17 @@ def _check_name(file: Path, force: bool) -> None:
         refuse({file: [Problem("file", "JSON has no comments, and a starter has", fix)]})
     if file != STANDARD:
         refuse_taken(file, "file", force=force)
+
+
+def _check_kind(kind: str, given: Mapping[str, str]) -> None:
+    """Exit if there is no such kind, or if answers are given that its example does not take."""
+    message = "the example of a kind asks nothing"
+    problems = [Problem(_flag(name), message, "Leave it out") for name in given]
+    if kind not in KINDS:
+        fix = suggestion(kind, KINDS)
+        problems.insert(0, Problem("--kind", f"'{kind[:40]}' is not a kind of study", fix))
+    if problems:
+        refuse({Path("new"): problems})
 
 
 def _answered(given: dict[str, str], *, asks: bool) -> dict[str, str]:

@@ -18,8 +18,8 @@ from app.cli.studies import interruption, prepare_all, refuse
 from core.errors import Problem, StoppedError, VibrafeedError
 
 if TYPE_CHECKING:
+    from core.plan.parts import Parts
     from core.plan.prepared import Prepared
-    from core.sweep.parts import Parts
 
 _PART = re.compile(r"(\d{1,9})/(\d{1,9})")
 _OF = re.compile(r"\d+-of-(\d+)")
@@ -64,7 +64,8 @@ def run_on_scheduler(
 
     path, target = _only(studies, targets)
     target = target if "://" in target else str(Path(target).resolve())
-    sweep = _parts(path, studies[path], target, 1).sweep
+    sweep = studies[path]
+    _parts(path, sweep, target, 1)  # which it may not have there
     begun = _counts(target)
     if count is None:
         count = begun.pop() if len(begun) == 1 else sensible_count(sweep)
@@ -126,7 +127,7 @@ def join(
 
 def _join(path: Path, parts: Parts, history: str) -> None:
     from app.cli import console
-    from core.sweep.parts import PartsMissingError, ranges
+    from core.plan.parts import PartsMissingError, ranges
     from core.watch import Watch
 
     with _failing(path, parts.where):
@@ -139,7 +140,7 @@ def _join(path: Path, parts: Parts, history: str) -> None:
             console.fail(f"Compute these again (--array={again}), and join again.")
             raise typer.Exit(FAILED) from None
     console.say(
-        f"{path} -> {parts.where}: {parts.sweep.cells:,} cells in {parts.count:,} parts, "
+        f"{path} -> {parts.where}: {parts.cells:,} cells in {parts.count:,} parts, "
         f"{len(table.variables)} variables"
     )
 
@@ -154,22 +155,21 @@ def _only(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) -> tupl
 
 def _parts(path: Path, prepared: Prepared, target: str, count: int) -> Parts:
     """Return the parts of a study; exit if it can have none, or none there."""
-    from core.sweep import ReducedSweep, Sweep
-    from core.sweep.parts import MOST_PARTS, Parts
+    from core.plan.parts import ANSWERS, MOST_PARTS, SHARDS
     from core.sweep.targets import is_zarr
 
     problem = None
-    if not isinstance(prepared, Sweep | ReducedSweep):
+    if not prepared.part_of:
         problem = Problem("kind", "only sweeps are computed in parts", "Leave --part out")
-    elif isinstance(prepared, Sweep) and not is_zarr(target):
+    elif prepared.part_of == SHARDS and not is_zarr(target):
         message = "the parts of a sweep are shards of a Zarr group"
         problem = Problem("output", message, "Write -o result.zarr, or s3://bucket/key")
-    elif isinstance(prepared, ReducedSweep) and is_zarr(target):
+    elif prepared.part_of == ANSWERS and is_zarr(target):
         problem = Problem("output", "what is reduced goes to NetCDF", "Write -o result.nc")
     elif not 1 <= count <= MOST_PARTS:
         problem = Problem("part", f"{count:,} parts", f"Take 1 to {MOST_PARTS:,}")
     else:
-        return Parts(prepared, target, count)
+        return prepared.parts(target, count)
     return refuse({path: [problem]})
 
 

@@ -12,17 +12,11 @@ import numpy as np
 
 from app.cli.console import say, table, tell
 from app.cli.units import DEFAULT_DIGITS, number, units_asked
-from core.optimise import Optimisation
-from core.optimise.run import criterion_in_words
 from core.plan.grid import from_si
 from core.quantities import QUANTITIES
-from core.sweep import ReducedSweep
 
 if TYPE_CHECKING:
     from core.plan.prepared import Prepared
-
-RARELY = 2.0
-"""Times what is likely from which on the most that a study may take is told, too."""
 
 
 def plan_facts(path: Path, prepared: Prepared) -> dict[str, Any]:
@@ -35,7 +29,7 @@ def plan_facts(path: Path, prepared: Prepared) -> dict[str, Any]:
         plan.scene.choice: plan.variant,
         "cells": prepared.cells,
         "bytes": prepared.bytes,
-        "seconds": _seconds(prepared),
+        "seconds": prepared.seconds_here,
         "outputs": {
             name: {
                 "unit": prepared.units[name],
@@ -50,14 +44,7 @@ def plan_facts(path: Path, prepared: Prepared) -> dict[str, Any]:
             for name, value in plan.defaults.items()
         },
     }
-    if isinstance(prepared, Optimisation):
-        facts |= {
-            "criterion": criterion_in_words(prepared.problem),
-            "variables": [*prepared.problem.names],
-            "method": prepared.method,
-            "kept": [one.name for one in prepared.problem.kept],
-        }
-    return facts
+    return facts | prepared.facts()
 
 
 def show_plan(path: Path, prepared: Prepared, asked: str | None) -> None:
@@ -65,19 +52,7 @@ def show_plan(path: Path, prepared: Prepared, asked: str | None) -> None:
     plan, facts = prepared.plan, plan_facts(path, prepared)
     units = units_asked(asked, ",".join(prepared.study.units or ()))
     say(f"{path}: {plan.scene.name}, {plan.scene.choice} {plan.variant}")
-    if isinstance(prepared, ReducedSweep):
-        say(
-            f"  {prepared.cells:,} cells reduced to {prepared.bytes // 8:,} values, "
-            f"{prepared.bytes:,} bytes; some {_duration(facts['seconds'])} here, as a few "
-            f"of {len(prepared.work):,} boxes tell"
-        )
-    else:
-        seconds, most = prepared.seconds, prepared.most_seconds
-        rarely = f" (at most some {_duration(most)})" if most > RARELY * seconds else ""
-        say(
-            f"  {prepared.cells:,} cells, {prepared.bytes:,} bytes before compression, "
-            f"some {_duration(seconds)} on one core{rarely}, {seconds / 3600:.1g} core hours"
-        )
+    say(f"  {prepared.size_in_words}")
     rows = []
     for name, one in facts["outputs"].items():
         sizes = one["dimensions"]
@@ -85,10 +60,8 @@ def show_plan(path: Path, prepared: Prepared, asked: str | None) -> None:
         unit = units.of(one["unit"], 0.0).unit
         rows.append((name, unit, f"{math.prod(sizes.values()):,}", shape))
     table(("output", "unit", "values", "dimensions kept"), rows)
-    if isinstance(prepared, Optimisation):
-        free = ", ".join(facts["variables"])
-        say(f"  {facts['criterion']}, by the choice of {free}; method {facts['method']}")
-        say(f"  kept: {', '.join(facts['kept']) or 'nothing'}")
+    for sentence in prepared.sentences:
+        say(f"  {sentence}")
     tell(f"  equations: {', '.join(facts['equations'])}")
     tell(f"  regimes: {', '.join(facts['regimes'])}")
     if facts["defaults"]:
@@ -113,24 +86,5 @@ def more(prepared: Prepared, checked: float) -> Iterator[str]:
     plan = prepared.plan
     yield f"  checked in {checked:.3f} s; {plan.scene.choice} {plan.variant}"
     yield f"  equations: {', '.join(equation.gives for equation in plan.equations)}"
-    compiler = sys.modules.get("core.compiled")  # who needs no kernel does not load it
-    if compiler is None:
-        yield "  kernels: none, all in numpy"
-    else:
-        place = compiler.folder()
-        yield f"  kernels: compiled, kept in {place}" if place else "  kernels: compiled, not kept"
-
-
-def _seconds(prepared: Prepared) -> float:
-    """Return what a study takes, roughly: on one core, or here if it is reduced."""
-    if isinstance(prepared, ReducedSweep):
-        return float(prepared.work.seconds())
-    return prepared.seconds
-
-
-def _duration(seconds: float) -> str:
-    """Return a time in words, two digits of it."""
-    for unit, length in (("days", 86_400), ("hours", 3600), ("minutes", 60)):
-        if seconds >= 2 * length:
-            return f"{seconds / length:.2g} {unit}"
-    return f"{seconds:.2g} s"
+    kept = sys.modules.get("core.kernel_cache")  # who needs no kernel does not load it
+    yield f"  kernels: compiled, kept in {kept.root()}" if kept else "  kernels: none, all in numpy"

@@ -10,6 +10,7 @@ import typer
 from app.cli.options import FAILED
 from app.cli.studies import refuse
 from core.errors import Problem
+from core.extras import installing
 from core.plots.pictures import PICTURES
 
 
@@ -76,7 +77,7 @@ def plot(
     try:
         from core.plots import PlotError, draw_file
     except ModuleNotFoundError as error:
-        console.fail(f"{error.name} is missing. Install it: pip install 'vibrafeed[plot]'.")
+        console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
         raise typer.Exit(FAILED) from None
     file = files[0]
     endings = (".gif",) if kind == "animation" else (".png", ".svg")

@@ -17,7 +17,6 @@ from core.errors import StoppedError
 
 if TYPE_CHECKING:
     from core.plan.prepared import Prepared
-    from core.sweep import Sweep
 
 
 @dataclass
@@ -52,8 +51,6 @@ class Running:
         complete: Collection[Path],
     ) -> bool:
         """Write the result of every study; return whether all are whole and verified."""
-        from core.sweep import Sweep
-
         sound, left = True, list(studies)
         for path, prepared in studies.items():
             target = targets[path]
@@ -62,7 +59,7 @@ class Running:
                 self.facts.append({"study": str(path), "result": target, "complete_before": True})
                 left.remove(path)
                 continue
-            if isinstance(prepared, Sweep) and _is_streamed(prepared, target):
+            if prepared.not_lazy is None and _is_streamed(prepared, target):
                 from app.cli.streamed import run_streamed
 
                 left.remove(path)
@@ -102,14 +99,13 @@ class Running:
         from app.cli.results import facts_of, show_result
         from core.kinds import is_whole, not_verified, tabulate
         from core.plan.pieces import cells_of
-        from core.sweep import Sweep
         from core.watch import Watch
 
         refuse_beyond_memory(path, prepared)
         compiled = stopwatch.spent
         with (
             console.progress(path.name) as advance,
-            interruption(gently=not isinstance(prepared, Sweep)) as interrupted,
+            interruption(gently=prepared.can_stop) as interrupted,
         ):
             try:
                 table = tabulate(prepared, Watch(advance, interrupted, self.deadline))
@@ -148,7 +144,7 @@ class Running:
                 console.tell(line)
 
 
-def _is_streamed(sweep: Sweep, target: str) -> bool:
+def _is_streamed(sweep: Prepared, target: str) -> bool:
     """Return whether a sweep is written tile by tile, in place of being held in memory."""
     from core.dataset.formats import NETCDF, ZARR, suffix_of
     from core.dataset.netcdf import is_large

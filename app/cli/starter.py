@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Final
 
 from app.cli.questions import QUESTIONS, typed
+from core.kinds import KINDS
 
 SCENES: Final[Mapping[str, str]] = {
     "straight": "rectangle-on-plane",
@@ -15,6 +17,7 @@ SCENES: Final[Mapping[str, str]] = {
 }
 """The scene of a track; of a part that none is asked for, `ROUND`."""
 ROUND: Final = "cylinder-on-plane"
+WIDTH: Final = 96
 
 
 @dataclass(frozen=True)
@@ -129,6 +132,17 @@ def starter_study(answers: Mapping[str, str], file: str) -> str:
             table.add(question.parameter, typed(answers[question.name]))
     document.add("parameters", table)
     return tomlkit.dumps(document)
+
+
+def example_study(kind: str, file: str) -> str:
+    """Return the TOML of the example of a kind of study; `file` is what it will be called."""
+    from core.intake.forms import to_toml
+
+    record = KINDS[kind]
+    said = [f"{record.title}.", *textwrap.wrap(record.description, WIDTH)]
+    lines = [*said, "", f"Carry it out: vibrafeed run {file}"]
+    head = "".join(f"# {line}".rstrip() + "\n" for line in lines)
+    return f"{head}\n{to_toml(record.example)}"
 
 
 def _say(container: Any, text: str) -> None:

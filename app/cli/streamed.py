@@ -16,7 +16,7 @@ from app.cli.studies import interruption, refuse
 from core.dataset.files import partial
 from core.errors import Problem, VibrafeedError
 from core.kinds import is_whole, not_verified
-from core.sweep import Sweep
+from core.plan.prepared import Prepared
 from core.sweep.size import bytes_in_file
 from core.sweep.stream import outline, stream
 from core.sweep.targets import is_complete, is_zarr, open_target
@@ -27,7 +27,7 @@ OTHERWISE = "Remove it, or give another name"
 
 def run_streamed(
     path: Path,
-    sweep: Sweep,
+    sweep: Prepared,
     target: str,
     *,
     compression: bool,
@@ -101,7 +101,7 @@ def run_streamed(
 
 
 def _make_sure_of_room(
-    path: Path, sweep: Sweep, target: str, *, compression: bool, resume: bool
+    path: Path, sweep: Prepared, target: str, *, compression: bool, resume: bool
 ) -> int:
     """Say how large the result becomes, and refuse what its disk cannot hold; return the bytes."""
     compressed = compression or is_zarr(target)

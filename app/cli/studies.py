@@ -29,7 +29,7 @@ def prepare_all(
 
     What is allowed and hardly meant is asked about on the error stream.
     """
-    from core.kinds import prepare_content
+    from core.intake import prepare_content
     from core.study.unusual import questions
 
     prepared: dict[Path, Prepared] = {}
@@ -70,7 +70,7 @@ def content_of(path: Path) -> object:
     StudyError
         If it is neither.
     """
-    from core.study.load import read_content, read_json, read_toml
+    from core.intake import read_content, read_json, read_toml
 
     if path != STANDARD:
         return read_content(path)

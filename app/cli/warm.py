@@ -20,10 +20,10 @@ def warm(
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Compile what follows motion in time, once for this processor; some minutes.
+    """Compile what follows motion in time, once for this processor; a minute or so.
 
     Without it the first study of each kind waits. Compiled code is kept in NUMBA_CACHE_DIR, or
-    beside the program.
+    among the user's caches.
     """
     from app.cli import console
     from core.warm import is_warm

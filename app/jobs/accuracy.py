@@ -11,6 +11,7 @@ from core.accuracy.families import families_of
 from core.accuracy.kept import keep, kept
 from core.accuracy.page import head_of, sections_of, write_page
 from core.accuracy.report import machine, measure_family, part_of
+from core.extras import installing
 from core.plan.pieces import Computed
 from core.plan.prepared import Prepared
 from core.watch import Watch
@@ -66,7 +67,7 @@ def draw(
         from core.plots.accuracy import draw_accuracy
         from core.plots.files import save
     except ModuleNotFoundError as error:
-        warn(f"{error.name} is missing: no pictures. pip install 'vibrafeed[plot]'.")
+        warn(f"{error.name} is missing: no pictures. {installing('matplotlib', 'plot')}")
         return {}
     import xarray
 

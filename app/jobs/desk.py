@@ -18,7 +18,6 @@ from app.settings import Settings
 from core.errors import StudyError
 from core.kinds import KINDS
 from core.plan.prepared import Prepared
-from core.sweep import Sweep
 
 logger = logging.getLogger("vibrafeed.store")
 
@@ -166,7 +165,7 @@ class Desk:
                 "until one is done."
             )
 
-    def keep(self, sweep: Sweep, who: Key = NOBODY) -> tuple[str, bool]:
+    def keep(self, sweep: Prepared, who: Key = NOBODY) -> tuple[str, bool]:
         """Keep a sweep of which nothing is computed yet; return its identifier, and if it is new.
 
         It is new to whoever has not posted it, though others may have.

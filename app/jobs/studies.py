@@ -16,11 +16,9 @@ import core
 from app.jobs.errors import NotFoundError, OtherVersionError
 from core.dataset.files import whole
 from core.errors import StudyError, VibrafeedError
-from core.kinds import prepare_content
+from core.intake import prepare_content, read_json
 from core.plan.prepared import Prepared
-from core.study.load import read_json
-from core.study.models import Study
-from core.sweep import Sweep
+from core.study.grid_study import Study
 
 IDENTIFIER = re.compile(r"[0-9a-f]{64}")
 USED_EVERY = 3600.0  # s; the use of a study is noted no more often
@@ -64,7 +62,7 @@ class Studies:
         """Return the study of an identifier; raise `NotFoundError` if there is none."""
         return self._get(key)[0]
 
-    def sweep(self, key: str) -> Sweep:
+    def sweep(self, key: str) -> Prepared:
         """Return the sweep of an identifier.
 
         Raises
@@ -78,7 +76,7 @@ class Studies:
             found, is_own = self._get(key)
         except StudyError:  # it was sound when it was posted
             raise _not_own(key, None) from None
-        if isinstance(found, Sweep) and is_own:
+        if found.not_lazy is None and is_own:
             return found
         raise _not_own(key, found)
 
@@ -153,7 +151,7 @@ def _not_own(key: str, found: Prepared | None) -> VibrafeedError:
     """Return why a study that is there is no sweep of this version."""
     if found is not None:
         of_another_process = identifier(found.study, "accuracy") == key
-        if not isinstance(found, Sweep) or of_another_process:
+        if found.not_lazy is not None or of_another_process:
             return unknown(key)
     return OtherVersionError(
         f"The sweep '{key[:12]}...' was posted to another version of vibrafeed than "

@@ -14,7 +14,7 @@ from app.jobs.store import Store
 from app.settings import Settings
 from core.errors import LimitError
 from core.kinds import tabulate
-from core.sweep import Sweep
+from core.plan.prepared import Prepared
 
 
 class Writer:
@@ -36,7 +36,7 @@ class Writer:
         self._store, self._make_room, self._settings = store, make_room, settings
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="netcdf")
 
-    async def result(self, key: str, sweep: Sweep, who: Key = NOBODY) -> Manifest:
+    async def result(self, key: str, sweep: Prepared, who: Key = NOBODY) -> Manifest:
         """Return the manifest of the result of a sweep; the first call computes and writes it.
 
         A result that is there does not wait for what is being written, and no thread of the routes
@@ -75,7 +75,7 @@ class Writer:
         await asyncio.to_thread(self._store.take_away, key, path, found)
         return None
 
-    def check(self, sweep: Sweep) -> None:
+    def check(self, sweep: Prepared) -> None:
         """Raise `LimitError` if a sweep is too large, or takes too long, for one reply."""
         settings = self._settings
         sweep.check_limits(cells=settings.max_cells, bytes_=settings.max_bytes)
@@ -89,7 +89,7 @@ class Writer:
         """Finish the write under way, and take no more."""
         self._thread.shutdown(cancel_futures=True)
 
-    def _write(self, key: str, sweep: Sweep, who: Key) -> Manifest:
+    def _write(self, key: str, sweep: Prepared, who: Key) -> Manifest:
         known = self._store.manifest(key)
         if known is not None:
             return known

@@ -2,29 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Union
 
 from pydantic import BaseModel, Field, RootModel
 
 from core.errors import Problem, StudyError
-from core.study import (
-    CalibrateStudy,
-    OptimiseStudy,
-    SensitivityStudy,
-    SimulateStudy,
-    SweepStudy,
-)
+from core.kinds import KINDS
+from core.plan.kind import Kind
+from core.study import Study
 
 ACCURACY = "accuracy"
 
 
-Measured = SweepStudy | SimulateStudy | OptimiseStudy
+def _any_of(kinds: Iterable[Kind]) -> Any:
+    """Return the type of a study of some kinds, which its key `kind` tells apart."""
+    models = tuple(kind.model for kind in kinds)
+    return Annotated[Union[models], Field(discriminator="kind")]  # noqa: UP007 - made as it runs
 
 
-class AnyStudy(RootModel[Annotated[Measured, Field(discriminator="kind")]]):
-    """A study of any kind whose accuracy can be measured."""
+if TYPE_CHECKING:
+    AnyStudy = RootModel[Study]
+    MeasuredStudy = RootModel[Study]
+else:
+
+    class AnyStudy(RootModel[_any_of(KINDS.values())]):
+        """A study of any kind."""
+
+    class MeasuredStudy(RootModel[_any_of(kind for kind in KINDS.values() if kind.measures)]):
+        """A study whose accuracy can be measured."""
 
 
 @dataclass(frozen=True)
@@ -47,86 +54,17 @@ class Process:
     example: Mapping[str, Any]
 
 
-SWEEP = {
-    "kind": "sweep",
-    "scene": "rectangle-on-plane",
-    "outputs": ["throw_number"],
-    "parameters": {
-        "frequency": "50 Hz",
-        "amplitude": ["0.5 mm", "1 mm"],
-        "beta": {"start": 0, "stop": 60, "num": 7},
-    },
-}
-
 PROCESSES: dict[str, Process] = {
-    "sweep": Process(
-        "Sweep closed-form equations",
-        "Evaluates the closed-form equations of a scene over a grid of parameters.",
-        SweepStudy,
-        SWEEP,
-    ),
-    "simulate": Process(
-        "Simulate the motion in time",
-        "Follows parts in time, with stick, slide and hop, over a grid of parameters.",
-        SimulateStudy,
-        {
-            "kind": "simulate",
-            "scene": "rectangle-on-plane",
-            "parameters": {
-                "frequency": "50 Hz",
-                "amplitude": "0.5 mm",
-                "beta": 30,
-                "friction": [0.2, 0.4],
-            },
-        },
-    ),
-    "optimise": Process(
-        "Find the best drive",
-        "Finds the best angles, or other parameters, of a drive for each of many designs.",
-        OptimiseStudy,
-        {
-            "kind": "optimise",
-            "scene": "rectangle-on-plane",
-            "criterion": {"kind": "maximise", "output": "acceleration_x"},
-            "parameters": {"frequency": "50 Hz", "amplitude": "0.5 mm", "friction": 0.3},
-        },
-    ),
-    "sensitivity": Process(
-        "Tell what uncertain parameters do",
-        "Tells how outputs vary with parameters that are not known exactly: probabilities, "
-        "quantiles, Sobol indices, tolerance budgets, for each of many designs.",
-        SensitivityStudy,
-        {
-            "kind": "sensitivity",
-            "scene": "rectangle-on-plane",
-            "outputs": ["acceleration_x"],
-            "uncertain": {"friction": {"mean": 0.3, "deviation": 0.03}},
-            "parameters": {"frequency": "50 Hz", "amplitude": "0.5 mm", "beta": 30},
-        },
-    ),
-    "calibrate": Process(
-        "Find parameters from measured speeds",
-        "Finds what measured speeds, or what was seen of parts, tell of friction and other "
-        "parameters that nobody knows, and which run would tell most.",
-        CalibrateStudy,
-        {
-            "kind": "calibrate",
-            "scene": "rectangle-on-plane",
-            "parameters": {"frequency": "50 Hz", "beta": 20},
-            "observations": [
-                {"amplitude": "0.2 mm", "conveying_velocity": "13 mm/s", "error": "1 mm/s"},
-                {"amplitude": "0.3 mm", "conveying_velocity": "33 mm/s", "error": "1 mm/s"},
-            ],
-            "unknowns": {"friction": {"lower": 0.1, "upper": 0.6}},
-            "points": 1_000,
-        },
-    ),
+    **{
+        name: Process(kind.title, kind.description, kind.model, kind.example)
+        for name, kind in KINDS.items()
+    },
     ACCURACY: Process(
         "Measure error against run time",
-        "Measures for a study of any kind what each method costs and how wrong it is; takes up to "
-        "some minutes, and is always a job.",
-        AnyStudy,
-        SWEEP,
+        "Measures for a study what each method costs and how wrong it is; takes up to some "
+        "minutes, and is always a job.",
+        MeasuredStudy,
+        KINDS["sweep"].example,
     ),
 }
 """Every process, by its identifier."""

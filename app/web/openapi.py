@@ -9,7 +9,7 @@ from fastapi.routing import APIRoute
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
-from app.web.execution import PROCESSES
+from app.web.execution import PROCESSES, AnyStudy
 from app.web.replies import ProblemDocument, component, execution_name
 from app.web.sharing import Sharing
 
@@ -35,7 +35,7 @@ def install(app: FastAPI) -> None:
 
 def _components() -> dict[str, Any]:
     """Return the schemas of problem documents, studies, and execute requests."""
-    models: list[type[BaseModel]] = [ProblemDocument, Sharing]
+    models: list[type[BaseModel]] = [ProblemDocument, Sharing, AnyStudy]
     models += [process.study for process in PROCESSES.values()]
     _, schemas = models_json_schema(
         [(model, "validation") for model in models], ref_template=component("{model}")["$ref"]

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, StrictBool
 
 from app.web.replies import component, problems
 from core.errors import StudyError
-from core.study.load import read_json
+from core.intake import read_json
 
 
 class Sharing(BaseModel):

@@ -6,8 +6,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from core.plan.prepared import Prepared
 from core.quantities import QUANTITIES
-from core.sweep import Sweep
 
 
 class SweepAxis(BaseModel):
@@ -45,7 +45,7 @@ class SweepDescription(BaseModel):
     links: dict[str, str]
 
 
-def description(key: str, sweep: Sweep, *, shared: bool) -> dict[str, Any]:
+def description(key: str, sweep: Prepared, *, shared: bool) -> dict[str, Any]:
     """Return what the service says of a sweep."""
     equations = {equation.gives: equation for equation in sweep.plan.equations}
     return {

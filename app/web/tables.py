@@ -14,12 +14,14 @@ from fastapi.responses import Response, StreamingResponse
 from app.settings import Settings
 from app.web.outgoing import expect
 from core.dataset.formats import FORMATS
-from core.dataset.frame import EXTRA, Frame
+from core.dataset.frame import Frame
+from core.extras import installing
 
 NOTE: Final = "Vibrafeed-Note"
 XLSX: Final = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
 TABLES: Final = {"csv": "text/csv", "parquet": "application/vnd.apache.parquet", "xlsx": XLSX}
-PACKAGES: Final = {"parquet": "pyarrow", "xlsx": "openpyxl"}  # that write a form
+PACKAGES: Final = {"parquet": ("pyarrow", "tables"), "xlsx": ("openpyxl", None)}
+"""What writes a form, and the extra that it belongs to."""
 IN_WORK: Final = 16_000_000  # bytes of the pieces that are written while others are sent
 
 
@@ -30,12 +32,12 @@ def tables_there() -> dict[str, str]:
 
 def missing() -> str:
     """Return what is told of forms that this service cannot write."""
-    lacking = [f"{form} takes {PACKAGES[form]}" for form in _missing()]
-    return f"{', '.join(lacking)}: {EXTRA}." if lacking else ""
+    lacking = [f"{form}: {installing(*PACKAGES[form])}." for form in _missing()]
+    return " ".join(lacking)
 
 
 def _missing() -> list[str]:
-    return [form for form, package in PACKAGES.items() if find_spec(package) is None]
+    return [form for form, (package, _) in PACKAGES.items() if find_spec(package) is None]
 
 
 def written_by(form: str) -> str:
@@ -43,7 +45,7 @@ def written_by(form: str) -> str:
     if form not in PACKAGES:
         return form
     FORMATS[f".{form}"].needs()
-    return f"{form} {version(PACKAGES[form])}"
+    return f"{form} {version(PACKAGES[form][0])}"
 
 
 def most_rows(settings: Settings, form: str, most: int) -> int:

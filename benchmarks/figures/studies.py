@@ -8,7 +8,8 @@ from pathlib import Path
 
 import xarray as xr
 
-from core.study import SweepStudy, load_study, parse_study
+from core.intake import load_study, parse_study
+from core.study import SweepStudy
 from core.sweep import sweep
 
 ROOT = Path(__file__).parents[2]

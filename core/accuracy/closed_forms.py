@@ -15,8 +15,8 @@ from core.mechanics.arrays import Array
 from core.plan.blocks import BLOCK_CELLS
 from core.plan.equations import run_equations
 from core.plan.plan import Plan
+from core.sweep.plain import Sweep
 from core.sweep.precise import Errors, errors_of, exact_values, sensitivities
-from core.sweep.prepare import Sweep
 from core.watch import Watch
 
 CELLS = 200

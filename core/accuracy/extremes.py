@@ -16,6 +16,7 @@ from core.accuracy.hard_cases import HARD_CASES, HardCase, result_of
 from core.accuracy.textbook import Answer
 from core.dataset.table import CONVENTIONS, Table, Variable
 from core.errors import StudyError
+from core.intake import prepare_content
 from core.mechanics.arrays import Array
 from core.quantities import MOTION_STATUSES, REGIMES, Flag
 from core.watch import Watch
@@ -132,7 +133,7 @@ def _computed(case: HardCase, watch: Watch | None) -> Computed | Verdict:
         error, allowed, note = case.attempt()
         return "attempted", error, allowed, error <= allowed, note
     try:
-        prepared = kinds.prepare_content(case.content)
+        prepared = prepare_content(case.content)
     except StudyError as refusal:
         places = [problem.place for problem in refusal.problems]
         named = bool(case.refused) and places == [case.refused]

@@ -6,17 +6,11 @@ from collections.abc import Collection
 
 from core.accuracy.curves import FAMILIES
 from core.errors import Problem, StudyError
+from core.kinds import KINDS
 from core.plan.prepared import Prepared
 
 SECONDS = 60.0
 """Of one family; what is fast takes less."""
-
-ORDER = {
-    "sweep": ("closed_forms", "model", "motion", "storage"),
-    "simulate": ("motion", "storage"),
-    "optimise": ("optimisers",),
-}
-"""The families of each kind of study that has any, in the order of the page."""
 
 
 def families_of(prepared: Prepared, only: Collection[str] = ()) -> tuple[str, ...]:
@@ -28,10 +22,11 @@ def families_of(prepared: Prepared, only: Collection[str] = ()) -> tuple[str, ..
         If `only` names one that there is not, or that this kind of study has not.
     """
     kind = prepared.study.kind
-    if kind not in ORDER:
+    known = KINDS[kind].measures
+    if not known:
+        measured = (name for name, one in KINDS.items() if one.measures)
         message = f"the accuracy of a study of kind '{kind}' is not measured"
-        raise StudyError([Problem("kind", message, f"Measure one of kind {' or '.join(ORDER)}")])
-    known = ORDER[kind]
+        raise StudyError([Problem("kind", message, f"Measure one of kind {' or '.join(measured)}")])
     wrong = [name for name in only if name not in known]
     if wrong:
         what = "is no family of measurements" if wrong[0] not in FAMILIES else f"is not for {kind}"

@@ -25,6 +25,7 @@ from core import kinds
 from core.catalogue import needed_parameters
 from core.dataset.table import CONVENTIONS, Table, Variable
 from core.errors import StudyError
+from core.intake import prepare_content
 from core.motion.systems import SYSTEMS
 from core.plan.plan import scene_parameters
 from core.plan.prepared import Prepared
@@ -161,7 +162,7 @@ def study_of(scene: Scene, variant: str, output: str, *, ranged: bool = True) ->
     if kind == "simulate" and "motion" in scene.producers(variant):
         content |= SETTINGS[variant]
     try:
-        kinds.prepare_content(content)
+        prepare_content(content)
     except StudyError as error:
         unused = {p.place.removeprefix("parameters.") for p in error.problems}
         content["parameters"] = {n: v for n, v in values.items() if n not in unused}
@@ -171,7 +172,7 @@ def study_of(scene: Scene, variant: str, output: str, *, ranged: bool = True) ->
 def measure(scene: Scene, variant: str, output: str, *, modules: bool = False) -> Footprint:
     """Return what the study of one output costs; `modules` starts a process to count them."""
     content = study_of(scene, variant, output)
-    prepared, calls = counted(kinds.prepare_content(content))
+    prepared, calls = counted(prepare_content(content))
     kinds.tabulate(prepared)  # kernels are loaded, or compiled, before memory counts
     calls.clear()
     tracemalloc.start()
@@ -215,7 +216,8 @@ def _imports(content: Mapping[str, Any]) -> tuple[int, tuple[str, ...]]:
     """Return how many modules a study imports in a fresh process, and the heavy libraries."""
     code = (
         "import json, sys; before = set(sys.modules)\n"
-        "from core.kinds import prepare_content, tabulate\n"
+        "from core.intake import prepare_content\n"
+        "from core.kinds import tabulate\n"
         "tabulate(prepare_content(json.loads(sys.argv[1])))\n"
         "print(json.dumps(sorted(set(sys.modules) - before)))"
     )

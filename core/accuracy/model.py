@@ -11,6 +11,7 @@ from core.accuracy.cells import random_cells, sample_size
 from core.accuracy.curves import Curve, Measured, Point, single
 from core.accuracy.motion import is_point_part
 from core.errors import StudyError
+from core.intake import parse_study
 from core.mechanics.arrays import Array
 from core.motion.prepare import Simulation
 from core.motion.prepare import prepare as prepare_motion
@@ -19,9 +20,8 @@ from core.motion.systems import SYSTEMS
 from core.plan.equations import regimes, run_equations
 from core.plan.plan import plan_scene, scene_parameters
 from core.quantities import QUANTITIES, REGIMES
-from core.study.load import parse_study
 from core.study.simulate_study import SimulateStudy
-from core.sweep.prepare import Sweep
+from core.sweep.plain import Sweep
 from core.watch import Watch
 
 CELLS = 2000

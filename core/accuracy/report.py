@@ -14,8 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import core
-from core import motion as motion_package
-from core import sweep
 from core.accuracy import closed_forms, model, motion, optimisers, storage
 from core.accuracy.curves import Measured, tabulate_curves
 from core.accuracy.families import SECONDS, families_of
@@ -25,6 +23,7 @@ from core.plan.grid import Grid
 from core.plan.labels import global_attributes
 from core.plan.prepared import Prepared
 from core.study.values import Points
+from core.sweep import Sweep
 from core.watch import Watch
 
 MOST_CELLS = 400_000  # of a result that is stored; a larger grid is thinned
@@ -161,7 +160,7 @@ def _measure(family: str, prepared: Any, watch: Watch, seconds: float) -> Measur
     return measures[family]()
 
 
-def _model(prepared: sweep.Sweep, watch: Watch) -> Measured | None:
+def _model(prepared: Sweep, watch: Watch) -> Measured | None:
     moving = model.motion_of_sweep(prepared)
     if moving is None:
         note = "Scene and parameters of this sweep do not tell a motion in time."
@@ -170,20 +169,18 @@ def _model(prepared: sweep.Sweep, watch: Watch) -> Measured | None:
 
 
 def _motion(prepared: Prepared, watch: Watch) -> Measured | None:
-    moving: motion_package.Simulation | None
-    if isinstance(prepared, motion_package.Simulation):
-        moving = prepared
+    moving: Any = prepared
+    if prepared.plan.scene.choice == "method":  # it is a motion itself
         if not motion.is_point_part(prepared.plan.scene):
             note = "A tumbling part has no mean velocity to compare."
             return Measured("motion", (), (note,))
     else:
-        assert isinstance(prepared, sweep.Sweep)
-        moving = model.motion_of_sweep(prepared)
+        moving = model.motion_of_sweep(moving)
     return None if moving is None else motion.measure(moving, watch)
 
 
 def _storage(prepared: Prepared, watch: Watch) -> Measured:
-    is_fast = isinstance(prepared, sweep.Sweep) or prepared.plan.variant == "events"
+    is_fast = prepared.not_lazy is None or prepared.plan.variant == "events"
     most = MOST_CELLS if is_fast else MOST_CELLS_MOTION
     half = replace(watch, progress=lambda done: watch.advance(done / 2))
     # Half of the time to compute the result, half to write it; what is missing by then is NaN.

@@ -26,6 +26,8 @@ from core.dataset.table import (
     regime_attributes,
 )
 from core.errors import Problem, StudyError
+from core.intake import parse_study
+from core.intake.keywords import plain
 from core.mechanics.arrays import Array
 from core.motion.drives import shape_of
 from core.motion.groups import Groups, groups_of, table
@@ -36,9 +38,7 @@ from core.plan.equations import regimes_of
 from core.plan.grid import parameter_to_si
 from core.plan.labels import coordinates_of
 from core.study import SimulateStudy
-from core.study.gather import plain
 from core.study.grid_study import PARAMETERS
-from core.study.load import parse_study
 from core.study.units import UnitError
 from core.study.values import Fixed, read_values
 from core.watch import Watch

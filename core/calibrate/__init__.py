@@ -1,16 +1,34 @@
 """What measured speeds tell of unknown parameters: a posterior on its grid, and the next run."""
 
-from core.calibrate.calibration import Calibration
-from core.calibrate.prepare import MOST_UNKNOWNS, further, prepare
-from core.calibrate.run import calibrate, compute, label, tabulate
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from core.lazy import lazily
 
 __all__ = [
+    "KIND",
     "MOST_UNKNOWNS",
     "Calibration",
     "calibrate",
-    "compute",
-    "further",
-    "label",
-    "prepare",
     "tabulate",
 ]
+
+if TYPE_CHECKING:
+    from core.calibrate.calibration import Calibration
+    from core.calibrate.kind import KIND
+    from core.calibrate.prepare import MOST_UNKNOWNS
+    from core.calibrate.run import calibrate, tabulate
+else:
+    __getattr__ = lazily(
+        __name__,
+        {
+            "calibration": ("Calibration",),
+            "kind": ("KIND",),
+            "prepare": ("MOST_UNKNOWNS",),
+            "run": (
+                "calibrate",
+                "tabulate",
+            ),
+        },
+    )

@@ -24,6 +24,7 @@ MOST_BITS = 60  # of the number of a leaf: halvings times unknowns
 ROUND = 0.8  # of the whole score, the share that is refined at a time
 ENOUGH = 0.01  # of the score: predictions change by a tenth of their errors
 BENT = 0.25  # of the square of what a leaf foretold wrongly: its halves bend less
+FAR = 3.0  # errors: a residual beyond them is no chance
 UNIFORM = 1.0 / 12.0  # the variance of what is anywhere in a leaf, over its width squared
 
 
@@ -229,8 +230,8 @@ def _split(likelihood: Likelihood, parents: Leaves, watch: Watch) -> Leaves:
 
 def _log_mass(likelihood: Likelihood, leaves: Leaves) -> Array:
     """Return the mass of leaves, each with each size of the discrepancy, as logarithms."""
-    variance = leaves.variance + leaves.rough + leaves.change
-    log = likelihood.log(leaves.value, variance, leaves.shown, points_of(likelihood, leaves.centre))
+    points, within = points_of(likelihood, leaves.centre), leaves.rough + leaves.change
+    log = likelihood.log(leaves.value, leaves.variance, leaves.shown, points, within)
     return log + leaves.log_volume[:, np.newaxis]
 
 
@@ -256,8 +257,11 @@ def _score(likelihood: Likelihood, leaves: Leaves, log: Array) -> Array:
     if runs.errors_known:
         usual = float(np.square(size[np.argmax(mass.sum(axis=0))]))
     known = leaves.variance[:, where] + np.square(runs.error[where]) + usual
-    smooth = (leaves.change[:, where] / known).sum(axis=1)
-    rough = (leaves.rough[:, where] / known).sum(axis=1)
+    # Far from what was measured a small change of a value changes the likelihood much.
+    residual = np.nan_to_num(leaves.value[:, where] - runs.value[where])
+    slope = np.maximum(1.0, np.square(residual / FAR) / known)
+    smooth = (leaves.change[:, where] / known * slope).sum(axis=1)
+    rough = (leaves.rough[:, where] / known * slope).sum(axis=1)
     border = (leaves.shown * (1.0 - leaves.shown)).sum(axis=1)
     found: Array = mass.sum(axis=1) * np.minimum(0.1 * smooth + rough + border, 10.0)
     found[leaves.halvings >= MOST_BITS // leaves.centre.shape[1]] = 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ BEYOND = 0.08  # of what they span, which they go further
 LEAST_LOG = -700.0  # whose exponential is a number yet
 HIGHEST = (0.9, 0.99)  # of the mass, within which separate heaps are modes
 LEAST_MODE = 0.02
+DEEPEST = 50.0  # below the top of the logarithm of the density, where heaps are parted
 MOST_MODES = 6
 
 
@@ -272,7 +274,10 @@ class Heap:
 
 
 def heaps_of(posterior: Posterior, axes: Sequence[Array]) -> list[Heap]:
-    """Return the separate heaps of a posterior, the heaviest first; at least one."""
+    """Return the separate heaps of a posterior, the heaviest first; at least one.
+
+    All points belong to one: those between the heaps to the one that they rise to.
+    """
     from scipy import ndimage
 
     count = len(axes)
@@ -285,29 +290,38 @@ def heaps_of(posterior: Posterior, axes: Sequence[Array]) -> list[Heap]:
     ).astype(np.int64)
     shape = tuple(len(axis) for axis in axes)
     flat = np.ravel_multi_index(tuple(places.T), shape)
-    mass = np.bincount(flat, posterior.weights, int(np.prod(shape)))
+    mass: Array = np.bincount(flat, posterior.weights, int(np.prod(shape))).astype(np.float64)
     order = np.argsort(-mass)
     below = np.cumsum(mass[order])
-    best: list[Heap] = []
     around = np.ones((3,) * count)
+    best = np.zeros(shape, dtype=np.int16)
     for share in HIGHEST:
         high = np.zeros(mass.size, dtype=bool)
         high[order[: int(np.searchsorted(below, share)) + 1]] = True
         wide = ndimage.binary_dilation(high.reshape(shape), around)
-        labels, _ = ndimage.label(wide, around)
-        found = _heaps(posterior, labels.ravel()[flat])
-        best = found if len(found) > len(best) else best
-    whole = sum(heap.share for heap in best)
-    return [replace(heap, share=heap.share / whole) for heap in best[:MOST_MODES]]
+        found = _heaviest(np.asarray(ndimage.label(wide, around)[0]), mass)
+        best = found if found.max() > best.max() else best
+    depth = np.full(mass.size, DEEPEST)
+    np.minimum.at(depth, flat, posterior.log.max() - posterior.log)
+    steps = (np.iinfo(np.uint16).max / DEEPEST * depth.reshape(shape)).astype(np.uint16)
+    return _heaps(posterior, ndimage.watershed_ift(steps, best, around).ravel()[flat])
 
 
-def _heaps(posterior: Posterior, labels: Array) -> list[Heap]:
+def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16]:
+    """Return labels of the heaps that are heavy enough, from 1 on, and 0 elsewhere."""
+    shares = np.bincount(labels.ravel(), mass)
+    shares[0] = 0.0  # between them
+    heavy = [label for label in np.argsort(-shares)[:MOST_MODES] if shares[label] >= LEAST_MODE]
+    number = np.zeros(shares.size, dtype=np.int16)
+    number[heavy] = np.arange(1, len(heavy) + 1)
+    return np.asarray(number[labels])
+
+
+def _heaps(posterior: Posterior, labels: NDArray[np.int16]) -> list[Heap]:
     weights, log = posterior.weights, posterior.log
     shares = np.bincount(labels, weights)
     heaps = []
-    for label in np.flatnonzero(shares >= LEAST_MODE):
-        if label == 0:
-            continue
+    for label in np.unique(labels).tolist():
         ours = np.flatnonzero(labels == label)
         mean = weights[ours] @ posterior.points[ours] / shares[label]
         best = posterior.points[ours[np.argmax(log[ours])]]

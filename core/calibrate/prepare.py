@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from core.motion.prepare import choose_system, who_uses
 from core.motion.systems import CONTACTS
 from core.plan.grid import Grid
 from core.plan.plan import plan_scene
-from core.plan.prepared import broken_constraints, further_problems, names_meant
+from core.plan.prepared import broken_constraints, placed
 from core.quantities import QUANTITIES
 from core.scenes import Scene
 from core.scenes.scene import STATIC_ABOVE_KINETIC
@@ -62,13 +61,10 @@ def prepare(study: CalibrateStudy) -> Calibration:
         outputs = (*OUTPUTS, *(("feed_rate",) if output == "feed_rate" else ()))
         plan = plan_scene(scene, method, outputs, tuple(named))
     except StudyError as error_:
-        placed = [_placed(one, columns, unknowns) for one in error_.problems]
-        raise StudyError([*problems, *placed]) from None
+        raise StudyError([*problems, *(placed(one, study) for one in error_.problems)]) from None
     grid = Grid.of({**values, **spans})
-    problems += [
-        _placed(one, columns, unknowns)
-        for one in broken_constraints(_without_order(scene, spans), method, grid)
-    ]
+    broken = broken_constraints(_without_order(scene, spans), method, grid)
+    problems += (placed(one, study) for one in broken)
     problems += _too_few(study, unknowns)
     if problems:
         raise StudyError(problems)
@@ -89,28 +85,6 @@ def prepare(study: CalibrateStudy) -> Calibration:
         first = {name: Fixed(float(column[0])) for name, column in columns.items()}
         candidates = Grid.of({**first, **asked})
     return Calibration(study, plan, grid, Likelihood(model, scatter, study.doubt), candidates)
-
-
-def further(content: Mapping[str, Any], known: StudyError) -> list[Problem]:
-    """Return what a plan of unsound content would object to, as far as it can be told."""
-    parameters = content.get("parameters")
-    if not isinstance(parameters, Mapping):
-        return []
-    names: dict[str, Any] = {**parameters}
-    unknowns = content.get("unknowns")
-    names |= unknowns if isinstance(unknowns, Mapping) else {}
-    observations = content.get("observations")
-    for row in observations if isinstance(observations, list | tuple) else ():
-        if isinstance(row, Mapping):
-            names |= {n: v for n, v in row.items() if n not in (*OBSERVED, "error", "regime")}
-    whole = {**content, "parameters": names, "outputs": OUTPUTS[:1]}
-
-    def chosen(content: Mapping[str, Any]) -> Any:
-        method = content.get("method")
-        given = names_meant(content["parameters"])
-        return choose_system(content["scene"], method if isinstance(method, str) else None, given)
-
-    return further_problems(whole, known, chosen)
 
 
 def _misused(study: CalibrateStudy) -> Iterable[Problem]:
@@ -306,17 +280,4 @@ def _too_few(study: CalibrateStudy, unknowns: tuple[Unknown, ...]) -> Iterable[P
         yield Problem("error", message, fix)
 
 
-def _placed(problem: Problem, columns: Mapping[str, Array], unknowns: Iterable[Unknown]) -> Problem:
-    """Return a problem of a parameter where the study has it."""
-    where, _, name = problem.place.partition(".")
-    if where != "parameters":
-        return problem
-    if name in columns:
-        return replace(problem, place=f"observations, {name}")
-    for one in unknowns:
-        if one.parameter == name:
-            return replace(problem, place=f"{one.table}.{name}")
-    return problem
-
-
-__all__ = ["MOST_UNKNOWNS", "further", "prepare"]
+__all__ = ["MOST_UNKNOWNS", "prepare"]

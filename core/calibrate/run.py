@@ -55,7 +55,7 @@ def calibrate(study: CalibrateStudy, *, watch: Watch | None = None) -> xarray.Da
     --------
     >>> from pathlib import Path
     >>> from core.calibrate import calibrate
-    >>> from core.study import load_study
+    >>> from core.intake import load_study
     >>> dataset = calibrate(load_study(Path("configs/calibrate-rail.toml")))
     """
     return tabulate(prepare(study), watch=watch).to_xarray()

@@ -24,6 +24,7 @@ NONE_BEFORE = 0.9
 KNOWN_SIZES, UNKNOWN_SIZES = 14, 28
 FINER = 24  # sizes, once it is known which are likely
 HARDLY = 1e-5  # of the likeliest size
+REACH = 3.0  # deviations of values in a box, which hold all of them
 HOPELESS = 1e60  # a residual where a motion has no speed
 
 
@@ -101,7 +102,14 @@ class Likelihood:
     scatter: Scatter
     doubt: float
 
-    def log(self, value: Array, variance: Array, shown: Array, points: Array) -> Array:
+    def log(
+        self,
+        value: Array,
+        variance: Array,
+        shown: Array,
+        points: Array,
+        within: Array | float = 0.0,
+    ) -> Array:
         """Return logarithms of densities at points, each with each size of the discrepancy.
 
         Parameters
@@ -111,6 +119,9 @@ class Likelihood:
         shown : ndarray, shape (points, watched runs)
             The share of a point in which the part does what was seen.
         points : ndarray, shape (points, unknowns)
+        within : ndarray, shape (points, runs), optional
+            Variance of values about each point, of the box that it stands for. No box explains a
+            run better than where its values come nearest to what was measured.
 
         Returns
         -------
@@ -121,10 +132,15 @@ class Likelihood:
         residual = value[:, where] - runs.value[where]
         square = np.square(np.where(np.isnan(residual), HOPELESS, residual))
         known = variance[:, where] + np.square(runs.error[where])
+        around = np.broadcast_to(within, value.shape)[:, where]
+        nearest = np.square(np.maximum(0.0, np.sqrt(square) - REACH * np.sqrt(around)))
         log = np.empty((len(points), self.scatter.sizes.size))
         for k, size in enumerate(self.scatter.sizes):
-            whole = known + size**2
-            log[:, k] = -0.5 * (square / whole + np.log(whole)).sum(axis=1)
+            own = known + size**2
+            whole = own + around
+            # Next to what is hardly to be explained the variance of a box would explain too much.
+            spent = square / whole + np.log(whole)
+            log[:, k] = -0.5 * np.maximum(spent, nearest / own + np.log(own)).sum(axis=1)
         seen = np.log(self.doubt + (1.0 - 2.0 * self.doubt) * shown).sum(axis=1)
         log += (seen + self.model.log_prior(points))[:, np.newaxis] + self.scatter.log_before
         return np.asarray(log)

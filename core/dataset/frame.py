@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from core.dataset.table import Table, Variable
 from core.errors import LimitError, MissingPackageError
+from core.extras import installing
 from core.quantities import REGIMES
 
 CSV_ROWS: Final = 8192  # of a piece; the interpreter writes it in one go, which others wait for
 PARQUET_ROWS: Final = 131_072  # of a row group
-EXTRA: Final = "pip install 'vibrafeed[tables]'"
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,7 @@ def pyarrow() -> Any:
         import pyarrow
         import pyarrow.parquet
     except ImportError:
-        raise MissingPackageError("Parquet", "pyarrow", EXTRA) from None
+        raise MissingPackageError("Parquet", "pyarrow", installing("pyarrow", "tables")) from None
     return pyarrow
 
 

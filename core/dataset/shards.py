@@ -26,6 +26,7 @@ from core.dataset.packing import index_length, is_whole, pack
 from core.dataset.table import Table
 from core.dataset.zarr_metadata import array_document, group_document
 from core.errors import MissingPackageError
+from core.extras import installing
 
 if TYPE_CHECKING:
     from obstore.store import ObjectStore
@@ -34,7 +35,6 @@ GROUP = "zarr.json"
 UNFINISHED = "unfinished.json"  # beside the arrays while some are missing: whose they are
 GROWING = "growing.json"  # the group's document for those who read it meanwhile
 UNDER_WAY = "This group is being written: what is not there yet reads as NaN, a regime as 0."
-EXTRA = "pip install 'vibrafeed[cluster]'"
 
 
 class GrowingZarr:
@@ -279,9 +279,9 @@ def open_store(where: str | Path) -> ObjectStore:
 
 def needed_for_zarr() -> None:
     """Raise `MissingPackageError` if zarr or obstore is not installed."""
-    for package in ("zarr", "obstore"):
+    for package, extra in (("zarr", None), ("obstore", "cluster")):
         if find_spec(package) is None:
-            raise MissingPackageError("Zarr", package, EXTRA)
+            raise MissingPackageError("Zarr", package, installing(package, extra))
 
 
 def _shard(name: str, tile: Tile) -> str:

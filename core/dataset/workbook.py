@@ -15,8 +15,9 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from numpy.typing import NDArray
 
-from core.dataset.frame import EXTRA, Column, Frame, heading
+from core.dataset.frame import Column, Frame, heading
 from core.errors import LimitError, MissingPackageError
+from core.extras import installing
 
 MOST_ROWS: Final = 2**20 - 1  # that a sheet of Excel has under its headings
 ROWS: Final = 1024  # between which the one who writes can be stopped
@@ -32,7 +33,7 @@ def openpyxl() -> Any:
     try:
         import openpyxl
     except ImportError:
-        raise MissingPackageError("XLSX", "openpyxl", EXTRA) from None
+        raise MissingPackageError("XLSX", "openpyxl", installing("openpyxl")) from None
     return openpyxl
 
 

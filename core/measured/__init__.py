@@ -1,9 +1,10 @@
 """Drives that have been measured: from the CSV of an accelerometer to the harmonics of a drive."""
 
-from core.measured.drive import Clock, Fit, Fold, Tilt
-from core.measured.fit import fit_drive, fit_signal
-from core.measured.read import Column, Fault, Table, read_table
-from core.measured.recording import Recording, Signal, read_signal
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from core.lazy import lazily
 
 __all__ = [
     "Clock",
@@ -20,3 +21,36 @@ __all__ = [
     "read_signal",
     "read_table",
 ]
+
+if TYPE_CHECKING:
+    from core.measured.drive import Clock, Fit, Fold, Tilt
+    from core.measured.fit import fit_drive, fit_signal
+    from core.measured.read import Column, Fault, Table, read_table
+    from core.measured.recording import Recording, Signal, read_signal
+else:
+    __getattr__ = lazily(
+        __name__,
+        {
+            "drive": (
+                "Clock",
+                "Fit",
+                "Fold",
+                "Tilt",
+            ),
+            "fit": (
+                "fit_drive",
+                "fit_signal",
+            ),
+            "read": (
+                "Column",
+                "Fault",
+                "Table",
+                "read_table",
+            ),
+            "recording": (
+                "Recording",
+                "Signal",
+                "read_signal",
+            ),
+        },
+    )

@@ -1,18 +1,37 @@
 """Motion in time: stick, slide, hop, and the true mean velocity over whole grids."""
 
-from core.motion.prepare import Simulation, further, prepare
-from core.motion.result import Motion
-from core.motion.run import compute, label, simulate, tabulate
-from core.motion.systems import SYSTEMS
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from core.lazy import lazily
 
 __all__ = [
+    "KIND",
     "SYSTEMS",
     "Motion",
     "Simulation",
-    "compute",
-    "further",
-    "label",
-    "prepare",
     "simulate",
     "tabulate",
 ]
+
+if TYPE_CHECKING:
+    from core.motion.kind import KIND
+    from core.motion.prepare import Simulation
+    from core.motion.result import Motion
+    from core.motion.run import simulate, tabulate
+    from core.motion.systems import SYSTEMS
+else:
+    __getattr__ = lazily(
+        __name__,
+        {
+            "kind": ("KIND",),
+            "prepare": ("Simulation",),
+            "result": ("Motion",),
+            "run": (
+                "simulate",
+                "tabulate",
+            ),
+            "systems": ("SYSTEMS",),
+        },
+    )

@@ -97,14 +97,15 @@ class PlanarRules:
         fields = motion._asdict()
         for place, name in enumerate(DERIVED):
             fields[name] = Dual(fields[name], _chained(slopes[:, place], by), [])
-        for name in ("spread", "error", "impacts", "multiple"):
+        for name in ("spread", "error", "impacts", "multiple", "across"):
             fields[name] = Dual(fields[name], 0.0, [])
-        return Motion(**fields), self._status(groups, motion, table[:, -1])
+        jump = np.isnan(slopes[:, 0, BY.index("restitution")]) & (by[-1] != 0)
+        return Motion(**fields), self._status(groups, motion, np.where(jump, 0.0, table[:, -1]))
 
     def spent(self, given: Mapping[str, Any]) -> Ruled:
         """Return the energies with their derivative; the motion tells how they were found."""
-        from core.motion.kernels.planar import Cell, spend_cells
         from core.motion.kernels.planar.slope_tables import DERIVED_BY, TOLD
+        from core.motion.planar import Cell, spend_cells
 
         groups: Groups = given["groups"]
         settings = (given["tolerance"], given["most_periods"])
@@ -139,8 +140,8 @@ class PlanarRules:
         self, groups: Groups, tolerance: Any, most_periods: Any
     ) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
         """Return table and status as `derive_cells` fills them."""
-        from core.motion.kernels.planar import Cell
-        from core.motion.kernels.planar.derive import DERIVED_COLUMNS, derive_cells
+        from core.motion.kernels.planar.derive import DERIVED_COLUMNS
+        from core.motion.planar import Cell, derive_cells
 
         cells = self._cells(Cell._fields, groups, tolerance, most_periods)
         if self._known is None or not np.array_equal(self._known[0], cells):

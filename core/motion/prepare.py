@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
 
 from core.errors import Problem, StudyError
 from core.motion.driven import driven
@@ -21,8 +20,6 @@ from core.plan.prepared import (
     Chosen,
     Prepared,
     broken_constraints,
-    further_problems,
-    names_meant,
     plan_study,
 )
 from core.plan.price import pace
@@ -31,7 +28,6 @@ from core.scenes import Scene
 from core.study.simulate_study import MOST_PERIODS, SimulateStudy
 from core.study.values import Fixed
 
-DEFAULT_OUTPUTS = ("conveying_velocity",)
 SCALES = ("velocity_scale", "length_scale")
 ERROR = "conveying_velocity_error"
 MOST_BY_DIFFERENCES = 1_000
@@ -201,17 +197,6 @@ def _all_exact(prepared: Simulation) -> bool:
     )
     straight = "curvature_number" in prepared.plan.defaults or not CONTACTS[scene.name].wall
     return prepared.plan.variant == "events" and shape is None and level and straight
-
-
-def further(content: Mapping[str, Any], known: StudyError) -> list[Problem]:
-    """Return what a plan of unsound content would object to, as far as it can be told."""
-    return further_problems(content, known, _chosen, DEFAULT_OUTPUTS)
-
-
-def _chosen(content: Mapping[str, Any]) -> Chosen:
-    method = content.get("method")
-    given = names_meant(content["parameters"])
-    return choose_system(content["scene"], method if isinstance(method, str) else None, given)
 
 
 def who_uses(scene: Scene, setting: str) -> str:

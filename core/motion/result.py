@@ -23,7 +23,8 @@ class Motion(NamedTuple):
     velocity : ndarray
         Mean velocity along the track; NaN where there is none.
     spread : ndarray
-        Standard deviation of the means of runs from several phases; 0 where the motion repeats.
+        Standard deviation of the means of runs from several phases, or of batches of periods; 0
+        where the motion repeats.
     error : ndarray
         Estimate of the error of `velocity` by the method itself.
     stick, forward, backward, flight : ndarray
@@ -36,6 +37,9 @@ class Motion(NamedTuple):
         Largest distance from the floor.
     multiple : ndarray
         Periods of the drive after which the motion repeats; 0 where it does not.
+    across : ndarray
+        Mean velocity across the track, away from the wall; 0 where the part comes back to a wall,
+        and of one that rolls, which keeps the speed that it happens to have.
     status : ndarray of int8
         Value of a `MOTION_STATUSES` entry.
     """
@@ -51,6 +55,7 @@ class Motion(NamedTuple):
     landing_speed: Array
     hop_height: Array
     multiple: Array
+    across: Array
     status: NDArray[np.int8]
 
     def only(self, name: str) -> Mask:
@@ -103,15 +108,17 @@ def motion_of(
 def checked(motion: Motion) -> Motion:
     """Return the motion with no value passed off as an answer that is none.
 
-    A cell that overflowed, or that was in the air all along without landing, has `limit_reached`.
+    A cell that overflowed, or that was in the air all along without landing, has `limit_reached`,
+    and what has that has no values: a method may have got some way.
     (Time stepping counts no impact slower than what a step changes: hops may have none.)
     """
     answered = np.isin(motion.status, [STATUS[name] for name in ANSWERED])
     finite = np.logical_and.reduce([np.isfinite(field) for field in motion[:-1]])
     never_landed = (motion.flight > 0) & (motion.impacts == 0) & (_on_floor(motion) == 0)
     lost = answered & (~finite | never_landed)
-    fields = [np.where(lost, np.nan, field) for field in motion[:-1]]
     status = np.where(lost, np.int8(STATUS["limit_reached"]), motion.status)
+    none = status == STATUS["limit_reached"]
+    fields = [np.where(none, np.nan, field) for field in motion[:-1]]
     return with_whole_shares(Motion._make([*fields, status]))
 
 

@@ -43,7 +43,7 @@ def simulate(study: SimulateStudy, *, watch: Watch | None = None) -> xarray.Data
     --------
     >>> from pathlib import Path
     >>> from core.motion import simulate
-    >>> from core.study import load_study
+    >>> from core.intake import load_study
     >>> dataset = simulate(load_study(Path("configs/conveying-velocity.toml")))
     """
     return tabulate(prepare(study), watch=watch).to_xarray()

@@ -119,6 +119,11 @@ def conveying_velocity_error(*, motion: Motion, velocity_scale: Array) -> Array:
     return motion.error * velocity_scale
 
 
+def velocity_across(*, motion: Motion, velocity_scale: Array) -> Array:
+    """Return the mean velocity across the track, towards +y, over whole cycles [m s-1]."""
+    return motion.across * velocity_scale
+
+
 def efficiency(*, motion: Motion, drive_number_along: Array) -> Array:
     """Return the conveying velocity over A0 w cos(beta) cos(alpha); 0 at rest [1].
 

@@ -8,13 +8,15 @@ one of its variants. Nothing that computes is loaded before it is called.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
 
 from core.mechanics import vibration
-from core.mechanics.arrays import Mask
+from core.mechanics.arrays import Array, Mask
 from core.motion import best_wave, feeding, groups, limits, scales, spending
+from core.motion.feeding import RESOLVED
 from core.motion.groups import SOLID_CYLINDER, Contacts
 from core.motion.method import Method
 from core.motion.methods import METHODS
@@ -67,6 +69,11 @@ def _sticks(*, motion: Motion) -> Mask:
     return motion.stick > 0
 
 
+def _leaves_the_wall(*, motion: Motion, drive_number: Array) -> Mask:
+    """Return where the part moves away from the wall in every cycle, and never comes back."""
+    return motion.across > RESOLVED * np.asarray(drive_number)
+
+
 RESULTS = (
     Equation("conveying_velocity", scales.conveying_velocity, "theory 13.8"),
     Equation("conveying_velocity_spread", scales.conveying_velocity_spread, "theory 13.8"),
@@ -106,9 +113,11 @@ RESULTS = (
     ),
     *feeding.RESULTS,
 )
+ACROSS = Equation("velocity_across", scales.velocity_across, "theory 13.8")
+"""Not of a part that rolls across: it keeps the speed at which it happens to."""
 ANY_RESULT = frozenset(
     equation.gives
-    for equation in (*RESULTS, *spending.RESULTS)
+    for equation in (*RESULTS, ACROSS, *spending.RESULTS)
     if not QUANTITIES[equation.gives].parameter
 ) | {"regime"}
 
@@ -128,6 +137,8 @@ CONDITIONS = (
     Condition("stick", _is_stuck, ANY_RESULT),
     Condition("stick_slip", _sticks, ANY_RESULT),
 )
+LEAVES_THE_WALL = Condition("wall_lost", _leaves_the_wall, ANY_RESULT)
+"""Of a track: the part leaves it sideways; what is told holds on a floor without an end."""
 
 PLANAR_SCALES = (
     Equation("vibration_acceleration", vibration.vibration_acceleration, "theory 0.2"),
@@ -197,17 +208,23 @@ def _conveying(
 
     def equations(method: Method) -> tuple[Equation, ...]:
         found = [Equation("motion", method.follow(contacts), method.source), *RESULTS]
+        if not contacts.rolling:
+            found.append(ACROSS)
         if method.energy is not None:
             energy = Equation("energy", method.energy(contacts), spending.SOURCE)
             found += [energy, *spending.RESULTS]
         return (*in_space, *found)
 
     def conditions(method: Method) -> tuple[Condition, ...]:
-        if method.energy is None:
-            return CONDITIONS
-        # It gives way to what has no answer, as that of the efficiency does.
+        more = [LEAVES_THE_WALL] if contacts.wall else []
+        if method.energy is not None:
+            more.append(spending.UNBOUNDED)
+        # They give way to what has no answer, as that of the efficiency does.
         place = [one.regime for one in CONDITIONS].index("unbounded")
-        return (*CONDITIONS[:place], spending.UNBOUNDED, *CONDITIONS[place:])
+        found = (*CONDITIONS[:place], *more, *CONDITIONS[place:])
+        if not contacts.rolling:
+            return found
+        return tuple(replace(one, outputs=one.outputs - {ACROSS.gives}) for one in found)
 
     return Scene(
         name=name,

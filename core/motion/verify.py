@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from core.mechanics.arrays import Array
 from core.motion.feeding import RESOLVED
 from core.motion.prepare import ERROR, Simulation, other_method
-from core.motion.result import STATUS
+from core.motion.result import ANSWERED, STATUS
 from core.motion.systems import methods_of
 from core.plan.equations import run_equations
 from core.plan.grid import from_si
@@ -22,7 +23,12 @@ from core.scenes import Scene
 from core.watch import Watch
 
 SOUND = [STATUS[name] for name in ("periodic", "at_rest", "neutral", "settled")]
-"""Statuses of motions that two methods should agree on: the others are chance, or no answer."""
+"""Statuses of motions all of whose outputs two methods should agree on."""
+
+MEANS = [STATUS[name] for name in ANSWERED]
+"""Statuses of motions that have a mean velocity, on which two methods agree within their errors."""
+
+VELOCITY = "conveying_velocity"
 
 SPEED = ("drive_number", "velocity_scale")
 
@@ -37,6 +43,11 @@ def accuracy(plan: Plan) -> str:
     return text
 
 
+NOT_JUDGED = "verified_not_judged"
+"""The attribute that counts the cells of which two methods tell nothing to compare; none if all
+are judged. `verified_worst` says why."""
+
+
 @dataclass(frozen=True)
 class Comparison:
     """Outputs of some cells by two methods.
@@ -48,18 +59,25 @@ class Comparison:
     evaluated : ndarray of bool
         The cells that the other method followed before a stop.
     compared : ndarray of bool
-        The cells whose motion both methods found to repeat, rest or settle.
+        The cells that are judged: by all outputs where both methods find the motion to repeat, rest
+        or settle, else by their mean velocities.
     output : str
-        The output of largest difference, over the largest size of that output in these cells.
+        The output of largest difference, over the largest size of that output, in the former.
     cell : int
         Where it is.
     error, share : float
         The difference [unit of studies], and the same over that size.
     stated : float
         The other method's own estimate of its error there; NaN where it has none.
+    means : int
+        Cells that are judged by their mean velocities alone.
+    strain : float
+        The largest difference of these, over what both methods state.
     failed : int
         Cells that are further apart than both methods state, or that repeat after other numbers of
         periods.
+    silent : mapping of str to int
+        Why cells could not be judged, and how many.
     """
 
     method: str
@@ -70,24 +88,37 @@ class Comparison:
     error: float = 0.0
     share: float = 0.0
     stated: float = np.nan
+    means: int = 0
+    strain: float = 0.0
     failed: int = 0
+    silent: Mapping[str, int] = field(default_factory=dict)
 
     def in_words(self, where: str) -> str:
-        """Return one sentence; `where` is the place of the largest difference."""
-        if not self.output:
-            return "no cell has an output to compare and repeats, rests or settles by both methods"
-        unit = QUANTITIES[self.output].unit
-        unit = "" if unit == "1" else f" {unit}"
-        text = (
-            f"{self.output} {where}: difference {self.error:.2g}{unit}, {self.share:.2g} of its "
-            f"largest size in these cells; {self.compared.sum()} repeat, rest or settle by both "
-            "methods and are compared"
-        )
-        if np.isfinite(self.stated):
-            text += f"; the method {self.method} states an error of {self.stated:.2g}{unit} there"
+        """Return what was found in words; `where` is the place of the largest difference."""
+        parts = []
+        if self.output:
+            unit = QUANTITIES[self.output].unit
+            unit = "" if unit == "1" else f" {unit}"
+            parts.append(
+                f"{self.output} {where}: difference {self.error:.2g}{unit}, {self.share:.2g} of "
+                f"its largest size in these cells; {self.compared.sum() - self.means} repeat, rest "
+                "or settle by both methods and are compared"
+            )
+            if np.isfinite(self.stated):
+                parts.append(
+                    f"the method {self.method} states an error of {self.stated:.2g}{unit} there"
+                )
+        if self.means:
+            parts.append(
+                f"{self.means} do not repeat by both, and their mean velocities differ by "
+                f"{self.strain:.2g} of both stated errors at most"
+            )
         if self.failed:
-            text += f"; {self.failed} are further apart than both methods state: NOT VERIFIED"
-        return text
+            parts.append(f"{self.failed} are further apart than both methods state: NOT VERIFIED")
+        if self.silent:
+            reasons = ", ".join(f"{count} {reason}" for reason, count in self.silent.items())
+            parts.append(f"{sum(self.silent.values())} could not be judged: {reasons}")
+        return "; ".join(parts)
 
 
 def compare(
@@ -115,14 +146,28 @@ def compare(
     scene = plan.scene
     has = scene.outputs(method)
     outputs = [name for name in got if name in has and QUANTITIES[name].compared]
-    told = [name for name in (ERROR, "motion_status") if name in has]
+    judging = [name for name in (VELOCITY, ERROR, "motion_status") if name in has]
     count = next(iter(got.values())).size
-    theirs = _followed(scene, method, (*outputs, *told, *SPEED), cells, count, watch)
-    status = theirs["motion_status"]
-    sound = np.isin(status, SOUND)
-    if "motion_status" in got:
-        sound &= np.isin(got["motion_status"], SOUND)
-    found = Comparison(method, status != STATUS["not_computed"], sound)
+    theirs = _followed(scene, method, (*outputs, *judging, *SPEED), cells, count, watch)
+    ours = got
+    if not set(judging) <= set(got):  # what was not asked for is computed again
+        silent = None if watch is None else replace(watch, progress=None)
+        ours = {**_followed(scene, plan.variant, tuple(judging), cells, count, silent), **got}
+    both = ours["motion_status"], theirs["motion_status"]
+    evaluated = both[1] != STATUS["not_computed"]
+    sound = np.isin(both[0], SOUND) & np.isin(both[1], SOUND)
+    apart, stated = _apart(ours, theirs)
+    means = np.isin(both[0], MEANS) & np.isin(both[1], MEANS) & ~sound & np.isfinite(stated)
+    other = sound & _other_multiple(got, theirs)
+    found = Comparison(
+        method,
+        evaluated,
+        sound | means,
+        means=int(means.sum()),
+        strain=float(np.max((apart / stated)[means], initial=0.0)),
+        failed=int(((sound | means) & ~(apart <= stated) | other).sum()),
+        silent=_reasons(method, *(status[evaluated & ~sound & ~means] for status in both)),
+    )
     for name in outputs if sound.any() else ():
         right = np.where(sound, theirs[name], 0.0)
         size = float(np.abs(right).max()) or 1.0
@@ -131,19 +176,27 @@ def compare(
         cell = int(np.argmax(error))
         share = float(error[cell]) / size
         if not found.output or share > found.share:
-            stated = np.nan
-            if name == "conveying_velocity" and ERROR in theirs:
-                stated = float(theirs[ERROR][cell])
+            told = np.nan
+            if name == VELOCITY and ERROR in theirs:
+                told = float(theirs[ERROR][cell])
             found = replace(
-                found, output=name, cell=cell, error=float(error[cell]), share=share, stated=stated
+                found, output=name, cell=cell, error=float(error[cell]), share=share, stated=told
             )
-    if not sound.any():
-        return found
-    ours = got
-    if ERROR not in got:  # what the first run stated was not asked for: it is found again
-        silent = None if watch is None else replace(watch, progress=None)
-        ours = _followed(scene, plan.variant, tuple(told), cells, count, silent)
-    return replace(found, failed=int((sound & _apart(got, ours, theirs)).sum()))
+    return found
+
+
+def _reasons(method: str, ours: Array, theirs: Array) -> dict[str, int]:
+    """Return why cells of such statuses cannot be judged, and how many."""
+    names = {value: name for name, value in STATUS.items()}
+    found = Counter[str]()
+    for mine, other in zip(ours.tolist(), theirs.tolist(), strict=True):
+        if mine not in SOUND and mine not in MEANS:
+            found[names[mine]] += 1
+        elif other not in SOUND and other not in MEANS:
+            found[f"{names[other]} by {method}"] += 1
+        else:
+            found["without a stated error"] += 1
+    return dict(found.most_common())
 
 
 def _followed(
@@ -165,24 +218,23 @@ def _followed(
     }
 
 
-def _apart(
-    got: Mapping[str, Array], ours: Mapping[str, Array], theirs: Mapping[str, Array]
-) -> NDArray[np.bool_]:
-    """Return which motions are further apart than both methods state.
+def _apart(ours: Mapping[str, Array], theirs: Mapping[str, Array]) -> tuple[Array, Array]:
+    """Return how far apart mean velocities are, and what both methods state; else infinity."""
+    if not {VELOCITY, ERROR} <= set(ours) or not {VELOCITY, ERROR} <= set(theirs):
+        nothing = np.zeros_like(theirs["motion_status"])
+        return nothing, nothing + np.inf
+    drive = theirs["drive_number"] * theirs["velocity_scale"]
+    stated = ours[ERROR] + theirs[ERROR] + RESOLVED * drive
+    return np.abs(ours[VELOCITY] - theirs[VELOCITY]), stated
 
-    By the mean velocity, whose errors they state, and by the number of periods after which the
-    motion repeats; a part that rests repeats after any number.
-    """
-    apart = np.zeros(next(iter(got.values())).shape, dtype=np.bool_)
-    velocity, multiple = got.get("conveying_velocity"), got.get("period_multiple")
-    if velocity is not None and ERROR in ours and ERROR in theirs:
-        drive = theirs["drive_number"] * theirs["velocity_scale"]
-        stated = ours[ERROR] + theirs[ERROR] + RESOLVED * drive
-        apart |= ~(np.abs(velocity - theirs["conveying_velocity"]) <= stated)
-    if multiple is not None:
-        moves = (multiple > 0) & (theirs["period_multiple"] > 0)
-        apart |= moves & (multiple != theirs["period_multiple"])
-    return apart
+
+def _other_multiple(got: Mapping[str, Array], theirs: Mapping[str, Array]) -> NDArray[np.bool_]:
+    """Return which motions repeat after other numbers of periods; a part that rests after any."""
+    multiple = got.get("period_multiple")
+    if multiple is None:
+        return np.zeros(theirs["motion_status"].shape, dtype=np.bool_)
+    other = theirs["period_multiple"]
+    return np.asarray((multiple > 0) & (other > 0) & (multiple != other))
 
 
 def verified(
@@ -214,6 +266,10 @@ def verified(
         for name in plan.outputs
     }
     found = compare(plan, cells, got, other.name, watch)
+    left = sum(found.silent.values())
+    more: dict[str, str | int] = {NOT_JUDGED: left} if left else {}
     evaluated, compared = int(found.evaluated.sum()), int(found.compared.sum())
     worst = found.in_words(sample.where(found.cell)) if evaluated else ""
-    return sample.told(against, worst, evaluated=evaluated, compared=compared, failed=found.failed)
+    return more | sample.told(
+        against, worst, evaluated=evaluated, compared=compared, failed=found.failed
+    )

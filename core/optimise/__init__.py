@@ -1,17 +1,34 @@
 """The best values of some parameters: exact answers, a compiled batch solver, and optimisers."""
 
-from core.optimise.methods import METHODS
-from core.optimise.optimisation import Optimisation
-from core.optimise.prepare import further, prepare
-from core.optimise.run import compute, label, optimise, tabulate
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from core.lazy import lazily
 
 __all__ = [
+    "KIND",
     "METHODS",
     "Optimisation",
-    "compute",
-    "further",
-    "label",
     "optimise",
-    "prepare",
     "tabulate",
 ]
+
+if TYPE_CHECKING:
+    from core.optimise.kind import KIND
+    from core.optimise.methods import METHODS
+    from core.optimise.optimisation import Optimisation
+    from core.optimise.run import optimise, tabulate
+else:
+    __getattr__ = lazily(
+        __name__,
+        {
+            "kind": ("KIND",),
+            "methods": ("METHODS",),
+            "optimisation": ("Optimisation",),
+            "run": (
+                "optimise",
+                "tabulate",
+            ),
+        },
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ MOST_GRIDDED = 4  # variables
 ROUNDS = 40
 SHRINKS = 0.5
 MOST_POINTS = 8_000_000  # of all designs together
+REST_POINTS = 81  # of the grid on which a part that no choice moves is looked for at rest
 BLOCK = 262_144
 
 
@@ -58,6 +60,37 @@ def by_grid(
     x = problem.lower[:, None] + (problem.upper - problem.lower)[:, None] * best
     x = np.where(status == STATUS["optimal"], x, np.nan)
     return Found(x, status, evaluations=np.full(cells, evaluations))
+
+
+def with_best_rest(
+    problem: Problem,
+    found: Found,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    watch: Watch,
+) -> Found:
+    """Return the answers with the best choice, too, where no choice moves the part forwards.
+
+    Known answers look for forward motion only. Without any, nothing is better than a part that
+    rests; where it slides back at every choice, a grid tells which one is the best, or that none
+    keeps the limits.
+    """
+    still = np.flatnonzero((found.status == STATUS["no_motion"]) & np.isnan(found.x).any(axis=0))
+    if not still.size:
+        return found
+    x, status, count = found.x.copy(), found.status.copy(), len(problem.names)
+    here, sizes = chosen_cells(design, still), chosen_cells(scales, still)
+    shares = _filled(count, still.size, REST_POINTS)[:, np.newaxis]
+    unit = np.broadcast_to(shares, (count, still.size, shares.shape[2]))
+    place, beyond, value = _top(problem, unit, here, sizes)
+    rests = (beyond <= 0) & (value >= 0)
+    span = (problem.upper - problem.lower)[:, None]
+    x[:, still[rests]] = problem.lower[:, None] + span * shares[:, 0, place[rests]]
+    if not rests.all():
+        others, left = np.flatnonzero(~rests), still[~rests]
+        best = by_grid(problem, chosen_cells(here, others), chosen_cells(sizes, others), watch)
+        x[:, left], status[left] = best.x, best.status
+    return replace(found, x=x, status=status)
 
 
 def dense_width(variables: int, cells: int, points: int) -> int:

@@ -17,15 +17,12 @@ from core.dataset.table import (
 )
 from core.optimise.methods import METHODS
 from core.optimise.optimisation import Optimisation
-from core.optimise.problem import Problem
+from core.optimise.sentences import criterion_in_words
 from core.optimise.slopes import sensitive
 from core.optimise.verify import accuracy, verified
 from core.plan.labels import coordinates_of, global_attributes
 from core.plan.pieces import Computed
 from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES, Flag
-from core.study.distributions import Distribution, nominal, tolerance
-from core.study.optimise_study import Limited, Pareto, Weighted
-from core.study.values import Between
 from core.watch import Watch
 
 BINDS = {
@@ -49,42 +46,6 @@ def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
         **verified(prepared, arrays, watch),
     }
     return Table(coordinates_of(prepared.plan, prepared.grid), variables, words)
-
-
-def criterion_in_words(problem: Problem) -> str:
-    """Return what is looked for, in a few words."""
-    return _looked_for(problem) + _over_interval(problem)
-
-
-def _over_interval(problem: Problem) -> str:
-    if problem.uncertain is None:
-        return ""
-    how = {"worst": "in the worst case", "mean": "on average"}.get(problem.uncertain.how)
-    how = how or f"of the {problem.uncertain.quantile:g} quantile"
-    told = (_known(name, one) for name, one in problem.uncertain.distributions.items())
-    return f", {how} over {', '.join(told)}"
-
-
-def _known(name: str, one: Distribution) -> str:
-    """Return how well a parameter is known, in words."""
-    unit = "" if QUANTITIES[name].unit == "1" else f" {QUANTITIES[name].unit}"
-    if isinstance(one, Between):
-        return f"{name} from {one.lower:g} to {one.upper:g}{unit}"
-    lower, upper = tolerance(name, one)
-    return f"{name} about {nominal(one):g} ({lower:.4g} to {upper:.4g}){unit}"
-
-
-def _looked_for(problem: Problem) -> str:
-    criterion = problem.criterion
-    output, against = criterion.output, problem.against
-    if isinstance(criterion, Weighted):
-        return f"largest {output} - {criterion.weight:g} |{against}|"
-    if isinstance(criterion, Limited):
-        unit = QUANTITIES[criterion.against].unit
-        return f"largest {output} with |{against}| <= {criterion.limit:g} {unit}"
-    if isinstance(criterion, Pareto):
-        return f"{output} high, |{against}| low: the whole front"
-    return f"{'least' if problem.sign < 0 else 'largest'} {output}"
 
 
 def _attributes(prepared: Optimisation, regimes: NDArray[np.int8]) -> dict[str, dict[str, Any]]:

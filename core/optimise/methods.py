@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from core.mechanics.arrays import Array
 from core.optimise import known_answers, scipy_methods
 from core.optimise.found import Found, Solver
-from core.optimise.grid import MOST_GRIDDED, by_grid
+from core.optimise.grid import MOST_GRIDDED, by_grid, with_best_rest
 from core.optimise.population import by_population
 from core.optimise.problem import Problem
 from core.watch import Watch
@@ -22,6 +22,7 @@ def _exact(
     problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
 ) -> Found:
     found = known_answers.by_closed_form(problem, design)
+    found = with_best_rest(problem, found, design, scales, watch)
     watch.advance(1.0)
     return found
 
@@ -30,6 +31,7 @@ def _newton(
     problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
 ) -> Found:
     found = known_answers.by_newton(problem, design)
+    found = with_best_rest(problem, found, design, scales, watch)
     watch.advance(1.0)
     return found
 

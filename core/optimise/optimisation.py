@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 from core.motion.method import Method
 from core.motion.prepare import other_method, price_of
@@ -11,6 +12,7 @@ from core.motion.systems import methods_of
 from core.optimise.problem import Problem
 from core.optimise.robust import NODES
 from core.optimise.scipy_methods import search_budget
+from core.optimise.sentences import criterion_in_words
 from core.optimise.slopes import sensitive
 from core.plan.grid import Grid
 from core.plan.prepared import Box, Prepared
@@ -72,6 +74,25 @@ class Optimisation(Prepared):
     def dims(self) -> dict[str, tuple[str, ...]]:
         """The axes of each variable: all of them."""
         return dict.fromkeys(self.units, tuple(self.grid.axes))
+
+    def facts(self) -> dict[str, Any]:
+        """As in `Prepared`."""
+        return {
+            "criterion": criterion_in_words(self.problem),
+            "variables": [*self.problem.names],
+            "method": self.method,
+            "kept": [one.name for one in self.problem.kept],
+        }
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """As in `Prepared`."""
+        facts = self.facts()
+        free, kept = (", ".join(facts[name]) for name in ("variables", "kept"))
+        return (
+            f"{facts['criterion']}, by the choice of {free}; method {facts['method']}",
+            f"kept: {kept or 'nothing'}",
+        )
 
     @cached_property
     def _price(self) -> tuple[float, float]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 import numpy as np
 
@@ -12,31 +11,22 @@ from core.errors import StudyError, suggestion
 from core.motion.prepare import choose_system
 from core.motion.systems import CONTACTS as DRIVEN
 from core.motion.systems import SYSTEMS
+from core.optimise.checks import misplaced, of_other_drive, wrong_intervals
 from core.optimise.methods import METHODS, default_method, refusal
 from core.optimise.optimisation import Optimisation
 from core.optimise.problem import CONTACTS, LIMIT, Kept, Problem, Variable
 from core.optimise.robust import uncertain_of
 from core.optimise.search import MOST_VARIABLES
 from core.optimise.slopes import MOST_SENSITIVE
-from core.optimise.wrong import (
-    criterion_outputs,
-    ends_of,
-    misplaced,
-    of_other_drive,
-    placed,
-    wrong_intervals,
-)
 from core.plan.grid import Grid, to_si
-from core.plan.plan import choose_scene, scene_parameters
-from core.plan.prepared import Chosen, further_problems, plan_study
+from core.plan.plan import choose_scene
+from core.plan.prepared import Chosen, placed, plan_study
 from core.scenes import Scene
 from core.scenes.graph import behind
 from core.study.distributions import nominal, tolerance
-from core.study.optimise_study import Limited, OptimiseStudy, Pareto
+from core.study.drive import only_the_plain_sine
+from core.study.optimise_study import ANGLES, Limited, OptimiseStudy, Pareto
 from core.study.values import Between, Fixed, Span, Values
-
-ANGLES = {"alpha": Between(0.0, 90.0), "beta": Between(0.0, 90.0)}
-"""The variables of a study that names none."""
 
 FRONT = "front"
 
@@ -51,19 +41,17 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     """
     values = study.values()
     problems: list[Wrong] = []
-    asked = tuple(dict.fromkeys((*criterion_outputs(study), *study.outputs)))
+    asked = tuple(dict.fromkeys((*study.criterion_outputs(), *study.outputs)))
     intervals = study.intervals()
     given = (*values, *study.bounds(), *intervals)
     try:
         chosen = choose_problem_scene(study.scene, study.variant, asked, given)
     except StudyError as error:
-        found = [placed(one, study, study.bounds()) for one in error.problems]
-        raise StudyError(found) from None
+        raise StudyError(placed(one, study) for one in error.problems) from None
     scene, variant, _ = chosen
     if study.drive is not None and (scene.choice != "method" or scene.name not in DRIVEN):
-        message = "closed forms support only the plain sine of amplitude, alpha and beta"
         fix = f"Ask for conveying_velocity of {', '.join(DRIVEN)}, or give these"
-        raise StudyError([Wrong("drive", message, fix)])
+        raise StudyError([only_the_plain_sine(fix)])
     kept = tuple(_kept(study, scene, variant))
     outputs = tuple(dict.fromkeys((*asked, *(one.output for one in kept))))
     outputs = tuple(name for name in outputs if name != "regime")
@@ -83,8 +71,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     try:
         plan, _ = plan_study(study, outputs, chosen, spans)
     except StudyError as error:
-        found = [of_other_drive(one, scene) for one in error.problems]
-        problems += [placed(one, study, bounds) for one in found]
+        problems += (placed(of_other_drive(one, scene), study) for one in error.problems)
     if study.method is not None and study.method not in METHODS:
         message = f"'{study.method[:60]}' is not a method"
         problems.append(Wrong("method", message, suggestion(study.method, METHODS)))
@@ -159,7 +146,7 @@ def _kept(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[Kept]:
         if switches[name] and output in scene.outputs(variant):
             yield Kept(name, output, 0.0, upper=False)
     for one in study.constraints:
-        for name, bound in ends_of(one):
+        for name, bound in one.ends():
             yield Kept(name, one.output, bound, name.endswith("upper"), one.absolute)
 
 
@@ -178,35 +165,4 @@ def _default_bounds(
     return {n: b for n, b in ANGLES.items() if n in needed - refused and n not in values}
 
 
-def further(content: Mapping[str, Any], known: StudyError) -> list[Wrong]:
-    """Return what a plan of unsound content would object to, as far as it can be told."""
-    if not isinstance(content.get("parameters"), Mapping):
-        return []
-    criterion, variables = content.get("criterion"), content.get("variables")
-    criterion = criterion if isinstance(criterion, Mapping) else {}
-    uncertain = content.get("uncertain")
-    parameters = {**content["parameters"], **(uncertain if isinstance(uncertain, Mapping) else {})}
-    outputs = tuple(
-        name
-        for name in (criterion.get("output", "acceleration_x"), criterion.get("against"))
-        if isinstance(name, str)
-    )
-
-    def chosen(content: Mapping[str, Any]) -> Chosen:
-        variant = content.get("variant")
-        variant = variant if isinstance(variant, str) else None
-        return choose_problem_scene(content["scene"], variant, outputs, map(str, parameters))
-
-    if isinstance(variables, Mapping):
-        parameters |= variables
-    elif isinstance(content.get("scene"), str):
-        try:
-            known_parameters = scene_parameters(*chosen(content)[:2])
-        except StudyError as error:
-            return [p for p in error.problems if p.place not in {q.place for q in known.problems}]
-        parameters |= {name: 0 for name in ANGLES if name in known_parameters}
-    whole = {**content, "parameters": parameters, "outputs": outputs}
-    return further_problems(whole, known, chosen)
-
-
-__all__ = ["FRONT", "choose_problem_scene", "further", "prepare"]
+__all__ = ["FRONT", "choose_problem_scene", "prepare"]

@@ -12,7 +12,7 @@ from core.dataset.table import Table
 from core.mechanics.arrays import Array
 from core.optimise.checked import checked
 from core.optimise.front import find_front
-from core.optimise.labels import criterion_in_words, label
+from core.optimise.labels import label
 from core.optimise.methods import METHODS
 from core.optimise.optimisation import Optimisation
 from core.optimise.prepare import prepare
@@ -37,7 +37,7 @@ def optimise(study: OptimiseStudy, *, watch: Watch | None = None) -> xarray.Data
     --------
     >>> from pathlib import Path
     >>> from core.optimise import optimise
-    >>> from core.study import load_study
+    >>> from core.intake import load_study
     >>> dataset = optimise(load_study(Path("configs/optimise-limit.toml")))
     """
     return tabulate(prepare(study), watch=watch).to_xarray()
@@ -101,4 +101,4 @@ def with_limit(problem: Problem, design: Mapping[str, Array], cells: int) -> dic
     return {**design, LIMIT: np.full(cells, limit)}
 
 
-__all__ = ["compute", "criterion_in_words", "designs_of", "label", "optimise", "tabulate"]
+__all__ = ["compute", "designs_of", "label", "optimise", "tabulate"]

@@ -104,7 +104,7 @@ def _repays(missing: Iterable[str], seconds: float) -> bool:
         spent = max(_spent[source] for source in missing)
     if spent < LOAD_SECONDS and "numba" not in sys.modules:
         return False
-    from core.compiled import is_on_disk
+    from core.kernel_cache import is_on_disk
 
     wait = sum(FIND_SECONDS if is_on_disk(source) else COMPILE_SECONDS for source in missing)
     return spent >= wait

@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from numpy.typing import NDArray
 
 from core.errors import SEARCHED, LimitError, Problem, StudyError, nearest
 from core.plan.derived import Asked, is_status
 from core.plan.grid import Grid, from_si
+from core.plan.parts import Parts
 from core.plan.plan import Plan, plan_scene
+from core.plan.price import in_words
 from core.quantities import FLAGS, QUANTITIES
 from core.scenes import Scene
-from core.study.grid_study import MOST_OUTPUTS, PARAMETERS, GridStudy
-from core.study.models import Study
+from core.study.grid_study import PARAMETERS, Study
 from core.study.values import Values
 
 Box = Mapping[str, tuple[int, int]]
 """A part of a grid: start and stop on the axes of which it is not the whole."""
 
 MOST_SECONDS_TO_VERIFY = 100.0
+RARELY = 2.0
+"""Times what is likely from which on the most that a study may take is told, too."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,54 @@ class Prepared:
     study: Study
     plan: Plan
     grid: Grid
+
+    part_of: ClassVar[str] = ""
+    """What a part of it is one of: `SHARDS`, or `ANSWERS`; empty if it has no parts."""
+    can_stop: ClassVar[bool] = True
+    """Whether computing it can be stopped between two cells."""
+    keeps_some: ClassVar[bool] = True
+    """Whether a result that was stopped holds the cells that were computed by then."""
+
+    @property
+    def not_lazy(self) -> Problem | None:
+        """Why its cells cannot be evaluated where they are read; None if they can."""
+        return Problem("kind", "it is computed as a whole, not where read", "Sweep closed forms")
+
+    def check_lazy(self, fix: str) -> Self:
+        """Return the study; raise `StudyError` if its cells cannot be evaluated where read."""
+        if self.not_lazy is not None:
+            raise StudyError([replace(self.not_lazy, fix=fix)])
+        return self
+
+    def parts(self, where: str, count: int) -> Parts:
+        """Return the parts that it may be carried out in, on their way to a result.
+
+        Parameters
+        ----------
+        where : str
+            The result.
+        count : int
+            Number of parts.
+        """
+        raise NotImplementedError
+
+    @property
+    def boxes(self) -> int:
+        """Into how many parts it can be cut at most."""
+        return 0
+
+    def seconds_in_parts(self) -> float:
+        """Return what all parts take one core, as a few of their boxes tell."""
+        raise NotImplementedError
+
+    def facts(self) -> dict[str, Any]:
+        """Return what there is to say of it besides its plan and its size, as a document."""
+        return {}
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The same for people."""
+        return ()
 
     @property
     def derived(self) -> Asked | None:
@@ -117,6 +168,21 @@ class Prepared:
         return self.cells * self.most_seconds_a_cell + self.seconds_to_verify
 
     @property
+    def seconds_here(self) -> float:
+        """Roughly what it takes here: as `seconds`, unless it uses all cores."""
+        return self.seconds
+
+    @property
+    def size_in_words(self) -> str:
+        """Its cells, its bytes, and what it takes."""
+        seconds, most = self.seconds, self.most_seconds
+        rarely = f" (at most some {in_words(most)})" if most > RARELY * seconds else ""
+        return (
+            f"{self.cells:,} cells, {self.bytes:,} bytes before compression, "
+            f"some {in_words(seconds)} on one core{rarely}, {seconds / 3600:.1g} core hours"
+        )
+
+    @property
     def verified_by(self) -> str:
         """What random cells are evaluated by again if the study says so; empty if nothing can."""
         return "50 digits"
@@ -184,7 +250,7 @@ Chosen = tuple[Scene, str, list[Problem]]
 
 
 def plan_study(
-    study: GridStudy,
+    study: Study,
     outputs: Iterable[str],
     chosen: Chosen,
     more: Mapping[str, Values] | None = None,
@@ -215,44 +281,14 @@ def names_meant(parameters: Iterable[object]) -> list[str]:
     return [name for name in names if name]
 
 
-def further_problems(
-    content: object,
-    known: StudyError,
-    chosen: Callable[[Mapping[str, Any]], Chosen],
-    outputs: tuple[str, ...] = (),
-) -> list[Problem]:
-    """Return what a plan of unsound content would object to, as far as it can be told.
-
-    Parameters
-    ----------
-    content : object
-        What stands in a file or request.
-    known : StudyError
-        What has been found; its places are not blamed again.
-    chosen : callable
-        Returns the scene and the variant in force of the content.
-    outputs : tuple of str
-        Those of a study that names none.
-    """
-    if not isinstance(content, Mapping):
-        return []
-    asked, parameters = content.get("outputs", outputs), content.get("parameters")
-    if not (
-        isinstance(content.get("scene"), str)
-        and isinstance(asked, list | tuple)
-        and all(isinstance(name, str) for name in asked)
-        and isinstance(parameters, Mapping)
-    ):
-        return []
-    given = names_meant(parameters)
-    found: list[Problem] = []
-    try:
-        scene, variant, found = chosen(content)
-        plan_scene(scene, variant, asked[:MOST_OUTPUTS], given)
-    except StudyError as error:
-        found = [*found, *error.problems]
-    places = {problem.place for problem in known.problems}
-    return [problem for problem in found if problem.place not in places]
+def placed(problem: Problem, study: Study) -> Problem:
+    """Return a problem of a plan at the place where the study says what it is about."""
+    section, _, name = problem.place.partition(".")
+    if section == "parameters":
+        return replace(problem, place=study.places().get(name, problem.place))
+    if section == "outputs" and problem.about:
+        return replace(problem, place=study.output_places().get(problem.about, problem.place))
+    return problem
 
 
 def broken_constraints(scene: Scene, variant: str, grid: Grid) -> Iterable[Problem]:

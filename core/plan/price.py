@@ -61,3 +61,11 @@ def pace() -> float:
             np.add(one, other, out=other)
         best = min(best, time.perf_counter() - started)
     return float(np.clip(best / (8 * one.size) / SUM_SECONDS, 0.2, 20.0))
+
+
+def in_words(seconds: float) -> str:
+    """Return a time in words, two digits of it."""
+    for unit, length in (("days", 86_400), ("hours", 3600), ("minutes", 60)):
+        if seconds >= 2 * length:
+            return f"{seconds / length:.2g} {unit}"
+    return f"{seconds:.2g} s"

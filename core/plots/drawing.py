@@ -74,7 +74,7 @@ def draw(
     --------
     >>> from pathlib import Path
     >>> from core.plots import draw
-    >>> from core.study import load_study
+    >>> from core.intake import load_study
     >>> from core.sweep import sweep
     >>> dataset = sweep(load_study(Path("configs/figures/fig-5-1.toml")))
     >>> figure = draw(dataset, axes=("beta", "alpha"), kind="surface")

@@ -7,7 +7,7 @@ import xarray
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from core.optimise.labels import criterion_in_words
+from core.optimise.sentences import criterion_in_words
 from core.plots.heading import finish, source_of
 from core.plots.optimum import prepared_of
 from core.plots.options import Options

@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 from core.dataset.table import quantity_attributes
 from core.optimise import Optimisation
 from core.optimise.codes import STATUS
-from core.optimise.labels import criterion_in_words
 from core.optimise.problem import Problem, chosen_cells
 from core.optimise.run import designs_of
+from core.optimise.sentences import criterion_in_words
 from core.plan.grid import from_si
 from core.plots.fixed import fixed_positions
 from core.plots.heading import finish, source_of

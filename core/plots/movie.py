@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from core.dataset.files import whole
+from core.extras import installing
 from core.plots.animation import Frame, draw_frames
 from core.plots.film import FRAMES_PER_SECOND, read_film
 from core.plots.options import Options
@@ -119,6 +120,6 @@ def _ffmpeg() -> ModuleType:
     try:
         import imageio_ffmpeg
     except ModuleNotFoundError:
-        fix = "Install it: pip install 'vibrafeed[video]'. Or end the name in .gif"
+        fix = f"Install it: {installing('imageio-ffmpeg', 'video')}. Or end the name in .gif"
         raise PlotError("output", "MP4 needs imageio-ffmpeg, which is missing", fix) from None
     return imageio_ffmpeg

@@ -6,10 +6,11 @@ from typing import Any
 
 import xarray
 
+from core.intake import parse_json
 from core.optimise import Optimisation
 from core.optimise.prepare import prepare
 from core.plots.problem import PlotError
-from core.study import OptimiseStudy, parse_json
+from core.study import OptimiseStudy
 
 
 def prepared_of(dataset: xarray.Dataset) -> Optimisation:

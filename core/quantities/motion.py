@@ -102,12 +102,17 @@ RESULTS: dict[str, Quantity] = {
     ),
     "conveying_velocity_spread": Quantity(
         "m s-1", "s(v)", "Spread of the conveying velocity",
-        "Standard deviation of the means of runs from several phases; 0 where the motion "
-        "repeats.", error_of="conveying_velocity",
+        "Standard deviation of the means of runs from several phases, or of batches of periods; 0 "
+        "where the motion repeats.", error_of="conveying_velocity",
     ),
     "conveying_velocity_error": Quantity(
         "m s-1", "e(v)", "Error of the conveying velocity",
         "The method's own estimate of its error.", error_of="conveying_velocity", compared=False,
+    ),
+    "velocity_across": velocity(
+        "v_y", "Velocity across",
+        "Mean velocity across the track, towards +y: away from the wall, if there is one. 0 where "
+        "the part comes back to the wall.",
     ),
     "efficiency": number(
         "v/v_b", "Transport efficiency",

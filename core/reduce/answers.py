@@ -84,7 +84,7 @@ def _answers(
         if f"{name}.quantiles" in state:
             yield f"{name}_{QUANTILE}", state[f"{name}.quantiles"]
         elif f"{name}.bins" in state:
-            bins, filled = state[f"{name}.bins"], state[f"{name}.filled"]
+            bins, filled = state[f"{name}.bins"], state[f"{name}.filled"] * boxes.times
             quantiles = binned_quantiles(bins, filled, state[f"{name}.ends"], asked.quantiles)
             yield f"{name}_{QUANTILE}", quantiles
     if field.regimes:

@@ -184,7 +184,7 @@ class Boxes:
         goes = self.cutting.goes
         order = sorted(range(len(box)), key=lambda axis: goes[axis])
         lines = cells.transpose(order).reshape(rows.count, -1)
-        return {f"{name}.quantiles": exact_quantiles(lines, self._asked.quantiles)}
+        return {f"{name}.quantiles": exact_quantiles(lines, self._asked.quantiles, self.times)}
 
     def _met(
         self, conditions: tuple[Condition, ...], values: Buffers, rows: Rows
@@ -216,22 +216,24 @@ class Boxes:
 
 
 def exact_quantiles(
-    lines: NDArray[np.float64], quantiles: tuple[float, ...]
+    lines: NDArray[np.float64], quantiles: tuple[float, ...], times: int = 1
 ) -> NDArray[np.float64]:
     """Return quantiles of each line without its NaN, shape (quantiles, lines), as numpy's linear.
 
-    A quantile between two values is told by the straight line between them.
+    Each value counts `times`: it stands for so many cells. A quantile between two cells is told by
+    the straight line between their values.
     """
     lines = np.sort(lines, axis=-1)
     counts = lines.shape[1] - np.count_nonzero(np.isnan(lines), axis=-1)
     result = np.full((len(quantiles), len(lines)), np.nan)
     some = np.flatnonzero(counts)
     for k, quantile in enumerate(quantiles):
-        place = quantile * (counts[some] - 1)
+        cells = counts[some] * times
+        place = quantile * (cells - 1)
         before = np.floor(place).astype(np.int64)
         share = place - before
-        low = lines[some, before]
-        high = lines[some, np.minimum(before + 1, counts[some] - 1)]
+        low = lines[some, before // times]
+        high = lines[some, np.minimum(before + 1, cells - 1) // times]
         with np.errstate(invalid="ignore"):
             step = np.where(low == high, 0.0, high - low)
             between = np.where(share < 0.5, low + step * share, high - step * (1 - share))

@@ -1,7 +1,24 @@
 """Parameters that are not known exactly: how outputs vary with them, and which one matters."""
 
-from core.sensitivity.labels import label
-from core.sensitivity.prepare import Sensitivity, further, prepare
-from core.sensitivity.run import compute
+from __future__ import annotations
 
-__all__ = ["Sensitivity", "compute", "further", "label", "prepare"]
+from typing import TYPE_CHECKING
+
+from core.lazy import lazily
+
+__all__ = [
+    "KIND",
+    "Sensitivity",
+]
+
+if TYPE_CHECKING:
+    from core.sensitivity.kind import KIND
+    from core.sensitivity.prepare import Sensitivity
+else:
+    __getattr__ = lazily(
+        __name__,
+        {
+            "kind": ("KIND",),
+            "prepare": ("Sensitivity",),
+        },
+    )

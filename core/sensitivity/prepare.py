@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -17,14 +17,16 @@ from core.motion.systems import methods_of
 from core.optimise.prepare import choose_problem_scene
 from core.plan.grid import Grid, to_si
 from core.plan.plan import Plan
-from core.plan.prepared import Chosen, Prepared, further_problems, names_meant, plan_study
+from core.plan.prepared import Chosen, Prepared, placed, plan_study
 from core.plan.price import pace
+from core.plan.sketch import Sketch
 from core.quantities import FLAGS, REGIMES
 from core.sensitivity.answers import LEVEL, QUANTILE, UNCERTAIN, Answer, answers
 from core.sensitivity.budget import Budget
 from core.sensitivity.indices import MOST_INPUTS
 from core.sensitivity.statistics import LEVELS
 from core.study.distributions import Distribution, nominal, tolerance
+from core.study.drive import only_the_plain_sine
 from core.study.sensitivity_study import SensitivityStudy
 from core.study.values import Fixed, Span, Values
 
@@ -166,20 +168,19 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
     problems = [*_wrong(study)]
     given = (*study.values(), *uncertain)
     try:
-        chosen = _chosen(study.scene, study.variant, study.method, asked, given)
+        chosen = choose(Sketch(study.scene, study.variant, study.method, asked, given))
     except StudyError as error:
         raise StudyError([*problems, *error.problems]) from None
     scene = chosen[0]
     if study.drive is not None and (scene.choice != "method" or scene.name not in DRIVEN):
-        message = "closed forms support only the plain sine of amplitude, alpha and beta"
         fix = f"Ask for conveying_velocity of {', '.join(DRIVEN)}, or give these"
-        problems.append(Problem("drive", message, fix))
+        problems.append(only_the_plain_sine(fix))
     values = study.values()
     spans = {n: _span(n, one) for n, one in uncertain.items() if n not in values}
     try:
         plan, _ = plan_study(study, asked, chosen, spans)
     except StudyError as error:
-        told = [*problems, *(_placed(one, study) for one in error.problems)]
+        told = [*problems, *(placed(one, study) for one in error.problems)]
         raise StudyError(told) from None
     problems += _wrong_regimes(study, plan)
     if problems:
@@ -189,18 +190,12 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
     return prepared
 
 
-def _chosen(
-    name: str,
-    variant: str | None,
-    method: str | None,
-    outputs: Iterable[str],
-    given: Iterable[str],
-) -> Chosen:
+def choose(sketch: Sketch) -> Chosen:
     """Return the scene of closed forms, or of motion where a method or an output asks for it."""
-    if method is None:
-        return choose_problem_scene(name, variant, outputs, given)
-    scene, chosen, problems = choose_system(name, method, given)
-    if variant is not None:
+    if sketch.method is None:
+        return choose_problem_scene(sketch.scene, sketch.variant, sketch.outputs, sketch.names)
+    scene, chosen, problems = choose_system(sketch.scene, sketch.method, sketch.names)
+    if sketch.variant is not None:
         fix = "Remove it, or leave method out"
         problems = [*problems, Problem("variant", "motion in time has no variants", fix)]
     return scene, chosen, problems
@@ -262,18 +257,6 @@ def _wrong_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Problem]:
             yield Problem(f"demands.{number}.regime", message, fix)
 
 
-def _placed(problem: Problem, study: SensitivityStudy) -> Problem:
-    """Return a problem of the plan at the place where the study says what it is about."""
-    section, _, name = problem.place.partition(".")
-    if section == "parameters" and name in study.distributions():
-        return replace(problem, place=f"uncertain.{name}")
-    if section == "outputs" and problem.about and problem.about not in study.outputs:
-        for number, one in enumerate(study.demands):
-            if one.output == problem.about:
-                return replace(problem, place=f"demands.{number}.output")
-    return problem
-
-
 def _check_size(prepared: Sensitivity) -> None:
     """Raise `StudyError` if a study takes more than memory and patience hold."""
     outputs, each = len(prepared.plan.outputs), prepared.evaluations
@@ -285,19 +268,3 @@ def _check_size(prepared: Sensitivity) -> None:
         message = f"{prepared.cells:,} designs take {each:,} evaluations each"
         fix = f"Take fewer designs or samples: {MOST_EVALUATIONS:,} evaluations at most"
         raise StudyError([Problem("samples", message, fix)])
-
-
-def further(content: Mapping[str, Any], known: StudyError) -> list[Problem]:
-    """Return what a plan of unsound content would object to, as far as it can be told."""
-    parameters, uncertain = content.get("parameters"), content.get("uncertain")
-    if not isinstance(parameters, Mapping):
-        return []
-    given = {**parameters, **(uncertain if isinstance(uncertain, Mapping) else {})}
-
-    def chosen(content: Mapping[str, Any]) -> Chosen:
-        texts = (content.get(key) for key in ("variant", "method"))
-        variant, method = (text if isinstance(text, str) else None for text in texts)
-        outputs = content["outputs"]
-        return _chosen(content["scene"], variant, method, outputs, names_meant(given))
-
-    return further_problems({**content, "parameters": given}, known, chosen)

@@ -1,19 +1,14 @@
-"""What a user writes: studies, their units and ranges, and reading them from TOML or JSON."""
+"""What a user writes: studies, their units and ranges."""
 
-from core.study.calibrate_study import CalibrateStudy
-from core.study.grid_study import GridStudy
-from core.study.load import load_study, parse_json, parse_study, parse_toml
-from core.study.models import Study
-from core.study.optimise_study import OptimiseStudy
-from core.study.sensitivity_study import SensitivityStudy
-from core.study.simulate_study import SimulateStudy
-from core.study.sweep_study import SweepStudy
-from core.study.values import Fixed, Points, Span, Values
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from core.lazy import lazily
 
 __all__ = [
     "CalibrateStudy",
     "Fixed",
-    "GridStudy",
     "OptimiseStudy",
     "Points",
     "SensitivityStudy",
@@ -22,8 +17,31 @@ __all__ = [
     "Study",
     "SweepStudy",
     "Values",
-    "load_study",
-    "parse_json",
-    "parse_study",
-    "parse_toml",
 ]
+
+if TYPE_CHECKING:
+    from core.study.calibrate_study import CalibrateStudy
+    from core.study.grid_study import Study
+    from core.study.optimise_study import OptimiseStudy
+    from core.study.sensitivity_study import SensitivityStudy
+    from core.study.simulate_study import SimulateStudy
+    from core.study.sweep_study import SweepStudy
+    from core.study.values import Fixed, Points, Span, Values
+else:
+    __getattr__ = lazily(
+        __name__,
+        {
+            "calibrate_study": ("CalibrateStudy",),
+            "grid_study": ("Study",),
+            "optimise_study": ("OptimiseStudy",),
+            "sensitivity_study": ("SensitivityStudy",),
+            "simulate_study": ("SimulateStudy",),
+            "sweep_study": ("SweepStudy",),
+            "values": (
+                "Fixed",
+                "Points",
+                "Span",
+                "Values",
+            ),
+        },
+    )

@@ -19,7 +19,7 @@ from core.quantities import QUANTITIES, Quantity
 from core.study.distributions import Normal, read_distribution
 from core.study.grid_study import PARAMETERS, Frozen, Parameters
 from core.study.levels import refusal
-from core.study.observations import ROWS_SCHEMA, Run, spread_rows
+from core.study.observations import ROWS_SCHEMA, Run, parameters_of, spread_rows
 from core.study.simulate_study import FollowedStudy, MotionSettings
 from core.study.units import UnitError
 from core.study.values import Between, Values
@@ -173,6 +173,18 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
             return {}
         given = self.candidates.model_fields_set
         return {name: getattr(self.candidates, name) for name in PARAMETERS if name in given}
+
+    def places(self) -> dict[str, str]:
+        """As in `Study`: what runs have of their own stands before what is unknown of it."""
+        found: dict[str, str] = {}
+        for run in self.observations:
+            found |= {name: f"observations, {name}" for name in parameters_of(run)}
+        for table in STEMS:
+            given = getattr(self, table)
+            for name in PARAMETERS:
+                if given is not None and name in given.model_fields_set:
+                    found.setdefault(name, f"{table}.{name}")
+        return found
 
     def content(self) -> dict[str, Any]:
         """Return the study as plain values, ranges and units in one form."""

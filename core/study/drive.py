@@ -9,6 +9,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
+from core.errors import Problem
+
 _TEXT = {"type": "string", "maxLength": 200}
 _NUMBER = {"anyOf": [{"type": "number"}, _TEXT]}
 _TRIPLE = {"type": "array", "minItems": 3, "maxItems": 3}
@@ -30,7 +32,7 @@ _Share = Annotated[_Finite, Field(ge=0)]
 class RecordedDrive(BaseModel):
     """A recording of an accelerometer, whose harmonics become parameters of the study."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     file: Path | None = Field(
         None, description="Its CSV, beside the study; over HTTP give data instead."
@@ -69,7 +71,7 @@ class MeasuredDrive(BaseModel):
     holds, for example.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     name: str = Field(description="Name of the recording's file.", max_length=300)
     sha256: str = Field(description="Of the recording's content.", pattern="^[0-9a-f]{64}$")
@@ -84,11 +86,15 @@ class MeasuredDrive(BaseModel):
     )
 
 
+def only_the_plain_sine(fix: str) -> Problem:
+    """Return what is wrong with a measured drive where the motion is not followed in time."""
+    message = "closed forms support only the plain sine of amplitude, alpha and beta"
+    return Problem("drive", message, fix)
+
+
 def names_recording(content: object) -> bool:
     """Return whether the content of a study names a recording that is yet to be fitted."""
-    if not isinstance(content, Mapping) or content.get("kind") == "sweep":
-        return False
-    drive = content.get("drive")
+    drive = content.get("drive") if isinstance(content, Mapping) else None
     return isinstance(drive, Mapping) and "sha256" not in drive
 
 

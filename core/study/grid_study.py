@@ -30,7 +30,9 @@ PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.par
 class Frozen(BaseModel):
     """A model that cannot be changed and knows all its keys."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", defer_build=True, arbitrary_types_allowed=True
+    )
 
 
 def _values_schema(name: str, quantity: Quantity) -> dict[str, Any]:
@@ -177,7 +179,7 @@ OutputName = Annotated[str, Field(max_length=100)]
 OutputNames = Annotated[tuple[OutputName, ...], at_most(MOST_OUTPUTS)]
 
 
-class GridStudy(Frozen):
+class Study(Frozen):
     """What every kind of study has: a scene, and parameters that may range over a grid."""
 
     kind: str = Field(description="The kind of study.")
@@ -213,6 +215,14 @@ class GridStudy(Frozen):
         given = self.parameters.model_fields_set
         return {name: getattr(self.parameters, name) for name in PARAMETERS if name in given}
 
+    def places(self) -> dict[str, str]:
+        """Return where the study says parameters that do not stand under `parameters`."""
+        return {}
+
+    def output_places(self) -> dict[str, str]:
+        """Return where the study says outputs that do not stand under `outputs`."""
+        return {}
+
     def content(self) -> dict[str, Any]:
         """Return the study as plain values, ranges and units in one form."""
         content = self.model_dump(exclude_none=True, exclude={"parameters"})
@@ -230,7 +240,7 @@ class GridStudy(Frozen):
         return hashlib.sha256(self.canonical().encode()).hexdigest()
 
 
-class DrivenStudy(GridStudy):
+class DrivenStudy(Study):
     """What studies of motion in time have besides: a drive that may have been measured."""
 
     drive: Drive = Field(

@@ -116,7 +116,7 @@ def _read_regime(raw: object) -> str | None:
 
 
 class _Row(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
 _RowError = Annotated[

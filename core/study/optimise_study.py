@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -77,8 +78,18 @@ class OutputLimit(Frozen):
     upper: OpenLevel = Field(None, description="Its largest value.")
     absolute: bool = Field(False, description="Whether the bounds are those of its absolute value.")
 
+    def ends(self) -> Iterable[tuple[str, float]]:
+        """Yield the name and the bound of each constraint that it stands for."""
+        name = f"{self.output}_absolute" if self.absolute else self.output
+        if self.lower is not None:
+            yield f"{name}_lower", self.lower
+        if self.upper is not None:
+            yield f"{name}_upper", self.upper
+
 
 MOST_CONSTRAINTS = 20
+ANGLES = {"alpha": Between(0.0, 90.0), "beta": Between(0.0, 90.0)}
+"""The variables of a study that names none."""
 
 
 class OptimiseStudy(DrivenStudy):
@@ -147,3 +158,21 @@ class OptimiseStudy(DrivenStudy):
             return {}
         given = self.variables.model_fields_set
         return {name: getattr(self.variables, name) for name in PARAMETERS if name in given}
+
+    def criterion_outputs(self) -> tuple[str, ...]:
+        """Return the outputs that the criterion names."""
+        against = getattr(self.criterion, "against", None)
+        return (self.criterion.output, *((against,) if against else ()))
+
+    def places(self) -> dict[str, str]:
+        """As in `Study`."""
+        return {name: f"variables.{name}" for name in self.bounds()}
+
+    def output_places(self) -> dict[str, str]:
+        """As in `Study`."""
+        found: dict[str, str] = {}
+        for number, one in enumerate(self.constraints):
+            found.setdefault(one.output, f"constraints.{number}.output")
+        for name, key in zip(self.criterion_outputs(), ("output", "against"), strict=False):
+            found.setdefault(name, f"criterion.{key}")
+        return found

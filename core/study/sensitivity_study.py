@@ -124,3 +124,15 @@ class SensitivityStudy(DrivenStudy):
 
     def _demanded(self) -> Iterable[str]:
         return (one.output for one in self.demands if one.output is not None)
+
+    def places(self) -> dict[str, str]:
+        """As in `Study`."""
+        return {name: f"uncertain.{name}" for name in self.distributions()}
+
+    def output_places(self) -> dict[str, str]:
+        """As in `Study`."""
+        found: dict[str, str] = {}
+        for number, one in enumerate(self.demands):
+            if one.output is not None and one.output not in self.outputs:
+                found.setdefault(one.output, f"demands.{number}.output")
+        return found

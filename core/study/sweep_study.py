@@ -6,12 +6,12 @@ from typing import Literal
 
 from pydantic import Field, field_validator
 
-from core.study.grid_study import MOST_OUTPUTS, GridStudy, OutputNames
+from core.study.grid_study import MOST_OUTPUTS, OutputNames, Study
 from core.study.reduction import Reduction
 from core.study.sensitivities import Sensitivities
 
 
-class SweepStudy(GridStudy):
+class SweepStudy(Study):
     """Closed-form equations of one scene over a grid of parameters."""
 
     kind: Literal["sweep"] = Field(description="The kind of study.")

@@ -1,26 +1,34 @@
 """Closed-form sweeps: from a study to a plan, a grid, and a labelled dataset."""
 
-from core.sweep.prepare import (
-    DerivedSweep,
-    ReducedSweep,
-    Sweep,
-    as_a_whole,
-    further,
-    no_cells,
-    prepare,
-)
-from core.sweep.run import compute, label, sweep, tabulate
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from core.lazy import lazily
 
 __all__ = [
-    "DerivedSweep",
+    "KIND",
     "ReducedSweep",
     "Sweep",
-    "as_a_whole",
-    "compute",
-    "further",
-    "label",
-    "no_cells",
-    "prepare",
     "sweep",
     "tabulate",
 ]
+
+if TYPE_CHECKING:
+    from core.sweep.kind import KIND
+    from core.sweep.plain import Sweep
+    from core.sweep.reduced import ReducedSweep
+    from core.sweep.run import sweep, tabulate
+else:
+    __getattr__ = lazily(
+        __name__,
+        {
+            "kind": ("KIND",),
+            "plain": ("Sweep",),
+            "reduced": ("ReducedSweep",),
+            "run": (
+                "sweep",
+                "tabulate",
+            ),
+        },
+    )

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from core.errors import StudyError, VibrafeedError
-from core.sweep.prepare import DerivedSweep, ReducedSweep, Sweep, as_a_whole, no_cells
+from core.errors import VibrafeedError
+from core.extras import installing
+from core.plan.prepared import Prepared
 from core.sweep.zarr_view import ZarrView
 
 if TYPE_CHECKING:
     import xarray
 
 
-def open_lazily(sweep: Sweep | DerivedSweep | ReducedSweep) -> xarray.Dataset:
+def open_lazily(sweep: Prepared) -> xarray.Dataset:
     """Return the dataset of a sweep of any size; what is read of it is computed when it is read.
 
     Raises
@@ -20,18 +21,14 @@ def open_lazily(sweep: Sweep | DerivedSweep | ReducedSweep) -> xarray.Dataset:
     VibrafeedError
         If zarr, which reads the chunks, is not installed.
     StudyError
-        If the study asks for answers in place of its cells.
+        If its cells cannot be evaluated one by one.
     """
-    if isinstance(sweep, ReducedSweep):
-        raise StudyError([no_cells("Leave it out, or carry out the study")])
-    if isinstance(sweep, DerivedSweep):
-        raise StudyError([as_a_whole("Leave it out, or carry out the study")])
+    sweep.check_lazy("Leave it out, or carry out the study")
     try:
         from core.sweep.zarr_store import ViewStore  # loads zarr, which few need
     except ModuleNotFoundError as error:
         raise VibrafeedError(
-            f"Reading a sweep that is not stored needs {error.name}: "
-            "pip install 'vibrafeed[cluster]'"
+            f"Reading a sweep that is not stored needs {error.name}: {installing('zarr')}"
         ) from error
     import xarray
 

@@ -8,13 +8,13 @@ import numpy as np
 
 from core.dataset.chunks import DEFLATED, encoder
 from core.dataset.layout import Tile
+from core.plan.prepared import Prepared
 from core.plan.tiles import Tiled
-from core.sweep.prepare import Sweep
 
 CHUNKS = 12  # how many are tried
 
 
-def bytes_in_file(sweep: Sweep, *, compressed: bool) -> int:
+def bytes_in_file(sweep: Prepared, *, compressed: bool) -> int:
     """Return the bytes of the arrays of a sweep in a file; of compressed ones, an estimate.
 
     It is told from a few chunks, which are the same for equal studies.

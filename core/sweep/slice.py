@@ -13,11 +13,11 @@ from core.errors import LimitError, Problem, StudyError, Suggestions
 from core.plan.evaluate import evaluate
 from core.plan.grid import Grid, from_si
 from core.plan.plan import Plan
+from core.plan.prepared import Prepared
 from core.quantities import QUANTITIES, REGIMES
 from core.study.units import UnitError, problem, read_number
 from core.study.values import position_on_axis
-from core.sweep.prepare import Sweep
-from core.sweep.run import attributes_of
+from core.sweep.cells import attributes_of
 
 MOST_AXES = 2
 
@@ -42,7 +42,7 @@ class Cut:
 
 
 def cut(
-    sweep: Sweep, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
+    sweep: Prepared, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
 ) -> dict[str, Any]:
     """Return one output, and its regime, over one or two axes of a sweep.
 
@@ -50,7 +50,7 @@ def cut(
 
     Parameters
     ----------
-    sweep : Sweep
+    sweep : Prepared
         The sweep to cut.
     output : str
         One of its outputs.
@@ -78,7 +78,7 @@ def cut(
 
 
 def prepare_cut(
-    sweep: Sweep, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
+    sweep: Prepared, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
 ) -> Cut:
     """Return what `cut` would compute; takes and raises what that does."""
     problems = list(_problems(sweep, output, axes, at))
@@ -130,7 +130,7 @@ def carried_out(prepared: Cut) -> dict[str, Any]:
     }
 
 
-def table_of(sweep: Sweep, piece: Mapping[str, Any]) -> Table:
+def table_of(sweep: Prepared, piece: Mapping[str, Any]) -> Table:
     """Return what `cut` gave of a sweep as a table, with the attributes of the whole."""
     output = piece["output"]
     axes = {axis["name"]: (axis["values"], (axis["name"],)) for axis in piece["axes"]}
@@ -150,7 +150,7 @@ def table_of(sweep: Sweep, piece: Mapping[str, Any]) -> Table:
 
 
 def _problems(
-    sweep: Sweep, output: str, axes: Sequence[str], at: Mapping[str, str]
+    sweep: Prepared, output: str, axes: Sequence[str], at: Mapping[str, str]
 ) -> Iterator[Problem]:
     """Yield what is wrong with the names in a request."""
     known, suggest = sweep.grid.axes, Suggestions()

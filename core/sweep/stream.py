@@ -16,18 +16,17 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-import core
 from core.dataset.layout import Tile
 from core.dataset.table import Table
 from core.errors import VibrafeedError
 from core.mechanics.arrays import Array
 from core.plan.labels import coordinates_of
-from core.plan.pieces import price
+from core.plan.pieces import carry_out, price
+from core.plan.prepared import Prepared
 from core.plan.sample import Sample, sample_of
 from core.plan.tiles import Tiled
 from core.quantities import REGIMES
-from core.sweep.prepare import ReducedSweep, Sweep
-from core.sweep.run import attributes_of, tabulate
+from core.sweep.cells import attributes_of, compute, label
 from core.sweep.verify import verified
 from core.watch import Watch
 
@@ -56,18 +55,14 @@ class Target(Protocol):
         """Make the result whole, and let it appear."""
 
 
-def identity(sweep: Sweep | ReducedSweep) -> dict[str, str]:
-    """Return what two runs have in common that make the same bytes, but for the kind of file."""
-    return {"study": sweep.study.key(), "version": core.__version__}
-
-
-def outline(sweep: Sweep, watch: Watch | None = None) -> Table:
+def outline(sweep: Prepared, watch: Watch | None = None) -> Table:
     """Return the table of a sweep of any size but for the values of its arrays, which are hollow.
 
     Shapes, types and attributes are those of `tabulate`, with cells verified that are evaluated
     for it, and a price that is not known yet; `watch` may stop verifying.
     """
-    first = tabulate(sweep.within(dict.fromkeys(sweep.grid.axes, (0, 1))).unverified())
+    one = sweep.within(dict.fromkeys(sweep.grid.axes, (0, 1))).unverified()
+    first = carry_out(one, compute, label)
     tiled, shape = Tiled(sweep), sweep.grid.shape
 
     def values_at(sample: Sample) -> dict[str, Array]:
@@ -119,13 +114,13 @@ class Passed:
             self.ends[name] = float(min(least, before[0])), float(max(largest, before[1]))
 
 
-def stream(sweep: Sweep, target: Target, watch: Watch | None = None) -> tuple[Passed, bool]:
+def stream(sweep: Prepared, target: Target, watch: Watch | None = None) -> tuple[Passed, bool]:
     """Compute the tiles that a target misses, and have them written.
 
     Parameters
     ----------
-    sweep : Sweep
-        The sweep.
+    sweep : Prepared
+        A sweep whose cells are evaluated one by one.
     target : Target
         Where its tiles go; it is finished if all of them are there.
     watch : Watch, optional
@@ -178,7 +173,7 @@ def stream(sweep: Sweep, target: Target, watch: Watch | None = None) -> tuple[Pa
 class _Expected:
     """The outputs at the cells that are verified: what passes must be what was verified."""
 
-    def __init__(self, sweep: Sweep, tiled: Tiled):
+    def __init__(self, sweep: Prepared, tiled: Tiled):
         self._sweep = sweep
         self._sample: Sample | None = None
         if sweep.study.verify is not None:

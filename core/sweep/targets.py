@@ -12,10 +12,9 @@ from core.dataset.netcdf import define
 from core.dataset.read import attributes_of_file
 from core.dataset.shards import GrowingZarr, attributes_at
 from core.dataset.table import Table
+from core.plan.parts import identity
 from core.plan.prepared import Prepared
 from core.plan.tiles import Tiled
-from core.sweep.prepare import Sweep
-from core.sweep.stream import identity
 
 
 def is_zarr(where: str) -> bool:
@@ -42,7 +41,7 @@ def is_complete(where: str, prepared: Prepared) -> bool:
 
 def open_target(
     where: str | os.PathLike[str],
-    sweep: Sweep,
+    sweep: Prepared,
     table: Table,
     *,
     compression: bool = True,
@@ -55,7 +54,7 @@ def open_target(
     ----------
     where : str or path
         A NetCDF file, or a Zarr group: see `is_zarr`.
-    sweep : Sweep
+    sweep : Prepared
         The sweep.
     table : Table
         Its `outline`.
@@ -71,13 +70,13 @@ def open_target(
     OSError
         If it cannot be written, or something else is there.
     """
-    where, tiles = os.fspath(where), Tiled(sweep).tiles
+    where, tiles, made = os.fspath(where), Tiled(sweep).tiles, identity(sweep.study)
     if is_zarr(where):
-        return GrowingZarr(where, tiles, table, identity(sweep), resume=resume, history=history)
+        return GrowingZarr(where, tiles, table, made, resume=resume, history=history)
     return GrowingNetcdf(
         Path(where),
         tiles,
-        {**identity(sweep), "compression": str(compression)},
+        {**made, "compression": str(compression)},
         lambda start: define(start, table, history=history, compression=compression),
         resume=resume,
     )

@@ -20,10 +20,11 @@ from numpy.typing import NDArray
 from core.dataset.layout import CHUNK_CELLS
 from core.dataset.zarr_metadata import FILL, array_document, group_document
 from core.plan.evaluate import evaluate
+from core.plan.pieces import carry_out
 from core.plan.plan import Plan
+from core.plan.prepared import Prepared
+from core.sweep.cells import compute, label
 from core.sweep.chunk_wishes import Wishes, read_wishes, wished_shape
-from core.sweep.prepare import Sweep
-from core.sweep.run import tabulate
 
 _CHUNK = re.compile(r"c((?:/(?:0|[1-9][0-9]{0,17}))*)")
 
@@ -57,7 +58,7 @@ class ZarrView:
 
     Parameters
     ----------
-    sweep : Sweep
+    sweep : Prepared
         The sweep, of any size.
     chunk_cells : int
         Largest number of values of a chunk.
@@ -71,12 +72,12 @@ class ZarrView:
         If the wishes cannot be met.
     """
 
-    def __init__(self, sweep: Sweep, *, chunk_cells: int = CHUNK_CELLS, chunks: str = ""):
+    def __init__(self, sweep: Prepared, *, chunk_cells: int = CHUNK_CELLS, chunks: str = ""):
         self._grid, self._in_files = sweep.grid, sweep.in_files
         # Dimensions and attributes do not depend on how many values an axis has; what is computed
         # when it is read cannot have been verified.
         first = dict.fromkeys(sweep.grid.axes, (0, 1))
-        self._labels = tabulate(sweep.within(first).unverified())
+        self._labels = carry_out(sweep.within(first).unverified(), compute, label)
         wishes = read_wishes(chunks, sweep.grid.shape, chunk_cells) if chunks else {}
         self._arrays = self._lay_out(sweep, chunk_cells, wishes)
 
@@ -96,7 +97,7 @@ class ZarrView:
         """Return the number of chunks of each array along each of its dimensions."""
         return {name: array.chunks for name, array in self._arrays.items()}
 
-    def _lay_out(self, sweep: Sweep, chunk_cells: int, wishes: Wishes) -> dict[str, _Array]:
+    def _lay_out(self, sweep: Prepared, chunk_cells: int, wishes: Wishes) -> dict[str, _Array]:
         arrays = {}
         labels = self._labels
         for name, variable in (*labels.coordinates.items(), *labels.variables.items()):

@@ -12,6 +12,7 @@ import numpy as np
 from core import kinds
 from core.dataset.table import Table
 from core.errors import VibrafeedError
+from core.intake import prepare_content
 from core.validation.problem import Content, KnownProblem, Term
 from core.watch import Watch
 
@@ -98,9 +99,7 @@ def outputs_of(terms: Sequence[Term]) -> list[float]:
         before = studies.get(key, {"outputs": ()})["outputs"]
         names = list(dict.fromkeys((*before, *term.study["outputs"])))
         studies[key] = {**term.study, "outputs": names}
-    tables = {
-        key: kinds.tabulate(kinds.prepare_content(content)) for key, content in studies.items()
-    }
+    tables = {key: kinds.tabulate(prepare_content(content)) for key, content in studies.items()}
     return [_picked(tables[key], term) for key, term in zip(keys, terms, strict=True)]
 
 

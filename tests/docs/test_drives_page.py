@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 from core.errors import StudyError
-from core.kinds import prepare_content
+from core.intake import parse_study, prepare_content
 from core.motion import simulate
 from core.quantities import MOTION_STATUSES
-from core.study import parse_study
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "drives.md").read_text(encoding="utf-8")

@@ -11,7 +11,7 @@ import xarray
 
 import vibrafeed
 from benchmarks.gallery import GALLERY, LARGEST, PAGE, PICTURES, STUDIES, Picture, page
-from core.kinds import load_study
+from core.intake import load_study
 from core.plots.film import read_film
 from core.study.shown import ShownUnits
 from layout import judge

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from core.compiled import folder
+from core.kernel_cache import root
 
 ROOT = Path(__file__).parents[2]
 HEADING = re.compile(r"^## The (?:file|line|test|example): `([^`]+)`$", re.MULTILINE)
@@ -52,9 +52,7 @@ def changed(text: str, diff: str) -> str:
 def run(tree: Path, *arguments: str) -> str:
     """Return what a fresh Python says that imports from the tree; it has to succeed."""
     environment = {**os.environ, "PYTHONPATH": str(tree), "COLUMNS": "200", "NO_COLOR": "1"}
-    compiled = folder()  # of the same kernels
-    if compiled is not None:
-        environment["NUMBA_CACHE_DIR"] = str(compiled.parent)
+    environment["NUMBA_CACHE_DIR"] = str(root())  # most kernels are the same
     done = subprocess.run(
         [sys.executable, *arguments], cwd=tree, env=environment, capture_output=True, text=True
     )
@@ -91,7 +89,7 @@ def test_adding_a_scene(tree: Path) -> None:
         tree,
         "-c",
         "from core.quantities import REGIMES\n"
-        "from core.study import parse_study\n"
+        "from core.intake import parse_study\n"
         "from core.sweep import sweep\n"
         "found = sweep(parse_study({'kind': 'sweep', 'scene': 'ball-on-plane',\n"
         "    'outputs': ['acceleration_x'],\n"
@@ -117,7 +115,7 @@ def test_adding_a_method(tree: Path) -> None:
         "-c",
         "from core.catalogue import describe, describe_all\n"
         "from core.errors import StudyError\n"
-        "from core.kinds import prepare_content\n"
+        "from core.intake import prepare_content\n"
         "from core.motion.methods.midpoint import MIDPOINT\n"
         "methods = {line['name']: line['methods'] for line in describe_all()}\n"
         "assert {name for name in methods if 'midpoint' in methods[name]} == {\n"
@@ -140,6 +138,50 @@ def test_adding_a_method(tree: Path) -> None:
     )
     said = run(tree, "-m", "vibrafeed", "scenes", "rectangle-on-plane", "--method", "midpoint")
     assert "method midpoint" in said
+
+
+def test_adding_a_kind(tree: Path, tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "adding-a-kind.md").read_text(encoding="utf-8")
+    test = "tests/unit_core/test_mean.py"
+    assert carry_out(page, tree) == [
+        "core/mean/__init__.py", "core/mean/kind.py", "core/kinds/__init__.py", test,
+    ]  # fmt: skip
+    assert " passed" in run(tree, "-m", "pytest", "-q", "-p", "no:cacheprovider", test)
+    # On the command line.
+    assert "mean" in run(tree, "-m", "vibrafeed", "--help").partition("Commands")[0]
+    file = str(tmp_path / "study.toml")
+    run(tree, "-m", "vibrafeed", "new", file, "--kind", "mean")
+    assert "throw_number" in run(tree, "-m", "vibrafeed", "run", file)
+    assert "throw_number" in run(tree, "-m", "vibrafeed", "run", file, "--dry-run")
+    assert "vibrafeed.mean(" in run(tree, "-m", "vibrafeed", "convert", file, "--to", "python")
+    assert '"const": "mean"' in run(tree, "-m", "vibrafeed", "schema")
+    # In Python, over HTTP, and in the documentation.
+    run(
+        tree,
+        "-c",
+        "import vibrafeed\n"
+        "assert float(vibrafeed.mean({!r}, beta=0).throw_number) == 0\n"
+        "from fastapi.testclient import TestClient\n"
+        "from app.main import create_app\n"
+        "from app.settings import Settings\n"
+        "from core.kinds import KINDS\n"
+        "service = create_app(Settings(data_directory={!r}))\n"
+        "with TestClient(service, base_url='http://127.0.0.1') as client:\n"
+        "    known = [one['id'] for one in client.get('/processes').json()['processes']]\n"
+        "    assert known == [*KINDS, 'accuracy'] and 'mean' in known\n"
+        "    document = client.get('/openapi.json').json()\n"
+        "    schemas = document['components']['schemas']\n"
+        "    assert 'MeanStudy' in schemas and '/processes/mean/execution' in document['paths']\n"
+        "    assert schemas['AnyStudy']['discriminator']['mapping'].keys() == {{*KINDS}}\n"
+        "    example = KINDS['mean'].example\n"
+        "    said = client.post('/convert?to=toml', json=example)\n"
+        "    assert said.status_code == 200, said.text\n"
+        "    result = client.post('/processes/mean/execution', json=example)\n"
+        "    assert result.status_code == 200, result.text\n".format(file, str(tmp_path / "data")),
+    )
+    shutil.copytree(ROOT / "benchmarks", tree / "benchmarks")
+    said = run(tree, "-c", "from benchmarks.kinds_page import page; print(page())")
+    assert "## mean" in said
 
 
 def test_adding_a_picture(tree: Path) -> None:

@@ -16,8 +16,8 @@ import pytest
 import xarray
 import yaml
 
-from core.kinds import prepare_content, tabulate
-from core.study import parse_study
+from core.intake import parse_study, prepare_content
+from core.kinds import tabulate
 from tools import tool
 
 ROOT = Path(__file__).parents[2]

@@ -10,7 +10,8 @@ import numpy as np
 from core.dataset.formats import FORMATS, write_result
 from core.dataset.frame import Frame, heading
 from core.dataset.table import Table
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 
 MOTION = {
     "kind": "simulate",

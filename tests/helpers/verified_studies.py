@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import re
 
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from core.scenes import SCENES
 
 BOUND = SCENES["rectangle-on-track"].rounding_bound

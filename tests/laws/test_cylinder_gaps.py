@@ -10,11 +10,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from core.intake import parse_study
 from core.mechanics.cylinder_contact import cylinder_contact
 from core.mechanics.cylinder_impact import is_apart
 from core.mechanics.cylinders import Cylinder
 from core.quantities import REGIMES
-from core.study import parse_study
 from core.sweep import sweep
 
 PAIRS = 200

@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 
 from core.errors import StudyError
-from core.kinds import prepare_content
+from core.intake import parse_study, prepare_content
 from core.motion import simulate, waves
 from core.motion.groups import Contacts, Groups, cells_of, each
 from core.motion.methods.events import energy_by_events, motion_by_events
 from core.motion.methods.spatial_events import spatial_path
 from core.motion.waves import TURN, Wave
-from core.study import parse_study
 
 SETTINGS = {"tolerance": 1e-12, "most_periods": 300}
 PLANE, TRACK, CYLINDER = Contacts(), Contacts(wall=True), Contacts(rolling=2.0)
@@ -140,9 +139,9 @@ def after_phases(tau, first, push, pull, d):
 def test_a_quadrature_over_the_pieces_finds_the_same_and_balances_impulses(restitution):
     """The closed flows of 13.2, written anew: work, and the mean forces of floor and friction."""
     from core.motion.kernels.arrays import NEVER
-    from core.motion.kernels.planar import Cell, follow
     from core.motion.kernels.planar.tables import PIECE
     from core.motion.kernels.statuses import MODE
+    from core.motion.planar import Cell, follow
 
     c, s, gs, gn, mu = 1.4, 1.6, 0.03, 1.1, 0.35
     groups = Groups(c, s, gs, gn, mu, mu, restitution)

@@ -143,7 +143,7 @@ def test_a_warning_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
         warnings.warn("digits are lost", RuntimeWarning, stacklevel=1)
         return content
 
-    monkeypatch.setattr(extremes.kinds, "prepare_content", noisy)
+    monkeypatch.setattr(extremes, "prepare_content", noisy)
     outcome = run_case(EASY)
     assert (outcome.status, outcome.passed) == ("warning", False)
     assert "digits are lost" in outcome.note

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from core.errors import StudyError
-from core.kinds import prepare_content
+from core.intake import parse_study, prepare_content
 from core.motion import simulate
-from core.study import parse_study
 
 SINE = {"frequency": 50, "amplitude": "0.3 mm", "beta": 30, "friction": 0.4, "gravity": 9.8}
 RAIL = {"frequency": 20, "gravity": 9.81, "gamma": 90, "friction_static": 0.44,

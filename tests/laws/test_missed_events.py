@@ -16,8 +16,8 @@ from benchmarks.missed_events import (
     random_sum,
 )
 from benchmarks.waves import PLANAR, harmonics, parts
+from core.motion import planar
 from core.motion.groups import cells_of
-from core.motion.kernels import planar
 from core.motion.kernels import waves as kernels
 from core.motion.kernels.planar.tables import cell_of
 from core.motion.kernels.planar.wave import AIR, KINDS, PULLS, ROOTS, new_table, wave_of

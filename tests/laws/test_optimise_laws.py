@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from core.intake import parse_study
 from core.optimise import optimise
 from core.optimise.codes import STATUS
-from core.study import parse_study
 from work import calls
 
 RANDOM = np.random.default_rng(512)

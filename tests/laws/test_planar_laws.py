@@ -185,7 +185,7 @@ def test_two_callers_at_a_time(sample):
 
 
 def test_equal_cells_are_computed_once(monkeypatch):
-    from core.motion.kernels import planar
+    from core.motion import planar
 
     seen: list[int] = []
     kernel = planar.solve_cells

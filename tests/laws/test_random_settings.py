@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from core.errors import VibrafeedError
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from core.motion.methods import regularised
 from core.motion.systems import CONTACTS, SYSTEMS
 from core.watch import Watch

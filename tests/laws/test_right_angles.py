@@ -8,6 +8,7 @@ import warnings
 import numpy as np
 import pytest
 
+from core.intake import parse_study
 from core.mechanics.angles import cosine, radians, sine
 from core.mechanics.vibration import vibration_acceleration
 from core.motion import scales
@@ -16,7 +17,6 @@ from core.plan.grid import Grid
 from core.plan.plan import make_plan, scene_parameters
 from core.quantities import QUANTITIES, REGIMES
 from core.scenes import ALIASES, SCENES
-from core.study import parse_study
 from core.sweep import sweep
 from core.sweep.precise import CONTEXT, exact_values
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from core.intake import parse_study
 from core.motion import simulate
 from core.motion.groups import Contacts, Groups, each
 from core.motion.kernels.statuses import MODE
@@ -15,7 +16,6 @@ from core.motion.methods.events import motion_by_events
 from core.motion.methods.reference import reference_motion
 from core.motion.methods.spatial_events import spatial_motion, spatial_path
 from core.motion.result import STATUS, Motion
-from core.study import parse_study
 
 SETTINGS = {"tolerance": 1e-12, "most_periods": 300}
 PLANE, TRACK, CYLINDER = Contacts(), Contacts(wall=True), Contacts(rolling=2.0)

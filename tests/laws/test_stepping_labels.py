@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from core.motion.methods.stepping import without_landing_steps
 from core.motion.result import COLUMNS, SHARES, STATUS, motion_of
 from core.quantities import REGIMES

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.waves import harmonics, steps
+from core.intake import parse_study
 from core.motion import simulate, waves
 from core.motion.groups import Contacts, Groups
 from core.motion.kernels.waves import passages
@@ -13,7 +14,6 @@ from core.motion.methods.events import planar_motion
 from core.motion.methods.spatial_events import spatial_motion
 from core.motion.result import STATUS
 from core.motion.waves import ALONG, NORMAL, TURN, Wave
-from core.study import parse_study
 from random_waves import parts, shifted
 
 G = 9.81

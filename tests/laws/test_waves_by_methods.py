@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from core.intake import parse_study
 from core.mechanics.arrays import Array
 from core.motion import simulate
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups
@@ -23,7 +24,6 @@ from core.motion.pieces import pieces
 from core.motion.result import STATUS, Motion
 from core.motion.steps import drives_of
 from core.motion.waves import ALONG, ENDS, NORMAL, TURN, Wave, bound, push, speed
-from core.study import parse_study
 
 GRAVITY = 9.81
 G = f"{GRAVITY} m/s^2"

@@ -9,9 +9,9 @@ import pytest
 
 import vibrafeed
 from benchmarks import keywords
+from core.kinds import KINDS
 from core.quantities import QUANTITIES
 from core.study.grid_study import PARAMETERS
-from core.study.models import STUDIES
 
 POINT = {
     "scene": "rectangle-on-plane", "frequency": "50 Hz", "amplitude": "0.25 mm", "beta": 30,
@@ -43,7 +43,7 @@ def test_a_parameter_that_is_gone_is_a_keyword_no_more(monkeypatch):
     assert "    amplitude: Values" not in keywords.studies_module(by_hand)
 
 
-@pytest.mark.parametrize("kind", STUDIES)
+@pytest.mark.parametrize("kind", KINDS)
 def test_every_key_and_parameter_is_a_keyword_with_words(kind):
     function = getattr(vibrafeed, kind)
     signature = inspect.signature(function)
@@ -58,7 +58,7 @@ def test_every_key_and_parameter_is_a_keyword_with_words(kind):
 
 def test_no_parameter_is_left_out():
     """What no function takes, the sweeps and simulations of no scene take."""
-    taken = {*keywords.parameters(STUDIES), *keywords.numbered()}
+    taken = {*keywords.parameters(KINDS), *keywords.numbered()}
     assert taken == set(PARAMETERS)
 
 

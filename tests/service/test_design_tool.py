@@ -13,7 +13,8 @@ import pytest
 import xarray
 
 from app.jobs.keys import new_key
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 
 TOOL = Path(__file__).parents[2] / "examples" / "design_tool.py"
 BEST = {

@@ -88,8 +88,8 @@ def test_the_curl_lines_of_the_page(curl, server, folder):
 
 
 def test_the_line_that_convert_writes(curl, server, folder):
-    from core.kinds import study_of
-    from core.study.forms import to_curl
+    from core.intake import study_of
+    from core.intake.forms import to_curl
 
     content = {
         "kind": "sweep",

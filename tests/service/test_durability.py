@@ -23,7 +23,8 @@ import pytest
 
 from benchmarks.serving import free_port
 from core.dataset.netcdf import write_netcdf
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from night import count
 from postgres import PASSWORD
 from services import QUICK, Server

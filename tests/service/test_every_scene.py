@@ -13,15 +13,15 @@ from typer.testing import CliRunner
 from app.cli import app
 from app.main import create_app
 from app.settings import Settings
+from core.intake import parse_study
+from core.kinds import KINDS
 from core.motion import SYSTEMS, simulate
 from core.scenes import SCENES
-from core.study import parse_study
-from core.study.models import STUDIES
 from core.sweep import sweep
 from local_client import local_client
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-EXAMPLES: dict[str, dict[str, Path]] = {kind: {} for kind in STUDIES}
+EXAMPLES: dict[str, dict[str, Path]] = {kind: {} for kind in KINDS}
 for path in sorted(CONFIGS.rglob("*.toml"), reverse=True):
     found = tomllib.loads(path.read_text())
     EXAMPLES[found["kind"]].setdefault(found["scene"], path)

@@ -18,7 +18,8 @@ import xarray
 from obstore.store import HTTPStore
 from zarr.storage import ObjectStore
 
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from night import count
 from services import QUICK, Server
 

@@ -17,8 +17,8 @@ import xarray
 from owslib import ogcapi
 from owslib.ogcapi.processes import Processes
 
+from core.intake import parse_study
 from core.motion import simulate
-from core.study import parse_study
 from core.sweep import sweep
 from waiting import wait_for
 

@@ -15,7 +15,8 @@ from pathlib import Path
 import pytest
 
 from core.dataset.netcdf import write_netcdf
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from waiting import PATIENCE, wait_for
 
 IN_ALL = 10.0  # s, what containers give

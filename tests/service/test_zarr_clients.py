@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from core.sweep.zarr_view import ZarrView
 from waiting import PATIENCE
 

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import ast
 import os
-import re
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from core import compiled
+from core import kernel_cache
+from core.kernel_cache import COMPILERS, CORE, KEPT, NEUTRAL, imported, packages, sources
+from core.warm import STUDIES
 
-ROOT = compiled.CORE.parent
+ROOT = CORE.parent
+FROZEN = ("quantities/flags.py", "optimise/codes.py")
+"""What kernels may import besides kernels; the values are frozen into the code."""
 CALLEE = """
 from core.compiled import compiled
 
@@ -30,8 +34,18 @@ from core.toy.kernels.callee import inner
 def outer(x):
     return 2.0 * inner(x)
 """
+OTHER = """
+from core.compiled import compiled
+from core.quantities.flags import FLAG
+
+@compiled
+def outer(x):
+    return x - FLAG
+"""
 ASK = """
-from core.toy.kernels.caller import outer
+import sys
+from importlib import import_module
+outer = import_module(sys.argv[1]).outer
 found = outer(1.0)
 print(found, sum(outer.stats.cache_hits.values()))
 """
@@ -42,32 +56,49 @@ compiled = numba.njit(cache=True)
 
 
 def small_package(where: Path) -> Path:
-    """Make a core with one kernel that calls into another file; return the folder it lies in."""
-    core = Path(compiled.__file__).parent
-    kernels = where / "core/toy/kernels"
-    kernels.mkdir(parents=True)
-    frozen = [where / "core" / name for name in compiled.FROZEN]
-    for folder in {where / "core", where / "core/toy", kernels, *(file.parent for file in frozen)}:
-        folder.mkdir(exist_ok=True)
-        (folder / "__init__.py").write_text("")
-    for file in (*frozen, where / "core/compiling.py"):
-        shutil.copy(core / file.relative_to(where / "core"), file)
+    """Make a core with two packages of kernels; return the folder it lies in.
+
+    One has a kernel that calls into another file, the other one that knows a flag.
+    """
+    kernels, others = where / "core/toy/kernels", where / "core/other/kernels"
+    for folder in (kernels, others, where / "core/quantities"):
+        folder.mkdir(parents=True)
+        for inside in (folder, folder.parent):
+            (inside / "__init__.py").touch()
+    for name in (*COMPILERS, *NEUTRAL):
+        shutil.copy(CORE / name, where / "core" / name)
+    (where / "core/quantities/flags.py").write_text("FLAG = 1.0\n")
     (kernels / "callee.py").write_text(CALLEE.format(added="1.0"))
     (kernels / "caller.py").write_text(CALLER)
+    (others / "lone.py").write_text(OTHER)
     return where
 
 
-def ask(package: Path, cache: Path | None = None, **environment: str) -> tuple[float, int]:
-    """Return what the kernel gives in a new process, and how often its code was loaded."""
+def start(
+    package: Path, cache: Path | None, asked: str = "toy.kernels.caller", **environment: str
+) -> subprocess.Popen[str]:
+    """Start a process that says what a kernel gives, and how often its code was loaded."""
     variables = {name: value for name, value in os.environ.items() if name[:6] != "NUMBA_"}
     variables |= {"PYTHONPATH": str(package), "PYTHONDONTWRITEBYTECODE": "1", **environment}
     if cache is not None:
         variables["NUMBA_CACHE_DIR"] = str(cache)
-    said = subprocess.run(
-        [sys.executable, "-c", ASK], cwd=package, env=variables, check=True, timeout=120,
+    return subprocess.Popen(
+        [sys.executable, "-c", ASK, f"core.{asked}"], cwd=package, env=variables,
         stdout=subprocess.PIPE, text=True,
-    ).stdout.split()  # fmt: skip
-    return float(said[0]), int(said[1])
+    )  # fmt: skip
+
+
+def said(process: subprocess.Popen[str]) -> tuple[float, int]:
+    """Return what a process says in the end."""
+    told, _ = process.communicate(timeout=240)
+    assert process.returncode == 0
+    found, loaded = told.split()
+    return float(found), int(loaded)
+
+
+def ask(*arguments: Any, **environment: str) -> tuple[float, int]:
+    """Return what the kernel gives in a new process, and how often its code was loaded."""
+    return said(start(*arguments, **environment))
 
 
 def edit_callee(package: Path) -> None:
@@ -75,7 +106,7 @@ def edit_callee(package: Path) -> None:
 
 
 def kernel_folders(cache: Path) -> list[Path]:
-    return sorted(cache.glob("kernels-*"))
+    return sorted(cache.glob("toy-*"))
 
 
 def test_an_edited_callee_is_seen_and_a_touch_is_not(tmp_path):
@@ -102,12 +133,47 @@ def test_numbas_own_cache_keeps_the_old_callee(tmp_path):
     assert ask(package, cache) == (4.0, 1)
 
 
-def test_a_flag_with_another_value_is_seen(tmp_path):
+def test_other_packages_stay_compiled(tmp_path):
+    package, cache = small_package(tmp_path / "a"), tmp_path / "cache"
+    assert ask(package, cache, "other.kernels.lone") == (0.0, 0)
+    assert ask(package, cache) == (4.0, 0)
+    edit_callee(package)
+    assert ask(package, cache, "other.kernels.lone") == (0.0, 1)
+    assert ask(package, cache) == (12.0, 0)
+
+
+def test_a_flag_with_another_value_is_seen_where_it_is_known(tmp_path):
     package, cache = small_package(tmp_path / "a"), tmp_path / "cache"
     ask(package, cache)
-    with (package / "core/quantities/flags.py").open("a") as file:
+    assert ask(package, cache, "other.kernels.lone") == (0.0, 0)
+    (package / "core/quantities/flags.py").write_text("FLAG = 3.0\n")
+    assert ask(package, cache, "other.kernels.lone") == (-2.0, 0)
+    assert ask(package, cache) == (4.0, 1)
+
+
+@pytest.mark.parametrize("name", COMPILERS)
+def test_another_way_to_compile_opens_new_folders(tmp_path, name):
+    package, cache = small_package(tmp_path / "a"), tmp_path / "cache"
+    assert ask(package, cache) == (4.0, 0)
+    with (package / "core" / name).open("a") as file:
         file.write("NEW = 1\n")
     assert ask(package, cache) == (4.0, 0)
+
+
+@pytest.mark.parametrize("name", NEUTRAL)
+def test_how_code_is_kept_opens_none(tmp_path, name):
+    package, cache = small_package(tmp_path / "a"), tmp_path / "cache"
+    assert ask(package, cache) == (4.0, 0)
+    with (package / "core" / name).open("a") as file:
+        file.write("NEW = 1\n")
+    assert ask(package, cache) == (4.0, 1)
+
+
+def test_several_processes_at_once_find_whole_code(tmp_path):
+    package, cache = small_package(tmp_path / "a"), tmp_path / "cache"
+    running = [start(package, cache) for _ in range(4)]
+    assert {said(process)[0] for process in running} == {4.0}
+    assert ask(package, cache) == (4.0, 1)
 
 
 @pytest.mark.parametrize("setting", [{"NUMBA_CPU_NAME": "generic"}, {"NUMBA_BOUNDSCHECK": "1"}])
@@ -119,11 +185,13 @@ def test_another_processor_or_setting_has_entries_of_its_own(tmp_path, setting):
     assert ask(package, cache) == (4.0, 1)
 
 
-def test_without_a_named_folder_the_cache_lies_beside_the_code(tmp_path):
-    package = small_package(tmp_path / "a")
-    assert ask(package) == (4.0, 0)
-    assert ask(package) == (4.0, 1)
-    assert kernel_folders(package / "core/__pycache__")
+def test_without_a_named_folder_the_cache_lies_with_the_user(tmp_path):
+    package, home = small_package(tmp_path / "a"), tmp_path / "home"
+    places = {"HOME": str(home), "XDG_CACHE_HOME": str(home / "caches")}
+    assert ask(package, None, **places) == (4.0, 0)
+    assert ask(package, None, **places) == (4.0, 1)
+    assert list(home.rglob("toy-*/*.nbc"))
+    assert not list(package.rglob("*.nbc"))
 
 
 def test_it_runs_where_no_folder_can_be_made(tmp_path):
@@ -135,52 +203,117 @@ def test_it_runs_where_no_folder_can_be_made(tmp_path):
 
 def test_folders_of_old_digests_go(tmp_path):
     package, cache = small_package(tmp_path / "a"), tmp_path / "cache"
-    for number in range(compiled.KEPT + 3):
-        old = cache / f"kernels-{number:016x}"
+    for number in range(KEPT + 3):
+        old = cache / f"toy-{number:016x}"
         old.mkdir(parents=True)
         (old / "code.nbc").write_text("")
         os.utime(old, (1e9 + number, 1e9 + number))
-    kept = cache / "kernels-of-somebody-else"
+    kept = cache / "toy-of-somebody-else"
     kept.mkdir()
     ask(package, cache)
     left = kernel_folders(cache)
     assert kept in left
-    assert len(left) == compiled.KEPT + 2, "the last used, the new one, and the other's"
-    assert not (cache / f"kernels-{2:016x}").exists()
-    assert (cache / f"kernels-{3:016x}").exists()
+    assert len(left) == KEPT + 2, "the last used, the new one, and the other's"
+    assert not (cache / f"toy-{2:016x}").exists()
+    assert (cache / f"toy-{3:016x}").exists()
 
 
-def test_the_digest_covers_all_that_kernels_import():
-    """Of ours a kernel file imports kernels, and what the digest covers besides."""
-    covered = set(compiled.sources())
-    kernels = [file for file in covered if "kernels" in file.parts]
-    assert len(kernels) > 4
-    for file in kernels:
-        for module in imported(file):
-            path = compiled.CORE.parent / module.replace(".", "/")
-            found = {path.with_suffix(".py"), path / "__init__.py"} & covered
-            assert found, f"{file.name} imports {module}"
+def kernel_files() -> list[Path]:
+    files = {file for name in packages() for file in sources(name) if "kernels" in file.parts}
+    assert files == set(CORE.glob("*/kernels/**/*.py"))
+    return sorted(files)
+
+
+def test_of_ours_a_kernel_imports_kernels_and_constants():
+    allowed = {*kernel_files(), CORE / "compiled.py", *(CORE / name for name in FROZEN)}
+    for file in kernel_files():
+        assert parsed_imports(file) <= allowed, file
+
+
+def test_imports_are_found_as_the_parser_finds_them():
+    files = [*kernel_files(), *(CORE / name for name in (*FROZEN, *COMPILERS))]
+    for file in files:
+        assert parsed_imports(file) == set(imported(file.read_text())), file
+
+
+def test_the_digest_of_a_package_covers_all_that_it_imports():
+    for name, folder in packages().items():
+        covered = set(sources(name))
+        assert set(folder.glob("*.py")) <= covered
+        for file in covered - {CORE / one for one in COMPILERS}:
+            assert parsed_imports(file) <= covered, f"{name}: {file}"
+
+
+def test_a_package_does_not_hang_on_the_others():
+    found = {
+        name: {other for other, folder in packages().items() if folder / "__init__.py" in files}
+        for name, files in ((name, sources(name)) for name in packages())
+    }
+    for name, others in found.items():
+        assert others <= {name, "motion"}, name
+
+
+@pytest.fixture
+def tree(tmp_path: Path) -> Path:
+    """Return a copy of the program."""
+    for name in ("core", "app", "vibrafeed"):
+        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    return tmp_path
+
+
+PLANAR = """
+from core.compiling import stopwatch
+from core.intake import prepare_content
+from core.kinds import tabulate
+from core.warm import STUDIES, carry_out
+carry_out("motion-planar", slice(1))
+print(stopwatch.spent)
+"""
+
+
+def test_after_an_edit_of_a_tumbling_kernel_a_planar_simulation_compiles_nothing(tree):
+    """Nor does it in another clone."""
+    from core.warm import FIRST, carry_out
+
+    carry_out("motion-planar", FIRST)
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(tree),
+        "NUMBA_CACHE_DIR": str(kernel_cache.root()),
+    }
+    file = tree / "core/motion/kernels/tumbling/impact.py"
+    file.write_text(file.read_text().replace("import math", "import math  # edited", 1))
+    done = subprocess.run(
+        [sys.executable, "-c", PLANAR], capture_output=True, text=True, cwd=tree, env=environment
+    )
+    assert done.returncode == 0, done.stderr
+    assert float(done.stdout) == 0
 
 
 def test_every_kernel_file_takes_part_in_what_is_compiled_beforehand():
     code = (
-        "import sys; from core.warm import GROUPS, carry_out; [carry_out(one) for one in GROUPS];"
+        "import sys; from core.warm import STUDIES, carry_out; [carry_out(one) for one in STUDIES];"
         "print(*(m for m in sys.modules if '.kernels' in m))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stderr
-    files = [file for file in compiled.sources() if "kernels" in file.parts]
-    names = {".".join(file.relative_to(ROOT).with_suffix("").parts) for file in files}
+    names = {".".join(file.relative_to(ROOT).with_suffix("").parts) for file in kernel_files()}
     assert {name.removesuffix(".__init__") for name in names} <= set(done.stdout.split())
+
+
+def test_every_package_of_kernels_is_compiled_beforehand():
+    shared = {"motion"}
+    assert set(STUDIES) == set(packages()) - shared
 
 
 def test_after_warming_no_study_waits_for_the_compiler():
     """Methods, drives and outputs of all kinds find what `vibrafeed warm` has compiled."""
     code = """
 from core.compiling import stopwatch
-from core.kinds import prepare_content, tabulate
-from core.warm import GROUPS, carry_out
-[carry_out(group) for group in GROUPS]
+from core.intake import prepare_content
+from core.kinds import tabulate
+from core.warm import STUDIES, carry_out
+[carry_out(package) for package in STUDIES]
 spent = stopwatch.spent
 sine = {"amplitude": "0.3 mm", "beta": 30}
 wave = {"amplitude_along_1": "0.3 mm", "amplitude_along_2": "0.1 mm", "phase_along_2": 30,
@@ -189,7 +322,9 @@ tracks = {"rectangle-on-plane": {}, "cylinder-on-plane": {}, "rectangle-on-track
 for scene, more in tracks.items():
     for method in ("events", "time-stepping"):
         for drive in (sine, wave):
-            for rest in ({}, {"trajectory": 10}, {"outputs": ["efficiency", "hop_height"]}):
+            energy = {"outputs": ["friction_power"]} if method == "events" else {}
+            hops = {"outputs": ["efficiency", "hop_height"]}
+            for rest in ({}, {"trajectory": 10}, hops, energy):
                 parameters = {"frequency": 50, "friction": 0.3, **drive, **more}
                 study = {"kind": "simulate", "scene": scene, "method": method, "most_periods": 20}
                 tabulate(prepare_content(study | {"parameters": parameters} | rest))
@@ -207,20 +342,28 @@ print(stopwatch.spent - spent)
 
 def test_every_function_of_a_kernel_file_is_compiled():
     found = 0
-    for file in compiled.sources():
-        if "kernels" in file.parts:
-            for node in ast.walk(ast.parse(file.read_text())):
-                if isinstance(node, ast.FunctionDef):
-                    found += 1
-                    made = " ".join(map(ast.unparse, node.decorator_list))
-                    chosen = made.startswith(("by_type(", "_by_drive(")) or node.name == "_by_drive"
-                    assert chosen or made in ("compiled", "borrowing", "disjoint")
+    for file in kernel_files():
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.FunctionDef):
+                found += 1
+                made = " ".join(map(ast.unparse, node.decorator_list))
+                chosen = made.startswith(("by_type(", "_by_drive(")) or node.name == "_by_drive"
+                assert chosen or made in ("compiled", "borrowing", "disjoint")
     assert found > 100
 
 
-def imported(file: Path) -> list[str]:
-    """Return the modules of ours that a file imports."""
-    nodes = list(ast.walk(ast.parse(file.read_text())))
-    names = [node.module or "." for node in nodes if isinstance(node, ast.ImportFrom)]
-    names += [a.name for node in nodes if isinstance(node, ast.Import) for a in node.names]
-    return [name for name in names if re.match(r"(core|app|vibrafeed)\b|\.", name)]
+def parsed_imports(file: Path) -> set[Path]:
+    """Return the files of ours that a file imports, as Python's own parser reads it."""
+    found = set()
+    for node in ast.walk(ast.parse(file.read_text())):
+        names = []
+        if isinstance(node, ast.ImportFrom):
+            names = [node.module or ".", *(f"{node.module}.{one.name}" for one in node.names)]
+        elif isinstance(node, ast.Import):
+            names = [one.name for one in node.names]
+        for name in names:
+            assert not name.startswith((".", "app", "vibrafeed")), f"{file}: {name}"
+            path = CORE.parent.joinpath(*name.split("."))
+            if name.split(".")[0] == "core":
+                found |= {path.with_suffix(".py"), path / "__init__.py"}
+    return {path for path in found if path.is_file()}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from core.catalogue import describe, describe_all
-from core.kinds import prepare_content
+from core.intake import prepare_content
 
 SCENES = {scene["name"]: scene["methods"] for scene in describe_all()}
 KINDS = [(name, "sweep") for name in SCENES]

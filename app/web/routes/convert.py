@@ -10,9 +10,8 @@ from fastapi.responses import Response
 from app.web.dependencies import BaseOf, Body, once
 from app.web.execution import PROCESSES, AnyStudy
 from app.web.replies import component, problems
-from core.kinds import prepare_content
-from core.study.forms import FORMS, to_curl
-from core.study.load import read_json
+from core.intake import prepare_content, read_json
+from core.intake.forms import FORMS, to_curl
 
 router = APIRouter(tags=["processes"])
 

@@ -12,7 +12,7 @@ from pydantic import BaseModel, Field
 
 import core
 from app.web.replies import json_reply
-from core.kinds import load_study
+from core.intake import load_study
 
 router = APIRouter(tags=["scenes"])
 

@@ -40,9 +40,9 @@ from app.web.problems import NoSuchProcessError
 from app.web.replies import component, execution_name, json_reply, problems
 from app.web.routes import page
 from core.dataset.document import to_document
-from core.kinds import is_whole, prepare_content, tabulate
+from core.intake import prepare_content, read_json
+from core.kinds import is_whole, tabulate
 from core.plan.prepared import Prepared
-from core.study.load import read_json
 from core.watch import Watch
 
 router = APIRouter(tags=["processes"])

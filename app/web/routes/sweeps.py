@@ -29,11 +29,10 @@ from app.web.sweep_document import SweepDescription, description
 from app.web.tables import TABLES, missing, most_rows, table_reply, tables_there, written_by
 from core.dataset.frame import Frame
 from core.errors import LimitError
-from core.kinds import prepare_content
+from core.intake import prepare_content, read_json
+from core.plan.prepared import Prepared
 from core.study import SweepStudy
 from core.study.grid_study import PARAMETERS
-from core.study.load import read_json
-from core.sweep import Sweep
 from core.sweep.slice import Cut, carried_out, prepare_cut, table_of
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
@@ -134,7 +133,7 @@ def share_sweep(key: Key, body: Body, desk: DeskOf, who: WhoOf) -> Response:
     return json_reply(_described(desk, key, sweep, who))
 
 
-def _described(desk: Desk, key: str, sweep: Sweep, who: owners.Key) -> dict[str, Any]:
+def _described(desk: Desk, key: str, sweep: Prepared, who: owners.Key) -> dict[str, Any]:
     """Return what the service says of a sweep; who has posted it is told of their own sharing."""
     is_own = desk.holdings.of(who.name, key) is not None and not who.sees_all
     shared = desk.holdings.is_shared(who.name if is_own else None, key)
@@ -302,7 +301,7 @@ def binary(piece: dict[str, Any]) -> bytes:
     return b"".join((len(text).to_bytes(8, "little"), text, *values))
 
 
-def _check_size(sweep: Sweep, settings: Settings) -> None:
+def _check_size(sweep: Prepared, settings: Settings) -> None:
     """Raise `LimitError` if a sweep is too large to be kept."""
     sweep.check_limits(cells=settings.max_sweep_cells, bytes_=sweep.bytes)
     for name, size in sweep.grid.shape.items():

@@ -9,6 +9,7 @@ from typing import Any
 from core import kinds
 from core.accuracy.textbook import Answer
 from core.dataset.table import Table
+from core.intake import prepare_content
 from core.watch import Watch
 
 Content = dict[str, Any]
@@ -60,4 +61,4 @@ class HardCase:
 
 def result_of(content: Mapping[str, Any], watch: Watch | None = None) -> Table:
     """Return the results of a study given as a user writes it."""
-    return kinds.tabulate(kinds.prepare_content(content), watch)
+    return kinds.tabulate(prepare_content(content), watch)

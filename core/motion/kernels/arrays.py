@@ -1,9 +1,11 @@
-"""Types of the arrays that kernels take."""
+"""Types of the arrays that kernels take, and how one is copied into another."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+
+from core.compiled import compiled
 
 Floats = NDArray[np.float64]
 Statuses = NDArray[np.int8]
@@ -12,3 +14,10 @@ Stop = NDArray[np.int8]
 """One flag, which another thread raises where a cell is not to be gone on with."""
 NEVER: Stop = np.zeros(1, dtype=np.int8)
 """A flag for Python to hand over that nobody raises."""
+
+
+@compiled
+def copy(source: Floats, target: Floats) -> None:
+    """Copy a row into another: `target[:] = source`, which takes a second to compile."""
+    for place in range(target.size):
+        target[place] = source[place]

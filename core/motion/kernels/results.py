@@ -22,6 +22,7 @@ class Columns(NamedTuple):
     landing_speed: int
     hop_height: int
     multiple: int
+    across: int
 
 
 RESULTS = len(Columns._fields)

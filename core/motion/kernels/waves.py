@@ -178,7 +178,9 @@ def passage(
         new = at - halley(value, slope, bend)
         if not low <= new <= high:
             new = 0.5 * (low + high)
-        if abs(new - at) <= LAST_STEP * piece:
+            if new in (low, high):
+                return new
+        elif abs(new - at) <= LAST_STEP * piece and is_near_root(value, slope, bend, LAST_STEP):
             return new
         at = new
     return at
@@ -189,3 +191,14 @@ def halley(value: float, slope: float, bend: float) -> float:
     """Return the step to a root from value, slope and second derivative; infinite if none."""
     below = slope * slope - 0.5 * value * bend
     return value * slope / below if below > 0.0 else math.inf
+
+
+@borrowing
+def is_near_root(value: float, slope: float, bend: float, nearness: float) -> bool:
+    """Return whether Halley's step ends at a root of the parabola here: |f f''| <= nearness f'^2.
+
+    A short step alone tells nothing: where the slope f' vanishes it is some 2 f'/f'', however far
+    off the root. The height f'^2/(2 |f''|) of the parabola above or below its vertex is the scale
+    by which a value is small. With r = f f''/f'^2 the step's own error is some r^2/4 of it.
+    """
+    return abs(value * bend) <= nearness * slope * slope

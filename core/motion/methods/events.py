@@ -61,7 +61,7 @@ def planar_motion(
     the drive; `most_periods` bounds how long an aperiodic motion is followed. Equal cells are
     computed once; restitution plays no part in a cell that never lifts off.
     """
-    from core.motion.kernels.planar import Cell, solve_cells
+    from core.motion.planar import Cell, solve_cells
 
     lifts = np.abs(groups.drive_number_normal) > groups.gravity_number_normal
     groups = groups._replace(restitution=np.where(lifts, groups.restitution, 0.0))
@@ -93,7 +93,7 @@ def planar_path(
     watch : Watch, optional
         May stop it; all is NaN then.
     """
-    from core.motion.kernels.planar import Cell, follow, sample
+    from core.motion.planar import Cell, follow, sample
 
     settings = {"tolerance": tolerance, "most_periods": most_periods}
     (cell,), _ = cells_of(Cell._fields, groups, **settings)
@@ -185,7 +185,8 @@ def energy_by_events(
     `motion` is that of the same groups and settings. Its cycle is followed once more: in the plane
     exactly, in space to some 1e-10 of the drive's work.
     """
-    from core.motion.kernels import planar, track
+    from core.motion import planar
+    from core.motion.kernels import track
 
     def in_space(
         piece: NDArray[np.float64],

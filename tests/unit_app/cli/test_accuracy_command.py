@@ -16,8 +16,7 @@ from app.cli.accuracy import write_report
 from core.accuracy.curves import FAMILIES
 from core.accuracy.report import families_of
 from core.accuracy.textbook import Answer
-from core.kinds import prepare_content
-from core.study.load import read_content
+from core.intake import prepare_content, read_content
 
 ROOT = Path(__file__).parents[3]
 

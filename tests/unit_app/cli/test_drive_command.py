@@ -10,8 +10,8 @@ import xarray
 from typer.testing import CliRunner
 
 from app.cli import app
+from core.intake import parse_study
 from core.measured import Recording, fit_drive
-from core.study import parse_study
 
 RECORDING = Path(__file__).parents[3] / "examples" / "accelerometer.csv"
 AXES = ("--sensor", "ax,ay,az", "--line-frequency", "50 Hz")

@@ -14,8 +14,7 @@ from app.cli import app
 from app.cli.new import new
 from app.cli.questions import QUESTIONS
 from app.cli.starter import STARTERS, starter_study
-from core.kinds import prepare_content
-from core.study.load import load_study, read_toml
+from core.intake import load_study, prepare_content, read_toml
 from core.study.unusual import questions
 
 KINDS = ("rectangle", "straight"), ("rectangle", "bowl"), ("cylinder", "")
@@ -150,7 +149,7 @@ def test_a_starter_is_toml(tmp_path):
 
 
 def test_every_question_has_its_option():
-    options = set(inspect.signature(new).parameters) - {"context", "file", "yes", "force"}
+    options = set(inspect.signature(new).parameters) - {"context", "file", "kind", "yes", "force"}
     assert options == {question.name for question in QUESTIONS}
     assert all(question.parameter or question.choices for question in QUESTIONS)
 

@@ -17,8 +17,8 @@ import xarray
 from typer.testing import CliRunner
 
 from app.cli import app
-from core.kinds import prepare_content
-from core.sweep.parts import Parts, PartsMissingError, ranges
+from core.intake import prepare_content
+from core.plan.parts import PartsMissingError, ranges
 from waiting import PATIENCE, wait_for
 
 SWEEP: dict[str, Any] = {
@@ -57,10 +57,9 @@ import json, sys, time
 from core.dataset import layout
 from core.reduce import cutting
 layout.TILE_CELLS, layout.CHUNK_CELLS, cutting.BOX_CELLS = 4_000, 500, 2_000
-from core.kinds import prepare_content
-from core.sweep.parts import Parts
+from core.intake import prepare_content
 content, where, count, numbers, wait = json.loads(sys.argv[1])
-parts = Parts(prepare_content(content), where, count)
+parts = prepare_content(content).parts(where, count)
 for number in numbers:
     if not parts.is_there(number):
         record = parts.compute(number)
@@ -101,7 +100,7 @@ def test_64_parts_of_four_processes_two_of_them_killed(content, ending, tmp_path
     where = tmp_path / f"result.{ending}"
     shares = [list(range(k, 64, 4)) for k in range(4)]
     working = [worker(content, where, 64, share, 0.1) for share in shares]
-    parts = Parts(prepare_content(content), str(where), 64)
+    parts = prepare_content(content).parts(str(where), 64)
     wait_for(lambda: len(parts.records.names()) >= 12)
     for one in working[:2]:
         one.send_signal(signal.SIGKILL)
@@ -121,7 +120,7 @@ def test_64_parts_of_four_processes_two_of_them_killed(content, ending, tmp_path
     parts.join()
     assert not (tmp_path / f"result.{ending}.parts").exists()
     one = tmp_path / f"one.{ending}"
-    whole = Parts(prepare_content(content), str(one), 1)
+    whole = prepare_content(content).parts(str(one), 1)
     whole.keep(0, whole.compute(0))
     whole.join()
     assert contents(where) == contents(one)
@@ -153,7 +152,7 @@ def damage(path: Path, place: int) -> None:
 
 def test_a_damaged_shard_is_found(tmp_path: Path) -> None:
     where = tmp_path / "result.zarr"
-    parts = Parts(prepare_content(SWEEP), str(where), 3)
+    parts = prepare_content(SWEEP).parts(str(where), 3)
     for number in range(3):
         parts.keep(number, parts.compute(number))
     shard = sorted((tmp_path / ".result.zarr.partial/transport_velocity/c").rglob("*"))[-1]
@@ -222,10 +221,10 @@ def test_what_has_no_parts_says_so(study: Path, tmp_path: Path) -> None:
 
 def test_parts_of_another_study_are_not_taken(tmp_path: Path) -> None:
     where = str(tmp_path / "r.zarr")
-    first = Parts(prepare_content(SWEEP), where, 2)
+    first = prepare_content(SWEEP).parts(where, 2)
     first.keep(0, first.compute(0))
     other = {**SWEEP, "parameters": {**SWEEP["parameters"], "friction": 0.4}}
-    second = Parts(prepare_content(other), where, 2)
+    second = prepare_content(other).parts(where, 2)
     assert not second.is_there(0)
     with pytest.raises(FileExistsError, match="of another study or version"):
         second.compute(0)

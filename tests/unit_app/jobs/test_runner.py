@@ -21,7 +21,7 @@ from app.jobs.ledger import ACTIVE, Job, Ledger
 from app.jobs.runner import Runner
 from app.jobs.store import Store
 from app.settings import Settings
-from core.kinds import prepare_content
+from core.intake import prepare_content
 from waiting import awaited
 
 STUDY = {

@@ -15,7 +15,8 @@ from app.jobs.manifest import MANIFEST, NETCDF
 from app.jobs.scrub import BROKEN, ORPHANED, WAITING, WHOLE, scrub
 from app.jobs.store import Store
 from app.settings import Settings
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 
 SWEEP = {
     "kind": "sweep",

@@ -28,7 +28,8 @@ from app.settings import Settings
 from app.web.zarr_views import ZarrViews
 from core.dataset.netcdf import write_netcdf
 from core.errors import StoppedError
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from core.plan.pieces import Computed, Cut
 
 SWEEP = {

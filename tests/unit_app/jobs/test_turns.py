@@ -12,7 +12,7 @@ from app.jobs.ledger import Work
 from app.jobs.store import Store
 from app.jobs.turns import Turns
 from app.settings import Settings
-from core.kinds import prepare_content
+from core.intake import prepare_content
 
 
 async def turned() -> None:

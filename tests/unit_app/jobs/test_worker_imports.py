@@ -26,7 +26,7 @@ import distributed.worker, distributed.nanny
 directory = pathlib.Path(sys.argv[1])
 run = importlib.import_module("app.jobs.work")
 from app.jobs.store import Store
-from core.kinds import prepare_content
+from core.intake import prepare_content
 study = {"kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["throw_number"],
          "parameters": {"frequency": 50, "amplitude": 0.001, "beta": [0, 30, 60]}}
 store = Store(directory)

@@ -9,7 +9,7 @@ import pytest
 
 from app.main import create_app
 from app.settings import Settings
-from core.study.forms import FORMS
+from core.intake.forms import FORMS
 from local_client import local_client
 
 STUDY = {

@@ -9,10 +9,9 @@ from pathlib import Path
 from app.main import create_app
 from app.settings import Settings
 from benchmarks.quantities_page import PAGE, page
-from core.kinds import prepare_content
+from core.intake import parse_study, prepare_content
 from core.motion import simulate
 from core.quantities import DIRECTIONS, MOTION_STATUSES
-from core.study import parse_study
 
 ROOT = Path(__file__).parents[3]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import vibrafeed
-from core.measured.study import MOST_ROWS_SENT
+from core.intake.recorded import MOST_ROWS_SENT
 from recordings import DRIVE, csv_of, signal_of
 
 PATH = "/processes/simulate/execution"

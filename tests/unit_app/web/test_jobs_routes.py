@@ -13,7 +13,7 @@ from fastapi.testclient import TestClient
 
 from app.main import create_app
 from app.settings import Settings
-from core.study import parse_study
+from core.intake import parse_study
 from core.sweep import sweep
 from local_client import ended, local_client
 

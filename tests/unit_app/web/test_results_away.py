@@ -19,7 +19,8 @@ from app.jobs.manifest import MANIFEST, NETCDF, ZARR
 from app.jobs.store import Store
 from app.main import create_app
 from app.settings import Settings
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from local_client import local_client
 from posted_sweeps import STUDY, problem, with_axes
 

@@ -15,9 +15,9 @@ from fastapi.testclient import TestClient
 
 from app.main import create_app
 from app.settings import Settings
+from core.intake import parse_study
 from core.motion import simulate
 from core.scenes import SCENES
-from core.study import parse_study
 from core.sweep import sweep
 from local_client import local_client
 from posted_sweeps import STUDY

@@ -14,8 +14,7 @@ from app.main import create_app
 from app.settings import Settings
 from app.web.accept import preferred
 from app.web.zarr_views import ZarrViews
-from core.kinds import prepare_content
-from core.study import parse_study
+from core.intake import parse_study, prepare_content
 from core.sweep import sweep
 from core.sweep.zarr_view import ZarrView
 from local_client import local_client

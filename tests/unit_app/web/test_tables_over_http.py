@@ -13,8 +13,9 @@ import pytest
 from app.main import create_app
 from app.settings import Settings
 from app.web.accept import takes_gzip
+from core.extras import installing
+from core.intake import parse_study
 from core.quantities import REGIMES
-from core.study import parse_study
 from core.sweep import sweep
 from local_client import local_client
 from posted_sweeps import STUDY, problem, with_axes
@@ -103,11 +104,12 @@ class TestSlices:
         reply = client.get(f"{address}/slice", params=CUT, headers=ask)
         assert reply.headers["content-type"].startswith("text/csv")
         reply = client.get(f"{address}/slice", params=CUT, headers={"Accept": PARQUET})
-        assert "vibrafeed[tables]" in problem(reply, 406)["detail"]
+        assert installing("pyarrow", "tables") in problem(reply, 406)["detail"]
         monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
-        for form in ("parquet", "xlsx"):
+        how = {"parquet": installing("pyarrow", "tables"), "xlsx": installing("openpyxl")}
+        for form, told in how.items():
             reply = client.get(f"{address}/slice", params={**CUT, "format": form})
-            assert "vibrafeed[tables]" in problem(reply, 406)["detail"]
+            assert told in problem(reply, 406)["detail"]
 
     def test_head_computes_nothing(self, client, address, monkeypatch):
         etag = client.get(f"{address}/slice", params=CUT, headers=PLAIN).headers["etag"]

@@ -18,7 +18,7 @@ from core.accuracy.report import measure_study, thinned
 from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table, Variable
 from core.errors import StudyError
-from core.kinds import prepare_content
+from core.intake import prepare_content
 from core.plan.grid import Grid
 from core.study.values import Points, Span
 from core.watch import Watch

@@ -10,7 +10,7 @@ import pytest
 from benchmarks.engines import CASES
 from core.accuracy import engines, motion
 from core.accuracy.curves import Measured
-from core.kinds import prepare_content
+from core.intake import prepare_content
 from core.watch import Watch
 
 

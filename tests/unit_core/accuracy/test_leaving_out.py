@@ -23,6 +23,7 @@ from core.accuracy.leaving_out import (
     to_markdown,
     to_table,
 )
+from core.intake import prepare_content
 from core.motion.methods import stepping
 from core.motion.systems import SYSTEMS
 from core.scenes import ALIASES, SCENES
@@ -78,7 +79,7 @@ def expected_calls(scene, variant, outputs, parameters):
 def test_every_single_output_runs_what_it_depends_on_once_and_nothing_else(scene, variant):
     for output in scene.outputs(variant):
         content = study_of(scene, variant, output, ranged=False)
-        prepared, calls = counted(kinds.prepare_content(content))
+        prepared, calls = counted(prepare_content(content))
         kinds.tabulate(prepared)
         assert calls == expected_calls(scene, variant, [output], content["parameters"]), output
 
@@ -104,7 +105,7 @@ def test_every_output_keeps_the_axes_that_it_depends_on_and_no_others(scene, var
         content = study_of(scene, variant, output)
         given = content["parameters"]
         ranged = {name for name, value in given.items() if isinstance(value, list)}
-        table = kinds.tabulate(kinds.prepare_content(content))
+        table = kinds.tabulate(prepare_content(content))
         expected = ranged & dependencies(scene, variant, output, given)
         assert set(table.variables[output].dims) == expected, output
 
@@ -113,7 +114,7 @@ def test_every_output_keeps_the_axes_that_it_depends_on_and_no_others(scene, var
 def test_a_motion_is_computed_once_whatever_is_asked_of_it(scene, variant):
     for output in scene.outputs(variant):
         content = study_of(scene, variant, output)
-        prepared, calls = counted(kinds.prepare_content(content))
+        prepared, calls = counted(prepare_content(content))
         kinds.tabulate(prepared)
         asked = [output, "motion_status"]  # how a value was found is never left out
         assert calls == expected_calls(scene, variant, asked, content["parameters"]), output
@@ -124,7 +125,7 @@ def test_the_count_sees_what_is_not_needed():
     scene = SCENES["rectangle-on-plane"]
     content = study_of(scene, "physical", "throw_number", ranged=False)
     given = {**content["parameters"], "alpha": 5.0}
-    prepared = kinds.prepare_content({**content, "outputs": ["throw_number", "drive_along"],
+    prepared = prepare_content({**content, "outputs": ["throw_number", "drive_along"],
                                       "parameters": given})  # fmt: skip
     wasteful = replace(prepared, plan=replace(prepared.plan, outputs=("throw_number",)))
     running, calls = counted(wasteful)
@@ -145,9 +146,9 @@ def test_nothing_across_is_carried_where_nothing_drives_across(monkeypatch):
 
     along = {**content, "parameters": {**content["parameters"], "alpha": 0.0}}
     monkeypatch.setattr(stepping, "stepped_motion", refuse)
-    kinds.tabulate(kinds.prepare_content(along))
+    kinds.tabulate(prepare_content(along))
     with pytest.raises(AssertionError, match="in space"):
-        kinds.tabulate(kinds.prepare_content(content))
+        kinds.tabulate(prepare_content(content))
     assert carried(scene, along["parameters"])[0] == ("along", "normal")
     assert carried(scene, content["parameters"])[0] == ("along", "across", "normal")
     track, cylinder = SYSTEMS["rectangle-on-track"], SYSTEMS["cylinder-on-plane"]
@@ -178,7 +179,7 @@ def test_memory_follows_the_output_and_not_the_grid():
     wide = study_of(scene, "physical", "acceleration_x")
     wide["outputs"] = ["throw_number", "acceleration_x"]
     wide["parameters"]["friction"] = axis
-    table = kinds.tabulate(kinds.prepare_content(wide))
+    table = kinds.tabulate(prepare_content(wide))
     assert table.variables["throw_number"].values.size == 27
     assert table.variables["acceleration_x"].values.size == 27 * 20_000
     assert much.bytes > little.bytes

@@ -13,8 +13,8 @@ from matplotlib.text import Text
 import vibrafeed
 from benchmarks.calibrations import covered
 from core.errors import StudyError
-from core.kinds import load_study, prepare_content, tabulate
-from core.study.load import parse_study
+from core.intake import load_study, parse_study, prepare_content
+from core.kinds import tabulate
 from core.watch import Watch
 
 ROOT = Path(__file__).parents[3]
@@ -430,7 +430,7 @@ def test_a_file_that_holds_no_observations_is_told(tmp_path, name, text, told):
 
 
 def test_a_study_of_a_file_is_converted_with_it(tmp_path):
-    from core.study.forms import placed
+    from core.intake.forms import placed
 
     (tmp_path / "runs.csv").write_text(LINES)
     content = {**study(str(tmp_path / "runs.csv")), "kind": "calibrate"}

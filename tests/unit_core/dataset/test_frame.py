@@ -13,7 +13,8 @@ from core.dataset.netcdf import write_netcdf
 from core.dataset.read import read_netcdf
 from core.dataset.table import Table, Variable
 from core.errors import LimitError
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from posted_sweeps import STUDY
 
 FLAGS = {"flag_values": np.array([1, 5], dtype=np.int8), "flag_meanings": "slide flight"}

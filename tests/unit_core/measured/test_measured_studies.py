@@ -14,11 +14,10 @@ import vibrafeed
 from benchmarks.measured_errors import CASES, fitted
 from benchmarks.measured_speeds import PARTS, stated, study_of, true_speed
 from core.errors import StudyError
-from core.kinds import load_study, prepare_content
-from core.kinds import study_of as sound
-from core.measured import study as measured
+from core.intake import load_study, parse_json, parse_study, prepare_content
+from core.intake import recorded as measured
+from core.intake import study_of as sound
 from core.motion.drive_error import drive_error
-from core.study import parse_json, parse_study
 from night import first_by_day
 from recordings import DRIVE, csv_of, signal_of
 

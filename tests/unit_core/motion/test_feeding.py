@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from core.errors import StudyError
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from core.motion.feeding import direction, travel_in_words
 from core.motion.result import STATUS, Motion
 from core.quantities import DIRECTIONS

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.motion.kernels import planar, results, stepping, tumbling
+from core.motion import planar
+from core.motion.kernels import results, stepping, tumbling
 from core.motion.kernels.planar import tables as planar_tables
 from core.motion.kernels.stepping import tables as stepping_tables
 from core.motion.kernels.tumbling import tables as tumbling_tables

@@ -10,7 +10,8 @@ import pytest
 
 from benchmarks.derivatives import BAR, SURE, derived, errors, random_cells, repeating
 from core.errors import StudyError
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from core.motion.derivatives import derivatives_at, motion_sensitivities
 from core.motion.kernels.planar.derive import KINK
 from core.motion.kernels.planar.slope_tables import TOLD
@@ -66,7 +67,7 @@ def test_shares_add_up_and_so_do_energies():
 def test_energy_of_the_drive_is_the_mean_of_its_push():
     # The kernel takes it from the balance; here each energy is judged by itself.
     from core.motion.kernels.arrays import NEVER
-    from core.motion.kernels.planar import spend_cells
+    from core.motion.planar import spend_cells
 
     cells = repeating(random_cells(60, 8))
     found, h = derived(cells), 1e-5
@@ -99,6 +100,95 @@ def test_without_restitution_the_derivative_is_that_from_above(restitution):
     assert abs((above[0] - here[0]) / restitution - slope[TOLD.velocity]) < 50 * restitution
     # What was resolved of the hops is less than all of them.
     assert 0 < (above[6] - here[6]) / restitution <= slope[TOLD.flight] * (1 + 1e-3)
+
+
+def hopping(count, seed, more):
+    """Return random cells without rebound that land once a period; static friction up to `more`."""
+    pick = np.random.default_rng(seed)
+    throw, beta = pick.uniform(1.05, 3.2, count), np.radians(pick.uniform(8, 75, count))
+    gamma, kinetic = np.radians(pick.uniform(-5, 5, count)), pick.uniform(0.1, 0.9, count)
+    normal = throw * np.cos(gamma)
+    columns = (
+        normal / np.tan(beta), normal, np.sin(gamma), np.cos(gamma),
+        kinetic * pick.uniform(1.0, more, count), kinetic, 0.0, 1e-12, 1000.0,
+    )  # fmt: skip
+    return np.stack(np.broadcast_arrays(*columns), axis=1)
+
+
+@pytest.mark.parametrize(("more", "jumps"), [(1.0, 0), (1.6, 5)])
+def test_the_least_restitution_moves_a_mean_as_the_derivative_at_none_says(more, jumps):
+    """Velocity and shares over random cells, by steps of 1e-6, and of half of it."""
+    cells = hopping(200, 1, more)
+    here, steps = derived(cells), []
+    for step in (1e-6, 5e-7):
+        near = cells.copy()
+        near[:, 6] = step
+        there = derived(near)
+        # Velocity, and the four shares, of the results; hops are whole down to 1e-7.
+        steps.append((there.results[:, [0, 3, 4, 5, 6]] - here.results[:, [0, 3, 4, 5, 6]]) / step)
+    told = [TOLD.velocity, TOLD.stick, TOLD.forward, TOLD.backward, TOLD.flight]
+    slopes = here.slopes[:, told, 6]
+    sure = (here.margin > 1e-5) & (here.status == MOTION["periodic"])
+    jump = np.isnan(slopes[:, 0])
+    assert sure.sum() > 100
+    assert jump.sum() >= jumps
+    assert np.isfinite(here.slopes[jump][:, 0, :6]).all()  # by all else it has a derivative
+    good = sure & ~jump
+    assert (np.abs(slopes[good, 0]) > 0.01).sum() > 20  # of the first order, not of the second
+    # The second order: some 50 times the step, more for shares beside an edge.
+    off = np.abs(steps[0] - slopes)[good]
+    assert (off[:, 0] <= 5e-3).all()
+    assert (np.quantile(off, 0.9, axis=0) <= 1e-3).all()
+    # Of a jump half the step makes as much: its quotient is twice as large, else it would be equal.
+    apart = np.abs(steps[1] - 2 * steps[0])[jump & sure, 0] / np.abs(steps[1])[jump & sure, 0]
+    assert (apart < 0.5).all()
+
+
+def test_energies_move_with_the_least_restitution_as_the_derivative_at_none_says():
+    """Impacts of small hops take what the floor would rub in their time, to the first order."""
+    from core.motion.kernels.arrays import NEVER
+    from core.motion.kernels.planar import spend_cells
+
+    def spent(cells):
+        table, status = np.full((len(cells), 3), np.nan), np.zeros(len(cells), np.int8)
+        spend_cells(cells, table, status, NEVER)
+        return table
+
+    cells = hopping(200, 2, 1.0)
+    here, near, step = derived(cells), cells.copy(), 1e-6
+    near[:, 6] = step
+    slopes = here.slopes[:, [TOLD.friction, TOLD.impact, TOLD.drive], 6]
+    sure = (here.margin > 1e-5) & (here.status == MOTION["periodic"])
+    off = np.abs((spent(near) - spent(cells)) / step - slopes)[sure]
+    assert sure.sum() > 100
+    assert (np.abs(slopes[sure, :2]) > 0.01).mean() > 0.5
+    assert (np.quantile(off, 0.9, axis=0) <= 1e-3).all()
+
+
+def test_where_the_least_restitution_jumps_there_is_no_derivative_by_it_alone():
+    # 51.2060 mm/s at 0, 51.1451 mm/s at 1e-12 to 1e-6 (`tests/laws/test_planar_means.py`).
+    point = {
+        "frequency": 63.083, "amplitude": 0.184447e-3, "beta": math.radians(39.096),
+        "friction_static": 1.0514, "friction_kinetic": 0.7356, "restitution": 0.0,
+    }  # fmt: skip
+    names = ["restitution", "beta"]
+    found = motion_sensitivities(PLANE, None, ["conveying_velocity"], point, names)
+    by_restitution = found["conveying_velocity", "restitution"]
+    assert math.isnan(by_restitution.derivative)
+    assert "kink" in by_restitution.note
+    assert found["conveying_velocity", "beta"].note == ""
+
+
+def test_a_landing_that_stops_a_slip_leaves_one_of_the_first_order():
+    # It was told 0, as exact; differences give 0.1175554 m/s (an independent quad solver, too).
+    point = {
+        "frequency": 50.0, "amplitude": 0.5e-3, "beta": math.radians(40.0), "friction": 0.6,
+        "restitution": 0.0,
+    }  # fmt: skip
+    found = motion_sensitivities(PLANE, None, ["conveying_velocity"], point, ["restitution"])
+    one = found["conveying_velocity", "restitution"]
+    assert one.derivative == pytest.approx(0.1175554, abs=5e-8)
+    assert (one.error, one.note) == (0.0, "")
 
 
 @pytest.mark.parametrize(

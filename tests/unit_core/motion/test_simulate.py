@@ -12,12 +12,12 @@ import pytest
 
 from benchmarks.worked_values import MEAN_VELOCITIES
 from core.errors import StudyError
-from core.kinds import prepare_content, tabulate
+from core.intake import load_study, parse_study, prepare_content
+from core.kinds import tabulate
 from core.motion import SYSTEMS, simulate
 from core.motion.rates import effective_distance, parts_per_minute, velocity_for
 from core.motion.systems import CONTACTS
 from core.quantities import MOTION_STATUSES
-from core.study import load_study, parse_study
 from core.sweep import sweep
 from core.watch import Watch
 
@@ -173,7 +173,7 @@ class TestDatasets:
         assert prepared.dims["flight_fraction"] == ()
 
     def test_a_repeated_or_idle_axis_costs_nothing_more(self, monkeypatch):
-        from core.motion.kernels import planar
+        from core.motion import planar
 
         cells: list[int] = []
         kernel = planar.solve_cells

@@ -5,7 +5,8 @@ import time
 import numpy as np
 import pytest
 
-from core.kinds import KINDS, study_of, tabulate
+from core.intake import study_of
+from core.kinds import KINDS, tabulate
 from core.quantities import MOTION_STATUSES
 from core.watch import Watch
 from waiting import wait_for

@@ -9,16 +9,15 @@ import numpy as np
 import pytest
 
 from core.errors import StudyError
-from core.kinds import prepare_content, tabulate
+from core.intake import load_study, parse_study, prepare_content
+from core.kinds import tabulate
 from core.optimise import METHODS, optimise
 from core.optimise.codes import STATUS
 from core.optimise.front import knee
 from core.optimise.labels import BINDS
-from core.plots import PlotError
-from core.plots.front import draw_front
-from core.plots.landscape import draw_landscape
+from core.plots import PlotError, front, landscape
+from core.plots.options import Options
 from core.quantities import OPTIMUM_STATUSES, REGIMES
-from core.study import load_study, parse_study
 from core.sweep import sweep
 from core.watch import Watch
 
@@ -250,7 +249,7 @@ def test_knees():
 def test_a_front_and_its_knee_are_drawn():
     parameters = {**DATA, "friction": [0.3, 0.5]}
     dataset = solved(parameters=parameters, criterion={"kind": "pareto", "points": 20})
-    figure = draw_front(dataset)
+    figure = front.draw(dataset, Options())
     (axes,) = figure.axes
     curves = [line for line in axes.lines if len(line.get_xdata()) == 20]
     assert len(curves) == 2
@@ -262,7 +261,7 @@ def test_a_front_and_its_knee_are_drawn():
 
 def test_a_landscape_shows_optimum_and_limits():
     dataset = solved(parameters={**DATA, "friction": [0.3, 0.5]})
-    figure = draw_landscape(dataset, {"friction": 0.5})
+    figure = landscape.draw(dataset, Options(at={"friction": 0.5}))
     axes = figure.axes[0]
     names = [text.get_text() for text in figure.legends[0].get_texts()]
     assert names == ["edge of limit", "edge of floor contact", "faint: excluded", "optimum"]
@@ -273,7 +272,7 @@ def test_a_landscape_shows_optimum_and_limits():
 
 def test_a_landscape_of_one_variable_is_a_curve():
     dataset = solved(parameters={**DATA, "alpha": 0, "friction": [0.2, 0.4, 0.6]})
-    figure = draw_landscape(dataset)
+    figure = landscape.draw(dataset, Options())
     assert "friction\N{NO-BREAK SPACE}0.4" in figure.axes[0].get_title(loc="left")  # the middle
     curve, star = figure.axes[0].lines
     assert star.get_xdata()[0] == dataset.best_beta.values[1]
@@ -283,11 +282,11 @@ def test_a_landscape_of_one_variable_is_a_curve():
 
 def test_what_cannot_be_drawn_is_refused():
     with pytest.raises(PlotError, match="no front"):
-        draw_front(solved())
+        front.draw(solved(), Options())
     with pytest.raises(PlotError, match="not ranged"):
-        draw_landscape(solved(), {"gamma": 1})
+        landscape.draw(solved(), Options(at={"gamma": 1}))
     with pytest.raises(PlotError, match="no optimisation"):
-        draw_front(solved().drop_vars("optimum_status"))
+        front.draw(solved().drop_vars("optimum_status"), Options())
 
 
 # --- no optimum

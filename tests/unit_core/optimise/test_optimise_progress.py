@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from core.intake import parse_study
 from core.optimise.prepare import prepare
 from core.optimise.run import tabulate
-from core.study import parse_study
 from core.watch import Watch
 
 STUDY = {

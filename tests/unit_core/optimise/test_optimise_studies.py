@@ -15,11 +15,10 @@ from app.main import create_app
 from app.settings import Settings
 from core.catalogue import kind_schema
 from core.errors import StudyError
-from core.kinds import prepare_content
+from core.intake import load_study, parse_json, parse_study, prepare_content
 from core.optimise import METHODS, optimise
 from core.optimise.codes import STATUS
 from core.quantities import REGIMES
-from core.study import load_study, parse_json, parse_study
 from local_client import local_client
 
 CONFIGS = sorted((Path(__file__).parents[3] / "configs").glob("optimise-*.toml"))

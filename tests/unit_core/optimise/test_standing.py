@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from core.intake import parse_study
 from core.optimise.prepare import prepare
 from core.optimise.problem import Problem, chosen_cells
 from core.optimise.run import designs_of
 from core.optimise.standing import standing
-from core.study import parse_study
 
 NOISE = 0.2
 

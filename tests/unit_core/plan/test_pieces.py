@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from core.dataset.netcdf import write_netcdf
-from core.kinds import KINDS, prepare, prepare_content, tabulate
+from core.intake import load_study, prepare_content
+from core.kinds import KINDS, prepare, tabulate
 from core.plan.pieces import Cut, join
-from core.study import load_study
 from core.watch import Watch
 
 CONFIGS = Path(__file__).parents[3] / "configs"

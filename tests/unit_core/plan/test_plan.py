@@ -11,7 +11,8 @@ import pytest
 
 from core.catalogue import describe, study_schema
 from core.errors import LimitError, Problem, SceneError, StudyError
-from core.kinds import prepare_content
+from core.intake import load_study, parse_study, prepare_content
+from core.kinds import KINDS
 from core.motion import SYSTEMS, simulate
 from core.motion.drives import shape_of
 from core.optimise import optimise
@@ -20,9 +21,8 @@ from core.quantities import FAMILIES, QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE as NUMBERS_OF_DRIVES
 from core.scenes import ALIASES, SCENES, Condition, Equation
 from core.scenes.scene import Scene
-from core.study import load_study, parse_study
-from core.study.models import STUDIES
-from core.sweep import prepare, sweep
+from core.sweep import sweep
+from core.sweep.prepare import prepare
 
 READABLE = re.compile(r"[A-Z][a-z']+,? (?! )[^`\[\]]*(?<! )\.")
 """A description: it begins with a word, and has no marks of code and no units in brackets."""
@@ -376,7 +376,7 @@ class TestScenes:
 
 def test_the_schema_knows_every_scene_output_and_parameter():
     kinds = study_schema()["oneOf"]
-    assert [kind["properties"]["kind"]["const"] for kind in kinds] == list(STUDIES)
+    assert [kind["properties"]["kind"]["const"] for kind in kinds] == list(KINDS)
     for schema in kinds:
         properties = schema["$defs"]["Parameters"]["properties"]
         assert set(properties) == {n for n, q in QUANTITIES.items() if q.parameter}

@@ -4,7 +4,7 @@ import tracemalloc
 
 import pytest
 
-from core.kinds import prepare_content
+from core.intake import prepare_content
 from core.plan import price
 
 AXES = {

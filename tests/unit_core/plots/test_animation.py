@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 import sys
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from PIL import Image
 
 import vibrafeed
 from core.errors import VibrafeedError
+from core.extras import installing
 from core.plots import PlotError, draw, draw_file
 from core.plots.animation import COLOURS, draw_frames
 from core.plots.film import FRAMES_PER_SECOND, read_film
@@ -105,7 +107,7 @@ def test_a_film_for_browsers(hop: xarray.Dataset, tmp_path: Path):
 
 def test_what_is_missing_for_mp4_is_said(hop, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(PlotError, match=r"pip install 'vibrafeed\[video\]'"):
+    with pytest.raises(PlotError, match=re.escape(installing("imageio-ffmpeg", "video"))):
         vibrafeed.animate(hop, tmp_path / "part.mp4")
     assert not list(tmp_path.iterdir())
 

@@ -10,13 +10,13 @@ import xarray
 from matplotlib.colors import to_hex, to_rgb
 from scipy.ndimage import label
 
+from core.intake import parse_study
 from core.motion import simulate
 from core.plots import draw, draw_file
 from core.plots.islands import without_specks
 from core.plots.regimes import LOOKS
 from core.quantities import REGIMES
 from core.quantities.pictures import FILLS
-from core.study import parse_study
 from core.sweep import sweep
 from pictures import legend, problem, subtitle
 

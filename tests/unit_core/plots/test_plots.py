@@ -15,11 +15,11 @@ from matplotlib.collections import Collection
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
+from core.intake import parse_study
 from core.plots import PlotError, draw, draw_file
 from core.plots.selection import select
 from core.plots.text import math_symbol
 from core.quantities import REGIMES
-from core.study import parse_study
 from core.sweep import sweep
 from pictures import problem, subtitle
 

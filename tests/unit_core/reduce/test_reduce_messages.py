@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from core.errors import LimitError, StoppedError, StudyError
-from core.kinds import prepare_content, tabulate
-from core.study import parse_study
+from core.intake import parse_study, prepare_content
+from core.kinds import tabulate
 from core.sweep.lazy import open_lazily
 from core.watch import Watch
 

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from core.quantities import REGIMES
 from core.reduce.answers import answers
 from core.reduce.run import Units

@@ -5,12 +5,13 @@ import pytest
 
 from benchmarks.worked_values import DRIVE
 from core.errors import StudyError
+from core.intake import parse_study
 from core.plan.blocks import evaluate_in_blocks
 from core.plan.evaluate import empty_results
 from core.quantities import REGIMES
 from core.scenes import SCENES
-from core.study import parse_study
-from core.sweep import prepare, sweep
+from core.sweep import sweep
+from core.sweep.prepare import prepare
 
 SCENE = "cylinder-rolling"
 BASE = {

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from core.errors import VibrafeedError
+from core.intake import parse_study
 from core.quantities import REGIMES
-from core.study import parse_study
 from core.sweep import sweep
 
 DRIVE = {

@@ -7,7 +7,8 @@ import pytest
 
 from benchmarks.figures.studies import data as figure
 from benchmarks.figures.studies import path_of
-from core.kinds import load_study, prepare, tabulate
+from core.intake import load_study
+from core.kinds import prepare, tabulate
 from core.quantities import REGIMES
 from core.sweep import sweep
 

@@ -9,9 +9,10 @@ import pytest
 
 from benchmarks.worked_values import LIMITING_FRICTION
 from core.errors import StudyError
+from core.intake import parse_study
 from core.quantities import REGIMES
-from core.study import parse_study
-from core.sweep import prepare, sweep
+from core.sweep import sweep
+from core.sweep.prepare import prepare
 from core.sweep.slice import cut
 
 SQUARE = {"height": 1.0, "length": 1.0}

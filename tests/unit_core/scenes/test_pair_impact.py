@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from core.intake import parse_study
 from core.quantities import REGIMES
-from core.study import parse_study
 from core.sweep import sweep
 
 VELOCITIES = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.worked_values import CLOSED_FORMS, ClosedForm
-from core.study import parse_study
+from core.intake import parse_study
 from core.sweep import sweep
 
 EXACT = 1e-13

@@ -16,7 +16,8 @@ from app.cli import app
 from app.main import create_app
 from app.settings import Settings
 from core.errors import StoppedError, StudyError
-from core.kinds import KINDS, prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import KINDS, tabulate
 from core.plan.pieces import Cut, join
 from core.sensitivity.budget import Budget
 from core.study.distributions import quantiles, read_distribution

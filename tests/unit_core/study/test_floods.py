@@ -7,8 +7,7 @@ import pytest
 
 from core import errors
 from core.errors import Problem, StudyError
-from core.kinds import prepare_content
-from core.study.load import read_json
+from core.intake import prepare_content, read_json
 from work import calls
 
 PLAIN = {"frequency": 50, "amplitude": "1 mm", "beta": 30}

@@ -14,11 +14,10 @@ from hypothesis import strategies as st
 
 import vibrafeed
 from core.errors import StudyError
-from core.study import forms
+from core.intake import forms, parse_study, read_content, read_json, read_toml
+from core.intake.forms import FORMS, placed, to_curl
+from core.kinds import KINDS
 from core.study.drive import names_recording
-from core.study.forms import FORMS, placed, to_curl
-from core.study.load import parse_study, read_content, read_json, read_toml
-from core.study.models import STUDIES
 
 CONFIGS = sorted((Path(__file__).parents[3] / "configs").rglob("*.toml"))
 PLANE = {
@@ -42,7 +41,7 @@ def called(program: str) -> vibrafeed.Study:
     """Return the study that a program carries out, without carrying it out."""
     found = []
     with pytest.MonkeyPatch.context() as patch:
-        for kind in STUDIES:
+        for kind in KINDS:
 
             def told(kind=kind, **keywords):
                 found.append(vibrafeed.study(kind=kind, **keywords))

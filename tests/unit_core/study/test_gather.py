@@ -9,8 +9,8 @@ import pytest
 import xarray
 
 from core.errors import StudyError
-from core.study import load_study, parse_study
-from core.study.gather import KEYS, gather
+from core.intake import gather, load_study, parse_study
+from core.intake.keywords import KEYS
 from core.study.grid_study import PARAMETERS
 
 POINT = {"frequency": "50 Hz", "amplitude": "0.25 mm", "friction": 0.5}

@@ -9,14 +9,14 @@ import pytest
 from app.cli.questions import QUESTIONS
 from core.catalogue import describe_all
 from core.errors import StudyError, nearest
-from core.kinds import KINDS, prepare_content
+from core.intake import load_study, prepare_content, read_content
+from core.intake.keywords import KEYS
+from core.kinds import KINDS
 from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS
 from core.other_names import OTHER_NAMES
 from core.quantities import QUANTITIES
-from core.study.gather import KEYS
 from core.study.grid_study import PARAMETERS
-from core.study.load import load_study, read_content
 from core.study.optimise_study import CRITERIA
 from core.study.units import UnitError
 from core.study.unusual import questions

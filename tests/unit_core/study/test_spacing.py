@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.study import parse_study, spacing
+from core.intake import parse_study
+from core.study import spacing
 from core.study.spacing import as_typed, evenly, geometrically
 from core.study.values import read_values
 from core.sweep import sweep

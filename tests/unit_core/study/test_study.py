@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.errors import Problem, StudyError
+from core.intake import parse_json, parse_study, parse_toml, read_toml
 from core.quantities import QUANTITIES
-from core.study import Fixed, parse_json, parse_study, parse_toml
+from core.study import Fixed
 from core.study.grid_study import PARAMETERS
-from core.study.load import read_toml
 from core.study.values import Points, Span, read_values
 
 PLANE = {

@@ -11,11 +11,10 @@ import pytest
 
 from core.accuracy import closed_forms
 from core.accuracy.cells import random_cells
-from core.kinds import prepare_content
+from core.intake import prepare_content, read_content
 from core.plan.equations import run_equations
 from core.plan.plan import make_plan, scene_parameters
 from core.scenes import ALIASES, SCENES
-from core.study.load import read_content
 from core.sweep.precise import (
     CONTEXT,
     DIGITS,

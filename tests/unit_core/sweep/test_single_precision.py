@@ -6,7 +6,8 @@ import xarray
 
 from core.dataset.netcdf import write_netcdf
 from core.errors import StudyError
-from core.kinds import prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import tabulate
 from core.sweep.lazy import open_lazily
 from core.sweep.stream import outline, stream
 from core.sweep.targets import open_target

@@ -15,7 +15,7 @@ import xarray
 from core.dataset.files import partial
 from core.dataset.netcdf import write_netcdf
 from core.errors import VibrafeedError
-from core.kinds import prepare_content
+from core.intake import prepare_content
 from core.plan.tiles import Tiled
 from core.sweep import tabulate
 from core.sweep.stream import outline, stream

@@ -18,7 +18,8 @@ from app.jobs.store import Store
 from app.jobs.work import compute_block, write_result
 from core.catalogue import study_schema
 from core.errors import StudyError
-from core.kinds import KINDS, prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import KINDS, tabulate
 from core.motion.methods import METHODS
 from core.plan.pieces import Computed, Cut, carry_out, join
 from core.plan.sample import chosen_places
@@ -129,20 +130,48 @@ def test_the_other_method_can_follow_the_motion():
     assert by(parameters={**few, "friction": 2000}) == "the method time-stepping"
 
 
-def test_only_motions_that_repeat_are_compared():
+WILD = {
+    **MOTION,
+    "outputs": ["conveying_velocity"],
+    "parameters": {
+        "frequency": 50, "amplitude": ["0.9 mm"], "beta": 40, "friction": 0.4, "restitution": 0.9,
+    },
+}  # fmt: skip
+
+
+def test_motions_that_do_not_repeat_are_judged_by_their_means():
     # Thrown high with restitution: hardly a cell repeats.
-    wild = {
+    table = tabulate(prepare_content(WILD))
+    assert table.variables["regime"].values.size == 1
+    assert table.attributes["verified_cells"] == 1
+    text = table.attributes["verified_worst"]
+    assert text.startswith("1 do not repeat by both, and their mean velocities differ by")
+    assert number(r"differ by ([\d.e+-]+) of both stated errors", text) < 1
+    assert "verified_not_judged" not in table.attributes
+    # A mean that is told far from its own, with an error that does not say so, is seen.
+    wrong = with_equation(WILD, "conveying_velocity", lambda f: lambda **given: 9.0 * f(**given))
+    seen = told_of(wrong, prepare_content({**WILD, "outputs": [*wrong.plan.outputs]}))
+    assert "1 are further apart than both methods state: NOT VERIFIED" in seen
+
+
+def test_what_cannot_be_judged_is_told_and_why():
+    # Nearly no friction: the part nears its speed for longer than anybody looks.
+    slow = {
         **MOTION,
+        "method": "time-stepping",
         "outputs": ["conveying_velocity"],
         "parameters": {
-            "frequency": 50, "amplitude": ["0.9 mm"], "beta": 40, "friction": 0.4,
-            "restitution": 0.9,
+            "frequency": 50,
+            "amplitude": "0.25 mm",
+            "beta": 30,
+            "friction": [1e-4, 0.1],
         },
-        "most_periods": 30,
-    }  # fmt: skip
-    table = tabulate(prepare_content(wild))
-    assert table.variables["regime"].values.size == 1
-    assert table.attributes["verified_worst"].startswith("no cell has")
+        "most_periods": 100,
+        "verify": 2,
+    }
+    words = told(slow)
+    assert (words["verified_cells"], words["verified_not_judged"]) == (1, 1)
+    assert words["verified_worst"].endswith("1 could not be judged: 1 limit_reached")
 
 
 def test_answers_are_set_against_50_digits_and_another_method():
@@ -239,7 +268,8 @@ def test_a_wrong_number_is_refused_with_its_place(kind, wrong):
     assert [problem.place for problem in refusal.value.problems] == ["verify"]
 
 
-def test_what_would_take_too_long_is_refused():
+def test_what_would_take_too_long_is_refused(monkeypatch):
+    monkeypatch.setattr(motion_prepare, "pace", lambda: 3.0)  # whatever this machine's is
     long = {**MOTION["parameters"], "amplitude": {"start": 1e-4, "stop": 2e-4, "num": 100_000}}
     with pytest.raises(StudyError, match=r"reference takes some 0\.\d+ s a cell") as refusal:
         prepare_content({**MOTION, "parameters": long, "verify": 10_000})

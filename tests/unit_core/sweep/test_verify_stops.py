@@ -7,7 +7,8 @@ import importlib
 import numpy as np
 import pytest
 
-from core.kinds import KINDS, is_whole, prepare_content, tabulate
+from core.intake import prepare_content
+from core.kinds import KINDS, is_whole, tabulate
 from core.plan.pieces import Computed
 from core.plan.sample import chosen_places
 from core.sweep.verify import rounding_of

@@ -18,7 +18,7 @@ import pytest
 import xarray
 
 from core.errors import VibrafeedError
-from core.kinds import prepare_content
+from core.intake import prepare_content
 from core.study.values import Points, Span
 from core.sweep import Sweep, tabulate
 from core.sweep.lazy import open_lazily
@@ -268,7 +268,7 @@ class TestLazyDataset:
     def test_without_zarr_it_says_what_to_install(self, monkeypatch):
         monkeypatch.delitem(sys.modules, "core.sweep.zarr_store", raising=False)
         monkeypatch.setitem(sys.modules, "zarr.abc.store", None)
-        with pytest.raises(VibrafeedError, match=r"vibrafeed\[cluster\]"):
+        with pytest.raises(VibrafeedError, match=r"needs zarr.*pip install .*-e \."):
             open_lazily(prepare_content(TRACK))
 
 

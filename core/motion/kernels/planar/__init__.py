@@ -15,13 +15,7 @@ never stretches distances, so its fixed point is bracketed by every evaluation.
 `wave_flight` and `wave_slip` of any other; `cycle`: the chain of segments, and `growth`, how far
 roundings grow along it; `slide`: the motion along the track over a chain; `settle`: the velocity at
 which that repeats; `repeating`: its means; `chaos`: means of motion that does not; `solve`: one
-cell, and many; `path`: the course of one part; `energy`: what friction, impacts and the drive do
-over a cycle.
+cell, and many; `unrepeated`: cells without a cycle; `path`: the course of one part; `energy`: what
+friction, impacts and the drive do over a cycle. `core.motion.planar` says which of them Python
+calls: those for a sine and those for other waves are compiled apart.
 """
-
-from core.motion.kernels.planar.energy import spend_cells
-from core.motion.kernels.planar.path import follow, sample
-from core.motion.kernels.planar.solve import solve_cells
-from core.motion.kernels.planar.tables import Cell
-
-__all__ = ["Cell", "follow", "sample", "solve_cells", "spend_cells"]

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.compiled import compiled, raised
+from core.compiled import borrowing, compiled, raised
 from core.motion.kernels.arrays import Floats, Stop
-from core.motion.kernels.means import SURE
+from core.motion.kernels.means import SETTLING, mean_error, scatter
 from core.motion.kernels.planar.cycle import (
     FIRST_LOOK,
     LONGEST_CYCLE,
@@ -30,19 +30,21 @@ from core.motion.kernels.planar.drive import (
 )
 from core.motion.kernels.planar.flow import EPSILON, KEPT_BITS, TURN, kept
 from core.motion.kernels.planar.repeating import repeating
-from core.motion.kernels.planar.slide import contact
+from core.motion.kernels.planar.slide import after_hops, contact
 from core.motion.kernels.planar.tables import DISTANCE, MOST_SEGMENTS, PIECE, TIMES, Cell
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE, MODES, STATUS
 
 PHASES = 8  # runs of a motion that rounding decides, started at as many phases
+SURE = 5.41  # standard errors that hold the mean of eight numbers at 99.9 % (Student, 7 degrees)
+QUARTERS = 4  # of a run: two are a batch, and they tell whether the velocity drifts
+SLOWING = 0.9  # at most, of a drift from one half of the runs to the next
 SEARCHES = 3  # of them look for a cycle; if none falls into one, the others do not wait for it
 PATIENCE = 512  # hops without rest after which a part is taken to fall into no cycle
 MORE_PATIENCE = 1024  # where others of its starts fell into one
 RECENT = 64  # hops since the part was at rest, from which on it may be nearing a cycle
 PERIODS_A_START = 32  # of those allowed; so many starts tell in which cycle a part ends
 MOST_STARTS = 256
-SHARE_SETTLING = 0.2  # of a run, before its mean is taken
 HOPS_PER_PERIOD = 16  # of a run, on average; more end it
 SETTLED_ROUGHLY = 1e-8  # as `SETTLED_EXACTLY`, in a run whose mean has a spread of 1e-3 at best
 JOLT = 1e-8  # of gravity: largest speed of a lift-off from rest; it grows as roundings do, or more
@@ -55,21 +57,20 @@ class Run(NamedTuple):
     """What a run tells.
 
     `time` is what its sums are taken over, 0 if the hops allowed did not reach beyond the part that
-    is dropped; then impacts, largest landing speed and height; how far the part strayed from a
-    steady travel; whether it slid downhill all the time, gaining speed. `least` and `most` are the
-    extreme mean velocities from one rest on the floor to the next, `first` is the first of them. If
-    the run ended in a cycle of hops, `hops` tells how many they are, and `time` how long they take.
+    is dropped, and `periods` of it are in the table of travel; then impacts, largest landing speed
+    and height; whether it slid downhill all the time, gaining speed. `least` and `most` are the
+    extreme mean velocities from one rest on the floor to the next. If the run ended in a cycle of
+    hops, `hops` tells how many they are, and `time` how long they take.
     """
 
     time: float
+    periods: int
     impacts: int
     fastest: float
     highest: float
-    strayed: float
     runs_away: bool
     least: float
     most: float
-    first: float
     hops: int
 
 
@@ -79,33 +80,48 @@ def jolted(number: int, gn: float) -> float:
     return JOLT * gn * ((GOLDEN * number) % 1.0)
 
 
+@borrowing
+def share_out(travel: Floats, begin: float, end: float, distance: float) -> int:
+    """Add a distance to the periods in which it was covered; return how many are complete.
+
+    Each gets x |[begin, end] in the period|/(end - begin), as if the speed were steady between two
+    landings. `begin` and `end` are phases since the start of the first period.
+    """
+    period = int(begin // TURN)
+    while period < travel.size and period * TURN < end:
+        inside = min(end, (period + 1) * TURN) - max(begin, period * TURN)
+        travel[period] += distance * inside / (end - begin)
+        period += 1
+    return min(travel.size, int(end // TURN))
+
+
 @compiled
 def long_run(
-    run: int, phase: float, periods: int, patience: int, drive: Drive, e: float, guess: float,
-    rows: Floats, sums: Floats, stop: Stop,
+    run: int, phase: float, periods: int, patience: int, drive: Drive, e: float,
+    travel: Floats, rows: Floats, sums: Floats, stop: Stop,
 ) -> Run:  # fmt: skip
     """Follow a part from rest on the floor, each run from another phase of the drive.
 
     The run lasts so many periods, and until the part comes to rest, if it did not lately, or has
-    made so many hops, `patience`. Its first part is dropped. `sums` is as in `contact`, `guess` a
-    velocity to stray from. From rest a part would take the same course again, to the last bit: it
-    is lifted off with a jolt, each time another one, so that the mean is over the ways that it may
-    take and not over one of them. If it ends in a cycle of hops, which is looked for where there is
-    any patience, the first of `rows` hold that.
+    made so many hops, `patience`. Its first part is dropped; of what follows `travel` gets the
+    distance of each period, as far as it has room. `sums` is as in `contact`. From rest a part
+    would take the same course again, to the last bit: it is lifted off with a jolt, each time
+    another one, so that the mean is over the ways that it may take and not over one of them. If it
+    ends in a cycle of hops, which is looked for where there is any patience, the first of `rows`
+    hold that.
     """
     gs, gn, mu_k = drive.gs, drive.gn, drive.mu_k
     no_log = np.empty((0, len(PIECE)))
-    settling = periods * SHARE_SETTLING * TURN
+    settling = periods * SETTLING * TURN
     hops = HOPS_PER_PERIOD * periods + FIRST_LOOK
     total, began, impacts, fastest, highest = 0.0, math.inf, 0, 0.0, 0.0
-    settling_hops = int(hops * SHARE_SETTLING)
-    sums[:] = 0.0
-    u, w = 0.0, 0.0
-    ahead, behind = 0.0, 0.0
+    settling_hops = int(hops * SETTLING)
+    sums[:], travel[:] = 0.0, 0.0
+    u, w, complete = 0.0, 0.0, 0
     u_began, slips_down = 0.0, mu_k * gn < abs(gs)
     count, look_at, jolt = 0, FIRST_LOOK, run
     dropped, rest_at, rest_time = 0.0, math.nan, 0.0
-    least, most, way = math.inf, -math.inf, math.nan
+    least, most = math.inf, -math.inf
     tau = (phase + TURN * (run + GOLDEN * (run // PHASES)) / PHASES) % TURN
     if load(drive, tau) > 0.0:
         span = to_lift_off(drive, tau)
@@ -129,6 +145,7 @@ def long_run(
         speed = max(0.0, -rise(drive, w, tau, span)[0])
         write_segment(rows, count, tau, span, w, speed, (1 + e) * speed)
         count += 1
+        since, covered = total - began, sums[DISTANCE]
         if began < math.inf:
             highest = hop_height(drive, w, tau, span, highest)
         u, distance = fly(drive, u, tau, span)
@@ -141,6 +158,7 @@ def long_run(
         friction = mu_k * (speed if stays else speed + w)
         u = 0.0 if abs(u) <= friction else u - (friction if u > 0 else -friction)
         if stays:
+            u = after_hops(drive, tau, u, w)
             span = to_lift_off(drive, tau)
             u = contact(tau, span, u, drive, sums, no_log, 0)[0]
             jolt += MOST_STARTS
@@ -149,23 +167,21 @@ def long_run(
             velocity = (dropped + sums[DISTANCE] - rest_at) / (total - rest_time)
             if not math.isnan(velocity):  # there was a rest before
                 least, most = min(least, velocity), max(most, velocity)
-                way = velocity if math.isnan(way) else way
             rest_at, rest_time = dropped + sums[DISTANCE], total
         elif count >= look_at and patience > 0:
             look_at = count + count // 2
             cycle, turns = find_cycle(drive, e, rows, count, tau, w)
             if cycle:
-                return Run(TURN * turns, 0, 0.0, 0.0, 0.0, False, least, most, way, cycle)
+                return Run(TURN * turns, 0, 0, 0.0, 0.0, False, least, most, cycle)
         if count >= MOST_SEGMENTS - LONGEST_CYCLE - 2:
             count, look_at = 0, FIRST_LOOK
         if began < math.inf:
-            strayed = sums[DISTANCE] - guess * (total - began)
-            ahead, behind = max(ahead, strayed), min(behind, strayed)
+            complete = share_out(travel, since, total - began, sums[DISTANCE] - covered)
             slips_down = slips_down and u * gs < 0
     uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)] + sums[TIMES + MODE.stick]
     away = slips_down and uphill == 0 and abs(u) > abs(u_began)
     time = max(0.0, total - began)
-    return Run(time, impacts, fastest, highest, ahead - behind, away, least, most, way, 0)
+    return Run(time, complete, impacts, fastest, highest, away, least, most, 0)
 
 
 @compiled
@@ -175,9 +191,7 @@ def means_of(
 ) -> int:  # fmt: skip
     """Fill `result` with the means of the motion of one run; return a status.
 
-    A motion that ends in a cycle has the means of that. The error of another is how far the part
-    strays from a steady travel, over the time: the run ends somewhere in a motion that may nearly
-    repeat.
+    A motion that ends in a cycle has the means of that.
     """
     if run.hops > 0:
         periods, no_log = round(run.time / TURN), np.empty((0, len(PIECE)))
@@ -189,12 +203,47 @@ def means_of(
     if run.runs_away:
         return STATUS.runaway
     result[COLUMN.velocity] = sums[DISTANCE] / run.time
-    result[COLUMN.error] = run.strayed / run.time
+    result[COLUMN.error] = 0.0
     for mode in range(MODES):
         result[COLUMN.stick + mode] = sums[TIMES + mode] / run.time
     result[COLUMN.impacts] = run.impacts * TURN / run.time
     result[COLUMN.landing_speed], result[COLUMN.hop_height] = run.fastest, run.highest
     return STATUS.aperiodic
+
+
+@compiled
+def sure_change(later: Floats, before: Floats) -> float:
+    """Return by how much numbers have changed on the mean, 0 if that may be chance.
+
+    d of n pairs, where |d| > t s(d)/sqrt(n) with Student's t for 99.9 %.
+    """
+    change = later - before
+    mean = change.mean()
+    return mean if abs(mean) > SURE * scatter(change) / math.sqrt(change.size) else 0.0
+
+
+@compiled
+def batch_error(quarters: Floats) -> float:
+    """Return the error of the mean velocity of runs, a row each, by quarters.
+
+    The statistical one of the halves of all runs, `mean_error`, and by how much the second halves
+    surely differ from the first, d: as far as that the runs still know how they began. Where the
+    last quarters surely go on in that way, the drift slows by a factor q from half to half, that of
+    the steps within them, and ends d (1 + q)/(2 (1 - q)) from the mean. Under little friction it
+    hardly slows; there it shows in the scatter, too: the runs begin with slips of both ways.
+    """
+    runs = quarters.shape[0]
+    halves = np.empty(2 * runs)
+    for run in range(runs):
+        halves[2 * run] = quarters[run, :2].mean()
+        halves[2 * run + 1] = quarters[run, 2:].mean()
+    drift = sure_change(halves[1::2], halves[::2])
+    late, beyond = sure_change(quarters[:, 3], quarters[:, 2]), 1.0
+    if drift * late > 0.0:
+        early = abs((quarters[:, 1] - quarters[:, 0]).mean())
+        slows = abs(late) / max(early, abs(late) / SLOWING)
+        beyond = max(1.0, 0.5 * (1.0 + slows) / (1.0 - slows))
+    return mean_error(halves) + abs(drift) * beyond
 
 
 @compiled
@@ -204,41 +253,46 @@ def from_phases(
     """Fill the result of a motion that rounding decides; return a status.
 
     The means are those of runs from several phases of the drive. Where none of them ends in a cycle
-    the motion is aperiodic, and the error is that of the mean: the scatter of the runs, and what
-    all have alike, of which the runs tell nothing; it reaches to what the part would repeat for
-    ever if nothing disturbed it, the first way of the first run. Where one does, the part falls
-    into it or into another one, or comes to rest and repeats the way from there; more starts tell
-    into which, and the error holds what each of them gives.
+    the motion is aperiodic. The mean velocity is then that of batches, the two halves of each run,
+    and its error is statistical: `batch_error`.
+
+    Where a run ends in a cycle, the part falls into it or into another one, or comes to rest and
+    repeats the way from there; more starts tell into which, and the error holds what each of them
+    gives.
     """
     drive, e = rounded(drive), kept(cell.restitution)
     most_periods = int(cell.most_periods)
     starts = min(MOST_STARTS, max(PHASES, most_periods // PERIODS_A_START))
-    found = np.empty((starts, RESULTS))
-    count, away, cycles, guess, common, known = 0, 0, 0, 0.0, 0.0, 0.0
-    least, most, way = math.inf, -math.inf, math.nan
+    found, quarters = np.empty((starts, RESULTS)), np.empty((PHASES, QUARTERS))
+    count, cycles, known = 0, 0, 0.0
+    least, most = math.inf, -math.inf
+    periods = max(1, most_periods // PHASES)
+    travel = np.empty(int((1.0 - SETTLING) * periods))
     for number in range(starts):
-        if number >= PHASES and cycles == 0:
-            break
+        if number >= PHASES:
+            if cycles == 0:
+                break
+            periods, travel = max(1, most_periods // starts), travel[:0]
         patience = PATIENCE if number < SEARCHES else 0
         patience = MORE_PATIENCE if cycles > 0 else patience
-        periods = max(1, most_periods // (PHASES if number < PHASES else starts))
-        run = long_run(number, phase, periods, patience, drive, e, guess, rows, sums, stop)
+        run = long_run(number, phase, periods, patience, drive, e, travel, rows, sums, stop)
         least, most = min(least, run.least), max(most, run.most)
-        way = run.first if number == 0 else way
         one = found[count]
         status = means_of(run, phase, cell, drive, rows, sums, one, stop)
-        if status == STATUS.runaway:
-            away += 1
-        elif status == STATUS.limit_reached:
+        if status == STATUS.limit_reached:
             return status
-        else:
-            guess += (one[COLUMN.velocity] - guess) / (count + 1)
-            if status != STATUS.aperiodic:
-                cycles += 1
-                known = max(known, COARSER * one[COLUMN.error])
-            elif count > 0:  # the first had no velocity to stray from
-                common = max(common, one[COLUMN.error])
-            count += 1
+        if status == STATUS.runaway:
+            continue
+        if status != STATUS.aperiodic:
+            cycles += 1
+            known = max(known, COARSER * one[COLUMN.error])
+        elif number < PHASES:
+            part = run.periods // QUARTERS
+            quarters[count] = one[COLUMN.velocity]  # of all of a run that took few periods
+            for quarter in range(QUARTERS if part > 0 else 0):
+                covered = travel[quarter * part : (quarter + 1) * part].sum()
+                quarters[count, quarter] = covered / (part * TURN)
+        count += 1
     if count == 0:
         return STATUS.runaway
     velocities = found[:count, COLUMN.velocity]
@@ -249,9 +303,11 @@ def from_phases(
     result[COLUMN.hop_height] = found[:count, COLUMN.hop_height].max()
     result[COLUMN.multiple], result[COLUMN.spread] = 0.0, spread
     if cycles == 0:
-        error = SURE * spread / math.sqrt(count) + common
-        undisturbed = 0.0 if math.isnan(way) else abs(way - result[COLUMN.velocity])
-        result[COLUMN.error] = max(error, undisturbed)
+        if count == 1:  # all others run away
+            result[:] = math.nan
+            return STATUS.limit_reached
+        result[COLUMN.velocity] = quarters[:count].mean()
+        result[COLUMN.error] = batch_error(quarters[:count])
         return STATUS.aperiodic
     mean = result[COLUMN.velocity]
     least, most = min(least, velocities.min()), max(most, velocities.max())

@@ -19,6 +19,7 @@ from core.motion.kernels.planar.drive import (
 from core.motion.kernels.planar.flow import EPSILON, TURN
 from core.motion.kernels.planar.growth import CERTAIN, grown, growth
 from core.motion.kernels.planar.tables import MOST_SEGMENTS, SEGMENT
+from core.motion.kernels.rebounds import SETTLED_EXACTLY, SETTLED_TIME
 
 SEARCH_HOPS = 512  # before a motion without contact phase is taken to be aperiodic
 SEARCH_PERIODS = 400
@@ -30,8 +31,6 @@ SAME_STATE = 1e-7  # distance of two states of a cycle that are one
 NEAR = 1e-2  # recurrence that a search for a cycle starts from
 FEWEST_PERIODS = 8  # of a run that a limit ended, for its mean to be given as that of the motion
 SAME_LIFT_OFF = 1e-9  # of phase: lift-offs that are one
-SETTLED_EXACTLY = 1e-13  # rebound times remaining time, below which a run of shrinking hops ends
-SETTLED_TIME = 1e-3  # its remaining time, as a share of the time to lift-off
 
 
 @compiled
@@ -74,12 +73,17 @@ def rests(drive: Drive, tau: float, w: float, e: float, settled: float) -> bool:
     to what the floor gives in that time, less w: the last impact is taken as one without rebound,
     and the hops as a stay on the floor. The position is wrong by less than friction times
     `settled`.
+
+    Without rebound it stays too where it lands just as the floor lets go, n(tau) = 0, as at throw
+    number sqrt(1 + n^2 pi^2): it rests for no time. A landing up to a hair late counts as one (the
+    margin of `to_lift_off`, hundreds of roundings), since from there to fly on or to take off a
+    hair earlier is the same motion but for the square of the hair: dD/dtau = n0/w is 0 there.
     """
     n = load(drive, tau)
+    if w == 0:
+        return n > 0 or to_lift_off(drive, tau) == 0.0
     if n <= 0:
         return False
-    if w == 0:
-        return True
     if e >= 1:
         return False
     left = 2 * w / (n * (1 - e))
@@ -220,7 +224,7 @@ def normal_cycle(
             # On the floor until lift-off; the cycle is closed if one began there before.
             span = to_lift_off(drive, tau)
             rows[count - 1, SEGMENT.impulse] = speed
-            write_segment(rows, count, tau, span, -1.0, 0.0, 0.0)
+            write_segment(rows, count, tau, span, -1.0, 0.0, w)
             count += 1
             total += span
             tau, w, doubt = lift_off(drive, tau), 0.0, CERTAIN

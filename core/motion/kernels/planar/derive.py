@@ -207,6 +207,7 @@ def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, 
     A row of the table holds the results as `solve_cells` gives them, the derivatives of `Told` by
     the first `DERIVED_BY` directions, NaN where the motion does not repeat, and the least distance
     of a decision on the way from its other outcome; below `KINK` the motion has no derivative.
+    Those by restitution are NaN, too, where the least restitution is a jump (theory 13.16).
     Those of landing speed and hop height are NaN where two are the largest.
     """
     rows = np.empty((MOST_SEGMENTS, len(SEGMENT)))
@@ -251,4 +252,7 @@ def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, 
                 d[ROW.height, :] = math.nan
         tell(drive, result, d, nearest, slopes)
         turn_slopes(cell.drive_number_along, cell.drive_number_normal, slopes)
-        table[number, MARGIN] = nearest[0] if math.isfinite(slopes[0].sum()) else 0.0
+        known = True  # by restitution there may be none alone, where it begins with a jump
+        for i in range(BY.e):
+            known = known and math.isfinite(slopes[TOLD.velocity, i])
+        table[number, MARGIN] = nearest[0] if known else 0.0

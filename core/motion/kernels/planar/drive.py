@@ -43,7 +43,7 @@ def track_speed(drive: Drive, tau: float) -> float:
     raise NotImplementedError
 
 
-@by_type("drive", {Sine: flow.rounded, Wave: wave.rounded}, borrows=False)
+@by_type("drive", {Sine: flow.rounded, Wave: wave.rounded})
 def rounded(drive: Drive) -> Drive:
     """Return a drive with the first bits of its numbers only."""
     raise NotImplementedError

@@ -14,7 +14,6 @@ from core.motion.kernels.planar.path import at_piece
 from core.motion.kernels.planar.slide import follow_cycle
 from core.motion.kernels.planar.solve import solve_sine, solve_wave, upright
 from core.motion.kernels.planar.tables import (
-    GROUPS,
     MOST_SEGMENTS,
     PIECE,
     SEGMENT,
@@ -78,18 +77,14 @@ def spend_over_cycle(
 
 
 @compiled
-def spend_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
+def spend_sine_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill table, columns as in `SPENT`, and status of cells; NaN where a motion has no cycle."""
     rows, sums, result = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS), np.empty(RESULTS)
-    log, waves = np.empty((4 * MOST_SEGMENTS, len(PIECE))), new_table()
+    log = np.empty((4 * MOST_SEGMENTS, len(PIECE)))
     for number in range(groups.shape[0]):
-        row, spent = groups[number], table[number]
-        cell = cell_of(row)
+        cell, spent = cell_of(groups[number]), table[number]
         spent[:] = math.nan
-        if row.size > GROUPS:
-            found, first, count, u = solve_wave(row, waves, rows, sums, log[:0], result, stop)
-        else:
-            found, first, count, u = solve_sine(cell, False, rows, sums, log[:0], result, stop)
+        found, first, count, u = solve_sine(cell, False, rows, sums, log[:0], result, stop)
         if raised(stop):
             return
         status[number] = found
@@ -97,9 +92,25 @@ def spend_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> 
             spent[:] = 0.0
         elif count > 0:
             rest, periods = rows[first:], result[COLUMN.multiple]
-            if row.size > GROUPS:
-                drive = wave_of(cell, row, waves)
-                spend_over_cycle(drive, rest, count - first, u, periods, sums, log, spent)
-            else:
-                sine, _, _ = upright(cell)
-                spend_over_cycle(sine, rest, count - first, u, periods, sums, log, spent)
+            sine, _, _ = upright(cell)
+            spend_over_cycle(sine, rest, count - first, u, periods, sums, log, spent)
+
+
+@compiled
+def spend_wave_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
+    """Do what `spend_sine_cells` does under other waves; each stands behind the cell in its row."""
+    rows, sums, result = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS), np.empty(RESULTS)
+    log, waves = np.empty((4 * MOST_SEGMENTS, len(PIECE))), new_table()
+    for number in range(groups.shape[0]):
+        row, spent = groups[number], table[number]
+        spent[:] = math.nan
+        found, first, count, u = solve_wave(row, waves, rows, sums, log[:0], result, stop)
+        if raised(stop):
+            return
+        status[number] = found
+        if found == STATUS.at_rest:
+            spent[:] = 0.0
+        elif count > 0:
+            rest, periods = rows[first:], result[COLUMN.multiple]
+            drive = wave_of(cell_of(row), row, waves)
+            spend_over_cycle(drive, rest, count - first, u, periods, sums, log, spent)

@@ -17,6 +17,9 @@ between two ways, and one cell in a hundred is that near to the bound; beyond it
 lose the rest, and rounding decides where they lead.
 """
 
+LAST_DIGIT = 1e15
+"""Of the same: up to where one digit of a way from rest to rest is left."""
+
 Doubt = tuple[float, float, float]
 """Mean square of what roundings did to phase and rebound, and their mean product, in roundings."""
 

@@ -14,9 +14,8 @@ from core.motion.kernels.planar.drive import Drive, fly, lifts, rise, slide
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.planar.repeating import velocity_at_start
 from core.motion.kernels.planar.slide import follow_cycle, write_piece
-from core.motion.kernels.planar.solve import solve_sine, solve_wave, upright
+from core.motion.kernels.planar.solve import UNREPEATED, solve_sine, solve_wave, upright
 from core.motion.kernels.planar.tables import (
-    GROUPS,
     MOST_SEGMENTS,
     PIECE,
     SEGMENT,
@@ -47,29 +46,43 @@ SAMPLE = Sample(*range(len(Sample._fields)))
 
 
 @compiled
-def follow(row: Floats, stop: Stop) -> tuple[Floats, float, float, bool]:
+def follow_sine(row: Floats, known: int, stop: Stop) -> tuple[Floats, float, float, bool]:
     """Return the pieces of the cycle of one cell, the phase shift and the way of `upright`.
 
-    The last value tells whether the motion repeats after them. A piece is a row of the log.
+    The last value tells whether the motion repeats after them. A piece is a row of the log. `known`
+    is the status of the cell, for a motion that does not repeat.
     """
     cell = cell_of(row)
-    rows = np.empty((MOST_SEGMENTS, len(SEGMENT)))
-    sums, result = np.empty(SUMS), np.empty(RESULTS)
-    log = np.empty((4 * MOST_SEGMENTS, len(PIECE)))
-    log[:, PIECE.span] = -1.0
-    if row.size > GROUPS:
-        table = new_table()
-        status, first, count, u = solve_wave(row, table, rows, sums, log, result, stop)
-        pieces, repeats = pieces_of(
-            wave_of(cell, row, table), 0.0, cell, status, rows[first:], count - first, u, sums, log
-        )
-        return pieces, 0.0, 1.0, repeats
+    rows, result = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(RESULTS)
+    sums, log = np.empty(SUMS), empty_log()
     status, first, count, u = solve_sine(cell, False, rows, sums, log, result, stop)
+    status = known if status == UNREPEATED else status
     drive, phase, way = upright(cell)
     pieces, repeats = pieces_of(
         drive, phase, cell, status, rows[first:], count - first, u, sums, log
     )
     return pieces, phase, way, repeats
+
+
+@compiled
+def follow_wave(row: Floats, known: int, stop: Stop) -> tuple[Floats, float, float, bool]:
+    """Do what `follow_sine` does under any other wave, which stands behind the cell in its row."""
+    cell = cell_of(row)
+    rows, result = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(RESULTS)
+    sums, log, table = np.empty(SUMS), empty_log(), new_table()
+    status, first, count, u = solve_wave(row, table, rows, sums, log, result, stop)
+    status = known if status == UNREPEATED else status
+    drive = wave_of(cell, row, table)
+    pieces, repeats = pieces_of(drive, 0.0, cell, status, rows[first:], count - first, u, sums, log)
+    return pieces, 0.0, 1.0, repeats
+
+
+@compiled
+def empty_log() -> Floats:
+    """Return room for the pieces of a motion."""
+    log = np.empty((4 * MOST_SEGMENTS, len(PIECE)))
+    log[:, PIECE.span] = -1.0
+    return log
 
 
 @compiled
@@ -98,23 +111,27 @@ def pieces_of(
 
 
 @compiled
-def sample(pieces: Floats, row: Floats, shift: float, phases: Floats, repeats: bool) -> Floats:
+def sample_sine(pieces: Floats, row: Floats, shift: float, phases: Floats, repeats: bool) -> Floats:
     """Return position, height, velocities and mode at phases since the start of the cycle.
 
     The columns of the result, shape (n, 5), are those of `SAMPLE`. NaN and mode `unknown` where
     there is no cycle, and beyond the end of pieces after which the motion does not repeat.
     """
-    cell = cell_of(row)
-    if row.size > GROUPS:
-        return sample_under(wave_of(cell, row, new_table()), pieces, shift, phases, repeats)
-    return sample_under(upright(cell)[0], pieces, shift, phases, repeats)
+    return sample_under(upright(cell_of(row))[0], pieces, shift, phases, repeats)
+
+
+@compiled
+def sample_wave(pieces: Floats, row: Floats, shift: float, phases: Floats, repeats: bool) -> Floats:
+    """Do what `sample_sine` does under any other wave, which stands behind the cell in its row."""
+    drive = wave_of(cell_of(row), row, new_table())
+    return sample_under(drive, pieces, shift, phases, repeats)
 
 
 @compiled
 def sample_under(
     drive: Drive, pieces: Floats, shift: float, phases: Floats, repeats: bool
 ) -> Floats:
-    """Do what `sample` does, under a drive."""
+    """Do what `sample_sine` does, under a drive."""
     samples = np.full((phases.size, len(SAMPLE)), math.nan)
     samples[:, SAMPLE.mode] = MODE.unknown
     if pieces.shape[0] == 0:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from core.compiled import compiled
-from core.motion.kernels.arrays import Floats, Stop
+from core.motion.kernels.arrays import Floats, Stop, copy
 from core.motion.kernels.planar.cycle import phase_doubt
 from core.motion.kernels.planar.drive import (
     Drive,
@@ -119,8 +119,9 @@ def repeating(
         velocity = u
         for _ in range(cycles):
             velocity, _, _ = follow_cycle(rows, count, velocity, drive, sums, log)
-            total += sums
-        sums[:] = total
+            for place in range(SUMS):
+                total[place] += sums[place]
+        copy(total, sums)
     time = periods * cycles * TURN
     result[COLUMN.velocity], result[COLUMN.spread] = sums[DISTANCE] / time, 0.0
     slides = (sums[TIMES + MODE.forward] + sums[TIMES + MODE.backward]) / time

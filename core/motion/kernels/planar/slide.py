@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.planar.drive import (
@@ -10,6 +12,8 @@ from core.motion.kernels.planar.drive import (
     hold,
     holding,
     holds,
+    load,
+    push,
     slide,
     slip_acceleration,
     stop_after,
@@ -78,6 +82,33 @@ def contact(
 
 
 @borrowing
+def skids(drive: Drive, tau: float) -> float:
+    """Return the way, 1 or -1, in which small hops drive a part from rest; 0 if it stays.
+
+    A hop with rebound w gives it the slip 2 |a| w/n, its landing takes mu_k (1 + eps) w; with the
+    push along a and the load n at the phase. The slip grows from hop to hop where |a| > mu_k n, and
+    the floor does not stop it afterwards, whatever static friction could hold (theory 13.5).
+    """
+    along = push(drive, tau)[0] - drive.gs
+    return math.copysign(1.0, along) if abs(along) > drive.mu_k * load(drive, tau) else 0.0
+
+
+@borrowing
+def after_hops(drive: Drive, tau: float, u: float, w: float) -> float:
+    """Return the slip with which a part enters a stay that stands for hops with first rebound w.
+
+    The landing has taken mu_k times its speed off the slip, as if there were no rebound: a slip up
+    to mu_k w stops there after all. A part that then skids leaves the hops as if it had entered the
+    stay with mu_k w: the landing had no slip to take, and the hops after it rub by w less than the
+    floor does in their time. One that does not skid is stopped by the floor.
+    """
+    if w == 0.0 or abs(u) > drive.mu_k * w:
+        return u
+    way = skids(drive, tau)
+    return u if way == 0.0 else way * drive.mu_k * w
+
+
+@borrowing
 def follow_cycle(
     rows: Floats, count: int, u: float, drive: Drive, sums: Floats, log: Floats
 ) -> tuple[float, float, int]:
@@ -92,6 +123,9 @@ def follow_cycle(
         tau, span = rows[row, SEGMENT.phase], rows[row, SEGMENT.span]
         w = rows[row, SEGMENT.take_off]
         if w < 0:
+            entered = after_hops(drive, tau, u, rows[row, SEGMENT.impulse])
+            if entered != u:
+                u, slope = entered, 0.0
             u, factor, used = contact(tau, span, u, drive, sums, log, used)
             if used < 0:
                 return u, slope, used

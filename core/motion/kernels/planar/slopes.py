@@ -14,7 +14,7 @@ from core.motion.kernels.arrays import Floats
 from core.motion.kernels.planar.drive import fly, hold, holding, load, rise, slide, stop_after
 from core.motion.kernels.planar.flow import TURN, Sine, arc, flow, phase_to
 from core.motion.kernels.planar.sine_flight import lowest_at, top_at
-from core.motion.kernels.planar.slide import MOST_MODES
+from core.motion.kernels.planar.slide import MOST_MODES, skids
 from core.motion.kernels.planar.slope_tables import BY, ROW
 from core.motion.kernels.planar.tables import SEGMENT
 from core.motion.kernels.quadrature import PLACES, WEIGHTS
@@ -230,6 +230,44 @@ def on_floor(
 
 
 @borrowing
+def in_hops(drive: Sine, e: float, at: float, nearest: Floats) -> tuple[float, float, float]:
+    """Return what small hops, left out after a landing that stops the slip, do to a part.
+
+    The way in which they drive it into a slip, as `skids`; the way in which it then slips, which at
+    e = 0, where there are none, is up to static friction; and for how long per w it slips before
+    it sticks: (2 |a|/n - mu_k (1 + eps))/((1 - eps) (mu_k n - |a|)), if above 0.
+    """
+    n, skid = load(drive, at), skids(drive, at)
+    forced, rubbed = abs(drive.c * math.sin(at) - drive.gs), drive.mu_k * n
+    pull = abs(drive.c) + abs(drive.gs) + drive.mu_k * (drive.s + drive.gn)
+    nearest[0] = min(nearest[0], abs(forced - rubbed) / pull)
+    if skid != 0.0:
+        return skid, skid if e > 0.0 or forced > drive.mu_s * n else 0.0, 0.0
+    gained = max(0.0, 2.0 * forced / max(n, 1e-300) - drive.mu_k * (1.0 + e))
+    return 0.0, 0.0, gained / ((1.0 - e) * max(1e-300, rubbed - forced))
+
+
+@borrowing
+def land(
+    drive: Sine, w: float, tau: float, span: float, speed: float, size: int, d: Floats
+) -> None:
+    """Fill how a landing moves: its phase by (delta z)/w, its speed by n tau1. - delta w."""
+    cubic, square = arc(span)
+    sine, cosine = math.sin(tau), math.cos(tau)
+    swing, sway = cosine * square + sine * (span - cubic), cosine * cubic + sine * square
+    n0, n1 = load(drive, tau), load(drive, tau + span)
+    for i in range(size):
+        begin = d[ROW.normal, i] + n0 * d[ROW.phase, i]
+        height, fall = begin * span - w * d[ROW.phase, i], begin
+        if i == BY.s:
+            height, fall = height + sway, fall + swing
+        elif i == BY.gn:
+            height, fall = height - span * span / 2, fall - span
+        d[ROW.end, i] = height / speed
+        d[ROW.normal, i] = n1 * d[ROW.end, i] - fall
+
+
+@borrowing
 def in_air(
     drive: Sine, e: float, rows: Floats, row: int, rests: bool, u: float, energy: bool, size: int,
     d: Floats, nearest: Floats,
@@ -245,19 +283,8 @@ def in_air(
     grazing = speed / (size_of * min(1.0, span))
     nearest[0] = min(nearest[0], grazing * grazing, low_passage(drive, w, tau, span))
     highest(drive, w, tau, span, size, d, nearest)
-    cubic, square = arc(span)
-    sine, cosine = math.sin(tau), math.cos(tau)
-    swing, sway = cosine * square + sine * (span - cubic), cosine * cubic + sine * square
-    n0, n1 = load(drive, tau), load(drive, tau + span)
-    for i in range(size):
-        begin = d[ROW.normal, i] + n0 * d[ROW.phase, i]
-        height, fall = begin * span - w * d[ROW.phase, i], begin
-        if i == BY.s:
-            height, fall = height + sway, fall + swing
-        elif i == BY.gn:
-            height, fall = height - span * span / 2, fall - span
-        d[ROW.end, i] = height / speed
-        d[ROW.normal, i] = n1 * d[ROW.end, i] - fall  # of the speed at the landing
+    land(drive, w, tau, span, speed, size, d)
+    n1 = load(drive, tau + span)
     after = fly(drive, u, tau, span)[0]
     along(drive, 0.0, u, after, tau, span, False, MODE.flight, size, d)
     if speed > nearest[1]:
@@ -276,11 +303,18 @@ def in_air(
     sign = 1.0 if after > 0 else -1.0
     slow, up = 0.0 if stops else after - sign * friction, 0.0 if rests else e * speed
     factor = 1.0 if rests else 1.0 + e
-    left = 2.0 / (n1 * (1.0 - e)) if rests else 0.0
-    if 0.0 < abs(slow) < pull * left * e * speed:
+    carried = max(n1, 1e-300)  # at an edge, which is a kink, the part lands as the floor lets go
+    left = 2.0 / (carried * (1.0 - e)) if rests else 0.0
+    stops = stops or (rests and abs(slow) <= drive.mu_k * e * speed)
+    if not stops and abs(slow) < pull * left * e * speed:
         nearest[0] = 0.0  # the slip stops, or not, among hops that are left out
     steep = drive.s * math.cos(tau + span)
-    mode = MODE.stick if slow == 0 else MODE.forward if slow > 0 else MODE.backward
+    skid, slips, slides = 0.0, 0.0 if stops else sign, 0.0
+    if rests and stops:
+        skid, slips, slides = in_hops(drive, e, tau + span, nearest)
+        slow = skid * drive.mu_k * e * speed
+    mode = MODE.stick if slips == 0 else MODE.forward if slips > 0 else MODE.backward
+    way = MODE.forward if drive.c * math.sin(tau + span) > drive.gs else MODE.backward
     for i in range(size):
         fast, down = d[ROW.along, i], d[ROW.normal, i]
         rebound, given = e * down, factor * down
@@ -288,7 +322,12 @@ def in_air(
             rebound += speed
             given += 0.0 if rests else speed
         rubbed = drive.mu_k * given + (impulse if i == BY.mu_k else 0.0)
-        d[ROW.along, i] = 0.0 if stops else fast - sign * rubbed
+        if not stops:
+            d[ROW.along, i] = fast - sign * rubbed
+        else:  # what the hops leave, mu_k eps w; it has no slope where it begins with a jump
+            d[ROW.along, i] = skid * (drive.mu_k * rebound + (e * speed if i == BY.mu_k else 0.0))
+            if i == BY.e and skid != slips:
+                d[ROW.along, i] = math.nan
         d[ROW.impact, i] += after * fast - slow * d[ROW.along, i] + speed * down
         if not rests:
             d[ROW.impact, i] -= up * rebound
@@ -300,11 +339,18 @@ def in_air(
             loads += 1.0
         elif i == BY.s:
             loads -= math.sin(tau + span)
-        hops = left * (rebound - e * speed * loads / n1)
+        hops = left * (rebound - e * speed * loads / carried)
         if i == BY.e:
             hops += left * e * speed / (1.0 - e)
         d[ROW.flight, i] += hops
         d[ROW.stick + mode, i] -= hops
+        # Each of their landings takes its part of what the floor would rub.
+        rubbing = drive.mu_k * n1 * abs(slow) * hops
+        d[ROW.impact, i] += rubbing
+        d[ROW.friction, i] -= rubbing
+        # The slip of hops that no skid follows stops on the floor after (mu_k n - |a|)^-1 of it.
+        d[ROW.stick + way, i] += slides * rebound
+        d[ROW.stick + MODE.stick, i] -= slides * rebound
         d[ROW.normal, i] = 0.0
     return slow
 

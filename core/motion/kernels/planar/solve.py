@@ -8,7 +8,6 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
-from core.motion.kernels.planar.chaos import from_phases
 from core.motion.kernels.planar.cycle import normal_cycle
 from core.motion.kernels.planar.drive import Drive, always_holds, sizes
 from core.motion.kernels.planar.flow import Sine, sine_of
@@ -20,7 +19,6 @@ from core.motion.kernels.planar.repeating import (
 )
 from core.motion.kernels.planar.sine_slip import two_sided
 from core.motion.kernels.planar.tables import (
-    GROUPS,
     MOST_SEGMENTS,
     PIECE,
     SEGMENT,
@@ -33,6 +31,7 @@ from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS
 
 UNDECIDED = -1  # no status: the cell needs its cycle
+UNREPEATED = -2  # no status either: no cycle was found, and `chaos` tells the means
 LEAST_GRAVITY = 1e-12  # onto the floor, of all: less is the rounding of an upright track
 
 
@@ -107,14 +106,13 @@ def solve(
     """Fill `result`, one value a field of `Motion`; return status, segments and velocity.
 
     The part starts at rest at `phase`. `rows` then holds the cycle, from the first segment told to
-    before the second, which starts at that velocity; the log holds its last pass.
+    before the second, which starts at that velocity; the log holds its last pass. Where no cycle is
+    found, `result` is left as it was, and the status is `UNREPEATED`.
     """
     e, most_periods = cell.restitution, int(cell.most_periods)
     first, count, periods = normal_cycle(drive, phase, e, most_periods, MOST_GROWTH, rows)
     if periods < 1:
-        status = STATUS.limit_reached
-        if periods == 0:
-            status = from_phases(cell, phase, drive, rows, sums, result, stop)
+        status = UNREPEATED if periods == 0 else STATUS.limit_reached
         first, count, u = 0, 0, 0.0
     else:
         u = velocity_at_start(drive, phase, rows, first, count)
@@ -124,6 +122,7 @@ def solve(
         )  # fmt: skip
     if math.isnan(result[COLUMN.velocity]):
         return status, 0, 0, 0.0
+    result[COLUMN.across] = 0.0
     return status, first, count, u
 
 
@@ -162,19 +161,27 @@ def solve_wave(
 
 
 @compiled
-def solve_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill table and status of cells; a row of `groups` holds the fields of `Cell`, and a wave."""
-    rows = np.empty((MOST_SEGMENTS, len(SEGMENT)))
-    sums = np.empty(SUMS)
+def solve_sine_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
+    """Fill table and status of cells under a sine; a row of `groups` holds the fields of `Cell`."""
+    rows, sums = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
     log = np.empty((0, len(PIECE)))
-    waved = groups.shape[1] > GROUPS
-    waves = new_table() if waved else log
+    for number in range(groups.shape[0]):
+        cell, result = cell_of(groups[number]), table[number]
+        found = solve_sine(cell, True, rows, sums, log, result, stop)
+        if raised(stop):
+            result[:] = math.nan
+            return
+        status[number] = found[0]
+
+
+@compiled
+def solve_wave_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
+    """Do what `solve_sine_cells` does under other waves; each stands behind the cell in its row."""
+    rows, sums = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
+    log, waves = np.empty((0, len(PIECE))), new_table()
     for number in range(groups.shape[0]):
         row, result = groups[number], table[number]
-        if waved:
-            found = solve_wave(row, waves, rows, sums, log, result, stop)
-        else:
-            found = solve_sine(cell_of(row), True, rows, sums, log, result, stop)
+        found = solve_wave(row, waves, rows, sums, log, result, stop)
         if raised(stop):
             result[:] = math.nan
             return

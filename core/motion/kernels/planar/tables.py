@@ -38,7 +38,8 @@ class Segment(NamedTuple):
     """Columns of the cycle of the motion normal to the floor, a row a segment.
 
     `take_off` is the velocity off the floor at the start, -1 for contact; `landing` the speed at
-    the end, and `impulse` what it takes from the floor there.
+    the end, and `impulse` what it takes from the floor there. The impulse of a contact is the
+    rebound of the hops that it stands for (theory 13.5), 0 if there are none.
     """
 
     phase: int

@@ -17,7 +17,7 @@ from core.compiled import borrowing, compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.planar.flow import MOST_ITERATIONS, TURN, arc
 from core.motion.kernels.planar.tables import GROUPS, Cell
-from core.motion.kernels.waves import halley, passages, value_and_slope
+from core.motion.kernels.waves import halley, is_near_root, passages, value_and_slope
 
 NORMAL, AIR, FORWARD, BACKWARD, STATIC_FORWARD, STATIC_BACKWARD = range(6)
 """Kinds of acceleration."""
@@ -307,7 +307,8 @@ def zero_of_velocity(
         else:
             low = d
         new = d - halley(value, force, slope)
-        if low <= new <= high and abs(new - d) <= LAST_STEP * d:
+        short = low <= new <= high and abs(new - d) <= LAST_STEP * d
+        if short and is_near_root(value, force, slope, LAST_STEP):
             return new
         if not low < new < high:
             new = 0.5 * (low + high)

@@ -25,7 +25,7 @@ from core.motion.kernels.planar.wave import (
     step_at,
     zero_of_velocity,
 )
-from core.motion.kernels.waves import halley
+from core.motion.kernels.waves import halley, is_near_root
 
 
 @borrowing
@@ -140,17 +140,25 @@ def landing(drive: Wave, w: float, tau: float) -> float:
 def landing_root(drive: Wave, w: float, tau: float, low: float, high: float) -> float:
     """Return where the height falls through 0, between phases above and below it.
 
-    By Halley's iteration in a bracket.
+    By Halley's iteration in a bracket. It starts where the parabola at `high` falls through 0,
+    z + z' D + z'' D^2/2 = 0: `high` may be the lowest point, where the velocity is rounding and no
+    step of Halley's or Newton's leads anywhere.
     """
-    d = high
+    velocity, height = rise(drive, w, tau, high)
+    force = acceleration(drive, NORMAL, tau + high)
+    reach = math.sqrt(max(0.0, velocity * velocity - 2.0 * height * force)) - velocity
+    guess = high + 2.0 * height / reach if reach > 0.0 else low
+    d = guess if low < guess <= high else 0.5 * (low + high)
     for _ in range(MOST_ITERATIONS):
         velocity, height = rise(drive, w, tau, d)
         if height > 0.0:
             low = d
         else:
             high = d
-        new = d - halley(height, velocity, acceleration(drive, NORMAL, tau + d))
-        if low <= new <= high and abs(new - d) <= LAST_STEP * d:
+        force = acceleration(drive, NORMAL, tau + d)
+        new = d - halley(height, velocity, force)
+        short = low <= new <= high and abs(new - d) <= LAST_STEP * d
+        if short and is_near_root(height, velocity, force, LAST_STEP):
             return new
         if not low < new < high:
             new = 0.5 * (low + high)

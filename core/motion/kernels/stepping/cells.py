@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Floats, Statuses, Stop
+from core.motion.kernels.arrays import Floats, Statuses, Stop, copy
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.stepping.period import planar_period, spatial_period
@@ -60,7 +60,7 @@ def run(
     state[STATE.spare], state[STATE.pressed] = math.inf, 1.0
     if scene == WALL:
         state[STATE.leaning] = 1.0
-    states[0, :width] = state
+    copy(state, states[0, :width])
     seen = states[:, :width]
     done = 0
     for period in range(most):

@@ -74,6 +74,7 @@ def spatial_period(
     spare, pressed = state[STATE.spare], state[STATE.pressed] > 0.0
     still, fall, start, peak = 1e-6 * usual, usual * cell.gravity_number_normal, x, 0.0
     leaning, failed = wall and state[STATE.leaning] > 0.0, False
+    across = y
     for k in range(drive.shape[1]):
         h = drive[DRIVE.length, k]
         if drive[DRIVE.jump, k] > 0.0:
@@ -88,7 +89,6 @@ def spatial_period(
                 cell.restitution, cell.wall_restitution,
                 cell.friction_static, cell.friction_kinetic, cell.wall_friction, rolling,
             )  # fmt: skip
-            y += 0.5 * h * (uy + vy)
             leaning = side > 0.0
             tally[TALLY.at_wall] += leaning
             tally[TALLY.failed] += failed
@@ -98,6 +98,7 @@ def spatial_period(
                 cell.restitution, cell.friction_static, cell.friction_kinetic, rolling,
             )  # fmt: skip
         x += 0.5 * h * (ux + vx)
+        y += 0.5 * h * (uy + vy)
         z += 0.5 * h * (uz + vz)
         count(tally, drive[DRIVE.share, k], normal, pressed, vx, uz, z, still, fall)
         peak = max(peak, abs(vx) + abs(vy) + abs(vz))
@@ -109,6 +110,7 @@ def spatial_period(
     if wall:
         state[STATE.y], state[STATE.leaning] = y, leaning
     tally[TALLY.travel], tally[TALLY.peak] = x - start, peak
+    tally[TALLY.across] = 0.0 if rolling > 0.0 else y - across
 
 
 @compiled

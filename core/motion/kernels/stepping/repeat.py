@@ -7,11 +7,12 @@ import math
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.means import (
-    batch_spread,
+    batch_means,
     gains,
-    is_transient,
+    is_steady,
     mean_velocity,
     runs_away,
+    scatter,
 )
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS
@@ -20,6 +21,9 @@ from core.motion.kernels.stepping.tables import FLOOR, STATE, TALLY, WALL, Cell
 MOST_MULTIPLE = 12
 WINDOW = 16
 SHARP = 0.03
+SLOWS = 0.8
+"""Largest share that is left of a drift after a third of a window, of a part that hops: landings
+fall on steps by chance, and a drift that goes on must not look as if it slowed down."""
 APART = 3.0
 """States of a cycle that differ by less than so many times what one step changes are one state.
 
@@ -50,26 +54,31 @@ def difference(states: Floats, tallies: Floats, later: int, earlier: int) -> flo
 
 
 @compiled
-def limit(tallies: Floats, done: int, part: int, period: float) -> tuple[float, float]:
+def limit(
+    tallies: Floats, done: int, part: int, slows: float, rounding: float, period: float
+) -> tuple[float, float]:
     """Return where the mean velocity drifts to, and how far it still is from there.
 
     From the means of three parts of so many periods: a transient dies out as a power, so that what
-    is to come is the last change times ratio/(1 - ratio).
+    is to come is the last change times ratio/(1 - ratio). A drift whose ratio is above `slows`, and
+    which is no rounding, has no end in sight: infinite.
     """
     travel = tallies[:, TALLY.travel]
     first = mean_velocity(travel, done - 3 * part, done - 2 * part, period)
     second = mean_velocity(travel, done - 2 * part, done - part, period)
     third = mean_velocity(travel, done - part, done, period)
     last, before = third - second, second - first
-    if last * before > 0.0 and abs(last) < abs(before):
-        rest = last * last / (before - last)
-        return third + rest, abs(last) + abs(rest)
-    return third, abs(last)
+    if last * before <= 0.0 or abs(last) <= rounding:
+        return third, abs(last)
+    if abs(last) >= slows * abs(before):
+        return third, math.inf
+    rest = last * last / (before - last)
+    return third + rest, abs(last) + abs(rest)
 
 
 @compiled
 def settled(
-    tallies: Floats, done: int, multiple: int, window: int, allowed: float,
+    tallies: Floats, done: int, multiple: int, window: int, rounding: float, allowed: float,
     period: float, result: Floats,
 ) -> bool:  # fmt: skip
     """Return whether the mean velocity has settled; if so, put it and its doubt into the result.
@@ -84,14 +93,15 @@ def settled(
     hops = False
     for k in range(done - 4 * part, done):
         hops = hops or tallies[k, TALLY.flight] > 0.0
-    end, rest = limit(tallies, done, part, period)
+    slows = SLOWS if hops else 1.0
+    end, rest = limit(tallies, done, part, slows, rounding, period)
     if hops:
         if rest > 0.1 * allowed:
             return False
         result[COLUMN.error] = rest
         return True
-    before, _ = limit(tallies, done - part, part, period)
-    if abs(end - before) > 1e-3 * allowed:
+    before, _ = limit(tallies, done - part, part, slows, rounding, period)
+    if not math.isfinite(rest) or abs(end - before) > 1e-3 * allowed:
         return False
     result[COLUMN.velocity] = end
     # What the extrapolation changed by, or at most would in what is left of the transient.
@@ -135,7 +145,7 @@ def repeats(
                 break
         if good:
             means(tallies, done - window, done, period, result)
-            if settled(tallies, done, multiple, window, bound, period, result):
+            if settled(tallies, done, multiple, window, rounding, bound, period, result):
                 return told_apart(states, tallies, done, multiple, allowed)
     return 0
 
@@ -167,9 +177,11 @@ def means(tallies: Floats, first: int, last: int, period: float, result: Floats)
     """Put the means over the periods from `first` to before `last` into a result."""
     periods = last - first
     result[:] = 0.0
-    travel = 0.0
+    travel, across, at_wall = 0.0, 0.0, 0.0
     for k in range(first, last):
         travel += tallies[k, TALLY.travel]
+        across += tallies[k, TALLY.across]
+        at_wall += tallies[k, TALLY.at_wall]
         result[COLUMN.stick] += tallies[k, TALLY.stick]
         result[COLUMN.forward] += tallies[k, TALLY.forward]
         result[COLUMN.backward] += tallies[k, TALLY.backward]
@@ -178,6 +190,7 @@ def means(tallies: Floats, first: int, last: int, period: float, result: Floats)
         result[COLUMN.landing_speed] = max(result[COLUMN.landing_speed], tallies[k, TALLY.landing])
         result[COLUMN.hop_height] = max(result[COLUMN.hop_height], tallies[k, TALLY.height])
     result[COLUMN.velocity] = travel / (periods * period)
+    result[COLUMN.across] = across / (periods * period) if at_wall == 0.0 else 0.0
     counted = (
         result[COLUMN.stick]
         + result[COLUMN.forward]
@@ -209,6 +222,6 @@ def unsettled(
         friction += cell.wall_friction * max(0.0, cell.gravity_number_across)
     if runs_away(gain, before, pull, friction):
         return STATUS.runaway
-    spread = batch_spread(travel, done, period)
-    result[COLUMN.spread] = spread
-    return STATUS.limit_reached if is_transient(gain, before, spread) else STATUS.aperiodic
+    batches = batch_means(travel[:done]) / period
+    result[COLUMN.spread] = scatter(batches)
+    return STATUS.aperiodic if is_steady(batches, 0.0) else STATUS.limit_reached

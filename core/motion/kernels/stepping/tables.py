@@ -86,7 +86,7 @@ class Tally(NamedTuple):
     """Columns of the tally of one period.
 
     The distance; the steps in each mode; impacts, the largest speed of a landing, height and
-    velocity; the steps at the wall, and those without a solution.
+    velocity; the steps at the wall, and those without a solution; the distance across.
     """
 
     travel: int
@@ -100,6 +100,7 @@ class Tally(NamedTuple):
     peak: int
     at_wall: int
     failed: int
+    across: int
 
 
 TALLY = Tally(*range(len(Tally._fields)))

@@ -6,7 +6,7 @@ import math
 
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Flags, Floats
-from core.motion.kernels.planar.cycle import SETTLED_EXACTLY, SETTLED_TIME
+from core.motion.kernels.rebounds import SETTLED_EXACTLY, SETTLED_TIME
 from core.motion.kernels.stepping.contacts import friction_impulse
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.modes import Begin, Step

@@ -3,7 +3,9 @@
 Most motions forget their start within a few periods, since a part that sticks forgets all. Where
 they do not, the map is sped up by Anderson's mixing of the last periods; only between periods of
 the same events, and near the end, since a jump may else land on another motion, or on one that
-repels.
+repels. In a cycle of several periods, or in chaos, jumps may go on for ever and never let the part
+arrive: after a few the part is followed again, from its start, without any, so that no mean is ever
+taken over states that a jump has moved.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Flags, Floats, Stop
+from core.motion.kernels.arrays import Flags, Floats, Stop, copy
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.advance import advance
@@ -32,6 +34,10 @@ LONG = 32
 SHRINKS_AT_ALL = 0.9999
 NOISE = 20.0
 """Tolerances of a term: two states so near may differ by where the steps fell."""
+MOST_JUMPS = 16
+"""Of a run; most motions that repeat take three, one in 1,000 takes ten."""
+FADES = 0.1
+"""A cycle is being neared whose changes fall to this share over the last quarter of all periods."""
 DEPTH = 3
 LARGEST_WEIGHT = 200.0
 INDEPENDENT = 1e-6
@@ -174,35 +180,92 @@ def settle(
     cell: Cell, wall: bool, rolling: float, series: Series, most: int, state: Floats, hold: Flags,
     history: History, work: Work,
 ) -> Settled:  # fmt: skip
-    """Follow a cell until its motion repeats, or for `most` periods; fill the history."""
+    """Follow a cell until its motion repeats, or for `most` periods; fill the history.
+
+    Where it does not repeat by jumps it is followed without: then the history holds that motion. If
+    that nears a cycle it is followed on. In one loop, since the compiler then keeps one copy of all
+    that is called.
+    """
+    start, start_hold = state.copy(), hold.copy()
+    near = APART_AT_MOST * drive.size(work)
+    found, most_jumps = Settled(STATUS.aperiodic, 0, 0, math.inf), MOST_JUMPS
+    for _ in range(3):
+        found, jumps = approach(
+            cell, wall, rolling, series, most, most_jumps, state, hold, history, work
+        )
+        if found.status != STATUS.aperiodic:
+            return found
+        most_jumps = 0
+        if jumps > 0:
+            state[:], hold[:] = start, start_hold
+            continue
+        found = neared(wall, rolling, history, found.done, near)
+        if found.multiple == 0:
+            return found
+    return found
+
+
+@compiled
+def neared(wall: bool, rolling: float, history: History, done: int, near: float) -> Settled:
+    """Return how a motion without jumps repeats that comes nearer to a cycle, but slowly.
+
+    Its change over a cycle, d, fell from d0 within the last L cycles: with the ratio of a cycle
+    q = (d/d0)^(1/L) the state is still off by d q/(1 - q), less than `near`.
+    """
+    for multiple in range(1, min(MOST_MULTIPLE, done // 8) + 1):
+        cycles = done // 4 // multiple
+        change = apart(wall, rolling, history, done - 1, done - multiple)
+        if change >= near:
+            continue
+        last = done - 1 - cycles * multiple
+        before = apart(wall, rolling, history, last, last - multiple + 1)
+        if change >= FADES * before:
+            continue
+        ratio = (change / before) ** (1.0 / cycles)
+        left = change * ratio / (1.0 - ratio)
+        if left < near:
+            return Settled(STATUS.periodic, multiple, done, left)
+    return Settled(STATUS.aperiodic, 0, done, math.inf)
+
+
+@compiled
+def approach(
+    cell: Cell, wall: bool, rolling: float, series: Series, most: int, most_jumps: int,
+    state: Floats, hold: Flags, history: History, work: Work,
+) -> tuple[Settled, int]:  # fmt: skip
+    """Follow a cell until it repeats, for so many periods and jumps; return how many jumps too."""
     speed = drive.size(work)
     close = cell.tolerance * speed
-    since, shrank = 0, 0
+    since, shrank, jumps = 0, 0, 0
     for period in range(most):
         if raised(history.stop):
-            return Settled(STATUS.limit_reached, 0, period, math.inf)
+            return Settled(STATUS.limit_reached, 0, period, math.inf), jumps
         tally = history.tallies[period]
         if not follow_period(cell, wall, rolling, series, period, state, hold, history, work):
-            return Settled(STATUS.limit_reached, 0, period + 1, math.inf)
+            return Settled(STATUS.limit_reached, 0, period + 1, math.inf), jumps
         moves = tally[TALLY.forward] + tally[TALLY.backward] + tally[TALLY.flight]
         if moves == 0.0 and rolling == 0.0:
-            return Settled(STATUS.at_rest, 1, period + 1, 0.0)
+            return Settled(STATUS.at_rest, 1, period + 1, 0.0), jumps
         patient = period % LONG == LONG - 1
         near = max(close, NOISE * series.tolerance * speed) if patient else close
         parted = max(near, min(APART * near, APART_AT_MOST * speed))
         multiple = repeats(wall, rolling, history, period, since, near, parted)
         if multiple > 0:
             left = remaining(wall, rolling, history, period, multiple, since)
-            return Settled(STATUS.periodic, multiple, period + 1, left)
-        if period == 0 or period <= since:
+            return Settled(STATUS.periodic, multiple, period + 1, left), jumps
+        if period == 0 or period <= since or most_jumps == 0:
             continue
         change, before = step_size(wall, history, period), step_size(wall, history, period - 1)
         alike = same_events(history, period, period - 1)
         shrinks = SHRINKS if period - since < LONG else SHRINKS_AT_ALL
         shrank = shrank + 1 if alike and change < shrinks * before else 0
-        if shrank >= 2 and change < NEAR * speed and jump(wall, history, period, since, state):
-            since, shrank = period + 1, 0
-    return Settled(STATUS.aperiodic, 0, most, math.inf)
+        if shrank < 2 or change >= NEAR * speed:
+            continue
+        if jumps == most_jumps:
+            return Settled(STATUS.aperiodic, 0, period + 1, math.inf), jumps
+        if jump(wall, history, period, since, state):
+            since, shrank, jumps = period + 1, 0, jumps + 1
+    return Settled(STATUS.aperiodic, 0, most, math.inf), jumps
 
 
 @compiled
@@ -249,7 +312,7 @@ def jump(wall: bool, history: History, last: int, since: int, state: Floats) -> 
             value -= weights[j] * (history.ends[last - j, i] - history.ends[last - j - 1, i])
         state[i] = value
     if state[STATE.z] < 0.0 or (wall and state[STATE.y] < 0.0):
-        state[:] = history.ends[last]
+        copy(history.ends[last], state)
         return False
     return True
 

@@ -9,14 +9,13 @@ import numpy as np
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Flags, Floats, Statuses, Stop
 from core.motion.kernels.means import (
-    BATCHES,
-    SURE,
-    batch_spread,
+    batch_means,
     gains,
-    is_monotone,
-    is_transient,
+    is_steady,
+    mean_error,
     mean_velocity,
     runs_away,
+    scatter,
 )
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS
@@ -77,11 +76,16 @@ def never_settles(cell: Cell, wall: bool) -> bool:
 
 @compiled
 def fill(history: History, first: int, last: int, result: Floats) -> None:
-    """Fill a result with the means over the periods from `first` to before `last`."""
+    """Fill a result with the means over the periods from `first` to before `last`.
+
+    A part that touched the wall meanwhile has no mean velocity across: it comes back.
+    """
     result[:] = 0.0
-    total = 0.0
+    total, across, at_wall = 0.0, 0.0, 0.0
     for k in range(first, last):
         tally = history.tallies[k]
+        at_wall += tally[TALLY.at_wall]
+        across += history.ends[k, STATE.y] - history.starts[k, STATE.y]
         result[COLUMN.stick] += tally[TALLY.stick]
         result[COLUMN.forward] += tally[TALLY.forward]
         result[COLUMN.backward] += tally[TALLY.backward]
@@ -94,18 +98,18 @@ def fill(history: History, first: int, last: int, result: Floats) -> None:
     result[COLUMN.stick : COLUMN.flight + 1] /= total
     result[COLUMN.impacts] /= last - first
     result[COLUMN.velocity] = mean_velocity(history.tallies[:, TALLY.travel], first, last, TURN)
+    result[COLUMN.across] = across / ((last - first) * TURN) if at_wall == 0.0 else 0.0
 
 
 @compiled
-def without_repeating(cell: Cell, wall: bool, history: History, done: int, result: Floats) -> int:
+def without_repeating(
+    cell: Cell, wall: bool, speed: float, history: History, done: int, result: Floats
+) -> int:
     """Fill the result of a motion that did not repeat; return its status.
 
-    The error of its mean is that of eight batches, and how far the part strayed from a steady
-    travel, over the time: of that the batches tell nothing.
+    Its mean is that of batches of periods, and so is its error; a mean that drifts is none.
     """
-    travel = history.tallies[:, TALLY.travel]
-    first = done // 4
-    fill(history, first, done, result)
+    travel = history.tallies[:done, TALLY.travel]
     gain, before = gains(travel, done, TURN)
     friction = cell.friction_kinetic * cell.gravity_number_normal
     if wall:
@@ -113,16 +117,14 @@ def without_repeating(cell: Cell, wall: bool, history: History, done: int, resul
     pull = abs(cell.gravity_number_along)
     if runs_away(gain, before, pull, friction):
         return STATUS.runaway
-    spread = batch_spread(travel, done, TURN)
-    ahead, behind, place = 0.0, 0.0, 0.0
-    for k in range(first, done):
-        place += travel[k] - result[COLUMN.velocity] * TURN
-        ahead, behind = max(ahead, place), min(behind, place)
-    result[COLUMN.spread] = spread
-    result[COLUMN.error] = SURE * spread / math.sqrt(BATCHES)
-    result[COLUMN.error] += (ahead - behind) / ((done - first) * TURN)
-    settles = is_transient(gain, before, spread) and is_monotone(travel, done, TURN)
-    return STATUS.limit_reached if settles else STATUS.aperiodic
+    batches = batch_means(travel) / TURN
+    if not is_steady(batches, LEAST_ERROR * speed):
+        return STATUS.limit_reached
+    fill(history, done // 4, done, result)
+    result[COLUMN.velocity] = np.mean(batches)
+    result[COLUMN.spread] = scatter(batches)
+    result[COLUMN.error] = mean_error(batches) + LEAST_ERROR * speed
+    return STATUS.aperiodic
 
 
 @compiled
@@ -151,10 +153,14 @@ def solve(row: Floats, wall: bool, rolling: float, history: History, result: Flo
     speed = drive.size(work)
     if found.multiple == 0:
         if found.status == STATUS.aperiodic:
-            status = without_repeating(cell, wall, history, found.done, result)
+            status = without_repeating(cell, wall, speed, history, found.done, result)
+            if rolling > 0.0:
+                result[COLUMN.across] = 0.0
             return Settled(status, 0, found.done, math.inf)
         return found
     fill(history, found.done - found.multiple, found.done, result)
+    if rolling > 0.0:
+        result[COLUMN.across] = 0.0
     result[COLUMN.multiple] = float(found.multiple)
     if found.status == STATUS.at_rest:
         result[COLUMN.velocity] = 0.0

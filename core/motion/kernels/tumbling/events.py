@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Floats, Stop
+from core.motion.kernels.arrays import Floats, Stop, copy
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.tumbling.carry import carry
 from core.motion.kernels.tumbling.geometry import (
@@ -115,7 +115,7 @@ def first_misfit(
             low = guess
         else:
             part = guess
-            after[:] = trial
+            copy(trial, after)
     return part
 
 
@@ -166,7 +166,7 @@ def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Sto
         if part == step and holds(cell, support, sigma, after, end):
             if impacts > 0:
                 bounce = max(bounce, top_of(cell, support, state, after, time, step, trial))
-            state[:] = after
+            copy(after, state)
             time = end
             continue
         if part != step:
@@ -174,7 +174,7 @@ def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Sto
         part = first_misfit(cell, support, sigma, state, time, part, after, trial)
         if impacts > 0:
             bounce = max(bounce, top_of(cell, support, state, after, time, part, trial))
-        state[:] = after
+        copy(after, state)
         time = end if part == step else time + part
         events += 1
         if strike(cell, state, after):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
+from core.motion.kernels.arrays import Floats, copy
 from core.motion.kernels.tumbling.geometry import (
     corner_at,
     corner_count,
@@ -64,7 +64,7 @@ def compress(
     On a side both corners slide alike, so that friction is one force (theory 1.4, 5.3).
     """
     rho, kappa, mu = cell.half_diagonal, cell.inertia_ratio, cell.friction_kinetic
-    after[:] = state
+    copy(state, after)
     u_right = gap_rate_of(cell, state, right)
     s_r, c_r = corner_at(cell, right, state[STATE.pitch])
     slack = 1e-12 * (abs(u_right) + rho * abs(state[STATE.pitch_rate]))
@@ -91,7 +91,7 @@ def compress(
             push(cell, after, s_l, c_l, normal, friction)
             if gap_rate_of(cell, after, right) >= -slack or u_right >= 0.0:
                 return 0.0, normal, friction
-            after[:] = state
+            copy(state, after)
     if u_right >= 0.0:
         return 0.0, 0.0, 0.0
     nn, nt, tt = delassus(cell, s_r, c_r)
@@ -133,7 +133,7 @@ def strike(cell: Cell, state: Floats, after: Floats) -> bool:
         for place in (STATE.along_rate, STATE.up_rate, STATE.pitch_rate):
             state[place] += (1.0 + eps) * (after[place] - state[place])
     else:
-        state[:] = after
+        copy(after, state)
         s, c = corner_at(cell, right, state[STATE.pitch])
         push(cell, state, s, c, eps * first, 0.0)
         place = right
@@ -153,6 +153,6 @@ def strike(cell: Cell, state: Floats, after: Floats) -> bool:
         if least >= -slow:
             break
         compress(cell, state, right, left, after)
-        state[:] = after
+        copy(after, state)
     state[STATE.lost] += before - kinetic(cell, state)
     return True

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
+from core.motion.kernels.arrays import Floats, copy
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.tumbling.geometry import corner_at, corner_count, lowest_gap, side_below
 from core.motion.kernels.tumbling.tables import COLUMN, FLAT, PATH, STATE, Cell
@@ -42,7 +42,7 @@ def record(cell: Cell, state: Floats, time: float, support: int, row: Floats) ->
     """Write time, centre, pitch, their rates, energy lost, lowest gap and touching corners."""
     row[:] = 0.0
     row[PATH.time] = time
-    row[PATH.state : PATH.gap] = state
+    copy(state, row[PATH.state : PATH.gap])
     row[PATH.gap] = lowest_gap(cell, state)
     if support >= 0:
         row[PATH.touching + support] = 1.0

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from core.compiled import compiled, raised
-from core.motion.kernels.arrays import Flags, Floats, Stop
+from core.motion.kernels.arrays import Flags, Floats, Stop, copy
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.tumbling.forces import free_acceleration, response_of
 from core.motion.kernels.tumbling.geometry import (
@@ -133,7 +133,7 @@ def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop
             written = record_until(cell, state, time, support, times, written, rows)
         step = min(cell.time_step, cell.duration - time)
         along, upward = free_acceleration(cell, time + step / 2)
-        middle[:] = state
+        copy(state, middle)
         for place, rate in (
             (STATE.along, STATE.along_rate),
             (STATE.up, STATE.up_rate),
@@ -160,7 +160,7 @@ def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop
             (STATE.pitch, STATE.pitch_rate),
         ):
             middle[place] += step / 2 * middle[rate]
-        state[:] = middle
+        copy(middle, state)
         time += step
         impacts += 1 if struck else 0
         if impacts > 0:

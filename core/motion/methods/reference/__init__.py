@@ -19,14 +19,17 @@ from core.errors import StoppedError
 from core.mechanics.arrays import Array
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, each
 from core.motion.method import Follow, Method
-from core.motion.methods.reference.laws import UX, UZ, Laws, X, Z
-from core.motion.methods.reference.part import FailedError, Part, Tally
+from core.motion.methods.reference.laws import UX, UZ, Laws, X, Y, Z
+from core.motion.methods.reference.part import FailedError, Part
 from core.motion.methods.reference.repeats import PERIOD, Run
 from core.motion.path import Path
 from core.motion.price import Price, Priced
 from core.motion.result import STATUS, Motion, motion_of, with_whole_shares
 from core.scenes import Constraint
 from core.watch import Watch
+
+LARGEST = 1e140
+"""Of a number of a part: it is squared, and times phases."""
 
 
 def reference_path(
@@ -84,7 +87,9 @@ def reference_motion(
     finely, and rounding at every event, each with what the cycle makes of it. A motion that was
     not shown to repeat, and to attract, is `aperiodic`: its means are over the second half of the
     periods run, its spread is that of the single periods, and its error comes from their scatter;
-    whether it runs away is for the reader to see.
+    whether it runs away is for the reader to see. One that was still on its way, to a cycle or
+    from one that does not attract, has no mean yet: `limit_reached`. So has one under numbers
+    whose squares are none.
 
     Parameters
     ----------
@@ -106,22 +111,25 @@ def reference_motion(
         If the watch did.
     """
     if not _is_finite(groups):
-        return _result(math.nan, math.nan, math.nan, [], 0, "no_solution")
+        return _nothing()
+    if max(np.abs(part).max(initial=0.0) for part in _numbers(groups)) > LARGEST:
+        return _nothing("limit_reached")
     run = Run(Laws(groups, contacts, absolute_speed), watch or Watch())
     for _ in range(most_periods):
         try:
             run.follow()
             if run.rests:
-                return _result(0.0, 0.0, 0.0, run.tallies[-1:], 1, "at_rest")
+                return _result(0.0, 0.0, 0.0, run, 1, 1, "at_rest")
             if multiple := run.cycle():
                 velocity, error = run.mean(multiple)
                 if math.isfinite(error):
                     status = "neutral" if run.slides_free else "periodic"
-                    tallies = run.tallies[-multiple:]
-                    return _result(velocity, error, 0.0, tallies, multiple, status)
+                    return _result(velocity, error, 0.0, run, multiple, multiple, status)
             run.hasten()
         except FailedError:
-            return _result(math.nan, math.nan, math.nan, [], 0, "no_solution")
+            return _nothing()
+    if run.is_on_its_way:
+        return _nothing("limit_reached")
     half = len(run.tallies) // 2
     travels = np.array([
         float(after[X] - before[X]) / PERIOD
@@ -131,12 +139,17 @@ def reference_motion(
     most = abs(velocity) + run.scale  # as fast as the drive, either way
     unsettled = run.lingers or run.drifts(len(run.tallies) - half)
     error = most if unsettled else _scatter(travels, most)
-    return _result(velocity, error, spread, run.tallies[half:], 0, "aperiodic")
+    return _result(velocity, error, spread, run, len(travels), 0, "aperiodic")
 
 
 def _is_finite(groups: Groups) -> bool:
     """Return whether every number of a part is one, those of its drive included."""
-    return all(np.isfinite(part).all() for part in (*groups.numbers, *(groups.wave or ())))
+    return all(np.isfinite(part).all() for part in _numbers(groups))
+
+
+def _numbers(groups: Groups) -> list[Array]:
+    """Return the numbers of a part and of its drive."""
+    return [np.asarray(part) for part in (*groups.numbers, *(groups.wave or ()))]
 
 
 def _scatter(means: Array, most: float) -> float:
@@ -160,11 +173,20 @@ def _scatter(means: Array, most: float) -> float:
     return max(error, most) if abs(second - first) > 2.0 * likely * jumps else error
 
 
+def _nothing(status: str = "no_solution") -> Motion:
+    """Return the result of a cell without a solution, or without an answer."""
+    values = (np.asarray(math.nan) for _ in Motion._fields[:-1])
+    return Motion._make((*values, np.asarray(STATUS[status], dtype=np.int8)))
+
+
 def _result(
-    velocity: float, error: float, spread: float, tallies: list[Tally], multiple: int, status: str
+    velocity: float, error: float, spread: float, run: Run, periods: int, multiple: int, status: str
 ) -> Motion:
-    """Return the counts of some periods as a result."""
-    phase = 2.0 * math.pi * max(1, len(tallies))
+    """Return the counts of the last periods as a result."""
+    tallies = run.tallies[-periods:]
+    phase = 2.0 * math.pi * periods
+    across = float(run.after[-1][Y] - run.before[-periods][Y]) / phase
+    told = run.at_large(periods) and not run.laws.contacts.rolling
 
     def total(name: str) -> float:
         return sum(getattr(tally, name) for tally in tallies)
@@ -175,8 +197,8 @@ def _result(
     values = (
         velocity, spread, error,
         *(total(name) / phase for name in ("stick", "forward", "backward", "flight")),
-        total("impacts") / max(1, len(tallies)), most("landing_speed"), most("hop_height"),
-        float(multiple),
+        total("impacts") / periods, most("landing_speed"), most("hop_height"),
+        float(multiple), across if told else 0.0,
     )  # fmt: skip
     arrays = (np.asarray(value, dtype=np.float64) for value in values)
     found = Motion._make((*arrays, np.asarray(STATUS[status], dtype=np.int8)))

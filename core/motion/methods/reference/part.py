@@ -184,7 +184,9 @@ class Part:
             found.append((self.returns(stretch, Y, UY), "bump"))
         if mode.floor or mode.wall:
             if not mode.slips:
-                ask("slip", FROM_NODES @ -self.laws.excess(phases, mode))
+                first, second, _, _ = self.laws.impending(phases, mode)
+                if np.any(first) or np.any(second):  # else what floats off does not slip before
+                    ask("slip", FROM_NODES @ -self.laws.excess(phases, mode))
             elif begins:  # it is 0 at the start: what is left without that root
                 found.append((first_fall(MEAN @ stretch.growth), "stop"))
             else:

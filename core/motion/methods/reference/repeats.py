@@ -7,6 +7,7 @@ lies exactly (Newton's iteration), and what errors do to the mean velocity.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -47,6 +48,9 @@ ATTRACTS = 1.0 - 1e-5
 
 ROUNDING = 4.0 * 2.0**-52
 """Of a state after one event, as a share of the drive's size."""
+
+FEWEST_CYCLES = 6
+"""In the last quarter of the periods, which tell whether a motion is on its way."""
 
 SAFE = 3.0
 """Times the estimated error is stated."""
@@ -213,6 +217,25 @@ class Run:
                 return 0
             return multiple
         return 0
+
+    @property
+    def is_on_its_way(self) -> bool:
+        """Whether the motion was still nearing a cycle, or leaving one that does not attract.
+
+        Over the last quarter of the periods the same events came again and again, and the state
+        came back ever more nearly, or ever less so.
+        """
+        quarter = (len(self.after) - self.plain_since) // 4
+        for multiple in range(1, min(MOST_MULTIPLE, quarter // FEWEST_CYCLES) + 1):
+            last = [tally.events for tally in self.tallies[-quarter:]]
+            if last[multiple:] != last[:-multiple]:
+                continue
+            places = self.places(multiple)
+            apart = [self.distance(multiple, places, back) for back in range(quarter - multiple)]
+            nears = all(new < old for new, old in itertools.pairwise(apart))
+            leaves = all(new > old for new, old in itertools.pairwise(apart))
+            return nears or leaves
+        return False
 
     # --- looking ahead
 

@@ -135,6 +135,7 @@ def _cell_motion(
         "spread": 0.0,
         "error": SAFETY * (float(by_laws) + abs(loose)),
         "multiple": orbit.multiple,
+        "across": orbit.across(cell.coordinates),
         "status": "neutral" if frictionless else "periodic",
     }
 

@@ -26,6 +26,10 @@ STEPS = 50
 LOOK = 64
 """Evaluations from one look at the watch to the next: some milliseconds."""
 
+NOISE, CYCLES, DRIFTS = 0.01, 4, 0.75
+"""A gap below this share of the closeness may be noise; over so many cycles it is a drift if it
+grows to this share of as many gaps."""
+
 PERIOD = 2 * math.pi
 
 
@@ -146,6 +150,12 @@ class Orbit:
     multiple: int
     status: str
 
+    def across(self, coordinates: int) -> float:
+        """Return the mean velocity across; 0 in the plane."""
+        if coordinates < 3:
+            return 0.0
+        return float(np.mean([state[1] for state in self.states[-self.multiple :]])) / PERIOD
+
 
 def orbit_of(run: Run, state: Array, most_periods: int, closeness: float) -> Orbit:
     """Return the motion once it repeats, or what there is when the periods are used up."""
@@ -159,6 +169,25 @@ def orbit_of(run: Run, state: Array, most_periods: int, closeness: float) -> Orb
     def gap(place: int, multiple: int) -> float:
         return float(np.max(np.abs(states[place] - states[place - multiple])))
 
+    def repeats(multiple: int) -> bool:
+        """Return whether the gaps still to come are small, or nothing but the integrator's noise.
+
+        They are a geometric series of the rate at which they shrink. Noise does not add up over
+        cycles as a drift does that hardly shrinks. Where friction changes less in a period than
+        noise does, nobody can tell.
+        """
+        if 0.0 < PERIOD * weight <= NOISE * closeness:
+            return False
+        now, before = gap(-1, multiple), gap(-2, multiple)
+        if now < closeness * (1 - now / max(before, closeness * 1e-9)):
+            return True
+        several = CYCLES * multiple
+        return (
+            now < NOISE * closeness
+            and several < len(states) - 1
+            and gap(-1, several) < DRIFTS * CYCLES * now
+        )
+
     def mean(periods: int) -> float:
         return float(np.mean([s[0] for s in states[-periods:]])) / PERIOD
 
@@ -167,9 +196,7 @@ def orbit_of(run: Run, state: Array, most_periods: int, closeness: float) -> Orb
             states.append(run.period(states[-1]).end)
             # The first state has no travel of its own, and the rate takes one period more.
             for multiple in range(1, min(LARGEST_MULTIPLE, done - 2) + 1):
-                now, before = gap(-1, multiple), gap(-2, multiple)
-                # The gaps still to come are a geometric series of the rate at which they shrink.
-                if now < closeness * max(0.01, 1 - now / max(before, closeness * 1e-9)):
+                if repeats(multiple):
                     return Orbit(states[-1 - multiple :], mean(multiple), multiple, "periodic")
             # Faster than the drive can turn it round, and the slope is steeper than friction.
             slow, fast = (math.hypot(*s[n:-1]) for s in states[-2:])

@@ -1,14 +1,15 @@
-"""Distributions that a calibration has left: from the file that a study names to their numbers."""
+"""The section `uncertain`: from the result of a calibration that a study names to its densities."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Final
 
 import numpy as np
 
 from core.errors import Problem
+from core.intake.section import Content, Resolved, Section
 from core.study.distributions import CALIBRATION
 
 MOST_BYTES = 200_000_000  # of a result
@@ -16,18 +17,27 @@ DENSITY = "density_"
 """With the name of a parameter, the variable that holds its density."""
 
 
-Content = TypeVar("Content")
+def beside(uncertain: Any, folder: Path) -> Any:
+    """Return uncertain parameters whose calibrations stand beside the study."""
+    if not isinstance(uncertain, dict):
+        return uncertain
+    return {
+        name: {**one, CALIBRATION: str(folder / one[CALIBRATION])}
+        if isinstance(one, dict) and isinstance(one.get(CALIBRATION), str)
+        else one
+        for name, one in uncertain.items()
+    }
 
 
-def with_posteriors(content: Content, *, files: bool) -> tuple[Content, list[Problem]]:
+def with_posteriors(content: Content, files: bool) -> Resolved:
     """Return content with the densities of its calibrations in their place, and what is wrong.
 
     What is wrong is left out. Without `files`, as for what comes over the network, the content
     stays as it is, and its reader refuses it.
     """
-    uncertain = content.get("uncertain") if isinstance(content, Mapping) else None
-    if not files or not isinstance(content, Mapping) or not isinstance(uncertain, Mapping):
-        return content, []
+    uncertain = content.get("uncertain")
+    if not files or not isinstance(uncertain, Mapping):
+        return Resolved(content)
     found, problems = dict(uncertain), list[Problem]()
     for name, raw in uncertain.items():
         if isinstance(raw, Mapping) and set(raw) == {CALIBRATION}:
@@ -37,13 +47,12 @@ def with_posteriors(content: Content, *, files: bool) -> tuple[Content, list[Pro
                 del found[name]
             else:
                 found[name] = read
-    whole: Any = {**content, "uncertain": found}
-    return whole, problems
+    return Resolved({**content, "uncertain": found}, problems)
 
 
 def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
     """Return values and densities of a parameter in a result, or why there are none."""
-    from core.dataset.read import read_netcdf
+    from core.dataset.read import read_netcdf  # few studies need it
 
     place = f"uncertain.{name}.{CALIBRATION}"
     fix = "Name the NetCDF file that `vibrafeed run` wrote of a study of kind 'calibrate'"
@@ -67,3 +76,12 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
     some = np.flatnonzero(densities > 0)
     kept = slice(max(some[0] - 1, 0), some[-1] + 2)
     return {"values": values[kept].tolist(), "densities": densities[kept].tolist()}
+
+
+UNCERTAIN: Final = Section(
+    names=lambda uncertain, _: uncertain if isinstance(uncertain, Mapping) else (),
+    beside=beside,
+    resolve=with_posteriors,
+    by_parameter=True,
+)
+"""The section `uncertain`."""

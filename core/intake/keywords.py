@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from core.errors import Problem, StudyError
-from core.study.grid_study import PARAMETERS, GridStudy
-from core.study.load import read_content
-from core.study.models import STUDIES, Study
+from core.intake.text import read_content
+from core.kinds import KINDS
+from core.study.grid_study import PARAMETERS, Study
 from core.study.values import MOST_POINTS
 
-KEYS = tuple(dict.fromkeys(key for model in STUDIES.values() for key in model.model_fields))
+KEYS = tuple(dict.fromkeys(key for kind in KINDS.values() for key in kind.model.model_fields))
 """The keys that a study of any kind has beside its parameters."""
 
 Given = Study | Mapping[str, Any] | str | os.PathLike[str]
@@ -45,7 +45,7 @@ def gather(
         If it is of another kind, cannot be read, or gives a value twice. Whether the values are
         right is for `parse_study` to say.
     """
-    if isinstance(given, GridStudy) and not keywords:
+    if isinstance(given, Study) and not keywords:
         _check_kind(given.kind, kind)
         return given
     content = {} if given is None else _content_of(given)
@@ -118,7 +118,7 @@ def plain(value: object, place: str) -> Any:
 
 
 def _content_of(given: object) -> dict[str, Any]:
-    if isinstance(given, GridStudy):
+    if isinstance(given, Study):
         return given.content()
     if isinstance(given, Mapping):
         return spread(given)
@@ -139,7 +139,7 @@ def _is_key(name: str) -> bool:
 
 
 def _check_kind(found: object, kind: str | None) -> None:
-    if kind is not None and found != kind and isinstance(found, str) and found in STUDIES:
+    if kind is not None and found != kind and isinstance(found, str) and found in KINDS:
         message = f"this is a study of kind '{found}', not '{kind}'"
         fix = f"Carry it out with {found}(), or give a study of kind '{kind}'"
         raise StudyError([Problem("kind", message, fix)])

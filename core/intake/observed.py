@@ -1,18 +1,23 @@
-"""Observations from a CSV or XLSX file: a heading with units, and a row a run."""
+"""The section `observations`: rows of a study, or of a CSV or XLSX file with a heading."""
 
 from __future__ import annotations
 
 import csv
 import io
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, Final, NoReturn
 
 from core.errors import Problem, StudyError
-from core.study.observations import MOST_RUNS
+from core.extras import installing
+from core.intake.section import Content, Resolved, Section, Stranger, dotted
+from core.study.grid_study import PARAMETERS
+from core.study.observations import MOST_RUNS, OBSERVED
 
 SUFFIXES = (".csv", ".xlsx")
+OWN: Final = (*OBSERVED, "error", "regime")
+"""Columns that are no parameters."""
 _HEADING = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*(.*?)\s*[\])])?\s*")
 _NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?")
 HEADING = (
@@ -20,27 +25,26 @@ HEADING = (
 )
 
 
-def with_rows(content: Mapping[str, Any], *, files: bool) -> dict[str, Any]:
-    """Return the content of a study with the rows of the file that its observations name.
+def beside(observations: Any, folder: Path) -> Any:
+    """Return observations whose file stands beside the study."""
+    return str(folder / observations) if isinstance(observations, str) else observations
 
-    Parameters
-    ----------
-    content : mapping
-        Of a study.
-    files : bool
-        Whether the user may name files of this machine.
 
-    Raises
-    ------
-    StudyError
-        If there is no such file, or it has no rows. What the cells say is for others to read.
+def with_rows(content: Content, files: bool) -> Resolved:
+    """Return content with the rows of the file that its observations name, if they name one.
+
+    What the cells say is for others to read.
     """
-    named = content.get("observations")
+    named = content["observations"]
     if not isinstance(named, str):
-        return {**content}
-    if not files:
-        _fail("no file is read here", "Give its rows: a list of objects")
-    return {**content, "observations": read_rows(Path(named))}
+        return Resolved(content)
+    try:
+        if not files:
+            _fail("no file is read here", "Give its rows: a list of objects")
+        return Resolved({**content, "observations": read_rows(Path(named))})
+    except StudyError as error:
+        rest = {name: value for name, value in content.items() if name != "observations"}
+        return Resolved(rest, error.problems)
 
 
 def read_rows(path: Path) -> list[dict[str, Any]]:
@@ -115,7 +119,7 @@ def _workbook(path: Path) -> Iterable[list[Any]]:
     try:
         import openpyxl
     except ImportError:
-        fix = "pip install 'vibrafeed[tables]', or save the table as CSV"
+        fix = f"{installing('openpyxl')}, or save the table as CSV"
         _fail("reading XLSX needs openpyxl, which is not installed", fix)
     try:
         book = openpyxl.load_workbook(path, read_only=True, data_only=True)
@@ -134,3 +138,35 @@ def _workbook(path: Path) -> Iterable[list[Any]]:
 
 def _fail(message: str, fix: str) -> NoReturn:
     raise StudyError([Problem("observations", message, fix)])
+
+
+def _names(rows: Any, known: Collection[str]) -> Iterable[str]:
+    """Yield the parameters that some runs have of their own."""
+    del known
+    for row in rows if isinstance(rows, list | tuple) else ():
+        if isinstance(row, Mapping):
+            yield from (name for name in row if name not in OWN)
+
+
+def _place(path: Sequence[Any]) -> str:
+    """Return where a problem is; rows as people count them."""
+    if len(path) < 2:
+        return dotted(path)
+    return f"observations row {int(path[1]) + 1}" + "".join(f", {name}"[:60] for name in path[2:3])
+
+
+def _unknown_column(stranger: Stranger) -> Problem:
+    known, shown = (*OWN, *PARAMETERS), (*OWN, *stranger.parameters)
+    message = f"'{stranger.name}' is no parameter, and not measured"
+    return Problem(stranger.place, message, stranger.suggest(stranger.name, known, shown))
+
+
+OBSERVATIONS: Final = Section(
+    names=_names,
+    outputs=lambda _: OBSERVED[:1],
+    place=_place,
+    unknown=_unknown_column,
+    beside=beside,
+    resolve=with_rows,
+)
+"""The section `observations`."""

@@ -14,7 +14,10 @@ from pathlib import Path
 from typing import Any, Final
 
 from core.errors import Problem, StudyError
-from core.study.gather import KEYS
+from core.intake.keywords import KEYS
+from core.intake.observed import read_rows
+from core.intake.posteriors import with_posteriors
+from core.intake.sections import SECTIONS
 
 SERVICE: Final = "http://127.0.0.1:8000"
 LONGEST_ARGUMENT: Final = 100_000  # bytes; Linux takes 131,072 in one argument of a command
@@ -30,15 +33,7 @@ def to_toml(content: Mapping[str, Any]) -> str:
     for name, value in sorted(content.items(), key=lambda item: _depth(item[1])):
         if value is None:  # which TOML cannot say, and which leaving out says as well
             continue
-        if name in (
-            "parameters",
-            "variables",
-            "uncertain",
-            "unknowns",
-            "offsets",
-            "factors",
-            "candidates",
-        ):
+        if name in SECTIONS and SECTIONS[name].by_parameter:
             table = tomlkit.table()
             for parameter, written in value.items():
                 table.add(parameter, _in_line(written))
@@ -102,6 +97,8 @@ def placed(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any
     StudyError
         If a recording that is to be sent cannot be read.
     """
+    if form == "curl":
+        content = with_posteriors({**content}, files=True).content
     if isinstance(content.get("observations"), str):
         content = {**content, "observations": _observations(content, form, folder)}
     drive = content.get("drive")
@@ -122,10 +119,8 @@ def placed(content: Mapping[str, Any], form: str, folder: Path) -> dict[str, Any
 
 def _observations(content: Mapping[str, Any], form: str, folder: Path) -> Any:
     """Return the file of observations, found from where the form is used, or what it holds."""
-    from core.study.observed_file import with_rows  # few studies need it
-
     if form == "curl":
-        return with_rows(content, files=True)["observations"]
+        return read_rows(Path(content["observations"]))
     file = Path(content["observations"])
     return str(file if form == "python" else Path(os.path.relpath(file, folder)))
 

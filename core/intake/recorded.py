@@ -1,43 +1,50 @@
-"""Studies with a measured drive: from the recording that they name to the numbers of its fit."""
+"""The section `drive`: from the recording that a study names to the numbers of its fit."""
 
 from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
+from pydantic import ValidationError
+
+from core import measured
 from core.errors import Problem, StudyError
-from core.measured.drive import Fit
-from core.measured.fit import fit_drive
-from core.measured.read import Table, read_table
-from core.measured.recording import Recording
-from core.study.drive import MeasuredDrive, RecordedDrive
-from core.study.load import parse_recorded
+from core.intake.messages import problems_of
+from core.intake.section import Content, Resolved, Section, Stranger
+from core.study.drive import (
+    MeasuredDrive,
+    RecordedDrive,
+    names_recording,
+    only_the_plain_sine,
+)
 
 MOST_ROWS_SENT = 20_000  # of a stranger's recording, whose fit takes a second
 DIGITS = 10  # of what is kept: more than a fit tells, fewer than differ between processors
 SENT = "data"  # the name of a recording without a file
 
 
-def with_drive(content: Mapping[str, Any], *, files: bool = False) -> tuple[dict[str, Any], Fit]:
-    """Return the content of a study with the numbers of its recording, and the fit.
+def beside(drive: Any, folder: Path) -> Any:
+    """Return a drive whose recording stands beside the study."""
+    if isinstance(drive, dict) and isinstance(drive.get("file"), str):
+        return {**drive, "file": str(folder / drive["file"])}
+    return drive
+
+
+def with_drive(content: Content, files: bool) -> Resolved:
+    """Return the content of a study with the numbers of its recording, if it names one.
 
     What the study gives itself, as a parameter, variable or uncertain one, stays as it is.
-
-    Parameters
-    ----------
-    content : mapping
-        Of a study that names a recording.
-    files : bool
-        Whether the user may name files of this machine, and record more than `MOST_ROWS_SENT` rows.
-
-    Raises
-    ------
-    StudyError
-        With every problem of the recording.
+    Strangers may name no file of this machine, nor send more than `MOST_ROWS_SENT` rows.
     """
-    record, fit = _measured(content["drive"], files=files)
+    if not names_recording(content):
+        return Resolved(content)
+    try:
+        record, fit = _measured(content["drive"], files=files)
+    except StudyError as error:
+        without = {name: value for name, value in content.items() if name != "drive"}
+        return Resolved(without, error.problems)
     places = ("parameters", "variables", "uncertain", "unknowns")
     own = [given for name in places if isinstance(given := content.get(name), Mapping)]
     numbers = {n: v for n, v in record.numbers.items() if not any(n in given for given in own)}
@@ -45,16 +52,38 @@ def with_drive(content: Mapping[str, Any], *, files: bool = False) -> tuple[dict
     if isinstance(parameters, Mapping):  # if it is none, its reader says so
         parameters = {**parameters, **numbers}
     drive = record.model_dump(exclude_none=True)
-    return {**content, "parameters": parameters, "drive": drive}, fit
+    return Resolved({**content, "parameters": parameters, "drive": drive}, fit=fit)
 
 
-def _measured(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDrive, Fit]:
+def unknown_key(stranger: Stranger) -> Problem:
+    """Return what is wrong with a key that no drive has."""
+    fix = stranger.suggest(stranger.name, RecordedDrive.model_fields)
+    return Problem(stranger.place, f"'{stranger.name}' is not a key of the drive", fix)
+
+
+def no_section(stranger: Stranger) -> Problem:
+    """Return what is wrong with a measured drive of a kind that follows no motion."""
+    del stranger
+    return only_the_plain_sine('Write kind = "simulate", or give these')
+
+
+def _read(drive: Mapping[str, Any]) -> RecordedDrive:
+    """Return the recording that a study names; raise `StudyError` with every problem of it."""
+    try:
+        return RecordedDrive.model_validate(drive)
+    except ValidationError as error:
+        raise StudyError(
+            problems_of(error, {"drive": DRIVE}, unknown_key, within="drive")
+        ) from None
+
+
+def _measured(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDrive, measured.Fit]:
     """Return what a study keeps of the recording that it names, and its fit."""
-    given = parse_recorded(drive)
+    given = _read(drive)
     source = _source(given, files)
     place = "drive.file" if isinstance(source, Path) else "drive.data"
     try:
-        fit = fit_drive(_table(source, place, files), _recording(given))
+        fit = measured.fit_drive(_table(source, place, files), _recording(given))
         digest = _digest(source)
     except StudyError as error:
         raise StudyError(_placed(problem, place) for problem in error.problems) from None
@@ -65,7 +94,7 @@ def _measured(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDrive, Fit
     return _record_of(fit, name, digest), fit
 
 
-def _record_of(fit: Fit, name: str, digest: str) -> MeasuredDrive:
+def _record_of(fit: measured.Fit, name: str, digest: str) -> MeasuredDrive:
     """Return what is kept of a fit to a recording of some name and SHA-256."""
     shares: dict[Any, float] = dict(zip(fit.axes, map(_kept, fit.left_over), strict=True))
     return MeasuredDrive(
@@ -99,12 +128,12 @@ def _which(files: bool) -> str:
     return f"Give file = its name, or {text}" if files else f"Give {text}"
 
 
-def _table(source: str | Path, place: str, files: bool) -> Table:
+def _table(source: str | Path, place: str, files: bool) -> measured.Table:
     # Most lines are rows: what has far too many is not read.
     lines = source.count("\n") if isinstance(source, str) else 0
     if not files and lines > 2 * MOST_ROWS_SENT:
         raise StudyError([_too_long(place, lines, "lines")])
-    table = read_table(source)
+    table = measured.read_table(source)
     if not files and len(table.lines) > MOST_ROWS_SENT:
         raise StudyError([_too_long(place, len(table.lines), "rows")])
     return table
@@ -115,9 +144,9 @@ def _too_long(place: str, count: int, what: str) -> Problem:
     return Problem(place, message, "Cut it: one second of recording is enough")
 
 
-def _recording(given: RecordedDrive) -> Recording:
+def _recording(given: RecordedDrive) -> measured.Recording:
     asked = given.model_dump(exclude_none=True, exclude={"file", "data"})
-    return Recording(**asked)
+    return measured.Recording(**asked)
 
 
 def _digest(source: str | Path) -> str:
@@ -132,3 +161,7 @@ def _placed(problem: Problem, place: str) -> Problem:
     if problem.place == "recording":
         return Problem(place, problem.message, problem.fix)
     return problem if problem.place.startswith("drive.") else problem.below("drive")
+
+
+DRIVE: Final = Section(beside=beside, resolve=with_drive, unknown=unknown_key, absent=no_section)
+"""The section `drive`."""

@@ -1,4 +1,4 @@
-"""What is wrong between the parts of a study of optimisation, and where the study says it."""
+"""What is wrong between the parts of a study of optimisation."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from core.optimise.robust import MOST_UNCERTAIN
 from core.quantities import FLAGS
 from core.scenes import SCENES, Scene
 from core.study.distributions import Distribution
-from core.study.optimise_study import Limited, OptimiseStudy, OutputLimit, Pareto
+from core.study.optimise_study import Limited, OptimiseStudy, Pareto
 from core.study.values import Between, Values
 
 
@@ -26,7 +26,7 @@ def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Wr
     for place, name in places.items():
         if name in FLAGS:
             yield Wrong(place, f"{name} is a name and not a number", "Take another output")
-    if len(set(criterion_outputs(study))) < len(criterion_outputs(study)):
+    if len(set(study.criterion_outputs())) < len(study.criterion_outputs()):
         yield Wrong("criterion.against", "it is the output itself", "Name another output")
     for name in study.bounds():
         if name in values:
@@ -41,7 +41,7 @@ def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Wr
             yield Wrong(place, "lower is above upper", "Swap them")
         if one.absolute and one.upper is not None and one.upper < 0:
             yield Wrong(f"{place}.upper", "no absolute value is below 0", "Give 0 or more")
-        for name, _ in ends_of(one):
+        for name, _ in one.ends():
             if name in seen:
                 yield Wrong(place, f"{one.output} has such a bound already", "Remove one of them")
             seen.add(name)
@@ -75,21 +75,6 @@ def wrong_intervals(
         yield Wrong("uncertain", "a whole front is not traced over an interval", fix)
 
 
-def placed(problem: Wrong, study: OptimiseStudy, bounds: Mapping[str, Between]) -> Wrong:
-    """Return a problem of the plan at the place where the study says what it is about."""
-    section, _, name = problem.place.partition(".")
-    if section == "parameters" and name in bounds:
-        return replace(problem, place=f"variables.{name}")
-    if section == "outputs":
-        for number, one in enumerate(study.constraints):
-            if one.output == problem.about:
-                return replace(problem, place=f"constraints.{number}.output")
-        for key in ("output", "against"):
-            if problem.about and getattr(study.criterion, key, None) == problem.about:
-                return replace(problem, place=f"criterion.{key}")
-    return problem
-
-
 def of_other_drive(problem: Wrong, scene: Scene) -> Wrong:
     """Return a problem of the plan, in words that say why if only the plain sine has the output."""
     producers = scene.producers(scene.default_variant)
@@ -103,18 +88,3 @@ def of_other_drive(problem: Wrong, scene: Scene) -> Wrong:
     )
     fix = "Take an output of the motion, such as conveying_velocity"
     return replace(problem, message=message, fix=fix)
-
-
-def criterion_outputs(study: OptimiseStudy) -> tuple[str, ...]:
-    """Return the outputs that the criterion names."""
-    against = getattr(study.criterion, "against", None)
-    return (study.criterion.output, *((against,) if against else ()))
-
-
-def ends_of(one: OutputLimit) -> Iterable[tuple[str, float]]:
-    """Yield the name and the bound of each constraint that a limit stands for."""
-    name = f"{one.output}_absolute" if one.absolute else one.output
-    if one.lower is not None:
-        yield f"{name}_lower", one.lower
-    if one.upper is not None:
-        yield f"{name}_upper", one.upper

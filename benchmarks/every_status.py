@@ -1,0 +1,227 @@
+"""Judges every status of motion on the track; `python -m benchmarks.every_status`.
+
+Random cells of six families, as clean numbers that people write, and as any. Each is judged by its own course from
+rest, followed without any jump for many periods: the mean that is told has to be that of the course within both errors,
+whatever the status. Errors of `aperiodic` are statistical, at 99 %; those of the other statuses are bounds.
+"""  # noqa: E501
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import numpy as np
+from numpy.random import Generator
+
+from core.motion.groups import Groups, cells_of
+from core.motion.kernels import means
+from core.motion.kernels.arrays import NEVER, Flags, Floats
+from core.motion.kernels.results import COLUMN, RESULTS
+from core.motion.kernels.statuses import STATUS
+from core.motion.kernels.track import Cell, drive, solve_cells
+from core.motion.kernels.track.cycle import apart, approach, new_history
+from core.motion.kernels.track.solve import FINE
+from core.motion.kernels.track.tables import TALLY, TURN, at_rest, cell_of, new_work
+from core.quantities import MOTION_STATUSES
+
+GRAVITY = 9.80665
+ROUNDING = 1e-9
+"""Of the drive's speed: what a course is known to at best."""
+
+
+def groups_of(
+    *, frequency: Floats, amplitude: Floats, alpha: Floats, beta: Floats, gamma: Floats | float,
+    delta: Floats, friction: Floats, restitution: Floats | float = 0.0,
+) -> Groups:  # fmt: skip
+    """Return the groups of parts on a straight track; lengths in metres, angles in degrees."""
+    alpha, beta, gamma, delta = (np.radians(angle) for angle in (alpha, beta, gamma, delta))
+    number = amplitude * np.square(2 * np.pi * frequency) / GRAVITY
+    return Groups(
+        drive_number_along=number * np.cos(beta) * np.cos(alpha),
+        drive_number_across=number * np.cos(beta) * np.sin(alpha),
+        drive_number_normal=number * np.sin(beta),
+        gravity_number_along=np.sin(gamma),
+        gravity_number_across=np.cos(gamma) * np.sin(delta),
+        gravity_number_normal=np.cos(gamma) * np.cos(delta),
+        friction_static=friction,
+        friction_kinetic=friction,
+        wall_friction=friction,
+        restitution=restitution,
+        wall_restitution=restitution,
+    )
+
+
+def clean(random: Generator, count: int) -> Groups:
+    """Return cells of the numbers that people write."""
+    angles = np.array([5.0, 10.0, 15.0, 20.0])
+    return groups_of(
+        frequency=random.choice([50.0, 60.0, 100.0], count),
+        amplitude=1e-3 * random.choice(np.arange(0.1, 0.45, 0.05), count),
+        alpha=random.choice([*-angles, *angles], count),
+        beta=random.choice(np.arange(10.0, 31.0, 5.0), count),
+        gamma=0.0,
+        delta=random.choice([0.0, 2.0, 5.0, 8.0, 10.0], count),
+        friction=random.choice(np.arange(0.2, 0.51, 0.05), count),
+    )
+
+
+def anywhere(random: Generator, count: int, friction: Floats, rebounds: float = 0.0) -> Groups:
+    """Return random cells with this friction, and a restitution up to some."""
+    pick = random.uniform
+    climb = pick(-1.0, 1.0, count) * (pick(size=count) < 0.5)  # degrees; half are level
+    return groups_of(
+        frequency=pick(30.0, 100.0, count),
+        amplitude=1e-3 * pick(0.05, 0.4, count),
+        alpha=pick(-25.0, 25.0, count),
+        beta=pick(8.0, 40.0, count),
+        gamma=climb * np.minimum(1.0, 40.0 * friction),
+        delta=pick(0.0, 12.0, count),
+        friction=friction,
+        restitution=pick(0.1 * rebounds, rebounds, count),
+    )
+
+
+FAMILIES: dict[str, Callable[[Generator, int], Groups]] = {
+    "clean": clean,
+    "friction 0.2 to 0.6": lambda r, n: anywhere(r, n, r.uniform(0.2, 0.6, n)),
+    "friction 0.05 to 0.2": lambda r, n: anywhere(r, n, r.uniform(0.05, 0.2, n)),
+    "friction 0.01 to 0.05": lambda r, n: anywhere(r, n, r.uniform(0.01, 0.05, n)),
+    "friction 1e-9 to 1e-2": lambda r, n: anywhere(r, n, 10 ** r.uniform(-9.0, -2.0, n)),
+    "rebounds": lambda r, n: anywhere(r, n, r.uniform(0.1, 0.6, n), rebounds=0.6),
+}
+
+
+class Judged(NamedTuple):
+    """What is told of cells, and what their own course comes to.
+
+    Attributes
+    ----------
+    table, status : ndarray
+        Of the method; a row a cell, columns as in `COLUMN`.
+    course : ndarray
+        Mean velocity of the course; NaN where it still drifts.
+    doubt : ndarray
+        What the course does not know of that.
+    multiple : ndarray
+        Periods after which the course repeats; 0 where it does not.
+    speed : ndarray
+        The drive's speed.
+    """
+
+    table: Floats
+    status: Flags
+    course: Floats
+    doubt: Floats
+    multiple: Flags
+    speed: Floats
+
+    @property
+    def off(self) -> Floats:
+        """By how much the mean is off, beyond what method and course state of their errors."""
+        return np.abs(self.table[:, COLUMN.velocity] - self.course) - (
+            self.table[:, COLUMN.error] + self.doubt
+        )
+
+
+def course_of(row: Floats, periods: int) -> tuple[float, float, int]:
+    """Return mean, what is not known of it, and multiple of a course from rest without jumps."""
+    cell, work, (state, hold) = cell_of(row), new_work(), at_rest()
+    drive.set_drive(cell, row, work)
+    speed = float(drive.size(work))
+    history = new_history(periods, NEVER)
+    found, _ = approach(cell, True, 0.0, FINE, periods, 0, state, hold, history, work)
+    if found.status == STATUS.limit_reached:
+        return np.nan, np.nan, 0
+    travel = history.tallies[: found.done, TALLY.travel] / TURN
+    if found.multiple == 0:
+        batches = means.batch_means(travel)
+        if not means.is_steady(batches, ROUNDING * speed):
+            return np.nan, np.nan, 0
+        return float(np.mean(batches)), means.mean_error(batches) + ROUNDING * speed, 0
+    left, cycles = found.left, found.done // 4 // found.multiple
+    if cycles > 4:  # the ratio of a cycle, from many: those at the end are rounding
+        last = found.done - 1 - cycles * found.multiple
+        before = apart(True, 0.0, history, last, last - found.multiple + 1)
+        change = apart(True, 0.0, history, found.done - 1, found.done - found.multiple)
+        if 0.0 < change < before:
+            ratio = (change / before) ** (1.0 / cycles)
+            left = max(left, change * ratio / (1.0 - ratio))
+    mean = float(np.mean(travel[-found.multiple :]))
+    return mean, left + ROUNDING * speed, found.multiple
+
+
+def judged(groups: Groups, *, most_periods: int, periods: int, threads: int = 1) -> Judged:
+    """Return cells by the method, and by their own course over so many periods."""
+    settings = {"tolerance": 1e-12, "most_periods": float(most_periods)}
+    rows, _ = cells_of(Cell._fields, groups, **settings)
+    table, status = np.empty((len(rows), RESULTS)), np.zeros(len(rows), dtype=np.int8)
+
+    def one(number: int) -> tuple[float, float, int]:
+        piece = slice(number, number + 1)
+        solve_cells(True, 0.0, rows[piece], table[piece], status[piece], NEVER)
+        if np.isnan(table[number, COLUMN.velocity]):
+            return np.nan, np.nan, 0  # nothing is told
+        return course_of(rows[number], periods)
+
+    with ThreadPoolExecutor(threads) as pool:
+        courses = np.array(list(pool.map(one, range(len(rows)))))
+    speed = np.sqrt(np.square(rows[:, :3]).sum(axis=1))
+    multiple = courses[:, 2].astype(np.int64)
+    return Judged(table, status, courses[:, 0], courses[:, 1], multiple, speed)
+
+
+def lines(name: str, found: Judged) -> Iterator[str]:
+    """Return a line of the table for each status."""
+    for status, flag in MOTION_STATUSES.items():
+        here = found.status == flag.value
+        if not here.any():
+            continue
+        known = here & np.isfinite(found.off)
+        wrong = known & (found.off > 0.0)
+        gross = wrong & (found.off > 0.01 * found.speed)
+        stated = (found.table[:, COLUMN.error] / found.speed)[here]
+        told = found.table[:, COLUMN.multiple]
+        other = known & (told > 0) & (found.multiple > 0) & (told != found.multiple)
+        share = f"{100 * wrong.sum() / known.sum():.2f} %" if known.any() else "-"
+        yield (
+            f"| {name} | {status} | {here.sum()} | {known.sum()} | {wrong.sum()} | {share} | "
+            f"{gross.sum()} | {np.median(stated):.1e} | {other.sum()} |"
+        )
+
+
+def main() -> None:
+    """Print a line for each family and status, and for all."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--cells", type=int, default=1000, help="of each family")
+    parser.add_argument("--seed", type=int, default=28)
+    parser.add_argument("--most", type=int, default=1000, help="periods of the method")
+    parser.add_argument("--periods", type=int, default=10_000, help="of a course")
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--worst", type=int, default=0, help="cells to show of each family")
+    arguments = parser.parse_args()
+    print(
+        "| cells | status | number | judged | error exceeded | share | by more than 0.01 A w | "
+        "stated/A w: median | other multiple |"
+    )
+    print("| --- " * 9 + "|")
+    every = []
+    for place, (name, family) in enumerate(FAMILIES.items()):
+        random = np.random.default_rng([arguments.seed, place])
+        groups = family(random, arguments.cells)
+        found = judged(
+            groups, most_periods=arguments.most, periods=arguments.periods,
+            threads=arguments.threads,
+        )  # fmt: skip
+        every.append(found)
+        print(*lines(name, found), sep="\n", flush=True)
+        wrong = np.flatnonzero(found.off > 0.0)
+        for cell in wrong[np.argsort(-found.off[wrong])][: arguments.worst]:
+            numbers = [float(np.broadcast_to(n, found.speed.shape)[cell]) for n in groups.numbers]
+            print("#", cell, *(column[cell].tolist() for column in found), numbers)
+    print(*lines("all", Judged(*map(np.concatenate, zip(*every, strict=True)))), sep="\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,55 @@
+"""`python -m benchmarks.kinds_page` writes docs/generated/kinds.md from the records of kinds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from core.intake.forms import to_toml
+from core.kinds import KINDS
+from core.plan.kind import Kind
+
+PAGE = Path(__file__).parents[1] / "docs" / "generated" / "kinds.md"
+
+
+def page() -> str:
+    """Return the page."""
+    lines = [
+        "# Kinds of study",
+        "",
+        "Written by `python -m benchmarks.kinds_page` from the records of `core/kinds`. A kind is",
+        "the value of the key `kind`, a process of the service and a function of `vibrafeed`;",
+        "`vibrafeed new --kind NAME` writes its example.",
+        "",
+        "| kind | what it does |",
+        "| --- | --- |",
+        *(f"| [`{name}`](#{name}) | {kind.title} |" for name, kind in KINDS.items()),
+    ]
+    for kind in KINDS.values():
+        lines += _section(kind)
+    return "\n".join(lines) + "\n"
+
+
+def _section(kind: Kind) -> list[str]:
+    """Return what the page says of a kind: what it is for, its keys, its example."""
+    return [
+        "",
+        f"## {kind.name}",
+        "",
+        kind.description,
+        "",
+        "| key | needed | meaning |",
+        "| --- | --- | --- |",
+        *(
+            f"| `{name}` | {'yes' if field.is_required() else ''} | {field.description or ''} |"
+            for name, field in kind.model.model_fields.items()
+        ),
+        "",
+        "```toml",
+        to_toml(kind.example).rstrip(),
+        "```",
+    ]
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
+    print(f"wrote {PAGE.name}")

@@ -1,0 +1,36 @@
+"""What a calibration is to the rest of the program."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from core.calibrate.prepare import prepare
+from core.calibrate.run import compute, label
+from core.motion.prepare import choose_system
+from core.motion.systems import SYSTEMS
+from core.plan.kind import Kind
+from core.study.calibrate_study import CalibrateStudy
+
+KIND: Final = Kind(
+    name="calibrate",
+    title="Find parameters from measured speeds",
+    description="Finds what measured speeds, or what was seen of parts, tell of friction and other "
+    "parameters that nobody knows, and which run would tell most.",
+    model=CalibrateStudy,
+    scenes=(SYSTEMS,),
+    example={
+        "kind": "calibrate",
+        "scene": "rectangle-on-plane",
+        "parameters": {"frequency": "50 Hz", "beta": 20},
+        "observations": [
+            {"amplitude": "0.2 mm", "conveying_velocity": "13 mm/s", "error": "1 mm/s"},
+            {"amplitude": "0.3 mm", "conveying_velocity": "33 mm/s", "error": "1 mm/s"},
+        ],
+        "unknowns": {"friction": {"lower": 0.1, "upper": 0.6}},
+        "points": 1_000,
+    },
+    prepare=prepare,
+    choose=lambda sketch: choose_system(sketch.scene, sketch.method, sketch.names),
+    compute=compute,
+    label=label,
+)

@@ -1,0 +1,51 @@
+"""The one way in: from a file, a request or keywords to a study that can be carried out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from core.lazy import lazily
+
+__all__ = [
+    "gather",
+    "load_study",
+    "parse_json",
+    "parse_study",
+    "parse_toml",
+    "prepare_content",
+    "read_content",
+    "read_json",
+    "read_toml",
+    "study_and_fit",
+    "study_of",
+]
+
+if TYPE_CHECKING:
+    from core.intake.keywords import gather
+    from core.intake.read import (
+        load_study,
+        parse_json,
+        parse_study,
+        parse_toml,
+        prepare_content,
+        study_and_fit,
+        study_of,
+    )
+    from core.intake.text import read_content, read_json, read_toml
+else:
+    __getattr__ = lazily(
+        __name__,
+        {
+            "keywords": ("gather",),
+            "read": (
+                "load_study",
+                "parse_json",
+                "parse_study",
+                "parse_toml",
+                "prepare_content",
+                "study_and_fit",
+                "study_of",
+            ),
+            "text": ("read_content", "read_json", "read_toml"),
+        },
+    )

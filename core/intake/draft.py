@@ -1,0 +1,182 @@
+"""A study on its way in: read, files resolved, sections checked, planned."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError
+
+from core.errors import Problem, StudyError, nearest
+from core.intake.messages import problems_of
+from core.intake.section import Stranger
+from core.intake.sections import SECTIONS
+from core.kinds import KINDS
+from core.plan.plan import plan_scene, scene_parameters
+from core.plan.prepared import Prepared, names_meant
+from core.plan.sketch import Sketch
+from core.study.grid_study import MOST_OUTPUTS, PARAMETERS, Study
+
+if TYPE_CHECKING:
+    from core.measured.drive import Fit
+    from core.plan.kind import Kind
+
+
+@dataclass
+class Draft:
+    """A study on its way in.
+
+    Attributes
+    ----------
+    content : object
+        What stands in the file or request; the numbers of files once they are resolved.
+    problems : list of Problem
+        What the files lack.
+    unread : set of str
+        Sections whose files could not be read: nothing more is said of them.
+    fit : Fit or None
+        That of the recording, if the study names one.
+    """
+
+    content: Any
+    problems: list[Problem] = field(default_factory=list)
+    unread: set[str] = field(default_factory=set)
+    fit: Fit | None = None
+
+    @property
+    def kind(self) -> Kind | None:
+        """The kind that it says it is, if there is such a kind."""
+        name = self.content.get("kind") if isinstance(self.content, Mapping) else None
+        return KINDS[name] if isinstance(name, str) and name in KINDS else None
+
+    def resolve(self, *, files: bool) -> Draft:
+        """Put the numbers of files in the place of their names; return the draft.
+
+        `files` lets it name files of this machine: never what comes over the network.
+        """
+        keys = _keys_of(self.kind) if self.kind else SECTIONS
+        for key, section in SECTIONS.items():
+            there = isinstance(self.content, Mapping) and key in self.content and key in keys
+            if there and section.resolve is not None:
+                self.content, problems, fit = section.resolve(self.content, files)
+                self.problems += problems
+                self.fit = fit or self.fit
+                if key not in self.content:
+                    self.unread.add(key)
+        return self
+
+    def check(self) -> Study:
+        """Return the study; raise `StudyError` with what is wrong with single values and files."""
+        if not isinstance(self.content, Mapping):
+            fix = "Write keys and values: kind, scene, outputs, ..."
+            raise StudyError([Problem("study", "it is not an object", fix), *self.problems])
+        if self.kind is None:
+            problem, likely = _no_kind(self.content)
+            content = {**self.content, "kind": likely.name}
+            _, found = self._validated(likely, content)
+            raise StudyError([problem, *found, *self.problems])
+        study, problems = self._validated(self.kind, self.content)
+        problems += self.problems
+        if study is None or problems:
+            raise StudyError(problems)
+        return study
+
+    def prepare(self) -> Prepared:
+        """Return the study ready to be carried out; raise `StudyError` with every problem."""
+        try:
+            study = self.check()
+        except StudyError as error:
+            # Without the numbers of files a plan would miss what is not missing.
+            further = [] if self.problems else self._objections(error)
+            raise StudyError([*error.problems, *further]) from None
+        return KINDS[study.kind].prepare(study)
+
+    def _validated(
+        self, kind: Kind, content: Mapping[str, Any]
+    ) -> tuple[Study | None, list[Problem]]:
+        """Return the study of some content, if it is sound, and what is wrong with it."""
+        keys = _keys_of(kind)
+
+        def unknown(stranger: Stranger) -> Problem:
+            name, section = stranger.name, SECTIONS.get(stranger.name)
+            if section is not None and section.absent is not None:
+                return section.absent(stranger)
+            message = f"'{name}' is not a key of kind '{kind.name}'"
+            return Problem(stranger.place, message, stranger.suggest(name, keys))
+
+        try:
+            return kind.model.model_validate(content), []
+        except ValidationError as error:
+            problems = problems_of(error, SECTIONS, unknown, keys, self._parameters())
+            return None, [one for one in problems if one.place not in self.unread]
+
+    def _parameters(self) -> Collection[str]:
+        """Return the parameters of the scene that the study names, or all that there are."""
+        found: set[str] = set()
+        for scenes in self.kind.scenes if self.kind else ():
+            scene = scenes.get(str(self.content.get("scene"))[:100])
+            if scene is not None:
+                named = str(self.content.get(scene.choice))[:100]
+                chosen = named if named in scene.variants else scene.default_variant
+                found |= {*scene_parameters(scene, chosen)}
+        return found or PARAMETERS
+
+    def _objections(self, known: StudyError) -> list[Problem]:
+        """Return what a plan would object to besides what is known, as far as it can be told."""
+        kind = self.kind
+        if kind is None or not isinstance(self.content.get("parameters"), Mapping):
+            return []
+        sections = {key: one for key, one in SECTIONS.items() if key in _keys_of(kind)}
+        outputs = [*self._outputs(kind)]
+        scene, found = self.content.get("scene"), list[Problem]()
+        if not isinstance(scene, str) or not all(isinstance(name, str) for name in outputs):
+            return []
+        texts = (self.content.get(key) for key in ("variant", "method"))
+        variant, method = (text if isinstance(text, str) else None for text in texts)
+
+        def names(parameters: Collection[str]) -> list[str]:
+            found = (one.names(self.content.get(key), parameters) for key, one in sections.items())
+            return [*dict.fromkeys(names_meant(name for some in found for name in some))]
+
+        try:
+            sketch = Sketch(scene, variant, method, outputs, names(()))
+            chosen, variant, found = kind.choose(sketch)
+            given = names(scene_parameters(chosen, variant))
+            plan_scene(chosen, variant, outputs[:MOST_OUTPUTS], given)
+        except StudyError as error:
+            found = [*found, *error.problems]
+        places = {problem.place for problem in known.problems}
+        return [problem for problem in found if problem.place not in places]
+
+    def _outputs(self, kind: Kind) -> Iterable[Any]:
+        """Yield the outputs that the study asks for."""
+        keys = _keys_of(kind)
+        if "outputs" in keys and "outputs" not in self.content:
+            default = kind.model.model_fields["outputs"].get_default()
+            yield from default if isinstance(default, tuple) else ()
+        for key, section in SECTIONS.items():
+            if key in keys:
+                yield from section.outputs(self.content.get(key))
+
+
+def _keys_of(kind: Kind) -> Collection[str]:
+    """Return the keys of the studies of a kind."""
+    return tuple(kind.model.model_fields)
+
+
+def _no_kind(content: Mapping[str, Any]) -> tuple[Problem, Kind]:
+    """Return what is wrong with the kind of a study, and which one is meant.
+
+    The rest is checked all the same, as the kind that has most of its keys.
+    """
+    kind = content.get("kind")
+    missing = kind is None
+    said = None if missing else nearest(str(kind), KINDS)
+    problem = Problem(
+        "kind",
+        "it is missing" if missing else f"{str(kind)[:60]!r} is not a kind of study",
+        "Write kind = " + " or ".join(f'"{name}"' for name in ([said] if said else KINDS)),
+    )
+    shared = {name: len(set(_keys_of(one)) & set(content)) for name, one in KINDS.items()}
+    return problem, KINDS[said or max(KINDS, key=lambda name: shared[name])]

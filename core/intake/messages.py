@@ -1,0 +1,99 @@
+"""What pydantic finds wrong with a study, in our words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError
+
+from core.errors import MOST_PROBLEMS, Problem, Suggestions
+from core.intake.section import Section, Stranger
+from core.study.grid_study import PARAMETERS
+
+if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
+
+OUTSIDE = 5  # misplaced parameters that are named
+
+
+def problems_of(
+    error: ValidationError,
+    sections: Mapping[str, Section],
+    unknown: Callable[[Stranger], Problem],
+    keys: Collection[str] = (),
+    parameters: Collection[str] = PARAMETERS,
+    within: str = "",
+) -> list[Problem]:
+    """Return what is wrong with a study, each once and few enough to be read.
+
+    Parameters
+    ----------
+    error : ValidationError
+        What pydantic found.
+    sections : mapping of str to Section
+        Those of the study.
+    unknown : callable
+        Takes a key that stands in none of them, and is not known; returns what is wrong with it.
+    keys, parameters : collection of str
+        As in `Stranger`.
+    within : str
+        The section that it was that pydantic looked at, if not a whole study.
+    """
+    found = error.errors(include_url=False, include_input=False)
+    outside = [] if within else [str(one["loc"][0]) for one in found if _is_outside(one)]
+    suggest = Suggestions()
+    problems = []
+    if outside:
+        listed = ", ".join(outside[:OUTSIDE]) + (", ..." if len(outside) > OUTSIDE else "")
+        message = f"{listed} {'stands' if len(outside) == 1 else 'stand'} outside"
+        fix = "Write them below the line [parameters], in JSON within that object"
+        problems.append(Problem("parameters", message, fix))
+        found = [one for one in found if not _is_outside(one) and one["loc"] != ("parameters",)]
+    for one in found[:MOST_PROBLEMS]:
+        path, tag = [within, *one["loc"]] if within else [*one["loc"]], ""
+        section = sections.get(str(path[0]), Section()) if path else Section()
+        if len(path) > 1 and path[1] in section.tags:
+            tag = str(path.pop(1))  # which alternative it is, and no key
+        if path and path[-1] == "[key]":
+            del path[-1]  # it is the name that is wrong, and stands before
+        if one["type"] == "extra_forbidden":
+            says = section.unknown if len(path) > 1 else unknown
+            place = section.place(path)
+            problems.append(says(Stranger(path, place, tag, keys, parameters, suggest)))
+        else:
+            problems.append(_problem(one, path, section, suggest))
+    if len(found) > MOST_PROBLEMS:
+        more = f"{len(found) - MOST_PROBLEMS:,} further problems are not listed"
+        problems.append(Problem("study", more, "Fix these first"))
+    return problems
+
+
+def _is_outside(error: ErrorDetails) -> bool:
+    """Return whether a parameter stands among the keys of a study."""
+    path = error["loc"]
+    return error["type"] == "extra_forbidden" and len(path) == 1 and path[0] in PARAMETERS
+
+
+def _problem(
+    error: ErrorDetails, path: list[Any], section: Section, suggest: Suggestions
+) -> Problem:
+    """Return one error of pydantic in our words."""
+    place = section.place(path)
+    context: dict[str, Any] = error.get("ctx", {})
+    if error["type"] == "value":
+        fix = context["fix"]
+        if callable(fix):
+            fix = suggest.within(fix)
+        return Problem(place, context["message"], fix)
+    if error["type"] == "union_tag_invalid":
+        tag = str(context["tag"])[:60]
+        message = f"'{tag}' is not a {path[0]}"
+        return Problem(f"{place}.kind", message, suggest(tag, section.tags))
+    if error["type"] == "union_tag_not_found":
+        fix = "Write kind = " + " or ".join(f'"{name}"' for name in section.tags)
+        return Problem(f"{place}.kind", "it is missing", fix)
+    if error["type"] == "missing":
+        name = str(path[-1])[:60] if path else ""
+        return Problem(place, "it is missing", f"Add {name}")
+    return Problem(place, error["msg"].removesuffix("."), "Fix the value or its type")

@@ -1,0 +1,97 @@
+"""Studies from files, requests and programs, with every problem of them at once."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from core.errors import Problem
+from core.intake.draft import Draft
+from core.intake.text import read_content, read_json, read_toml
+from core.plan.prepared import Prepared
+from core.study.grid_study import Study
+
+if TYPE_CHECKING:
+    from core.measured.drive import Fit
+    from core.study.simulate_study import SimulateStudy
+
+
+def load_study(path: str | os.PathLike[str]) -> Study:
+    """Return the study in the TOML or JSON file at `path`; its recording, if any, is fitted.
+
+    Raises
+    ------
+    StudyError
+        With every problem of the file.
+    """
+    return study_of(read_content(Path(path)))
+
+
+def study_of(content: object) -> Study:
+    """Return the study that a mapping describes, the files that it names resolved.
+
+    Raises
+    ------
+    StudyError
+        With every problem.
+    """
+    return Draft(content).resolve(files=True).check()
+
+
+def parse_study(content: object) -> Study:
+    """Return the study that a mapping describes; raise `StudyError` with every problem of it.
+
+    It may name no files.
+    """
+    return Draft(content).check()
+
+
+def parse_toml(text: str) -> Study:
+    """Return the study in a TOML text; raise `StudyError` with every problem of it."""
+    return parse_study(read_toml(text))
+
+
+def parse_json(text: str | bytes) -> Study:
+    """Return the study in a JSON text; raise `StudyError` with every problem of it."""
+    return parse_study(read_json(text))
+
+
+def study_and_fit(content: object) -> tuple[SimulateStudy, Fit]:
+    """Return a study of motion, and the fit of the recording that it names.
+
+    Raises
+    ------
+    StudyError
+        With every problem, also if it names no recording.
+    """
+    draft = Draft(content).resolve(files=True)
+    if draft.fit is None and not draft.problems:
+        fix = "Give the file of a study, or a mapping, whose drive has file or data"
+        draft.problems += [Problem("drive", "it names no recording that can be fitted", fix)]
+    study: SimulateStudy = draft.check()  # type: ignore[assignment] # whose kind is given
+    assert draft.fit is not None  # else there is a problem
+    return study, draft.fit
+
+
+def prepare_content(content: object, only: str | None = None, *, files: bool = False) -> Prepared:
+    """Return the study that the content of a file or request describes, ready to be carried out.
+
+    `only` is the one kind that is wanted, of which cells are read; by default any will do. `files`
+    lets it name files of this machine: never what comes over the network.
+
+    Raises
+    ------
+    StudyError
+        With every problem, those of single values and those of the study as a whole.
+    """
+    named = content.get("kind") if isinstance(content, Mapping) else None
+    draft = Draft(content)
+    if only is not None and draft.kind is not None and named != only:
+        message = f"'{named}' is not the kind that is wanted here"
+        draft.problems.append(Problem("kind", message, f"Set kind = '{only}'"))
+    prepared = draft.resolve(files=files).prepare()
+    if only is not None:
+        prepared.check_lazy(f"Leave it out, or POST to /processes/{only}/execution")
+    return prepared

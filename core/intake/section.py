@@ -1,0 +1,138 @@
+"""A section of a study: a key that holds more than a value, and what its reader has to know."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from core.errors import Problem, Suggestions
+from core.study.grid_study import PARAMETERS
+
+if TYPE_CHECKING:
+    from core.measured.drive import Fit
+
+Content = dict[str, Any]
+"""What stands in a study: its keys and their values, as a file or request has them."""
+
+
+class Resolved(NamedTuple):
+    """Content with the numbers of a file in the place of its name.
+
+    Without the section if the file is bad.
+    """
+
+    content: Content
+    problems: Iterable[Problem] = ()
+    fit: Fit | None = None
+
+
+@dataclass(frozen=True)
+class Stranger:
+    """A key that a study, or one of its sections, does not have.
+
+    Attributes
+    ----------
+    path : sequence
+        Where it stands; the name comes last.
+    place : str
+        The same, as users read it.
+    tag : str
+        Of which alternative the section is, if it has any.
+    keys : collection of str
+        The keys of the study.
+    parameters : collection of str
+        Those to choose from, which messages list.
+    suggest : Suggestions
+        Looks for what was meant.
+    """
+
+    path: Sequence[Any]
+    place: str
+    tag: str
+    keys: Collection[str]
+    parameters: Collection[str]
+    suggest: Suggestions
+
+    @property
+    def name(self) -> str:
+        """The key itself, or its beginning."""
+        return str(self.path[-1])[:60]
+
+    @property
+    def within(self) -> str:
+        """The section that it stands in; empty for a key of the study."""
+        return str(self.path[0]) if len(self.path) > 1 else ""
+
+
+def dotted(path: Sequence[Any]) -> str:
+    """Return a place as users read it: keys with dots between them."""
+    return ".".join(str(part)[:60] for part in path) or "study"
+
+
+def no_key(stranger: Stranger) -> Problem:
+    """Return what is wrong with a key of a section of which nothing else is known."""
+    tag = f" '{stranger.tag}'" if stranger.tag else ""
+    section = stranger.within.removesuffix("s")
+    message = f"'{stranger.name}' is not a key of the {section}{tag}"
+    return Problem(stranger.place, message, "Remove it")
+
+
+def no_parameter(stranger: Stranger) -> Problem:
+    """Return what is wrong with a name in a section whose keys are parameters."""
+    name, within = stranger.name, stranger.within
+    if name in stranger.keys:
+        message = f"'{name}' is a key of the study, and stands among the {within}"
+        return Problem(stranger.place, message, f"Move it above the line [{within}]")
+    fix = stranger.suggest(name, PARAMETERS, stranger.parameters)
+    return Problem(stranger.place, f"'{name}' is not a parameter", fix)
+
+
+def _nothing(*_: Any) -> Iterable[str]:
+    return ()
+
+
+def _as_it_is(raw: Any, folder: Path) -> Any:
+    del folder
+    return raw
+
+
+@dataclass(frozen=True)
+class Section:
+    """What reading has to know of a section; by default that it is there.
+
+    Attributes
+    ----------
+    names : callable
+        Takes what stands in it, if anything, and the parameters of the scene; returns the
+        parameters that it gives or leaves open.
+    outputs : callable
+        Takes the same; returns the outputs that it asks for.
+    tags : tuple of str
+        The alternatives among which its key `kind` chooses.
+    by_parameter : bool
+        Whether its keys are parameters.
+    place : callable
+        Takes the path of a value; returns where that is, as users read it.
+    unknown : callable
+        Takes a `Stranger`; returns what is wrong with it.
+    beside : callable
+        Takes what stands in it and the folder of the study; returns it with the files that it names
+        found from anywhere.
+    resolve : callable, optional
+        Takes content that has the section, and whether files of this machine may be read; puts the
+        numbers of a file in the place of its name.
+    absent : callable, optional
+        Takes the section as a `Stranger` to a kind that has none such; returns what is wrong.
+    """
+
+    names: Callable[[Any, Collection[str]], Iterable[str]] = _nothing
+    outputs: Callable[[Any], Iterable[str]] = _nothing
+    tags: tuple[str, ...] = ()
+    by_parameter: bool = False
+    place: Callable[[Sequence[Any]], str] = dotted
+    unknown: Callable[[Stranger], Problem] = no_key
+    beside: Callable[[Any, Path], Any] = _as_it_is
+    resolve: Callable[[Content, bool], Resolved] | None = None
+    absent: Callable[[Stranger], Problem] | None = None

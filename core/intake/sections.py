@@ -1,0 +1,59 @@
+"""The sections that studies have; a kind has those that are keys of its model."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from typing import Any, Final
+
+from core.errors import Problem
+from core.intake.observed import OBSERVATIONS
+from core.intake.posteriors import UNCERTAIN
+from core.intake.recorded import DRIVE
+from core.intake.section import Section, Stranger, no_parameter
+from core.study.optimise_study import ANGLES, CRITERIA
+from core.study.reduction import LevelSet, Reduction
+
+
+def _given(parameters: Any, known: Collection[str]) -> Iterable[str]:
+    del known
+    return map(str, parameters) if isinstance(parameters, Mapping) else ()
+
+
+def _open(variables: Any, known: Collection[str]) -> Iterable[str]:
+    """Return the variables, or those that are meant where none are given."""
+    if isinstance(variables, Mapping):
+        return map(str, variables)
+    return (name for name in ANGLES if name in known)
+
+
+def _asked(outputs: Any) -> Iterable[str]:
+    return outputs if isinstance(outputs, list | tuple) else ()
+
+
+def _looked_for(criterion: Any) -> Iterable[str]:
+    found = criterion if isinstance(criterion, Mapping) else {}
+    names = (found.get("output", "acceleration_x"), found.get("against"))
+    return (name for name in names if isinstance(name, str))
+
+
+def _no_key_of_reduce(stranger: Stranger) -> Problem:
+    part = LevelSet if len(stranger.path) > 2 else Reduction
+    fix = stranger.suggest(stranger.name, part.model_fields)
+    return Problem(stranger.place, f"'{stranger.name}' is not a key of reduce", fix)
+
+
+SECTIONS: Final[Mapping[str, Section]] = {
+    "parameters": Section(names=_given, unknown=no_parameter, by_parameter=True),
+    "uncertain": UNCERTAIN,
+    "variables": Section(names=_open, unknown=no_parameter, by_parameter=True),
+    "unknowns": Section(names=_given, unknown=no_parameter, by_parameter=True),
+    "offsets": Section(unknown=no_parameter, by_parameter=True),
+    "factors": Section(unknown=no_parameter, by_parameter=True),
+    "candidates": Section(unknown=no_parameter, by_parameter=True),
+    "observations": OBSERVATIONS,
+    "drive": DRIVE,
+    "criterion": Section(outputs=_looked_for, tags=CRITERIA),
+    "outputs": Section(outputs=_asked),
+    "reduce": Section(unknown=_no_key_of_reduce),
+}
+"""Every section by its key, in the order in which they are read."""

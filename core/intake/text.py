@@ -1,0 +1,170 @@
+"""Reading what stands in TOML and JSON, from files and from the network."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+import tomllib
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from core.errors import Problem, StudyError
+from core.intake.sections import SECTIONS
+
+DEEPEST = 32  # levels; a study has 5, an execute request around it 2
+# What no study comes near: who sends more is refused before it is looked at closely.
+MOST_KEYS = 1_000  # of one object of JSON
+ONE = "Send one JSON object, a study"
+SYNTAX = "Fix the syntax there"
+NO_STUDIES = {
+    ".nc": ("it is a result, not a study", "Draw it with `vibrafeed plot`, or name its study"),
+    **dict.fromkeys(
+        (".csv", ".parquet", ".xlsx", ".mat"),
+        ("it is a table, not a study", "Name a TOML or JSON study"),
+    ),
+}  # what other files are, and what to do instead of running them
+MOST_BRACKETS = 10_000  # of the objects and lists of one text
+LARGEST = sys.float_info.max
+_HALVES = re.compile("[\ud800-\udfff]")
+
+
+def read_content(path: Path) -> object:
+    """Return what stands in the TOML or JSON file at `path`; raise `StudyError` if it cannot.
+
+    The files of a recording, of observations and of calibrations are named beside that of the
+    study.
+    """
+    suffix = path.suffix.lower()
+    if suffix in NO_STUDIES:
+        _fail("file", *NO_STUDIES[suffix])
+    try:
+        text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin it with a mark
+    except UnicodeDecodeError as error:
+        _fail("file", "it is not UTF-8 text", "Save it as UTF-8", error)
+    except OSError as error:
+        _fail("file", f"it cannot be read: {error.strerror}", "Name a TOML or JSON study", error)
+    content = _read_text(text, ".json" if suffix == ".json" else ".toml", path.stem)
+    if isinstance(content, dict):
+        for key, section in SECTIONS.items():
+            if key in content:
+                content[key] = section.beside(content[key], path.parent)
+    return content
+
+
+def _read_text(text: str, suffix: str, stem: str) -> object:
+    """Return what stands in the text of a file; tell TOML and JSON apart if its name is wrong."""
+    try:
+        return _READERS[suffix](text)
+    except StudyError as error:
+        (other,) = {*_READERS} - {suffix}
+        try:
+            _READERS[other](text)
+        except StudyError:
+            (problem,) = error.problems
+            if problem.place == "body":  # the word of requests
+                problem = Problem("file", problem.message, SYNTAX)
+            raise StudyError([problem]) from None
+        form = other.removeprefix(".").upper()
+        _fail("file", f"this is {form}, and its name ends in {suffix}", f"Name it {stem}{other}")
+
+
+def read_toml(text: str) -> object:
+    """Return what stands in a TOML text; raise `StudyError` if it is none."""
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        fix = f'{SYNTAX}: texts, such as "20 deg", stand in quotes'
+        _fail("file", f"it is not TOML: {error}", fix, error)
+
+
+def read_json(text: str | bytes) -> object:
+    """Return what stands in a JSON text; raise `StudyError` if it is none."""
+    try:
+        # By itself json would let halves of characters through, and take other encodings.
+        text = text if isinstance(text, str) else text.decode("utf-8")
+        if text.count("[") + text.count("{") > MOST_BRACKETS:
+            _fail("body", f"it holds more than {MOST_BRACKETS:,} objects and lists", ONE)
+        content: object = json.loads(
+            text, object_pairs_hook=_unique, parse_constant=_refuse_constant
+        )
+    except (ValueError, RecursionError) as error:
+        reason = "it is nested too deeply" if isinstance(error, RecursionError) else str(error)
+        _fail("body", f"it is not JSON: {reason}"[:300], ONE, error)
+    # What is no text can stand there as an escape only, or as itself in what Python hands over.
+    _check_values(content, texts="\\u" in text or not text.isascii())
+    return content
+
+
+_READERS: dict[str, Callable[[str], object]] = {".json": read_json, ".toml": read_toml}
+
+
+def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    if len(pairs) > MOST_KEYS:
+        begins = f"the object that begins with '{_shown(pairs[0][0])}'"
+        _fail("body", f"{begins} has {len(pairs):,} keys", f"Give at most {MOST_KEYS:,}")
+    content = dict(pairs)
+    if len(content) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for k, name in enumerate(names) if name in names[:k])
+        raise ValueError(f"the key '{_shown(twice)}' appears twice in one object")
+    return content
+
+
+def _refuse_constant(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is not a JSON number")
+
+
+def _check_values(content: object, *, texts: bool) -> None:
+    """Raise `StudyError` for what JSON can say and nothing else here can.
+
+    That is: objects within objects without end, numbers beyond floats and, where `texts` are to be
+    looked at, NUL and halves of characters in them.
+    """
+    level: list[tuple[str, Any]] = [("", [content])]
+    for _ in range(DEEPEST + 1):
+        below: list[tuple[str, Any]] = []
+        for place, part in level:
+            if isinstance(part, dict):
+                for key, value in part.items():
+                    within = f"{place}.{_shown(key)}".lstrip(".")
+                    if texts and _is_no_text(key):
+                        _fail(within, "its name holds an invalid character", "Fix the name")
+                    _check_plain(within, (value,), texts)
+                    if isinstance(value, dict | list):
+                        below.append((within, value))
+            else:
+                _check_plain(place, part, texts)
+                below.extend((place, item) for item in part if isinstance(item, dict | list))
+        if not below:
+            return
+        level = below
+    _fail(level[0][0][:100] or "body", "it is nested too deeply", ONE)
+
+
+def _check_plain(place: str, values: Sequence[Any], texts: bool) -> None:
+    """Raise `StudyError` if one of some values is a number beyond floats, or no text."""
+    kinds = {*map(type, values)}
+    if kinds <= {int, float}:
+        numbers = values
+    else:
+        numbers = [value for value in values if type(value) in (int, float)]
+    if numbers and not -LARGEST <= min(numbers) <= max(numbers) <= LARGEST:
+        _fail(place or "body", "it is a number larger than 1.8e308", "Fix the value")
+    if texts and any(isinstance(value, str) and _is_no_text(value) for value in values):
+        wrong = "it holds an invalid character: NUL, or half of a surrogate pair"
+        _fail(place or "body", wrong, "Fix the value")
+
+
+def _is_no_text(text: str) -> bool:
+    return "\0" in text or (not text.isascii() and _HALVES.search(text) is not None)
+
+
+def _shown(text: str) -> str:
+    """Return the start of a text, so that it can be written."""
+    return text[:60].encode("utf-8", "backslashreplace").decode("utf-8").replace("\0", "\\0")
+
+
+def _fail(place: str, message: str, fix: str, cause: Exception | None = None) -> NoReturn:
+    raise StudyError([Problem(place, message, fix)]) from cause

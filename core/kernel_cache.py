@@ -1,0 +1,226 @@
+"""Where compiled kernels are kept: a folder a package, named after what its code depends on.
+
+numba's own cache watches the one file a function stands in, so that a kernel which calls into
+another file would keep the old callee. Here the code of a package lies in a folder named after a
+digest of the files of the package and of all that they import, of the versions and settings of the
+compiler, and of what joins them. A change of any of them opens a new folder, and leaves those of
+the other packages alone; dates and places of files play no part. numba itself keeps the entries of
+one folder apart by argument types and by processor.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import os
+import re
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import numba
+import numpy as np
+from numba.core import caching
+from numba.core.registry import cpu_target
+from numba.core.runtime.nrt import rtsys
+from numba.misc.appdirs import AppDirs
+
+CORE = Path(__file__).resolve().parent
+
+COMPILERS = ("compiled.py", "linking.py")
+"""The files that say how functions are compiled: all cached code depends on them."""
+
+NEUTRAL = ("compiling.py", "kernel_cache.py")
+"""What those import, and no code depends on."""
+
+SETTINGS = (
+    "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "DISABLE_INTEL_SVML", "LOOP_VECTORIZE", "OPT",
+    "SLP_VECTORIZE",
+)  # fmt: skip
+"""Settings of numba that change code and that its own cache does not look at."""
+
+LOOPS = "loops"
+"""The package of functions that stand in no file; a digest of the text names each."""
+
+KEPT = 8
+"""Folders of a package that stay, the last used: a branch or two, and versions side by side."""
+
+IMPORT = re.compile(
+    r"^[ \t]*from[ \t]+(?:vibrafeed\.)?(core[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|.*)"
+    r"|^[ \t]*import[ \t]+(?:vibrafeed\.)?(core[\w.]*)",
+    re.MULTILINE,
+)
+"""An import of ours, in a clone or installed.
+
+A parser finds the same in fifty times the time, at every start: a test compares them."""
+
+_settings: Any = numba.config
+_user_caches = AppDirs(appname="vibrafeed", appauthor=False)  # type: ignore[no-untyped-call]
+
+
+@functools.cache
+def packages() -> dict[str, Path]:
+    """Return the folders that kernels stand in, by name."""
+    files = sorted(CORE.glob("*/kernels/**/*.py"))
+    return {package_of(file): file.parent for file in files}
+
+
+def package_of(file: Path) -> str:
+    """Return the name of the package of a kernel file: its folder, as `motion-planar`."""
+    return "-".join(part for part in file.parent.relative_to(CORE).parts if part != "kernels")
+
+
+@functools.cache
+def sources(package: str) -> tuple[Path, ...]:
+    """Return the files that the code of a package depends on, in a fixed order."""
+    found = {CORE / name for name in COMPILERS}
+    if package != LOOPS:
+        left = sorted(packages()[package].glob("*.py"))
+        passed = found | {CORE / name for name in NEUTRAL}
+        while left:
+            file = left.pop()
+            if file not in passed:
+                passed.add(file)
+                found.add(file)
+                left += imported(file.read_text(encoding="utf-8"))
+    return tuple(sorted(found))
+
+
+def imported(text: str) -> Iterator[Path]:
+    """Yield the files of ours that a module imports."""
+    for module, names, whole in IMPORT.findall(text):
+        below = [f"{module}.{name}" for name in re.findall(r"\w+", names)]
+        for dotted in (module or whole, *below):
+            path = CORE.parent.joinpath(*dotted.split("."))
+            for file in (path.with_suffix(".py"), path / "__init__.py"):
+                if file.is_file():
+                    yield file
+
+
+@functools.cache
+def digest(package: str) -> str:
+    """Return the name of all that the code of a package depends on, 16 hexadecimal digits."""
+    settings = {name: str(getattr(_settings, name, None)) for name in SETTINGS}
+    versions = (numba.__version__, llvmlite.__version__, np.__version__)
+    content = hashlib.sha256(repr((versions, settings)).encode())
+    for file in sources(package):
+        content.update(f"\n{file.relative_to(CORE).as_posix()}\n".encode())
+        content.update(hashlib.sha256(file.read_bytes()).digest())
+    return content.hexdigest()[:16]
+
+
+@functools.cache
+def root() -> Path:
+    """Return the folder of all packages: `NUMBA_CACHE_DIR`, or among the user's caches."""
+    return Path(_settings.CACHE_DIR or _user_caches.user_cache_dir)
+
+
+@functools.cache
+def folder(package: str) -> Path | None:
+    """Return the folder of the code of a package, made if need be.
+
+    One that cannot be written is there to be read (an image may ship it); None if there is none.
+    """
+    found = root() / f"{package}-{digest(package)}"
+    with contextlib.suppress(OSError):
+        found.mkdir(parents=True, exist_ok=True)
+        os.utime(found)  # it is in use
+        if os.access(found, os.W_OK):
+            _forget_old(package, found)
+            return found
+    return found if os.access(found, os.R_OK) else None
+
+
+@functools.cache
+def processor() -> str:
+    """Return the name of what code is compiled for: processor and instructions, 16 digits."""
+    target: Any = cpu_target.target_context.codegen()
+    return hashlib.sha256(repr(target.magic_tuple()).encode()).hexdigest()[:16]
+
+
+def loop_name(source: str) -> str:
+    """Return what names the text of a function that stands in no file."""
+    return f"{LOOPS}-{hashlib.sha256(source.encode()).hexdigest()[:32]}"
+
+
+def is_on_disk(source: str) -> bool:
+    """Return whether the code of a source text has been compiled before, and kept."""
+    path = folder(LOOPS)
+    return path is not None and any(path.glob(f"{loop_name(source)}.*"))
+
+
+def _forget_old(package: str, current: Path) -> None:
+    """Remove the folders of other digests of a package but the last used."""
+    others = set(current.parent.glob(f"{package}-" + 16 * "[0-9a-f]")) - {current}
+    with contextlib.suppress(OSError):  # another process removes the same ones
+        for other in sorted(others, key=os.path.getmtime, reverse=True)[KEPT:]:
+            shutil.rmtree(other, ignore_errors=True)
+
+
+class _Place(caching._CacheLocator):
+    """Where numba finds the code of one function, and what tells that it is that of its source."""
+
+    def __init__(self, package: str, function: Callable[..., Any], file: str, path: Path) -> None:
+        self._py_file, self._lineno = file, function.__code__.co_firstlineno
+        self._package, self._module, self._path = package, function.__module__, path
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], file: str) -> _Place | None:
+        """Return the place; None for a function of another file, or if there is no folder."""
+        package = LOOPS
+        if not file.startswith(LOOPS):
+            path = Path(file).resolve()
+            if not path.is_relative_to(CORE) or "kernels" not in path.parent.parts:
+                return None
+            package = package_of(path)
+        place = folder(package)
+        return None if place is None else cls(package, function, file, place)
+
+    def get_cache_path(self) -> str:
+        return str(self._path)
+
+    def get_source_stamp(self) -> str:
+        return digest(self._package)
+
+    def get_disambiguator(self) -> str:
+        return f"{self._module}-{self._lineno}"  # two kernels may have files of one name
+
+    def ensure_cache_path(self) -> None:
+        self._path.mkdir(parents=True, exist_ok=True)
+
+
+class _Results(caching.CompileResultCacheImpl):
+    """How numba writes compiled code; in our place only."""
+
+    _locator_classes: list[type[object]] = [_Place]  # noqa: RUF012 numba declares it so
+
+
+class _Cache(caching.FunctionCache):
+    """The cached code of one function; what cannot be written is compiled again next time."""
+
+    _impl_class = _Results
+
+    def load_overload(self, signature: Any, target_context: Any) -> Any:
+        """Find the code of one signature.
+
+        numba would first load all that it knows how to compile, and scipy with it: half a second.
+        Code that is compiled needs the counts of users of arrays and no more.
+        """
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(signature, target_context)  # type: ignore[no-untyped-call]
+
+    def save_overload(self, signature: Any, data: Any) -> None:
+        with contextlib.suppress(OSError):
+            super().save_overload(signature, data)  # type: ignore[no-untyped-call]
+
+
+def cache_of(function: Callable[..., Any]) -> Any:
+    """Return what keeps the code of a function for numba; None if there is no folder for it."""
+    try:
+        return _Cache(function)  # type: ignore[no-untyped-call]
+    except RuntimeError:
+        return None

@@ -1,0 +1,56 @@
+"""The kinds of study, each the record of its own package, and what holds for the results of all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Final
+
+from core import calibrate, motion, optimise, sensitivity, sweep
+from core.lazy import Exported, lazily
+
+if TYPE_CHECKING:
+    from core.kinds.results import (
+        STATUSES,
+        is_whole,
+        not_verified,
+        prepare,
+        share_left_out,
+        tabulate,
+    )
+    from core.plan.kind import Kind
+else:
+    __getattr__ = lazily(
+        __name__,
+        {
+            "results": (
+                "STATUSES",
+                "is_whole",
+                "not_verified",
+                "prepare",
+                "share_left_out",
+                "tabulate",
+            )
+        },
+    )
+
+__all__ = [
+    "KINDS",
+    "STATUSES",
+    "is_whole",
+    "not_verified",
+    "prepare",
+    "share_left_out",
+    "tabulate",
+]
+
+KINDS: Final[Mapping[str, Kind]] = Exported(
+    "KIND",
+    {
+        "sweep": sweep,
+        "simulate": motion,
+        "optimise": optimise,
+        "sensitivity": sensitivity,
+        "calibrate": calibrate,
+    },
+)
+"""Every kind of study, by the value of its key `kind`."""

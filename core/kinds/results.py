@@ -1,0 +1,50 @@
+"""Studies of any kind carried out, and what their results say of themselves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.dataset.table import Table
+from core.kinds import KINDS
+from core.plan.pieces import carry_out
+from core.plan.prepared import Prepared
+from core.plan.sample import FAILED, LEFT_OUT
+from core.quantities import FLAGS
+from core.study.grid_study import Study
+from core.watch import Watch
+
+STATUSES = {
+    name: flags["not_computed"].value for name, flags in FLAGS.items() if "not_computed" in flags
+}
+"""Variables that tell of each cell whether it was computed, and their value where it was not."""
+
+
+def prepare(study: Study) -> Prepared:
+    """Return a study, ready to be carried out; raise `StudyError` with every problem."""
+    return KINDS[study.kind].prepare(study)
+
+
+def tabulate(prepared: Prepared, watch: Watch | None = None) -> Table:
+    """Return the labelled results of a prepared study."""
+    kind = KINDS[prepared.study.kind]
+    return carry_out(prepared, kind.compute, kind.label, watch)
+
+
+def share_left_out(table: Table) -> float:
+    """Return the share of the cells of a result that a stop left without computing."""
+    shares = (
+        np.mean(table.variables[name].values == value)
+        for name, value in STATUSES.items()
+        if name in table.variables
+    )
+    return float(next(shares, 0.0))
+
+
+def not_verified(table: Table) -> int:
+    """Return how many cells of a result are further off than what is known of their error."""
+    return int(table.attributes.get(FAILED, 0))
+
+
+def is_whole(table: Table) -> bool:
+    """Return whether no stop left a cell of a result without computing or verifying it."""
+    return not share_left_out(table) and LEFT_OUT not in table.attributes

@@ -1,0 +1,61 @@
+"""Names that a package hands on, and whose modules are loaded when they are first asked for."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from importlib import import_module
+from types import MappingProxyType, ModuleType
+from typing import Any, Generic, TypeVar
+
+Record = TypeVar("Record")
+
+
+def lazily(package: str, homes: Mapping[str, tuple[str, ...]]) -> Callable[[str], Any]:
+    """Return the `__getattr__` of a package (PEP 562).
+
+    Parameters
+    ----------
+    package : str
+        Its name.
+    homes : mapping of str to tuple of str
+        Modules of the package, and the names that it hands on from each.
+    """
+    modules = {name: module for module, names in homes.items() for name in names}
+
+    def attribute(name: str) -> Any:
+        if name not in modules:
+            raise AttributeError(f"module '{package}' has no attribute '{name}'")
+        value = getattr(import_module(f"{package}.{modules[name]}"), name)
+        setattr(sys.modules[package], name, value)
+        return value
+
+    return attribute
+
+
+class Exported(Mapping[str, Record], Generic[Record]):
+    """What packages export under one name; a package is loaded when its record is asked for.
+
+    Parameters
+    ----------
+    name : str
+        What each calls its record, such as ``KIND``.
+    packages : mapping of str to module
+        The packages, by the name of their record.
+    """
+
+    def __init__(self, name: str, packages: Mapping[str, ModuleType]):
+        self._name, self._packages = name, MappingProxyType({**packages})
+
+    def __getitem__(self, key: str) -> Record:
+        record: Record = getattr(self._packages[key], self._name)
+        return record
+
+    def __contains__(self, key: object) -> bool:
+        return key in self._packages  # which loads nothing
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._packages)
+
+    def __len__(self) -> int:
+        return len(self._packages)

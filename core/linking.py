@@ -1,0 +1,232 @@
+"""How compiled functions that call each other become machine code: each entry once, as a whole.
+
+numba makes machine code of a function before it compiles the caller, links the optimised code into
+that, and optimises both anew: what lies ten calls deep is optimised ten times. Here a function that
+compiled code calls is a part, which is typed and translated for LLVM, and left so. One that Python
+calls is an entry: it is linked with the parts that it reaches, each once, and then optimised. Which
+of the two a function is, the caller decides; it may be both.
+"""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from llvmlite.binding import Linkage
+from numba.core import dispatcher, types
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Flags, compile_extra
+from numba.core.environment import lookup_environment
+from numba.core.registry import CPUDispatcher
+
+_NumbasLibrary: Any = JITCodeLibrary
+_NumbasCompiler: Any = vars(dispatcher)["_FunctionCompiler"]
+_NumbasDispatcher: Any = CPUDispatcher
+
+ENVIRONMENT = "_ZN08NumbaEnv"
+"""What the names of the globals begin with that hold what a function needs of Python."""
+
+GLOBALS = "numba.dynamic.globals"
+"""What the names of the globals begin with that hold addresses of one process."""
+
+Options = Mapping[str, Any]
+"""Options of the compiler, as `numba.njit` takes them."""
+
+Change = Callable[[Any], None]
+"""What changes flags of the compiler that are no options."""
+
+
+class _Library(_NumbasLibrary):  # type: ignore[misc]
+    """The code of one function, and the libraries whose functions it calls."""
+
+    def _optimize_functions(self, module: Any) -> None:
+        """Do nothing to a function by itself; the whole is optimised."""
+        module.data_layout = self._codegen._data_layout
+
+    def add_linking_library(self, library: Any) -> None:
+        """Note a library whose functions this one calls; a part of ours stays a part."""
+        if not isinstance(library, _Part):
+            library._ensure_finalized()
+        self._linking_libraries.append(library)
+
+
+class _Part(_Library):
+    """The code of a function for compiled callers: LLVM's input, no machine code."""
+
+    _shared_module: Any
+
+    @property
+    def has_dynamic_globals(self) -> bool:
+        variables = self._final_module.global_variables
+        return any(variable.name.startswith(GLOBALS) for variable in variables)
+
+    def _get_module_for_linking(self) -> Any:
+        """Return the code, each function of which may be defined more than once, or dropped."""
+        if self._shared_module is None:
+            self._shared_module = self._final_module
+            for function in self._final_module.functions:
+                if not function.is_declaration and function.linkage == Linkage.external:
+                    function.linkage = "linkonce_odr"
+        return self._shared_module
+
+
+class _Entry(_Library):
+    """The code of a function for Python, with all that it calls."""
+
+    def finalize(self) -> None:
+        """Link all that is called, directly or not, optimise it, and make machine code."""
+        self._linking_libraries = list(_reached(self, {}))
+        super().finalize()
+        for variable in self._final_module.global_variables:
+            if variable.name.startswith(ENVIRONMENT):
+                environment = lookup_environment(variable.name)  # type: ignore[no-untyped-call]
+                if environment is not None:
+                    self._codegen.set_env(variable.name, environment)
+
+
+def _reached(library: Any, known: dict[Any, None]) -> dict[Any, None]:
+    """Return the libraries that one links, and those that its parts link, each once."""
+    for called in library._linking_libraries:
+        if called not in known:
+            known[called] = None
+            if isinstance(called, _Part):
+                _reached(called, known)
+    return known
+
+
+class _Compiler(_NumbasCompiler):  # type: ignore[misc]
+    """Compiles a function into a library of ours."""
+
+    def __init__(self, of_numba: Any, library: type[_Library], change: Change | None) -> None:
+        self.__dict__.update(of_numba.__dict__)
+        self._library, self._change = library, change
+
+    def _compile_core(self, args: Any, return_type: Any) -> Any:
+        flags: Any = Flags()  # type: ignore[no-untyped-call]
+        self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
+        flags.no_cfunc_wrapper = True
+        flags.no_cpython_wrapper = flags.no_compile = self._library is _Part
+        if self._change is not None:
+            self._change(flags)
+        typing, target = self.targetdescr.typing_context, self.targetdescr.target_context
+        library: Any = self._library(target.codegen(), self.py_func.__qualname__)
+        library.enable_object_caching()
+        with _without_collecting():
+            result: Any = compile_extra(  # type: ignore[no-untyped-call]
+                typing, target, self.py_func, args, return_type, flags, self.locals, library,
+                self.pipeline_class,
+            )  # fmt: skip
+        if self._library is _Part:  # a name by which callers find it, where numba has an address
+            result = result._replace(entry_point=object())
+            target.insert_user_function(result.entry_point, result.fndesc, [library])
+        return result
+
+
+class _PartDispatcher(_NumbasDispatcher):  # type: ignore[misc]
+    """A function as compiled code sees it."""
+
+    _compiler: Any
+
+    def __init__(self, function: Callable[..., Any], options: Options, change: Change | None):
+        super().__init__(function, targetoptions=dict(options))
+        self._compiler = _Compiler(self._compiler, _Part, change)
+
+    def add_overload(self, result: Any) -> None:
+        """Note what was compiled; Python never calls it."""
+        self.overloads[tuple(result.signature.args)] = result
+
+
+class EntryDispatcher(_NumbasDispatcher):  # type: ignore[misc]
+    """A function as Python sees it; compiled code is handed its part.
+
+    Parameters
+    ----------
+    function : callable
+    options : mapping
+        Options of the compiler, as `numba.njit` takes them.
+    cache : callable
+        Returns what keeps the code of a function, asked when it is first compiled; None if nothing
+        does.
+    change : callable, optional
+        What changes flags of the compiler that are no options.
+    """
+
+    _cache: Any
+    _compiler: Any
+
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        options: Options,
+        cache: Callable[[Callable[..., Any]], Any],
+        change: Change | None = None,
+    ) -> None:
+        super().__init__(function, targetoptions=dict(options))
+        self._compiler = _Compiler(self._compiler, _Entry, change)
+        self._part = _PartDispatcher(function, options, change)
+        self._keeper: Any = cache
+
+    def compile(self, signature: Any) -> Any:
+        """Compile the function for types of arguments, or find it compiled."""
+        if self._keeper is not None:
+            self._cache, self._keeper = self._keeper(self.py_func) or self._cache, None
+        return super().compile(signature)
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Return what tells the compiler of a caller the type of a call."""
+        return self._part.get_call_template(args, kws)
+
+    def get_overload(self, signature: Any) -> Any:
+        """Return what the compiler of a caller finds the code by."""
+        return self._part.get_overload(signature)
+
+
+class Choice:
+    """A name for several functions; which one compiled code calls, the type of an argument tells.
+
+    Parameters
+    ----------
+    function : callable
+        Says what all of them return, and is what Python calls.
+    place : int
+        Place of the argument, a named tuple.
+    ways : mapping
+        Compiled functions, by type of the argument.
+    """
+
+    is_compiling = False
+
+    def __init__(self, function: Callable[..., Any], place: int, ways: Mapping[type, Any]) -> None:
+        self.py_func, self._place, self._ways = function, place, ways
+        self.__name__, self.__doc__ = function.__name__, function.__doc__
+        dispatched: Any = types.Dispatcher
+        self._numba_type_ = dispatched(self)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call the function itself."""
+        return self.py_func(*arguments)
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Return what tells the compiler of a caller the type of a call."""
+        return self._way(args).get_call_template(args, kws)
+
+    def get_overload(self, signature: Any) -> Any:
+        """Return what the compiler of a caller finds the code by."""
+        return self._way(signature).get_overload(signature)
+
+    def _way(self, types: Any) -> Any:
+        return self._ways[types[self._place].instance_class]
+
+
+@contextmanager
+def _without_collecting() -> Iterator[None]:
+    """Suspend the search for garbage, which takes a fifth of the time of compiling."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()

@@ -1,0 +1,92 @@
+"""Cells whose motion does not repeat: those that `solve` leaves `UNREPEATED`.
+
+They are compiled apart, as most studies have none.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from core.compiled import compiled, raised
+from core.motion.kernels.arrays import Floats, Statuses, Stop
+from core.motion.kernels.planar.chaos import from_phases
+from core.motion.kernels.planar.cycle import normal_cycle
+from core.motion.kernels.planar.drive import Drive
+from core.motion.kernels.planar.growth import LAST_DIGIT
+from core.motion.kernels.planar.repeating import repeating, velocity_at_start
+from core.motion.kernels.planar.solve import turn_round, upright
+from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS, Cell, cell_of
+from core.motion.kernels.planar.wave import new_table, wave_of
+from core.motion.kernels.results import COLUMN, RESULTS
+from core.motion.kernels.statuses import STATUS
+
+
+@compiled
+def stay(result: Floats) -> None:
+    """Set the velocity across of a motion that has a mean: in a plane there is none."""
+    if not math.isnan(result[COLUMN.velocity]):
+        result[COLUMN.across] = 0.0
+
+
+@compiled
+def reach_way(
+    drive: Drive, phase: float, cell: Cell, rows: Floats, sums: Floats, result: Floats, stop: Stop
+) -> None:
+    """Widen the error of an aperiodic motion to the way from rest to rest that it begins with.
+
+    Undisturbed it repeats that for ever. As long as roundings leave a digit of it, it is the motion
+    of these very numbers, though neighbouring ones go other ways.
+    """
+    own, no_log = np.full(RESULTS, math.nan), np.empty((0, len(PIECE)))
+    most_periods = int(cell.most_periods)
+    found = normal_cycle(drive, phase, cell.restitution, most_periods, LAST_DIGIT, rows)
+    first, count, periods = found
+    if periods < 1:
+        return
+    u = velocity_at_start(drive, phase, rows, first, count)
+    status, _ = repeating(
+        rows[first:], count - first, periods, phase, u, drive, cell, sums, no_log, own, stop
+    )
+    if status == STATUS.periodic:
+        apart = abs(own[COLUMN.velocity] - result[COLUMN.velocity])
+        result[COLUMN.error] = max(result[COLUMN.error], apart + own[COLUMN.error])
+
+
+@compiled
+def average_sine_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
+    """Fill table and status of cells under a sine, as `solve.solve_sine_cells` does."""
+    rows, sums = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
+    for number in range(groups.shape[0]):
+        cell, result = cell_of(groups[number]), table[number]
+        drive, phase, way = upright(cell)
+        result[:] = math.nan
+        found = from_phases(cell, phase, drive, rows, sums, result, stop)
+        if found == STATUS.aperiodic:
+            reach_way(drive, phase, cell, rows, sums, result, stop)
+        stay(result)
+        turn_round(result, way)
+        if raised(stop):
+            result[:] = math.nan
+            return
+        status[number] = found
+
+
+@compiled
+def average_wave_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
+    """Fill table and status of cells under other waves, as `solve.solve_wave_cells` does."""
+    rows, sums, waves = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS), new_table()
+    for number in range(groups.shape[0]):
+        row, result = groups[number], table[number]
+        cell = cell_of(row)
+        result[:] = math.nan
+        drive = wave_of(cell, row, waves)
+        found = from_phases(cell, 0.0, drive, rows, sums, result, stop)
+        if found == STATUS.aperiodic:
+            reach_way(drive, 0.0, cell, rows, sums, result, stop)
+        stay(result)
+        if raised(stop):
+            result[:] = math.nan
+            return
+        status[number] = found

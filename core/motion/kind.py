@@ -1,0 +1,91 @@
+"""What a simulation is to the rest of the program."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, Final
+
+from core.motion.prepare import choose_system, prepare
+from core.motion.run import compute, label
+from core.motion.systems import SYSTEMS
+from core.plan.kind import Kind
+from core.study.simulate_study import SimulateStudy
+
+_SINE: Final = {"frequency": 50, "amplitude": "0.2 mm", "beta": 30, "friction": 0.4}
+_WAVE: Final = {
+    "frequency": 50, "friction": 0.4, "amplitude_along_1": "0.2 mm", "amplitude_normal_1": "0.1 mm",
+    "amplitude_normal_2": "0.05 mm", "phase_normal_2": 30,
+}  # fmt: skip
+_RESTLESS: Final = {"restitution": [0.2, 0.4, 0.6, 0.8]}
+_PLANE, _TRACK, _ROLLING = "rectangle-on-plane", "rectangle-on-track", "cylinder-on-plane"
+_PIN: Final = {
+    "kind": "simulate",
+    "scene": "cylinder-isolated",
+    "outputs": ["settling_time"],
+    "parameters": {
+        "length": "20 mm", "diameter": "8 mm", "drop_height": "10 mm", "pitch": 60,
+        "friction": 0.3, "restitution": 0.4, "duration": "0.1 s",
+    },
+}  # fmt: skip
+
+
+def _motion(scene: str, parameters: Mapping[str, Any], method: str, **more: Any) -> dict[str, Any]:
+    track = {"radius": "0.2 m"} if scene == _TRACK else {}
+    return {
+        "kind": "simulate", "scene": scene, "parameters": {**track, **parameters}, "method": method,
+        "most_periods": 20, **more,
+    }  # fmt: skip
+
+
+def _all(scene: str, method: str) -> list[dict[str, Any]]:
+    """Return studies of a scene that need all kernels of a method: speed, energy, trajectory."""
+    asked: list[dict[str, Any]] = [{"outputs": ["conveying_velocity"]}, {"trajectory": 10}]
+    if method == "events":  # steps tell no energy
+        asked.insert(1, {"outputs": ["conveying_velocity", "friction_power"]})
+    return [_motion(scene, drive, method, **more) for drive in (_SINE, _WAVE) for more in asked]
+
+
+KIND: Final = Kind(
+    name="simulate",
+    title="Simulate the motion in time",
+    description="Follows parts in time, with stick, slide and hop, over a grid of parameters.",
+    model=SimulateStudy,
+    scenes=(SYSTEMS,),
+    example={
+        "kind": "simulate",
+        "scene": "rectangle-on-plane",
+        "parameters": {
+            "frequency": "50 Hz",
+            "amplitude": "0.5 mm",
+            "beta": 30,
+            "friction": [0.2, 0.4],
+        },
+    },
+    prepare=prepare,
+    choose=lambda sketch: choose_system(sketch.scene, sketch.method, sketch.names),
+    compute=compute,
+    label=label,
+    measures=("motion", "storage"),
+    compiles=MappingProxyType(
+        {
+            "motion-planar": (
+                *_all(_PLANE, "events"),
+                _motion(_PLANE, {**_SINE, "amplitude": "0.6 mm", **_RESTLESS}, "events"),
+                _motion(_PLANE, {**_WAVE, "amplitude_normal_1": "0.5 mm", **_RESTLESS}, "events"),
+                _motion(_PLANE, _SINE, "events", sensitivities=True),
+            ),
+            "motion-track": (*_all(_TRACK, "events"), *_all(_ROLLING, "events")),
+            "motion-tumbling": (
+                {**_PIN, "method": "events"},
+                {**_PIN, "method": "events", "trajectory": 10},
+                {**_PIN, "method": "time-stepping"},
+            ),
+            "motion-stepping": tuple(
+                study
+                for scene in (_PLANE, _TRACK, _ROLLING)
+                for study in _all(scene, "time-stepping")
+            ),
+        }
+    ),
+)

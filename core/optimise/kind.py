@@ -1,0 +1,48 @@
+"""What an optimisation is to the rest of the program."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import Final
+
+from core.motion.systems import SYSTEMS
+from core.optimise.methods import METHODS
+from core.optimise.prepare import choose_problem_scene, prepare
+from core.optimise.run import compute, label
+from core.plan.kind import Kind
+from core.scenes import SCENES
+from core.study.optimise_study import OptimiseStudy
+
+KIND: Final = Kind(
+    name="optimise",
+    title="Find the best drive",
+    description="Finds the best angles, or other parameters, of a drive for each of many designs.",
+    model=OptimiseStudy,
+    scenes=(SCENES, SYSTEMS),
+    example={
+        "kind": "optimise",
+        "scene": "rectangle-on-plane",
+        "criterion": {"kind": "maximise", "output": "acceleration_x"},
+        "parameters": {"frequency": "50 Hz", "amplitude": "0.5 mm", "friction": 0.3},
+    },
+    prepare=prepare,
+    choose=lambda sketch: choose_problem_scene(
+        sketch.scene, sketch.variant, sketch.outputs, sketch.names
+    ),
+    compute=compute,
+    label=label,
+    choices=MappingProxyType({"method": tuple(METHODS)}),
+    measures=("optimisers",),
+    compiles=MappingProxyType(
+        {
+            "optimise": (
+                {
+                    "kind": "optimise",
+                    "scene": "rectangle-on-track",
+                    "criterion": {"kind": "maximise", "output": "acceleration_x"},
+                    "parameters": {"frequency": 50, "amplitude": "0.2 mm", "friction": 0.4},
+                },
+            )
+        }
+    ),
+)

@@ -1,0 +1,69 @@
+"""What a kind of study is: the record that its own package exports as `KIND`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+from core.dataset.table import Table
+from core.plan.pieces import Computed
+from core.plan.prepared import Chosen, Prepared
+from core.plan.sketch import Sketch
+from core.scenes import Scene
+from core.study.grid_study import Study
+from core.watch import Watch
+
+
+@dataclass(frozen=True)
+class Kind:
+    """All that the rest of the program knows of a kind of study.
+
+    Attributes
+    ----------
+    name : str
+        The value of the key `kind`.
+    title, description : str
+        What lists of kinds show: a few words, and a sentence or two.
+    model : type
+        The model of its studies.
+    scenes : tuple of mapping
+        Where its scenes are; the first names all of them, others give further outputs.
+    example : mapping
+        A short study that is carried out at once.
+    prepare : callable
+        Takes a study; returns it ready to be carried out, or raises `StudyError` with every
+        problem.
+    choose : callable
+        Takes a `Sketch`; returns the scene and the variant or method in force, and what is wrong
+        with the one that is named. Raises `StudyError` if there is no such scene.
+    compute : callable
+        Takes what `prepare` returns and a `Watch`; returns what was `Computed`.
+    label : callable
+        Takes what `prepare` returns, what was computed, and a `Watch` that may stop verifying;
+        returns the `Table` of results.
+    choices : mapping of str to iterable of str
+        Values of keys that are no scenes, variants or outputs, and that the model does not list.
+    measures : tuple of str
+        Families of measurements of its accuracy, in the order of the page.
+    compiles : mapping of str to tuple of mapping
+        Studies that between them need every kernel of the kind; each group has its own kernels, so
+        that several processes can compile at a time.
+    """
+
+    name: str
+    title: str
+    description: str
+    model: type[Study]
+    scenes: tuple[Mapping[str, Scene], ...]
+    example: Mapping[str, Any]
+    prepare: Callable[[Any], Prepared]
+    choose: Callable[[Sketch], Chosen]
+    compute: Callable[[Any, Watch], Computed]
+    label: Callable[[Any, Computed, Watch], Table]
+    choices: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
+    measures: tuple[str, ...] = ()
+    compiles: Mapping[str, tuple[Mapping[str, Any], ...]] = field(
+        default_factory=lambda: MappingProxyType({})
+    )

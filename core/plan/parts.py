@@ -1,0 +1,217 @@
+"""A study in parts that are computed anywhere, in any order, and again; and their joining.
+
+Of each part a record is the last that is written: what has no record, or another digest, is
+computed again, and nothing else.
+"""
+
+from __future__ import annotations
+
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from numpy.typing import NDArray
+
+import core
+from core.dataset.records import Record, Records
+from core.dataset.table import Table
+from core.errors import StoppedError, VibrafeedError
+from core.study.grid_study import Study
+from core.watch import Watch
+
+MOST_PARTS = 100_000
+SHARDS, ANSWERS = "zarr", "nc"
+"""Where parts go: into the shards of a Zarr group that grows, or into records alone, joined to a
+NetCDF file."""
+
+
+class PartsMissingError(VibrafeedError):
+    """Parts are missing or damaged; `numbers` are those to compute again."""
+
+    def __init__(self, missing: list[int], damaged: list[int]):
+        self.missing, self.damaged = missing, damaged
+        self.numbers = sorted({*missing, *damaged})
+        told = [
+            f"{len(numbers):,} {what}: {ranges(numbers)}"
+            for what, numbers in (("missing", missing), ("damaged", damaged))
+            if numbers
+        ]
+        super().__init__("; ".join(told))
+
+
+def identity(study: Study) -> dict[str, str]:
+    """Return what two runs have in common that make the same bytes, but for the kind of file."""
+    return {"study": study.key(), "version": core.__version__}
+
+
+@dataclass(frozen=True)
+class Parts(ABC):
+    """The parts of a study on their way to a result.
+
+    Attributes
+    ----------
+    study : Study
+        The study.
+    cells : int
+        Its cells.
+    where : str
+        The result: a Zarr group, or a NetCDF file.
+    count : int
+        Number of parts.
+    boxes : int
+        Of how many boxes, or tiles, the parts are ranges.
+    """
+
+    study: Study
+    cells: int
+    where: str
+    count: int
+    boxes: int
+
+    @property
+    def records(self) -> Records:
+        """The records of all parts."""
+        return Records(self.where)
+
+    def name(self, part: int) -> str:
+        """Return the name of the record of a part."""
+        return f"{part:06}-of-{self.count:06}"
+
+    def ends(self, part: int) -> tuple[int, int]:
+        """Return the first of the boxes or tiles of a part, and the first after them."""
+        return part * self.boxes // self.count, (part + 1) * self.boxes // self.count
+
+    def missing(self) -> list[int]:
+        """Return the parts that have no record."""
+        there = set(self.records.names())
+        return [part for part in range(self.count) if self.name(part) not in there]
+
+    def begin(self) -> None:
+        """Write what readers need who want to follow the result while it grows, if they can."""
+        return
+
+    def digests(self) -> dict[str, str]:
+        """Return the SHA-256 of each shard that the parts have written, by its key."""
+        records = (self.records.read(self.name(part)) for part in range(self.count))
+        return {
+            key: digest
+            for record in records
+            if record is not None
+            for key, digest in record.told["shards"].items()
+        }
+
+    def forget(self, parts: Iterable[int]) -> None:
+        """Remove the records of some parts, which are computed again then."""
+        for part in parts:
+            self.records.remove(self.name(part))
+
+    def is_there(self, part: int) -> bool:
+        """Return whether a part has left a sound record."""
+        return self._is_ours(self.records.read(self.name(part)), part)
+
+    def compute(self, part: int, watch: Watch | None = None) -> bytes:
+        """Compute a part, and write its shards; return its record, which is still to be kept.
+
+        Raises
+        ------
+        StoppedError
+            If `watch` stops it.
+        """
+        watch, started = watch or Watch(), time.perf_counter()
+        arrays, shards = self._computed(*self.ends(part), watch)
+        told = {
+            "identity": identity(self.study),
+            "part": part,
+            "parts": self.count,
+            "seconds": time.perf_counter() - started,
+            "shards": shards,
+        }
+        return Record(told, arrays).pack()
+
+    def keep(self, part: int, record: bytes) -> None:
+        """Keep the record of a part: it is done then."""
+        self.records.write(self.name(part), record)
+
+    def join(self, watch: Watch | None = None, *, history: str | None = None) -> Table:
+        """Make the result of all parts, under its name; return its table.
+
+        That of a Zarr group has no values but those without dimension.
+
+        Raises
+        ------
+        PartsMissingError
+            If some are missing, or differ from their digest.
+        """
+        table = self._joined(watch or Watch(), history)
+        self.records.clear()
+        return table
+
+    def answers(self, watch: Watch | None = None) -> Table | None:
+        """Return what all parts tell as a whole, and write nothing; None where that is a group.
+
+        Raises
+        ------
+        PartsMissingError
+            As in `join`.
+        """
+        del watch
+        return None
+
+    @abstractmethod
+    def _computed(
+        self, start: int, stop: int, watch: Watch
+    ) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
+        """Return what some boxes tell, and the digests of the shards that were written."""
+
+    @abstractmethod
+    def _joined(self, watch: Watch, history: str | None) -> Table:
+        """Make the result of all parts; return its table."""
+
+    def _is_ours(self, record: Record | None, part: int) -> bool:
+        own = {"identity": identity(self.study), "part": part, "parts": self.count}
+        return record is not None and own.items() <= record.told.items()
+
+    def _check(
+        self, watch: Watch, is_sound: Callable[[Record], bool] = lambda _: True
+    ) -> list[Mapping[str, Any]]:
+        """Return what all parts tell; raise if one is missing or damaged, or is not sound."""
+        missing, damaged, told = [], [], []
+        there = set(self.records.names())
+        for part in range(self.count):
+            if watch.stopped():
+                raise StoppedError("it was stopped while parts were checked")
+            record = self.records.read(self.name(part))
+            if self.name(part) not in there:
+                missing.append(part)
+            elif not self._is_ours(record, part):
+                damaged.append(part)
+            elif record is not None:
+                if not is_sound(record):
+                    damaged.append(part)
+                told.append(record.told)
+            watch.advance(1 / self.count)
+        if missing or damaged:
+            raise PartsMissingError(missing, damaged)
+        return told
+
+    def _records(self) -> Iterator[Record]:
+        for part in range(self.count):
+            record = self.records.read(self.name(part))
+            if record is None:
+                raise PartsMissingError([part], [])
+            yield record
+
+
+def ranges(numbers: list[int]) -> str:
+    """Return numbers as queues take them: ``3,17-19``."""
+    told: list[str] = []
+    start = before = -2
+    for number in [*sorted(numbers), -2]:
+        if number != before + 1 or number < 0:
+            if before >= 0:
+                told.append(str(start) if start == before else f"{start}-{before}")
+            start = number
+        before = number
+    return ",".join(told)

@@ -1,0 +1,33 @@
+"""What a study of uncertain parameters is to the rest of the program."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from core.motion.systems import SYSTEMS
+from core.plan.kind import Kind
+from core.scenes import SCENES
+from core.sensitivity.labels import label
+from core.sensitivity.prepare import choose, prepare
+from core.sensitivity.run import compute
+from core.study.sensitivity_study import SensitivityStudy
+
+KIND: Final = Kind(
+    name="sensitivity",
+    title="Tell what uncertain parameters do",
+    description="Tells how outputs vary with parameters that are not known exactly: probabilities, "
+    "quantiles, Sobol indices, tolerance budgets, for each of many designs.",
+    model=SensitivityStudy,
+    scenes=(SCENES, SYSTEMS),
+    example={
+        "kind": "sensitivity",
+        "scene": "rectangle-on-plane",
+        "outputs": ["acceleration_x"],
+        "uncertain": {"friction": {"mean": 0.3, "deviation": 0.03}},
+        "parameters": {"frequency": "50 Hz", "amplitude": "0.5 mm", "beta": 30},
+    },
+    prepare=prepare,
+    choose=choose,
+    compute=compute,
+    label=label,
+)

@@ -1,0 +1,52 @@
+"""The cells of a sweep: evaluated, then labelled."""
+
+from __future__ import annotations
+
+from core.dataset.table import Table, Variable, regime_attributes
+from core.mechanics.arrays import Array
+from core.plan.derived import cells_of
+from core.plan.evaluate import evaluate
+from core.plan.labels import coordinates_of, global_attributes, outputs_of
+from core.plan.pieces import Computed
+from core.plan.prepared import Prepared
+from core.plan.sample import Sample
+from core.sweep.verify import accuracy, verified
+from core.watch import Watch
+
+
+def compute(prepared: Prepared, watch: Watch) -> Computed:
+    """Return outputs and `regime` of a sweep, SI units; it cannot be stopped."""
+    plan, grid, asked = prepared.plan, prepared.grid, prepared.derived
+    arrays = evaluate(plan, grid, threads=watch.threads, progress=watch.advance)
+    if asked is not None:
+        from core.plan.derivatives import derivatives
+
+        part = plan.part(asked.outputs, ())
+        found = derivatives(part, cells_of(part, grid), asked.parameters)
+        arrays = {**arrays, **asked.arrays(plan, grid, prepared.dims, found)}
+    return Computed(arrays)
+
+
+def label(prepared: Prepared, computed: Computed, watch: Watch) -> Table:
+    """Return what was computed of a sweep, labelled; `watch` may stop verifying it."""
+    plan, arrays, dims = prepared.plan, computed.arrays, prepared.dims
+
+    def values_at(sample: Sample) -> dict[str, Array]:
+        return {name: sample.at(arrays[name], dims[name]) for name in plan.outputs}
+
+    variables = outputs_of(prepared, arrays)
+    variables["regime"] = Variable(
+        dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
+    )
+    if prepared.derived is not None:
+        variables |= prepared.derived.variables(prepared.dims, arrays)
+    attributes = {**attributes_of(prepared), **verified(prepared, values_at, watch)}
+    return Table(coordinates_of(plan, prepared.grid), variables, attributes)
+
+
+def attributes_of(prepared: Prepared) -> dict[str, str]:
+    """Return the attributes of a whole sweep that are known before anything is computed."""
+    told = accuracy(prepared.plan.scene)
+    if getattr(prepared.study, "precision", None) == "single":
+        told += "; then rounded to 32-bit floats, by at most 6e-8 of each value"
+    return {**global_attributes(prepared, "closed-form equations"), "accuracy": told}

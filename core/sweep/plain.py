@@ -1,0 +1,111 @@
+"""Sweeps whose result holds every cell: with or without the derivatives of its outputs."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from core.dataset.table import Table
+from core.errors import Problem
+from core.plan.derived import Asked, asked_of
+from core.plan.parts import SHARDS
+from core.plan.pieces import Computed
+from core.plan.prepared import Prepared
+from core.plan.price import evaluation_seconds, pace
+from core.plan.tiles import Tiled
+from core.study.sweep_study import SweepStudy
+from core.sweep.cells import compute, label
+from core.sweep.parts import Shards, seconds_in_shards
+from core.watch import Watch
+
+
+class Sweep(Prepared):
+    """A sweep that can be carried out."""
+
+    study: SweepStudy
+    part_of: ClassVar[str] = SHARDS
+    can_stop: ClassVar[bool] = False
+    keeps_some: ClassVar[bool] = False
+
+    @property
+    def not_lazy(self) -> Problem | None:
+        """As in `Prepared`: each cell can be evaluated by itself."""
+        return None
+
+    @property
+    def is_single(self) -> bool:
+        """Whether values are stored in 32 bits."""
+        return self.study.precision == "single"
+
+    def width(self, name: str) -> int:
+        """As in `Prepared`."""
+        return min(super().width(name), 4) if self.is_single else super().width(name)
+
+    def in_files(self, name: str, values: NDArray[Any]) -> NDArray[Any]:
+        """As in `Prepared`; rounded to 32 bits last, if the study says so."""
+        values = super().in_files(name, values)
+        if not self.is_single or values.dtype != np.float64:
+            return values
+        with np.errstate(over="ignore"):  # what is too large for 32 bits is infinite
+            return values.astype(np.float32)
+
+    @cached_property
+    def seconds_a_cell(self) -> float:
+        """As in `Prepared`."""
+        return evaluation_seconds(self.plan, self.grid) / self.cells
+
+    def compute(self, watch: Watch) -> Computed:
+        """Return outputs and `regime`, SI units; it cannot be stopped."""
+        return compute(self, watch)
+
+    def label(self, computed: Computed, watch: Watch) -> Table:
+        """Return what was computed, labelled; `watch` may stop verifying it."""
+        return label(self, computed, watch)
+
+    def parts(self, where: str, count: int) -> Shards:
+        """As in `Prepared`: ranges of its tiles, which go into the shards of a Zarr group."""
+        return Shards(self.study, self.cells, where, count, self.boxes, self)
+
+    @property
+    def boxes(self) -> int:
+        """As in `Prepared`: its tiles."""
+        return len(Tiled(self).tiles)
+
+    def seconds_in_parts(self) -> float:
+        """As in `Prepared`."""
+        return seconds_in_shards(self)
+
+
+class DerivedSweep(Prepared):
+    """A sweep with the derivatives of its outputs, computed and kept as a whole."""
+
+    study: SweepStudy
+    keeps_some: ClassVar[bool] = False
+
+    @property
+    def not_lazy(self) -> Problem | None:
+        """As in `Prepared`."""
+        message = "derivatives are computed as a whole, not where read"
+        return Problem("sensitivities", message, "Leave it out")
+
+    @cached_property
+    def derived(self) -> Asked | None:
+        """As in `Prepared`."""
+        return asked_of(self.plan, self.study.values(), self.study.sensitivities, self.cells)
+
+    @cached_property
+    def seconds_a_cell(self) -> float:
+        """As in `Prepared`: each parameter takes a pass of its own, with two numbers for one."""
+        passes = 1 + (2 * len(self.derived.parameters) if self.derived else 0)
+        return passes * self.plan.scene.seconds_a_cell * pace()
+
+    def compute(self, watch: Watch) -> Computed:
+        """Return outputs and `regime`, SI units; it cannot be stopped."""
+        return compute(self, watch)
+
+    def label(self, computed: Computed, watch: Watch) -> Table:
+        """Return what was computed, labelled; `watch` may stop verifying it."""
+        return label(self, computed, watch)

@@ -1,0 +1,92 @@
+"""What is imported is declared, and what is missing is said how to install."""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+import tomllib
+from importlib.metadata import packages_distributions
+
+import pytest
+
+from core import extras
+from core.extras import ROOT, installing
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+OURS = {"core", "app", "vibrafeed"}
+
+
+def normal(name: str) -> str:
+    return name.lower().replace("_", "-")
+
+
+def names(requirements: list[str]) -> set[str]:
+    return {normal(match[0]) for one in requirements if (match := re.match(r"[\w.-]+", one))}
+
+
+DEPENDENCIES = names(PROJECT["dependencies"])
+EXTRAS = {extra: names(found) for extra, found in PROJECT["optional-dependencies"].items()}
+
+
+def imported() -> dict[str, set[str]]:
+    """Return the modules of others that the program imports, with the files that do."""
+    found: dict[str, set[str]] = {}
+    for room in sorted(OURS):
+        for file in (ROOT / room).rglob("*.py"):
+            for node in ast.walk(ast.parse(file.read_text())):
+                modules = []
+                if isinstance(node, ast.Import):
+                    modules = [one.name for one in node.names]
+                elif isinstance(node, ast.ImportFrom) and not node.level:
+                    modules = [str(node.module)]
+                for top in {module.split(".")[0] for module in modules} - OURS:
+                    if top not in sys.stdlib_module_names:
+                        found.setdefault(top, set()).add(str(file.relative_to(ROOT)))
+    return found
+
+
+def packages_of(module: str) -> set[str]:
+    return {normal(name) for name in packages_distributions().get(module, [module])}
+
+
+def test_every_package_that_is_imported_is_declared():
+    declared = DEPENDENCIES.union(*(EXTRAS[name] for name in EXTRAS.keys() - {"dev", "docs"}))
+    found = imported()
+    assert len(found) > 30
+    for module, files in found.items():
+        assert packages_of(module) & declared, f"{module} of {sorted(files)} is declared nowhere"
+
+
+def test_every_package_that_is_declared_has_its_version():
+    pinned = names((ROOT / "constraints.txt").read_text().splitlines())
+    for declared in (DEPENDENCIES, *EXTRAS.values()):
+        assert declared <= pinned
+
+
+def test_workbooks_and_zarr_come_with_the_program():
+    assert {"openpyxl", "zarr", "google-crc32c"} <= DEPENDENCIES
+    assert EXTRAS["tables"] == {"pyarrow"}
+
+
+def test_in_a_clone_the_clone_is_installed(monkeypatch):
+    monkeypatch.setattr("sys.prefix", str(ROOT / ".venv"))
+    plain = ".venv/bin/pip install --constraint constraints.txt -e "
+    assert installing("pyarrow", "tables") == f"{plain}'.[tables]'"
+    assert installing("openpyxl") == f"{plain}."
+    monkeypatch.setattr("sys.prefix", "/elsewhere")
+    assert installing("openpyxl") == "pip install --constraint constraints.txt -e ."
+
+
+def test_from_a_wheel_the_package_itself_is_named(monkeypatch, tmp_path):
+    monkeypatch.setattr(extras, "ROOT", tmp_path)
+    assert installing("pyarrow", "tables") == "pip install pyarrow"
+    assert installing("openpyxl") == "pip install openpyxl"
+
+
+@pytest.mark.parametrize("extra", sorted(EXTRAS))
+def test_no_message_takes_vibrafeed_from_an_index(extra):
+    """None has it: the name would be looked for in vain, or found to be another's."""
+    for room in sorted(OURS):
+        for file in (ROOT / room).rglob("*.py"):
+            assert f"vibrafeed[{extra}]" not in file.read_text(), file

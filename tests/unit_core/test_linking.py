@@ -1,0 +1,162 @@
+"""Kernels that call kernels: machine code is made once an entry, and it is that of the text."""
+
+from __future__ import annotations
+
+import gc
+import math
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from numba.core.codegen import CPUCodeLibrary
+
+from core.compiled import borrowing, by_type, compiled
+
+
+class Line(NamedTuple):
+    """A straight line."""
+
+    slope: float
+
+
+class Bow(NamedTuple):
+    """A parabola."""
+
+    bend: float
+    slope: float
+
+
+@compiled
+def of_line(curve, x):
+    return curve.slope * x
+
+
+@compiled
+def of_bow(curve, x):
+    return (curve.bend * x + curve.slope) * x
+
+
+@by_type("curve", {Line: of_line, Bow: of_bow})
+def height(curve, x):
+    """Return the height of a curve."""
+    raise NotImplementedError
+
+
+def calling(inner):
+    @compiled
+    def link(x):
+        return inner(x) - 0.5 * inner(0.25 * x)
+
+    return link
+
+
+def chain():
+    """Return functions each of which calls the one before it twice, and the same in Python."""
+
+    @compiled
+    def first(x):
+        return math.sin(x) + 1e-3 * x
+
+    calls, plain = [first], [first.py_func]
+    for _ in range(5):
+        calls.append(calling(calls[-1]))
+        plain.append(calling(plain[-1]).py_func)
+    return calls, plain
+
+
+@pytest.fixture
+def optimised(monkeypatch) -> list[str]:
+    """Return the names of the libraries that are optimised from now on."""
+    names: list[str] = []
+    plain = CPUCodeLibrary._optimize_final_module
+
+    def counted(library):
+        names.append(library.name)
+        return plain(library)
+
+    monkeypatch.setattr(CPUCodeLibrary, "_optimize_final_module", counted)
+    return names
+
+
+def test_what_is_called_is_optimised_with_its_caller_only(optimised):
+    calls, plain = chain()
+    assert calls[-1](0.7) == plain[-1](0.7)
+    assert len([name for name in optimised if "link" in name or "first" in name]) == 1
+    assert calls[2](0.7) == plain[2](0.7), "an entry, too, once Python calls it"
+    assert len([name for name in optimised if "link" in name or "first" in name]) == 2
+
+
+def test_an_entry_may_be_called_by_what_is_compiled_later():
+    @compiled
+    def inner(x):
+        return x * x
+
+    @compiled
+    def outer(x):
+        return inner(x) + 1.0
+
+    assert inner(3.0) == 9.0
+    assert outer(3.0) == 10.0
+    assert outer(3) == 10
+
+
+def test_a_type_chooses_what_is_called():
+    @compiled
+    def both(line, bow, x):
+        return height(line, x), height(bow, x)
+
+    assert both(Line(2.0), Bow(3.0, 1.0), 2.0) == (4.0, 14.0)
+    with pytest.raises(NotImplementedError):
+        height(Line(2.0), 2.0)
+
+
+def test_a_part_may_raise_and_may_allocate():
+    @compiled
+    def checked(x):
+        if x < 0:
+            raise ValueError("below 0")
+        return np.full(3, x)
+
+    @compiled
+    def total(x):
+        return checked(x).sum()
+
+    assert total(2.0) == 6.0
+    with pytest.raises(ValueError, match="below 0"):
+        total(-1.0)
+
+
+def test_borrowed_arrays_are_changed_in_place():
+    @borrowing
+    def add(row, x):
+        for place in range(row.size):
+            row[place] += x
+
+    @compiled
+    def add_twice(row, x):
+        add(row, x)
+        add(row, x)
+
+    row = np.zeros(4)
+    add_twice(row, 1.5)
+    assert row.tolist() == [3.0] * 4
+
+
+def test_garbage_is_collected_again_after_compiling():
+    calls, _ = chain()
+    calls[-1](0.1)
+    assert gc.isenabled()
+    gc.disable()
+    try:
+        calls[-2](0.1)
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
+
+
+def test_threads_may_ask_for_the_same_function_at_once():
+    calls, plain = chain()
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(calls[-1], [0.1 * k for k in range(16)]))
+    assert found == [plain[-1](0.1 * k) for k in range(16)]
