@@ -147,7 +147,7 @@ def test_the_least_restitution_moves_a_mean_as_the_derivative_at_none_says(more,
 def test_energies_move_with_the_least_restitution_as_the_derivative_at_none_says():
     """Impacts of small hops take what the floor would rub in their time, to the first order."""
     from core.motion.kernels.arrays import NEVER
-    from core.motion.kernels.planar import spend_cells
+    from core.motion.planar import spend_cells
 
     def spent(cells):
         table, status = np.full((len(cells), 3), np.nan), np.zeros(len(cells), np.int8)
