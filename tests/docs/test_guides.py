@@ -148,13 +148,23 @@ def test_adding_a_kind(tree: Path, tmp_path: Path) -> None:
     ]  # fmt: skip
     assert " passed" in run(tree, "-m", "pytest", "-q", "-p", "no:cacheprovider", test)
     # On the command line.
-    assert "mean" in run(tree, "-m", "vibrafeed", "--help").partition("Commands")[0]
     file = str(tmp_path / "study.toml")
-    run(tree, "-m", "vibrafeed", "new", file, "--kind", "mean")
-    assert "throw_number" in run(tree, "-m", "vibrafeed", "run", file)
-    assert "throw_number" in run(tree, "-m", "vibrafeed", "run", file, "--dry-run")
-    assert "vibrafeed.mean(" in run(tree, "-m", "vibrafeed", "convert", file, "--to", "python")
-    assert '"const": "mean"' in run(tree, "-m", "vibrafeed", "schema")
+    run(
+        tree,
+        "-c",
+        "from typer.testing import CliRunner\n"
+        "from app.cli import app\n"
+        "def said(*words):\n"
+        "    result = CliRunner().invoke(app, words)\n"
+        "    assert result.exit_code == 0, result.output\n"
+        "    return result.output\n"
+        "assert 'mean' in said('--help').partition('Commands')[0]\n"
+        f"said('new', {file!r}, '--kind', 'mean')\n"
+        f"assert 'throw_number' in said('run', {file!r})\n"
+        f"assert 'throw_number' in said('run', {file!r}, '--dry-run')\n"
+        f"assert 'vibrafeed.mean(' in said('convert', {file!r}, '--to', 'python')\n"
+        "assert '\"const\": \"mean\"' in said('schema')\n",
+    )
     # In Python, over HTTP, and in the documentation.
     run(
         tree,

@@ -19,4 +19,5 @@ def count(day: int, night: int, name: str = "VIBRAFEED_LAW_CELLS") -> int:
 def first_by_day(cases: Iterable[Any], day: int = 1) -> list[Any]:
     """Return the cases of a test, of which all but the first run by night only."""
     every = list(cases)
-    return every[:day] + [pytest.param(one, marks=pytest.mark.night) for one in every[day:]]
+    later = [one if isinstance(one, tuple) else (one,) for one in every[day:]]
+    return every[:day] + [pytest.param(*one, marks=pytest.mark.night) for one in later]

@@ -51,12 +51,13 @@ def server(tmp_path: Path) -> Iterator[Server]:
 def test_dismissed_work_frees_its_worker(server: Server) -> None:
     long = server.post(HOURS)
     server.waited(long, lambda job: job["status"] == "running")
-    time.sleep(5)  # the worker loads, and is amid the cell
+    time.sleep(3)  # the worker loads, and is amid the cell
     server.ask(f"/jobs/{long}", method="DELETE")
     small = server.finished(server.post(SMALL))
     assert small["status"] == "successful", small
 
 
+@pytest.mark.night
 def test_work_over_its_time_fails_alone(tmp_path: Path) -> None:
     """What waited behind it as long has not run for so long."""
     server = Server(tmp_path, **QUICK, workers=1, max_job_seconds=20)

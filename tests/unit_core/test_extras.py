@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import ast
+import functools
 import re
 import sys
 import tomllib
 from importlib.metadata import packages_distributions
+from pathlib import Path
 
 import pytest
 
@@ -29,33 +31,36 @@ DEPENDENCIES = names(PROJECT["dependencies"])
 EXTRAS = {extra: names(found) for extra, found in PROJECT["optional-dependencies"].items()}
 
 
+@functools.cache
+def sources() -> dict[Path, str]:
+    """Return the text of each file of the program."""
+    return {file: file.read_text() for room in OURS for file in (ROOT / room).rglob("*.py")}
+
+
 def imported() -> dict[str, set[str]]:
     """Return the modules of others that the program imports, with the files that do."""
     found: dict[str, set[str]] = {}
-    for room in sorted(OURS):
-        for file in (ROOT / room).rglob("*.py"):
-            for node in ast.walk(ast.parse(file.read_text())):
-                modules = []
-                if isinstance(node, ast.Import):
-                    modules = [one.name for one in node.names]
-                elif isinstance(node, ast.ImportFrom) and not node.level:
-                    modules = [str(node.module)]
-                for top in {module.split(".")[0] for module in modules} - OURS:
-                    if top not in sys.stdlib_module_names:
-                        found.setdefault(top, set()).add(str(file.relative_to(ROOT)))
+    for file, text in sources().items():
+        for node in ast.walk(ast.parse(text)):
+            modules = []
+            if isinstance(node, ast.Import):
+                modules = [one.name for one in node.names]
+            elif isinstance(node, ast.ImportFrom) and not node.level:
+                modules = [str(node.module)]
+            for top in {module.split(".")[0] for module in modules} - OURS:
+                if top not in sys.stdlib_module_names:
+                    found.setdefault(top, set()).add(str(file.relative_to(ROOT)))
     return found
-
-
-def packages_of(module: str) -> set[str]:
-    return {normal(name) for name in packages_distributions().get(module, [module])}
 
 
 def test_every_package_that_is_imported_is_declared():
     declared = DEPENDENCIES.union(*(EXTRAS[name] for name in EXTRAS.keys() - {"dev", "docs"}))
     found = imported()
     assert len(found) > 30
+    distributions = packages_distributions()
     for module, files in found.items():
-        assert packages_of(module) & declared, f"{module} of {sorted(files)} is declared nowhere"
+        packages = {normal(name) for name in distributions.get(module, [module])}
+        assert packages & declared, f"{module} of {sorted(files)} is declared nowhere"
 
 
 def test_every_package_that_is_declared_has_its_version():
@@ -87,6 +92,5 @@ def test_from_a_wheel_the_package_itself_is_named(monkeypatch, tmp_path):
 @pytest.mark.parametrize("extra", sorted(EXTRAS))
 def test_no_message_takes_vibrafeed_from_an_index(extra):
     """None has it: the name would be looked for in vain, or found to be another's."""
-    for room in sorted(OURS):
-        for file in (ROOT / room).rglob("*.py"):
-            assert f"vibrafeed[{extra}]" not in file.read_text(), file
+    for file, text in sources().items():
+        assert f"vibrafeed[{extra}]" not in text, file
