@@ -36,6 +36,11 @@ class Stopwatch:
             self.spent += time.perf_counter() - self._began
             self._tell(False)
 
+    @property
+    def is_running(self) -> bool:
+        """Whether something is being compiled now."""
+        return self._depth > 0
+
     @contextmanager
     def telling(self, told: Callable[[bool], object]) -> Iterator[None]:
         """Tell a function, until the block ends, when compiling begins (True) and ends (False)."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
@@ -9,9 +10,16 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import typer
+
 from app.cli import console
-from app.cli.studies import interruption, refuse_beyond_memory
-from app.cli.targets import write_or_exit
+from app.cli.studies import (
+    INTERRUPTED,
+    interruptible_compiler,
+    interruption,
+    refuse_beyond_memory,
+)
+from app.cli.targets import kept_apart, write_or_exit
 from core.compiling import stopwatch
 from core.errors import StoppedError
 
@@ -97,21 +105,37 @@ class Running:
     ) -> tuple[bool, bool] | None:
         """Write one result; return whether it is sound, and whether Ctrl-C came; None without."""
         from app.cli.results import facts_of, show_result
-        from core.kinds import is_whole, not_verified, tabulate
+        from core.kinds import is_whole, not_verified, share_left_out, tabulate
         from core.plan.pieces import cells_of
         from core.watch import Watch
 
         refuse_beyond_memory(path, prepared)
         compiled = stopwatch.spent
+        begun = threading.Event()
+        stopped_early = f"{path}: it was stopped before a cell was computed; nothing is written."
         with (
             console.progress(path.name) as advance,
-            interruption(gently=prepared.can_stop) as interrupted,
+            interruption(gently=prepared.can_stop, has_begun=begun.is_set) as interrupted,
+            interruptible_compiler(stopped_early),
         ):
+
+            def progress(share: float) -> None:
+                begun.set()
+                advance(share)
+
             try:
-                table = tabulate(prepared, Watch(advance, interrupted, self.deadline))
+                table = tabulate(prepared, Watch(progress, interrupted, self.deadline))
             except StoppedError as stopped:
                 console.fail(f"{path}: {stopped}; nothing is written.")
                 return None
+            except KeyboardInterrupt:
+                at_once = f"{path}: it was stopped at once; nothing is written."
+                console.fail(at_once if begun.is_set() else stopped_early)
+                raise typer.Exit(INTERRUPTED) from None
+        if share_left_out(table) == 1:
+            console.fail(stopped_early)
+            return None
+        target = kept_apart(target) if not is_whole(table) else target
         evaluated = time.perf_counter()
         write_or_exit(path, table, target, history_of(path), compression=not self.plain)
         seconds = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,10 +14,20 @@ from typing import TYPE_CHECKING, NoReturn
 import typer
 
 from app.cli.options import WRONG_INPUT
+from core.compiling import stopwatch
 from core.errors import LimitError, Problem, StudyError
 
 if TYPE_CHECKING:
     from core.plan.prepared import Prepared
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C, as of programs that the signal kills: 128 + 2."""
+
+PYTHONS_TURN = 0.5
+"""Seconds that Python has to end the program by itself; it does unless LLVM is amid its work."""
+
+SHOW_CURSOR = "\x1b[?25h"
+"""What a terminal shows its cursor by, which a progress bar hides."""
 
 STANDARD = Path("-")
 """Standard input where a study is read, standard output where a result is written."""
@@ -116,19 +127,18 @@ def refuse_beyond_memory(path: Path, prepared: Prepared) -> None:
 
 
 @contextmanager
-def interruption(*, gently: bool = True) -> Iterator[Callable[[], bool]]:
+def interruption(
+    *, gently: bool = True, has_begun: Callable[[], bool] = lambda: True
+) -> Iterator[Callable[[], bool]]:
     """Let Ctrl-C stop a study between cells, not in the middle; yield whether it has.
 
-    A second Ctrl-C stops at once, and the first one too where there is nothing to keep: not
-    `gently`.
+    A second Ctrl-C raises `KeyboardInterrupt`, and the first one too where there is nothing to
+    keep: not `gently`, or `has_begun` returns False.
     """
     asked = threading.Event()
-    if not gently:
-        yield asked.is_set
-        return
 
     def interrupt(number: int, frame: object) -> None:
-        if asked.is_set():
+        if asked.is_set() or not gently or not has_begun():
             raise KeyboardInterrupt
         asked.set()
 
@@ -137,3 +147,33 @@ def interruption(*, gently: bool = True) -> Iterator[Callable[[], bool]]:
         yield asked.is_set
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def interruptible_compiler(last_words: str) -> Iterator[None]:
+    """Let Ctrl-C end the program while it compiles, with these words on the error stream.
+
+    Python handles a signal between two of its own steps, and LLVM takes seconds for one. So a
+    thread reads the signals where Python's handler in C writes them, and ends the process if
+    Python itself has not come to it in time. Files under way appear whole or not at all.
+    """
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+
+    def read() -> None:
+        while number := os.read(reader, 1):
+            if number[0] == signal.SIGINT and stopwatch.is_running:
+                time.sleep(PYTHONS_TURN)
+                if stopwatch.is_running:
+                    cursor = f"\n{SHOW_CURSOR}" if os.isatty(2) else ""
+                    os.write(2, f"{cursor}{last_words}\n".encode())
+                    os._exit(INTERRUPTED)
+        os.close(reader)
+
+    before = signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
+    threading.Thread(target=read, name="interrupts", daemon=True).start()
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(before)
+        os.close(writer)

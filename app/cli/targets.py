@@ -74,6 +74,19 @@ def make_folder_of(target: str) -> None:
         refuse({Path(target): [place]})
 
 
+def kept_apart(target: str) -> str:
+    """Return where what is not whole goes: beside a file that is there, which may be whole."""
+    from app.cli import console
+    from core.dataset.formats import suffix_of
+
+    if not Path(target).exists():
+        return target
+    suffix = suffix_of(target)
+    beside = f"{target.removesuffix(suffix)}.partial{suffix}"
+    console.fail(f"{target} stays as it was; what is computed goes to {beside}.")
+    return beside
+
+
 def write_or_exit(
     path: Path, table: Table, target: str, history: str, *, compression: bool = True
 ) -> None:

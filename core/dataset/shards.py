@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 GROUP = "zarr.json"
 UNFINISHED = "unfinished.json"  # beside the arrays while some are missing: whose they are
 GROWING = "growing.json"  # the group's document for those who read it meanwhile
+STAGING = "#"  # in the names under which obstore writes files that are not whole yet
 UNDER_WAY = "This group is being written: what is not there yet reads as NaN, a regime as 0."
 
 
@@ -174,6 +175,8 @@ class GrowingZarr:
         self._put(GROUP, _as_json(group))
         self._behind.end()
         if self._path is not None and self._folder is not None:
+            for left in self._folder.rglob(f"*{STAGING}*"):
+                left.unlink()
             settle(self._folder, self._path)
             (self._path / UNFINISHED).unlink()
             (self._path / GROWING).unlink(missing_ok=True)

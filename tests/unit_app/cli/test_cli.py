@@ -310,19 +310,22 @@ def test_a_dry_run_of_a_simulation_loads_no_compiler(motion):
     assert loaded("scenes", "rectangle-on-track", "--method", "time-stepping") == set()
 
 
-def test_a_simulation_out_of_time_is_written_and_said(motion):
-    result = run("run", motion, "--time-limit", "0")
+def test_a_simulation_out_of_time_is_written_and_said(motion, stopped_after):
+    motion.write_text('method = "reference"\n' + motion.read_text())
+    stopped_after(1)
+    result = run("run", motion)
     assert result.exit_code == 1
-    assert "0 of 4 cells are computed." in result.output
-    assert "the other 4 are not computed, and marked so" in result.output
+    assert "1 of 4 cells are computed." in result.output
+    assert "the other 3 are not computed, and marked so" in result.output
     assert motion.with_suffix(".nc").exists()
 
 
-def test_what_was_not_verified_in_time_is_said(motion, study, tmp_path):
-    motion.write_text("verify = 2\n" + motion.read_text())
-    result = run("run", motion, "--time-limit", "0")
+def test_what_was_not_verified_in_time_is_said(motion, study, tmp_path, stopped_after):
+    motion.write_text('verify = 2\nmethod = "reference"\n' + motion.read_text())
+    stopped_after(4)
+    result = run("run", motion)
     assert result.exit_code == 1
-    assert "0 cells verified by the method reference; stopped before 2 of 2" in result.output
+    assert "0 cells verified by the method events; stopped before 2 of 2" in result.output
     # A sweep is computed as a whole; that it is not verified is said, too.
     late = tmp_path / "late.toml"
     late.write_text("verify = 3\n" + Path(study).read_text())

@@ -247,18 +247,20 @@ def test_an_existing_result_is_replaced_with_force_only(study, tmp_path):
     assert result.stat().st_mtime_ns == before
 
 
-def test_a_stopped_study_says_how_much_is_done_and_how_to_go_on(tmp_path):
+def test_a_stopped_study_says_how_much_is_done_and_how_to_go_on(tmp_path, stopped_after):
     study = tmp_path / "motion.toml"
     study.write_text(
-        'kind = "simulate"\nscene = "rectangle-on-plane"\n[parameters]\nfrequency = 50\n'
+        'method = "reference"\nkind = "simulate"\nscene = "rectangle-on-plane"\n'
+        "[parameters]\nfrequency = 50\n"
         'amplitude = "0.1 mm"\nbeta = [20, 30]\nfriction = 0.4\n'
     )
-    stopped = run("run", study, "--time-limit", 0)
+    stopped_after(1)
+    stopped = run("run", study)
     assert stopped.exit_code == 1
-    assert "It was stopped: 0 of 2 cells are computed." in stopped.output
+    assert "It was stopped: 1 of 2 cells are computed." in stopped.output
     assert "The same command with --resume computes this study again" in stopped.output
-    assert "0 of 2 cells evaluated in" in stopped.output
-    assert "regimes" not in stopped.output  # of no cell
+    assert "1 of 2 cells evaluated in" in stopped.output
+    stopped_after(-1)  # never
     assert run("run", study).exit_code == 2
     resumed = run("run", study, "--resume")
     assert resumed.exit_code == 0, resumed.output

@@ -1,0 +1,36 @@
+"""What tests of the command line share."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from core import kinds
+
+
+@pytest.fixture
+def stopped_after(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], None]:
+    """Return a function that has runs stopped after so many of their cells."""
+    plain = kinds.tabulate
+
+    def after(cells: int) -> None:
+        left, asked = cells, threading.Event()
+        if not left:
+            asked.set()
+
+        def tabulate(prepared, watch):
+            def advance(share: float) -> None:
+                nonlocal left
+                watch.advance(share)
+                left -= 1
+                if left == 0:
+                    asked.set()
+
+            return plain(prepared, replace(watch, progress=advance, stop=asked.is_set, threads=1))
+
+        monkeypatch.setattr(kinds, "tabulate", tabulate)
+
+    return after
