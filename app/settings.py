@@ -14,8 +14,9 @@ from urllib.parse import urlsplit
 from pydantic import BeforeValidator, Field, SecretStr, field_serializer, field_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
-from core.errors import Problem, suggestion
+from core.errors import Problem
 from core.extras import installing
+from core.suggestions import suggestion
 
 PREFIX = "VIBRAFEED_"
 # Read by the tests only; whoever runs them may serve with the same environment.

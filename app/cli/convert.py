@@ -9,7 +9,8 @@ import typer
 
 from app.cli.studies import content_of, refuse
 from app.cli.texts import refuse_taken, write_text
-from core.errors import Problem, StudyError, suggestion
+from core.errors import Problem, StudyError
+from core.suggestions import suggestion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

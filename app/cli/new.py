@@ -12,8 +12,9 @@ import typer
 from app.cli.questions import QUESTIONS, Question
 from app.cli.studies import STANDARD, refuse
 from app.cli.texts import refuse_taken, write_text
-from core.errors import Problem, suggestion
+from core.errors import Problem
 from core.kinds import KINDS
+from core.suggestions import suggestion
 
 _BY_NAME = {question.name: question for question in reversed(QUESTIONS)}  # the first of a name
 Answer = str | None

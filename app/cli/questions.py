@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final
 
-from core.errors import suggestion
-from core.other_names import meant
+from core.suggestions import meant, suggestion
 
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 

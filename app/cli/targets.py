@@ -11,7 +11,8 @@ import typer
 
 from app.cli.options import FAILED
 from app.cli.studies import refuse, refuse_clashes, stem_of
-from core.errors import LimitError, MissingPackageError, Problem, nearest
+from core.errors import LimitError, MissingPackageError, Problem
+from core.suggestions import nearest
 
 if TYPE_CHECKING:
     from core.dataset.table import Table

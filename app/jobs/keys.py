@@ -23,7 +23,8 @@ from sqlalchemy import Row, select
 from app.jobs import audit
 from app.jobs.database import Database
 from app.jobs.tables import KEYS
-from core.errors import Problem, VibrafeedError, suggestion
+from core.errors import Problem, VibrafeedError
+from core.suggestions import suggestion
 
 logger = logging.getLogger("vibrafeed.keys")
 

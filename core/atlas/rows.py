@@ -8,10 +8,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-from core.errors import Problem, StudyError, suggestion
+from core.errors import Problem, StudyError
 from core.quantities import QUANTITIES
 from core.study.grid_study import PARAMETERS
 from core.study.units import UnitError, read_number
+from core.suggestions import suggestion
 
 MOST_ROWS: Final = 2_000_000
 MOST_TOLD: Final = 20  # problems of cells

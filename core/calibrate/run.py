@@ -58,7 +58,8 @@ def calibrate(study: CalibrateStudy, *, watch: Watch | None = None) -> xarray.Da
     >>> from core.intake import load_study
     >>> dataset = calibrate(load_study(Path("configs/calibrate-rail.toml")))
     """
-    return tabulate(prepare(study), watch=watch).to_xarray()
+    prepared = prepare(study)
+    return tabulate(prepared, watch=watch).to_xarray()
 
 
 def tabulate(prepared: Calibration, *, watch: Watch | None = None) -> Table:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from core.errors import Problem, StudyError, nearest
+from core.errors import Problem, StudyError
 from core.intake.messages import problems_of
 from core.intake.section import Stranger
 from core.intake.sections import SECTIONS
@@ -17,6 +17,7 @@ from core.plan.plan import plan_scene, scene_parameters
 from core.plan.prepared import Prepared, names_meant
 from core.plan.sketch import Sketch
 from core.study.grid_study import MOST_OUTPUTS, PARAMETERS, Study
+from core.suggestions import nearest
 
 if TYPE_CHECKING:
     from core.measured.drive import Fit

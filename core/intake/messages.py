@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from core.errors import MOST_PROBLEMS, Problem, Suggestions
+from core.errors import MOST_PROBLEMS, Problem
 from core.intake.section import Section, Stranger
 from core.study.grid_study import PARAMETERS
+from core.suggestions import Suggestions
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails

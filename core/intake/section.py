@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from core.errors import Problem, Suggestions
+from core.errors import Problem
 from core.study.grid_study import PARAMETERS
+from core.suggestions import Suggestions
 
 if TYPE_CHECKING:
     from core.measured.drive import Fit

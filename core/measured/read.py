@@ -18,7 +18,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import Problem, StudyError, suggestion
+from core.errors import Problem, StudyError
+from core.suggestions import suggestion
 
 MOST_BYTES = 50_000_000
 MOST_ROWS = 500_000  # whose fit in three axes takes half a gigabyte and some ten seconds

@@ -46,7 +46,8 @@ def simulate(study: SimulateStudy, *, watch: Watch | None = None) -> xarray.Data
     >>> from core.intake import load_study
     >>> dataset = simulate(load_study(Path("configs/conveying-velocity.toml")))
     """
-    return tabulate(prepare(study), watch=watch).to_xarray()
+    prepared = prepare(study)
+    return tabulate(prepared, watch=watch).to_xarray()
 
 
 def tabulate(prepared: Simulation, *, watch: Watch | None = None) -> Table:

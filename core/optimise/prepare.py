@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from core.errors import Problem as Wrong
-from core.errors import StudyError, suggestion
+from core.errors import StudyError
 from core.motion.prepare import choose_system
 from core.motion.systems import CONTACTS as DRIVEN
 from core.motion.systems import SYSTEMS
@@ -27,6 +27,7 @@ from core.study.distributions import nominal, tolerance
 from core.study.drive import only_the_plain_sine
 from core.study.optimise_study import ANGLES, Limited, OptimiseStudy, Pareto
 from core.study.values import Between, Fixed, Span, Values
+from core.suggestions import suggestion
 
 FRONT = "front"
 

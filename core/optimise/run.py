@@ -40,7 +40,8 @@ def optimise(study: OptimiseStudy, *, watch: Watch | None = None) -> xarray.Data
     >>> from core.intake import load_study
     >>> dataset = optimise(load_study(Path("configs/optimise-limit.toml")))
     """
-    return tabulate(prepare(study), watch=watch).to_xarray()
+    prepared = prepare(study)
+    return tabulate(prepared, watch=watch).to_xarray()
 
 
 def tabulate(prepared: Optimisation, *, watch: Watch | None = None) -> Table:

@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.dataset.table import Variable, flag_attributes
-from core.errors import Problem, StudyError, suggestion
+from core.errors import Problem, StudyError
 from core.plan.plan import Plan
 from core.quantities import QUANTITIES
 from core.quantities.derivative import DERIVATIVE_STATUSES
+from core.suggestions import suggestion
 
 if TYPE_CHECKING:
     from core.plan.derivatives import Derivatives

@@ -6,13 +6,13 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from core.errors import Problem, StudyError, Suggestions, suggestion
-from core.other_names import meant
+from core.errors import Problem, StudyError
 from core.quantities import QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE
 from core.quantities.motion import FEEDING, RESULTS
 from core.scenes import ALIASES, SCENES, Condition, Equation, Scene
 from core.scenes.graph import behind
+from core.suggestions import Suggestions, meant, suggestion
 
 # Parameters that may be given in another way; the error for a missing one names the way to write.
 WRITTEN_AS = {"friction_static": "friction", "friction_kinetic": "friction"}

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 
 from numpy.typing import NDArray
 
-from core.errors import SEARCHED, LimitError, Problem, StudyError, nearest
+from core.errors import LimitError, Problem, StudyError
 from core.plan.derived import Asked, is_status
 from core.plan.grid import Grid, from_si
 from core.plan.parts import Parts
@@ -19,6 +19,7 @@ from core.quantities import FLAGS, QUANTITIES
 from core.scenes import Scene
 from core.study.grid_study import PARAMETERS, Study
 from core.study.values import Values
+from core.suggestions import SEARCHED, nearest
 
 Box = Mapping[str, tuple[int, int]]
 """A part of a grid: start and stop on the axes of which it is not the whole."""

@@ -8,7 +8,6 @@ from dataclasses import replace
 import xarray
 from matplotlib.figure import Figure
 
-from core.errors import suggestion
 from core.plots import calibration
 from core.plots.options import Options
 from core.plots.pictures import NAMES, PICTURES
@@ -16,6 +15,7 @@ from core.plots.problem import PlotError
 from core.plots.style import Style
 from core.plots.text import units_of
 from core.plots.together import draw_together
+from core.suggestions import suggestion
 
 
 def draw(

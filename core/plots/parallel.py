@@ -18,7 +18,6 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from core.errors import suggestion
 from core.plots.fixed import fixed_positions
 from core.plots.heading import finish, source_of
 from core.plots.options import Options
@@ -30,6 +29,7 @@ from core.plots.style import Style
 from core.plots.text import in_brackets, long_name, number, scaled, shown_in
 from core.quantities import REGIMES
 from core.study.shown import ShownUnits
+from core.suggestions import suggestion
 
 MOST_DESIGNS = 1000
 MOST_COLUMNS = 10

@@ -10,7 +10,6 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from core.errors import suggestion
 from core.plots.categories import categories_of, codes_of
 from core.plots.exact import is_exact
 from core.plots.fixed import fixed_positions
@@ -18,6 +17,7 @@ from core.plots.problem import PlotError
 from core.plots.text import axis_label, name_in_words, number, scaled, shown_in, with_unit
 from core.quantities import QUANTITIES
 from core.study.shown import ShownUnits
+from core.suggestions import suggestion
 
 LOG_TOLERANCE = 1e-6
 FEW = 7  # values of an axis between which nothing is drawn: curves, not contours

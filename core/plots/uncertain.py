@@ -14,7 +14,6 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from core.errors import suggestion
 from core.plots.fixed import fixed_positions
 from core.plots.heading import finish, source_of
 from core.plots.options import Options
@@ -25,6 +24,7 @@ from core.plots.text import in_brackets, number, with_unit, words
 from core.quantities import QUANTITIES
 from core.sensitivity.answers import LEVEL, QUANTILE, UNCERTAIN
 from core.study.shown import Shown, ShownUnits
+from core.suggestions import suggestion
 
 NEEDED = {
     "distribution": "distribution",

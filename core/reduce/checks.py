@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 
-from core.errors import Problem, Suggestions
+from core.errors import Problem
 from core.plan.grid import Grid
 from core.plan.plan import Plan
 from core.study.reduction import Reduction
 from core.study.values import Fixed, Values
+from core.suggestions import Suggestions
 
 
 def problems_of_names(

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import Problem, StudyError, suggestion
+from core.errors import Problem, StudyError
 from core.motion.prepare import choose_system, price_of
 from core.motion.systems import CONTACTS as DRIVEN
 from core.motion.systems import methods_of
@@ -29,6 +29,7 @@ from core.study.distributions import Distribution, nominal, tolerance
 from core.study.drive import only_the_plain_sine
 from core.study.sensitivity_study import SensitivityStudy
 from core.study.values import Fixed, Span, Values
+from core.suggestions import suggestion
 
 PATH_SAMPLES = 64
 """Samples for each of which Morris's screening goes one path."""

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
-from core.errors import suggestion
 from core.quantities import QUANTITIES, Quantity
 from core.study.units import UnitError, read_number
 from core.study.values import Between, as_difference, read_between
+from core.suggestions import suggestion
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

@@ -17,10 +17,10 @@ from pydantic import (
     create_model,
 )
 
-from core.errors import suggestion
 from core.quantities import QUANTITIES, Quantity
 from core.study.levels import read_level, refusal
 from core.study.units import UnitError, read_number
+from core.suggestions import suggestion
 
 MOST_RUNS = 1_000
 OBSERVED = ("conveying_velocity", "feed_rate")

@@ -18,10 +18,10 @@ from pydantic import (
     WithJsonSchema,
 )
 
-from core.errors import suggestion
 from core.quantities import QUANTITIES, REGIMES
 from core.study.levels import Level, at_most, read_level, refusal
 from core.study.units import UnitError
+from core.suggestions import suggestion
 
 STATISTICS = ("max", "min", "mean", "argmax", "argmin")
 """What can be told of an output over the cells that go."""

@@ -14,11 +14,11 @@ from itertools import pairwise
 from operator import gt, lt
 from typing import TYPE_CHECKING, Any, Literal
 
-from core.errors import suggestion
 from core.quantities import QUANTITIES, Quantity
 from core.study.shown import Shown, ShownUnits
 from core.study.spacing import as_typed, evenly, geometrically
 from core.study.units import UnitError, read_number, read_numbers
+from core.suggestions import suggestion
 
 if TYPE_CHECKING:
     import numpy as np

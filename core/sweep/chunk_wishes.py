@@ -6,7 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 
 from core.dataset.layout import chunk_shape
-from core.errors import Problem, StudyError, Suggestions
+from core.errors import Problem, StudyError
+from core.suggestions import Suggestions
 
 Wishes = Mapping[str, int | None]
 """Values of a chunk along some axes; None for as many as may be."""

@@ -29,7 +29,8 @@ def sweep(study: SweepStudy) -> xarray.Dataset:
     >>> from core.sweep import sweep
     >>> dataset = sweep(load_study(Path("configs/figures/fig-5-1.toml")))
     """
-    return tabulate(prepare(study)).to_xarray()
+    prepared = prepare(study)
+    return tabulate(prepared).to_xarray()
 
 
 def tabulate(prepared: AnySweep, *, watch: Watch | None = None) -> Table:

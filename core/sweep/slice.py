@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from core.dataset.table import Table, Variable, quantity_attributes, regime_attributes
-from core.errors import LimitError, Problem, StudyError, Suggestions
+from core.errors import LimitError, Problem, StudyError
 from core.plan.evaluate import evaluate
 from core.plan.grid import Grid, from_si
 from core.plan.plan import Plan
@@ -17,6 +17,7 @@ from core.plan.prepared import Prepared
 from core.quantities import QUANTITIES, REGIMES
 from core.study.units import UnitError, problem, read_number
 from core.study.values import position_on_axis
+from core.suggestions import Suggestions
 from core.sweep.cells import attributes_of
 
 MOST_AXES = 2

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from core.errors import MOST_PROBLEMS, Problem, StudyError, suggestion
+from core.errors import MOST_PROBLEMS, Problem, StudyError
+from core.suggestions import suggestion
 from core.validation.catalogue import FAMILIES, problems
 from core.validation.forms import forms
 from core.validation.problem import KnownProblem

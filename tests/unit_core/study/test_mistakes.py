@@ -8,19 +8,19 @@ import pytest
 
 from app.cli.questions import QUESTIONS
 from core.catalogue import describe_all
-from core.errors import StudyError, nearest
+from core.errors import StudyError
 from core.intake import load_study, prepare_content, read_content
 from core.intake.keywords import KEYS
 from core.kinds import KINDS
 from core.motion.systems import SYSTEMS
 from core.optimise.methods import METHODS
-from core.other_names import OTHER_NAMES
 from core.quantities import QUANTITIES
 from core.study.grid_study import PARAMETERS
 from core.study.optimise_study import CRITERIA
 from core.study.units import UnitError
 from core.study.unusual import questions
 from core.study.values import position_on_axis
+from core.suggestions import OTHER_NAMES, nearest
 
 PLANE = {
     "kind": "simulate",

@@ -1,8 +1,9 @@
-"""Other names that people type for what has a name here, and what they mean by them."""
+"""What is meant by a name that is not known: another name for a thing, or a mistyped one."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import difflib
+from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
 from typing import Final
 
@@ -109,3 +110,66 @@ def meant(name: str, known: Iterable[str]) -> str | None:
     choice = frozenset(known)
     spoken = name.strip().casefold().replace("-", "_").replace(" ", "_")
     return next((one for one in OTHER_NAMES.get(spoken, ()) if one in choice), None)
+
+
+MEANT = 4  # letters of a name that tell which is meant
+LONGEST = 60  # letters of a name that are looked at; no name of ours has more
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name that another, mistyped or shortened one stands for; None if none is."""
+    choice, name = sorted(known), name[:LONGEST]
+    said = meant(name, choice)
+    if said is not None:
+        return said
+    longer = [known for known in choice if len(name) >= MEANT and known.startswith(name)]
+    near = longer or difflib.get_close_matches(name, choice, n=1, cutoff=0.6)
+    return near[0] if near else None
+
+
+FEWEST_OF_A_FAMILY = 3
+SEARCHED = 8  # names of one request that are worth a search for what was meant
+
+
+def suggestion(name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
+    """Return ``Did you mean ...?`` for the nearest known name, or the whole choice.
+
+    `listed` are those of the known names that are the choice, if not all of them.
+    """
+    choice = sorted(known)
+    near = nearest(name, choice)
+    if near:
+        return f"Did you mean '{near}'?"
+    return "Known: " + ", ".join(_in_families(choice if listed is None else sorted(listed)))
+
+
+class Suggestions:
+    """Searches for the first few names alone: nobody reads more, and each search takes time."""
+
+    def __init__(self) -> None:
+        self.left = SEARCHED
+
+    def __call__(self, name: str, known: Iterable[str], listed: Iterable[str] | None = None) -> str:
+        """Return what `suggestion` does, or a plain word once that has been asked often enough."""
+        return self.within(lambda: suggestion(name, known, listed))
+
+    def within(self, search: Callable[[], str]) -> str:
+        """Return what a search gives, as above."""
+        self.left -= 1
+        return search() if self.left >= 0 else "Fix the ones before it first"
+
+
+def _in_families(names: Iterable[str]) -> list[str]:
+    """Return names, sorted, those that differ by a last number alone as one: `spin_1 to _3`."""
+    families: dict[str, list[str]] = {}
+    for name in names:
+        stem, _, number = name.rpartition("_")
+        families.setdefault(f"{stem}_" if number.isdecimal() else name, []).append(name)
+    told = []
+    for stem, family in families.items():
+        if len(family) >= FEWEST_OF_A_FAMILY:
+            numbers = [int(name.removeprefix(stem)) for name in family]
+            told.append(f"{stem}{min(numbers)} to _{max(numbers)}")
+        else:
+            told += family
+    return told
