@@ -5,7 +5,7 @@ from unittest import mock
 
 import pytest
 
-from core import errors
+from core import suggestions
 from core.errors import Problem, StudyError
 from core.intake import prepare_content, read_json
 from work import calls
@@ -75,8 +75,8 @@ MOST_CALLS = 10
 @pytest.mark.parametrize("name", FLOODS)
 def test_a_flood_of_mistakes_is_refused_soon_and_in_few_words(name):
     body = json.dumps(FLOODS[name])
-    searched = mock.Mock(wraps=errors.suggestion)
-    with mock.patch.object(errors, "suggestion", searched):
+    searched = mock.Mock(wraps=suggestions.suggestion)
+    with mock.patch.object(suggestions, "suggestion", searched):
         caught = []
 
         def prepare():
@@ -88,7 +88,7 @@ def test_a_flood_of_mistakes_is_refused_soon_and_in_few_words(name):
     # At most some calls for each value; each of these took thousands when every name was looked up.
     assert work < MOST_CALLS * len(body)
     assert len(caught[0].problems) <= 250
-    assert searched.call_count <= 3 * errors.SEARCHED
+    assert searched.call_count <= 3 * suggestions.SEARCHED
 
 
 def test_the_first_of_many_names_are_searched_for():
@@ -96,8 +96,8 @@ def test_the_first_of_many_names_are_searched_for():
     with pytest.raises(StudyError) as caught:
         prepare_content(content)
     fixes = [p.fix for p in caught.value.problems if p.place.startswith("parameters.frequncy")]
-    assert fixes.count("Did you mean 'frequency'?") == errors.SEARCHED
-    assert set(fixes[errors.SEARCHED :]) == {"Fix the ones before it first"}
+    assert fixes.count("Did you mean 'frequency'?") == suggestions.SEARCHED
+    assert set(fixes[suggestions.SEARCHED :]) == {"Fix the ones before it first"}
 
 
 def test_a_reply_names_a_hundred_problems_and_counts_the_rest():
