@@ -16,14 +16,16 @@ def parts_per_minute(*, velocity: Array, length: Array, gap: Array | float = 0.0
     velocity : ndarray
         Mean conveying velocity [m s-1].
     length, gap : ndarray
-        Length of a part along the track, and free length between two parts [m].
+        Length of a part along the track, and free length between two parts [m]. The rate is
+        infinite where both are 0, and no number where nothing moves there.
 
     Examples
     --------
     >>> round(vibrafeed.parts_per_minute(velocity=0.03, length=0.012, gap=0.003), 9)
     120.0
     """
-    return 60.0 * velocity / (length + gap)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.divide(60.0 * velocity, length + gap)
 
 
 def velocity_for(*, parts_per_minute: Array, length: Array, gap: Array | float = 0.0) -> Array:
