@@ -21,7 +21,7 @@ def parts_per_minute(*, velocity: Array, length: Array, gap: Array | float = 0.0
 
     Examples
     --------
-    >>> round(vibrafeed.parts_per_minute(velocity=0.03, length=0.012, gap=0.003), 9)
+    >>> float(round(vibrafeed.parts_per_minute(velocity=0.03, length=0.012, gap=0.003), 9))
     120.0
     """
     with np.errstate(divide="ignore", invalid="ignore"):
