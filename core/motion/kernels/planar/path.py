@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from collections import namedtuple
 
 import numpy as np
 
@@ -31,16 +31,8 @@ SHOWN_PERIODS = 4  # of an aperiodic motion, in its path
 UNKNOWN = (STATUS.aperiodic, STATUS.sensitive, STATUS.limit_reached)
 """Statuses of parts that are shown over the last stretch that was followed."""
 
-
-class Sample(NamedTuple):
-    """Columns of a path."""
-
-    position: int
-    height: int
-    velocity_along: int
-    velocity_normal: int
-    mode: int
-
+Sample = namedtuple("Sample", "position height velocity_along velocity_normal mode")
+"""Columns of a path."""
 
 SAMPLE = Sample(*range(len(Sample._fields)))
 

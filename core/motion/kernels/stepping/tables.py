@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import namedtuple
 from typing import NamedTuple
 
 from numba.np.unsafe.ndarray import to_fixed_tuple
@@ -39,68 +40,34 @@ def cell_of(row: Floats) -> Cell:
     return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one
 
 
-class Drive(NamedTuple):
-    """Rows of the drive of a period, one column a step.
+Drive = namedtuple("Drive", "along across normal speed length share jump")
+"""Rows of the drive of a period, one column a step.
 
-    Push along, across and normal, and the speed of the track along; how long the step is, and what
-    share of a usual one; whether the push jumped at its start. No step has a jump inside.
-    """
-
-    along: int
-    across: int
-    normal: int
-    speed: int
-    length: int
-    share: int
-    jump: int
-
+Push along, across and normal, and the speed of the track along; how long the step is, and what
+share of a usual one; whether the push jumped at its start. No step has a jump inside.
+"""
 
 DRIVE = Drive(*range(len(Drive._fields)))
 
+State = namedtuple("State", "x z ux uz spare pressed uy spin y leaning")
+"""Columns of a state; a scene stops where its coordinates end.
 
-class State(NamedTuple):
-    """Columns of a state; a scene stops where its coordinates end.
-
-    `spare` is what static friction could still take, `pressed` and `leaning` tell whether floor and
-    wall carried the part in the step before.
-    """
-
-    x: int
-    z: int
-    ux: int
-    uz: int
-    spare: int
-    pressed: int
-    uy: int
-    spin: int
-    y: int
-    leaning: int
-
+`spare` is what static friction could still take, `pressed` and `leaning` tell whether floor and
+wall carried the part in the step before.
+"""
 
 STATE = State(*range(len(State._fields)))
 WIDTHS = (STATE.uy, STATE.y, len(STATE))
 """Columns of the state of each scene."""
 
+Tally = namedtuple(
+    "Tally",
+    "travel forward backward stick flight impacts landing height peak at_wall failed across",
+)
+"""Columns of the tally of one period.
 
-class Tally(NamedTuple):
-    """Columns of the tally of one period.
-
-    The distance; the steps in each mode; impacts, the largest speed of a landing, height and
-    velocity; the steps at the wall, and those without a solution; the distance across.
-    """
-
-    travel: int
-    forward: int
-    backward: int
-    stick: int
-    flight: int
-    impacts: int
-    landing: int
-    height: int
-    peak: int
-    at_wall: int
-    failed: int
-    across: int
-
+The distance; the steps in each mode; impacts, the largest speed of a landing, height and
+velocity; the steps at the wall, and those without a solution; the distance across.
+"""
 
 TALLY = Tally(*range(len(Tally._fields)))

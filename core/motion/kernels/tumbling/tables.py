@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import namedtuple
 from typing import NamedTuple
 
 from numba.np.unsafe.ndarray import to_fixed_tuple
@@ -68,44 +69,21 @@ def cell_of(row: Floats) -> Cell:
     return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one
 
 
-class State(NamedTuple):
-    """Places in the state: centre, pitch, their rates, energy per mass lost so far."""
-
-    along: int
-    up: int
-    pitch: int
-    along_rate: int
-    up_rate: int
-    pitch_rate: int
-    lost: int
-
+State = namedtuple("State", "along up pitch along_rate up_rate pitch_rate lost")
+"""Places in the state: centre, pitch, their rates, energy per mass lost so far."""
 
 STATE = State(*range(len(State._fields)))
 
-
-class Columns(NamedTuple):
-    """Columns of a table of results: the fields of `Tumble`; the status has an array of its own."""
-
-    pitch: int
-    resting_side: int
-    settling_time: int
-    impacts: int
-    largest_bounce: int
-    velocity: int
-    energy_lost: int
-
+Columns = namedtuple(
+    "Columns",
+    "pitch resting_side settling_time impacts largest_bounce velocity energy_lost",
+)
+"""Columns of a table of results: the fields of `Tumble`; the status has an array of its own."""
 
 COLUMN = Columns(*range(len(Columns._fields)))
 
-
-class Path(NamedTuple):
-    """Where in a row of a path stand time, state, lowest gap, and whether each corner carries."""
-
-    time: int
-    state: int
-    gap: int
-    touching: int
-
+Path = namedtuple("Path", "time state gap touching")
+"""Where in a row of a path stand time, state, lowest gap, and whether each corner carries."""
 
 PATH = Path(time=0, state=1, gap=1 + len(STATE), touching=2 + len(STATE))
 PATH_COLUMNS = PATH.touching + 4
