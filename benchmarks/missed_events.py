@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from benchmarks.waves import CLOSE, NAMES, PLANAR, REPEATS, SPATIAL, harmonics, parts, steps
 from core.motion import planar, waves
 from core.motion.groups import Contacts, Groups, cells_of
-from core.motion.kernels import track
 from core.motion.kernels.arrays import NEVER
+from core.motion.kernels.cells import cell_of
 from core.motion.kernels.planar.tables import PIECE
 from core.motion.kernels.statuses import MODE
 from core.motion.kernels.track import drive
@@ -150,7 +150,7 @@ def events_in_plane(groups: Groups) -> list[str]:
 
     A cycle that starts where a part begins to slip may have a stick of no length before it.
     """
-    rows, _ = cells_of(planar.Cell._fields, groups, **PLANAR)
+    rows, _ = cells_of(groups, **PLANAR)
     found = []
     for row in rows:
         pieces, *_ = planar.follow(row, NEVER)
@@ -163,14 +163,14 @@ def events_in_plane(groups: Groups) -> list[str]:
 
 def events_in_space(groups: Groups, multiples: Array) -> list[str]:
     """Return the signatures of the events of each period of the cycle of each cell."""
-    rows, _ = cells_of(track.Cell._fields, groups, **SPATIAL)
+    rows, _ = cells_of(groups, **SPATIAL)
     most, found = int(SPATIAL["most_periods"]), []
     history, work = new_history(most, NEVER), new_work()
     for row, multiple in zip(rows, multiples, strict=True):
         if not multiple > 0:
             found.append("")
             continue
-        cell = track.Cell(*row[: len(track.Cell._fields)].tolist())
+        cell = cell_of(row)
         drive.set_drive(cell, row, work)
         state, hold = at_rest()
         done = settle(cell, False, 0.0, FINE, most, state, hold, history, work)

@@ -12,16 +12,16 @@ from typing import Any
 import numpy as np
 
 from core.motion.kernels.arrays import Floats, Statuses, Stop
+from core.motion.kernels.cells import GROUPS
 from core.motion.kernels.planar.derive import derive_cells as derive_sine_cells
 from core.motion.kernels.planar.energy import spend_sine_cells, spend_wave_cells
 from core.motion.kernels.planar.path import follow_sine, follow_wave, sample_sine, sample_wave
 from core.motion.kernels.planar.solve import UNREPEATED, solve_sine_cells, solve_wave_cells
-from core.motion.kernels.planar.tables import GROUPS, Cell
 from core.motion.kernels.planar.unrepeated import average_sine_cells, average_wave_cells
 from core.motion.kernels.results import RESULTS
 from core.quantities import MOTION_STATUSES
 
-__all__ = ["Cell", "derive_cells", "follow", "sample", "solve_cells", "spend_cells"]
+__all__ = ["derive_cells", "follow", "sample", "solve_cells", "spend_cells"]
 
 NOT_COMPUTED = MOTION_STATUSES["not_computed"].value
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from core.compiled import borrowing, compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
+from core.motion.kernels.cells import cell_of
 from core.motion.kernels.planar.drive import holding, lifts
 from core.motion.kernels.planar.flow import TURN, Sine
 from core.motion.kernels.planar.sine_slip import two_sided
@@ -21,7 +22,7 @@ from core.motion.kernels.planar.slope_tables import (
 )
 from core.motion.kernels.planar.slopes import along, copy_row, in_air, lift, on_floor, release, rub
 from core.motion.kernels.planar.solve import solve_sine, upright
-from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS, cell_of
+from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE, STATUS
 

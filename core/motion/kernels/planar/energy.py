@@ -8,18 +8,13 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
+from core.motion.kernels.cells import cell_of
 from core.motion.kernels.planar.drive import Drive, push, smooth_span
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.planar.path import at_piece
 from core.motion.kernels.planar.slide import follow_cycle
 from core.motion.kernels.planar.solve import solve_sine, solve_wave, upright
-from core.motion.kernels.planar.tables import (
-    MOST_SEGMENTS,
-    PIECE,
-    SEGMENT,
-    SUMS,
-    cell_of,
-)
+from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.planar.wave import new_table, wave_of
 from core.motion.kernels.quadrature import PLACES, WEIGHTS
 from core.motion.kernels.results import COLUMN, RESULTS, SPENT

@@ -9,20 +9,14 @@ import numpy as np
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats, Stop
+from core.motion.kernels.cells import Cell, cell_of
 from core.motion.kernels.planar.cycle import normal_cycle
 from core.motion.kernels.planar.drive import Drive, fly, lifts, rise, slide
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.planar.repeating import velocity_at_start
 from core.motion.kernels.planar.slide import follow_cycle, write_piece
 from core.motion.kernels.planar.solve import UNREPEATED, solve_sine, solve_wave, upright
-from core.motion.kernels.planar.tables import (
-    MOST_SEGMENTS,
-    PIECE,
-    SEGMENT,
-    SUMS,
-    Cell,
-    cell_of,
-)
+from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.planar.wave import new_table, wave_of
 from core.motion.kernels.results import RESULTS
 from core.motion.kernels.statuses import MODE, STATUS

@@ -8,6 +8,7 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
+from core.motion.kernels.cells import Cell, cell_of
 from core.motion.kernels.planar.cycle import normal_cycle
 from core.motion.kernels.planar.drive import Drive, always_holds, sizes
 from core.motion.kernels.planar.flow import Sine, sine_of
@@ -18,14 +19,7 @@ from core.motion.kernels.planar.repeating import (
     velocity_at_start,
 )
 from core.motion.kernels.planar.sine_slip import two_sided
-from core.motion.kernels.planar.tables import (
-    MOST_SEGMENTS,
-    PIECE,
-    SEGMENT,
-    SUMS,
-    Cell,
-    cell_of,
-)
+from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.planar.wave import new_table, wave_of
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS

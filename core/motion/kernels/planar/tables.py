@@ -3,37 +3,8 @@
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import NamedTuple
 
-from numba.np.unsafe.ndarray import to_fixed_tuple
-
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
 from core.motion.kernels.statuses import MODES
-
-
-class Cell(NamedTuple):
-    """The groups of one cell; a row of the kernels' table in this order."""
-
-    drive_number_along: float
-    drive_number_normal: float
-    gravity_number_along: float
-    gravity_number_normal: float
-    friction_static: float
-    friction_kinetic: float
-    restitution: float
-    tolerance: float
-    most_periods: float
-
-
-GROUPS = len(Cell._fields)
-
-
-@compiled
-def cell_of(row: Floats) -> Cell:
-    """Return the cell of a row."""
-    return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one
-
 
 Segment = namedtuple("Segment", "phase span take_off landing impulse")
 """Columns of the cycle of the motion normal to the floor, a row a segment.

@@ -11,13 +11,14 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
+from core.motion.kernels.cells import Cell, cell_of
 from core.motion.kernels.planar.chaos import from_phases
 from core.motion.kernels.planar.cycle import normal_cycle
 from core.motion.kernels.planar.drive import Drive
 from core.motion.kernels.planar.growth import LAST_DIGIT
 from core.motion.kernels.planar.repeating import repeating, velocity_at_start
 from core.motion.kernels.planar.solve import turn_round, upright
-from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS, Cell, cell_of
+from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.planar.wave import new_table, wave_of
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import STATUS

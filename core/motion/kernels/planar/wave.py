@@ -15,8 +15,8 @@ import numpy as np
 
 from core.compiled import borrowing, compiled
 from core.motion.kernels.arrays import Floats
+from core.motion.kernels.cells import GROUPS, Cell
 from core.motion.kernels.planar.flow import MOST_ITERATIONS, TURN, arc
-from core.motion.kernels.planar.tables import GROUPS, Cell
 from core.motion.kernels.waves import halley, is_near_root, passages, value_and_slope
 
 NORMAL, AIR, FORWARD, BACKWARD, STATIC_FORWARD, STATIC_BACKWARD = range(6)

@@ -6,6 +6,7 @@ import math
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
+from core.motion.kernels.cells import Cell
 from core.motion.kernels.means import (
     batch_means,
     gains,
@@ -16,7 +17,7 @@ from core.motion.kernels.means import (
 )
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS
-from core.motion.kernels.stepping.tables import FLOOR, STATE, TALLY, WALL, Cell
+from core.motion.kernels.stepping.tables import FLOOR, STATE, TALLY, WALL
 
 MOST_MULTIPLE = 12
 WINDOW = 16

@@ -3,41 +3,9 @@
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import NamedTuple
-
-from numba.np.unsafe.ndarray import to_fixed_tuple
-
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
 
 PLANAR, FLOOR, WALL = 0, 1, 2
 """Scenes."""
-
-
-class Cell(NamedTuple):
-    """The groups of one cell; a row of the kernels' table in this order."""
-
-    drive_number_along: float
-    drive_number_across: float
-    drive_number_normal: float
-    gravity_number_along: float
-    gravity_number_across: float
-    gravity_number_normal: float
-    curvature_number: float
-    friction_static: float
-    friction_kinetic: float
-    wall_friction: float
-    restitution: float
-    wall_restitution: float
-
-
-GROUPS = len(Cell._fields)
-
-
-@compiled
-def cell_of(row: Floats) -> Cell:
-    """Return the cell of a row."""
-    return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one
 
 
 Drive = namedtuple("Drive", "along across normal speed length share jump")

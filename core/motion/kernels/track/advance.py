@@ -6,6 +6,7 @@ import math
 
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Flags, Floats
+from core.motion.kernels.cells import Cell
 from core.motion.kernels.results import SPENT
 from core.motion.kernels.statuses import MODE
 from core.motion.kernels.track import modes
@@ -25,7 +26,6 @@ from core.motion.kernels.track.tables import (
     TALLY,
     TURN,
     WALL,
-    Cell,
     Work,
 )
 

@@ -6,22 +6,12 @@ import math
 
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Flags, Floats
+from core.motion.kernels.cells import Cell
 from core.motion.kernels.rebounds import SETTLED_EXACTLY, SETTLED_TIME
 from core.motion.kernels.stepping.contacts import friction_impulse
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.modes import Begin, Step
-from core.motion.kernels.track.tables import (
-    BOTH,
-    EVENT,
-    FLOOR,
-    FREE,
-    HOLD,
-    ROW,
-    STATE,
-    WALL,
-    Cell,
-    Work,
-)
+from core.motion.kernels.track.tables import BOTH, EVENT, FLOOR, FREE, HOLD, ROW, STATE, WALL, Work
 
 MOST_SWEEPS = 500
 STEADY = 1e-16

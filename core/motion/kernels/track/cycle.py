@@ -17,10 +17,11 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Flags, Floats, Stop, copy
+from core.motion.kernels.cells import Cell
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.advance import advance
-from core.motion.kernels.track.tables import HOLD, STATE, TALLY, Cell, Work
+from core.motion.kernels.track.tables import HOLD, STATE, TALLY, Work
 
 MOST_MULTIPLE = 32
 APART, APART_AT_MOST = 1e4, 1e-5

@@ -8,18 +8,12 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
+from core.motion.kernels.cells import GROUPS, cell_of
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.advance import advance
 from core.motion.kernels.track.cycle import NO_PHASES, new_history, settle
 from core.motion.kernels.track.solve import FINE
-from core.motion.kernels.track.tables import (
-    GROUPS,
-    TALLY,
-    TURN,
-    at_rest,
-    cell_of,
-    new_work,
-)
+from core.motion.kernels.track.tables import TALLY, TURN, at_rest, new_work
 
 
 @compiled

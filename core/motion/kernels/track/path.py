@@ -8,12 +8,13 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Stop
+from core.motion.kernels.cells import cell_of
 from core.motion.kernels.statuses import MODE, STATUS
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.advance import advance
 from core.motion.kernels.track.cycle import new_history, settle
 from core.motion.kernels.track.solve import FINE
-from core.motion.kernels.track.tables import STATE, TALLY, TURN, at_rest, cell_of, new_work
+from core.motion.kernels.track.tables import STATE, TALLY, TURN, at_rest, new_work
 
 SAMPLE = 7
 """Columns of a sample: place (3), velocity (3), mode."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Flags, Floats, Statuses, Stop
+from core.motion.kernels.cells import GROUPS, Cell, cell_of
 from core.motion.kernels.means import (
     batch_means,
     gains,
@@ -29,17 +30,7 @@ from core.motion.kernels.track.cycle import (
     remaining,
     settle,
 )
-from core.motion.kernels.track.tables import (
-    GROUPS,
-    STATE,
-    TALLY,
-    TURN,
-    Cell,
-    Work,
-    at_rest,
-    cell_of,
-    new_work,
-)
+from core.motion.kernels.track.tables import STATE, TALLY, TURN, Work, at_rest, new_work
 
 FINE = Series(16, 1e-11)
 """Of the results."""

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import namedtuple
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
-from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Flags, Floats
@@ -17,34 +16,6 @@ MOST_ORDER = 24
 """Of the series."""
 INVERSE = np.array([math.inf, *(1.0 / k for k in range(1, MOST_ORDER + 2))])
 """1/k, by which a term is integrated: a division takes four times as long as a product."""
-
-
-class Cell(NamedTuple):
-    """The groups of one cell; a row of the kernels' table in this order."""
-
-    drive_number_along: float
-    drive_number_across: float
-    drive_number_normal: float
-    gravity_number_along: float
-    gravity_number_across: float
-    gravity_number_normal: float
-    curvature_number: float
-    friction_static: float
-    friction_kinetic: float
-    wall_friction: float
-    restitution: float
-    wall_restitution: float
-    tolerance: float
-    most_periods: float
-
-
-GROUPS = len(Cell._fields)
-
-
-@compiled
-def cell_of(row: Floats) -> Cell:
-    """Return the cell of a row."""
-    return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one
 
 
 State = namedtuple("State", "x y z ux uy uz spin")
