@@ -76,7 +76,7 @@ def test_no_change_of_sign_of_an_acceleration_is_missed(orders):
     groups = parts(pick, harmonics(pick, 70, orders))
     rows, _ = cells_of(groups, **PLANAR)
     for row in rows:
-        wave = wave_of(cell_of(row), row, new_table())
+        wave, _, _ = wave_of(cell_of(row), row, new_table())
         for kind in set(range(KINDS if wave.mu_s != wave.mu_k else KINDS - 2)) - {AIR}:
             sines, cosines = wave.table[2 * kind : 2 * kind + 2, 1 : orders + 1]
             one = Sum(sines, cosines, wave.table[PULLS, kind])

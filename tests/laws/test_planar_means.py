@@ -20,9 +20,8 @@ from core.motion.kernels.arrays import Floats
 from core.motion.kernels.cells import Cell, cell_of
 from core.motion.kernels.planar.cycle import SETTLED_EXACTLY, one_hop, rests
 from core.motion.kernels.planar.drive import Drive, fly, lift_off, lifts, to_lift_off
-from core.motion.kernels.planar.flow import TURN
+from core.motion.kernels.planar.flow import NO_WAVES, TURN, upright
 from core.motion.kernels.planar.slide import after_hops, contact
-from core.motion.kernels.planar.solve import upright
 from core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS
 from core.motion.kernels.planar.wave import new_table, wave_of
 from core.motion.methods.events import planar_motion
@@ -159,9 +158,10 @@ def follow_from_rest(
 def course(row: Floats, events: int, jolts: Floats) -> Course:
     """Return the course of the cell of a row."""
     cell = cell_of(row)
-    drive, start, way = upright(cell) if row.size == len(Cell._fields) else (
-        wave_of(cell, row, new_table()), 0.0, 1.0,
-    )  # fmt: skip
+    if row.size == len(Cell._fields):
+        drive, start, way = upright(cell, row, NO_WAVES)
+    else:
+        drive, start, way = wave_of(cell, row, new_table())
     found = Course(np.empty(events), np.empty(events), np.empty(events))
     follow_from_rest(drive, start, cell.restitution, jolts, *found)
     return found._replace(place=way * found.place, slip=way * found.slip)

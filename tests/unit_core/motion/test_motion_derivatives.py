@@ -13,6 +13,7 @@ from core.errors import StudyError
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.motion.derivatives import derivatives_at, motion_sensitivities
+from core.motion.groups import Groups, cells_of
 from core.motion.kernels.planar.derive import KINK
 from core.motion.kernels.planar.slope_tables import TOLD
 from core.motion.prepare import choose_system
@@ -29,7 +30,8 @@ POINT = {
 
 def cell(c, s, friction=0.3, static=None, restitution=0.0, gs=0.02):
     static = friction if static is None else static
-    return np.array([[c, s, gs, 1.0, static, friction, restitution, 1e-12, 1000.0]])
+    groups = Groups(c, s, gs, 1.0, static, friction, restitution)
+    return cells_of(groups, tolerance=1e-12, most_periods=1000.0)[0]
 
 
 # --- the kernel

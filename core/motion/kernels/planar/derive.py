@@ -10,7 +10,7 @@ from core.compiled import borrowing, compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.cells import cell_of
 from core.motion.kernels.planar.drive import holding, lifts
-from core.motion.kernels.planar.flow import TURN, Sine
+from core.motion.kernels.planar.flow import NO_WAVES, TURN, Sine, upright
 from core.motion.kernels.planar.sine_slip import two_sided
 from core.motion.kernels.planar.slope_tables import (
     BY,
@@ -21,7 +21,7 @@ from core.motion.kernels.planar.slope_tables import (
     TOLD,
 )
 from core.motion.kernels.planar.slopes import along, copy_row, in_air, lift, on_floor, release, rub
-from core.motion.kernels.planar.solve import solve_sine, upright
+from core.motion.kernels.planar.solve import solve_cell
 from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE, STATUS
@@ -173,7 +173,7 @@ def tell(drive: Sine, result: Floats, d: Floats, nearest: Floats, slopes: Floats
 
 @borrowing
 def turn_slopes(c: float, s: float, slopes: Floats) -> None:
-    """Undo the mirror images of `solve.upright`, of a drive (c, s)."""
+    """Undo the mirror images of `flow.upright`, of a drive (c, s)."""
     mirrored = (-c if s < 0 else c) < 0
     for told in range(len(TOLD)):
         if s < 0:
@@ -215,9 +215,11 @@ def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, 
     sums, nearest = np.empty(SUMS), np.empty(5)
     log, d = np.empty((0, len(PIECE))), np.empty((len(ROW), DIRECTIONS))
     for number in range(groups.shape[0]):
-        cell = cell_of(groups[number])
-        result = table[number, :RESULTS]
-        found, first, count, u = solve_sine(cell, True, rows, sums, log, result, stop)
+        row, result = groups[number], table[number, :RESULTS]
+        cell = cell_of(row)
+        found, first, count, u = solve_cell(
+            cell, row, NO_WAVES, True, rows, sums, log, result, stop
+        )
         slopes = table[number, RESULTS:MARGIN].reshape(len(TOLD), DERIVED_BY)
         slopes[:] = math.nan
         if raised(stop):
@@ -227,7 +229,7 @@ def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, 
         table[number, MARGIN] = 0.0
         if found not in (STATUS.periodic, STATUS.at_rest):
             continue
-        drive, _, _ = upright(cell)
+        drive, _, _ = upright(cell, row, NO_WAVES)
         nearest[:] = 0.0
         nearest[0] = from_edges(drive)
         if found == STATUS.at_rest:

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from core.compiled import compiled
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.cells import Cell
 
 TURN = 2 * math.pi
 MOST_ITERATIONS = 200  # of a bracketed search
@@ -19,6 +21,13 @@ EPSILON = 2e-15  # rounding of the change over a cycle, per unit of the drive
 KEPT_BITS = 2.0**32
 """Cells that agree in so many bits have the same runs: an answer that hangs on the last bit of a
 parameter tells a user nothing."""
+
+
+class NoWaves(NamedTuple):
+    """What stands in the place of room for waves where the drive is a sine."""
+
+
+NO_WAVES = NoWaves()
 
 
 class Sine(NamedTuple):
@@ -40,6 +49,23 @@ class Sine(NamedTuple):
 def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) -> Sine:
     """Return the sine of these numbers, s not below 0."""
     return Sine(c, s, gs, gn, mu_s, mu_k, math.asin(gn / s) if s > gn else math.nan)
+
+
+@compiled
+def upright(cell: Cell, row: Floats, waves: NoWaves) -> tuple[Sine, float, float]:
+    """Return the drive with c and s positive, phase and way.
+
+    A drive that points down pushes up half a turn later; one that points back is the mirror image.
+    `phase` is where the study's own phase 0 lies, `way` is -1 in the mirror.
+    """
+    c, s, gs = cell.drive_number_along, cell.drive_number_normal, cell.gravity_number_along
+    phase, way = 0.0, 1.0
+    if s < 0:
+        c, s, phase = -c, -s, math.pi
+    if c < 0:
+        c, gs, way = -c, -gs, -1.0
+    gn, mu_s, mu_k = cell.gravity_number_normal, cell.friction_static, cell.friction_kinetic
+    return sine_of(c, s, gs, gn, mu_s, mu_k), phase, way
 
 
 @compiled

@@ -60,15 +60,21 @@ class Wave(NamedTuple):
     backward: int
 
 
-@compiled
-def new_table() -> Floats:
-    """Return room for a wave."""
-    return np.zeros((ROOTS + KINDS, WIDTH))
+class Waves(NamedTuple):
+    """Room for the wave of a cell."""
+
+    table: Floats
+
+
+def new_table() -> Waves:
+    """Return room for a wave; Python makes it, and hands it to the kernels."""
+    return Waves(np.zeros((ROOTS + KINDS, WIDTH)))
 
 
 @compiled
-def wave_of(cell: Cell, row: Floats, table: Floats) -> Wave:
-    """Return the wave of a row, which stands there behind the cell; fill the table."""
+def wave_of(cell: Cell, row: Floats, waves: Waves) -> tuple[Wave, float, float]:
+    """Return the wave of a row, which stands there behind the cell; phase and way as `upright`."""
+    table = waves.table
     orders, steps = int(row[GROUPS]), int(row[GROUPS + 1])
     gs, gn = cell.gravity_number_along, cell.gravity_number_normal
     mu_s, mu_k = cell.friction_static, cell.friction_kinetic
@@ -92,7 +98,7 @@ def wave_of(cell: Cell, row: Floats, table: Floats) -> Wave:
     for kind in range(KINDS if not alike else STATIC_FORWARD):
         if kind != AIR:
             fill_passages(drive, kind)
-    return drive
+    return drive, 0.0, 1.0
 
 
 @borrowing
