@@ -112,9 +112,9 @@ def hopping(count, seed, more):
     normal = throw * np.cos(gamma)
     columns = (
         normal / np.tan(beta), normal, np.sin(gamma), np.cos(gamma),
-        kinetic * pick.uniform(1.0, more, count), kinetic, 0.0, 1e-12, 1000.0,
+        kinetic * pick.uniform(1.0, more, count), kinetic, 0.0,
     )  # fmt: skip
-    return np.stack(np.broadcast_arrays(*columns), axis=1)
+    return cells_of(Groups(*columns), tolerance=1e-12, most_periods=1000.0)[0]
 
 
 @pytest.mark.parametrize(("more", "jumps"), [(1.0, 0), (1.6, 5)])
