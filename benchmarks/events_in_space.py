@@ -17,10 +17,10 @@ from core.motion.groups import SOLID_CYLINDER, Contacts, Groups, cells_of
 from core.motion.kernels.arrays import NEVER, Floats
 from core.motion.kernels.cells import cell_of
 from core.motion.kernels.means import mean_velocity
-from core.motion.kernels.results import RESULTS
+from core.motion.kernels.results import RESULTS, TALLY
 from core.motion.kernels.track import drive, solve_cells
 from core.motion.kernels.track.cycle import Series, new_history, settle
-from core.motion.kernels.track.tables import TALLY, TURN, at_rest, new_work
+from core.motion.kernels.track.tables import TURN, at_rest, new_work
 from core.motion.methods.stepping import stepped_motion
 from core.motion.result import STATUS, Motion, motion_of
 

@@ -19,12 +19,12 @@ from core.motion.groups import Groups, cells_of
 from core.motion.kernels import means
 from core.motion.kernels.arrays import NEVER, Flags, Floats
 from core.motion.kernels.cells import cell_of
-from core.motion.kernels.results import COLUMN, RESULTS
+from core.motion.kernels.results import COLUMN, RESULTS, TALLY
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.track import drive, solve_cells
 from core.motion.kernels.track.cycle import apart, approach, new_history
 from core.motion.kernels.track.solve import FINE
-from core.motion.kernels.track.tables import TALLY, TURN, at_rest, new_work
+from core.motion.kernels.track.tables import TURN, at_rest, new_work
 from core.quantities import MOTION_STATUSES
 
 GRAVITY = 9.80665

@@ -28,11 +28,12 @@ from core.motion.groups import Contacts, Groups, cells_of
 from core.motion.kernels.arrays import NEVER
 from core.motion.kernels.cells import cell_of
 from core.motion.kernels.planar.tables import PIECE
+from core.motion.kernels.results import TALLY
 from core.motion.kernels.statuses import MODE
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.cycle import new_history, settle
 from core.motion.kernels.track.solve import FINE
-from core.motion.kernels.track.tables import TALLY, at_rest, new_work
+from core.motion.kernels.track.tables import at_rest, new_work
 from core.motion.kernels.waves import passages
 from core.motion.methods.events import planar_motion
 from core.motion.methods.spatial_events import spatial_motion

@@ -21,3 +21,17 @@ Spending = namedtuple("Spending", "friction impact drive")
 """One column a field of `Energy`, in its order."""
 
 SPENT = Spending(*range(len(Spending._fields)))
+
+Tally = namedtuple(
+    "Tally",
+    "travel across stick forward backward flight impacts landing height at_wall peak failed "
+    "signature",
+)
+"""Columns of what a motion that is followed period by period does in one period.
+
+The distance along, and across; the phase, or the steps, in each mode; impacts on the floor, the
+largest speed of a landing and the largest height; the stretches or steps at the wall. Of steps:
+the largest velocity, and how many had no solution; of stretches: the signature of the events.
+"""
+
+TALLY = Tally(*range(len(Tally._fields)))

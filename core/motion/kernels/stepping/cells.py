@@ -9,11 +9,12 @@ import numpy as np
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop, copy
 from core.motion.kernels.cells import GROUPS, Cell, cell_of
-from core.motion.kernels.results import COLUMN, RESULTS
+from core.motion.kernels.means import fill_means
+from core.motion.kernels.results import COLUMN, RESULTS, TALLY
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.stepping.period import planar_period, spatial_period
-from core.motion.kernels.stepping.repeat import means, repeats, unsettled
-from core.motion.kernels.stepping.tables import DRIVE, PLANAR, STATE, TALLY, WALL, WIDTHS
+from core.motion.kernels.stepping.repeat import repeats, unsettled
+from core.motion.kernels.stepping.tables import DRIVE, PLANAR, STATE, WALL, WIDTHS
 
 SAFETY = 3.0
 LANDING_SHARE = 0.15
@@ -70,7 +71,7 @@ def run(
             result[:] = np.nan
             return STATUS.no_solution
         if tally[TALLY.peak] <= 1e-9 * h:
-            means(tallies, period, done, steps * h, result)
+            fill_means(tallies, period, done, steps * h, result)
             result[COLUMN.velocity], result[COLUMN.multiple] = 0.0, 1.0
             return STATUS.at_rest
         multiple = repeats(
@@ -79,7 +80,7 @@ def run(
         if multiple > 0:
             result[COLUMN.multiple] = multiple
             return STATUS.periodic
-    means(tallies, done // 4, done, steps * h, result)
+    fill_means(tallies, done // 4, done, steps * h, result)
     return unsettled(scene, cell, seen, tallies, done, steps * h, result)
 
 

@@ -7,8 +7,9 @@ import math
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.cells import Cell
+from core.motion.kernels.results import TALLY
 from core.motion.kernels.stepping.contacts import corner_step, floor_step, planar_step
-from core.motion.kernels.stepping.tables import DRIVE, STATE, TALLY
+from core.motion.kernels.stepping.tables import DRIVE, STATE
 
 
 @compiled

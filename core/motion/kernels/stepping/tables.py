@@ -27,15 +27,3 @@ wall carried the part in the step before.
 STATE = State(*range(len(State._fields)))
 WIDTHS = (STATE.uy, STATE.y, len(STATE))
 """Columns of the state of each scene."""
-
-Tally = namedtuple(
-    "Tally",
-    "travel forward backward stick flight impacts landing height peak at_wall failed across",
-)
-"""Columns of the tally of one period.
-
-The distance; the steps in each mode; impacts, the largest speed of a landing, height and
-velocity; the steps at the wall, and those without a solution; the distance across.
-"""
-
-TALLY = Tally(*range(len(Tally._fields)))

@@ -39,21 +39,10 @@ wall, comes to carry a part that touches it without moving, and `release` where 
 to carry one that the floor holds; `leave` where a part that slips loses the wall.
 """
 
-Tally = namedtuple(
-    "Tally",
-    "travel stick forward backward flight impacts landing height at_wall signature steps",
-)
-"""Columns of the tally of one period.
-
-The distance; the phase spent in each mode, in the order of the modes' own numbers; impacts on
-the floor, the largest speed of a landing and the largest height; the stretches at the wall, the
-signature of the events, and the steps.
-"""
 
 STATE = State(*range(len(State._fields)))
 HOLD = Hold(*range(len(Hold._fields)))
 EVENT = Event(*range(len(Event._fields)))
-TALLY = Tally(*range(len(Tally._fields)))
 
 Row = namedtuple(
     "Row",
