@@ -134,12 +134,7 @@ def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop
         step = min(cell.time_step, cell.duration - time)
         along, upward = free_acceleration(cell, time + step / 2)
         copy(state, middle)
-        for place, rate in (
-            (STATE.along, STATE.along_rate),
-            (STATE.up, STATE.up_rate),
-            (STATE.pitch, STATE.pitch_rate),
-        ):
-            middle[place] += step / 2 * state[rate]
+        drift(middle, state, step / 2)
         middle[STATE.along_rate] += step * along
         middle[STATE.up_rate] += step * upward
         touching, struck = set_targets(cell, state, middle, step, abs(upward), near, target)
@@ -154,12 +149,7 @@ def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop
         for corner in range(corners):
             if near[corner] != 0 and impulse[0, corner] > 0.0 and touching > 0:
                 support = FLAT if support != FREE else corner
-        for place, rate in (
-            (STATE.along, STATE.along_rate),
-            (STATE.up, STATE.up_rate),
-            (STATE.pitch, STATE.pitch_rate),
-        ):
-            middle[place] += step / 2 * middle[rate]
+        drift(middle, middle, step / 2)
         copy(middle, state)
         time += step
         impacts += 1 if struck else 0
