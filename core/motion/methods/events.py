@@ -250,22 +250,15 @@ def _course(contacts: Contacts) -> FollowCourse:
     """Return what gives the course over a cycle of a part."""
 
     def course(asked: CourseAsked) -> Course:
-        speed, length = asked.scale("velocity_scale"), asked.scale("length_scale")
-        times, phases = asked.times()
         settings = {name: asked.setting(name) for name in ("tolerance", "most_periods")}
         if not in_plane(asked.groups, contacts):
             return spatial_course(asked, contacts, **settings)
+        _, phases = asked.times()
         path = planar_path(asked.groups, **settings, phases=phases, watch=asked.watch)
-        values = {
-            "position_along": path.along * length,
-            "height_above_floor": path.height * length,
-            "relative_velocity_along": path.velocity_along * speed,
-            "relative_velocity_normal": path.velocity_normal * speed,
-            **asked.track(),
-        }
-        if contacts.wall:
-            values["distance_from_wall"] = np.zeros_like(path.along)
-        return Course(times, values, {"motion_mode": path.mode})
+        nothing = np.zeros_like(path.along)
+        position = np.stack([path.along, nothing, path.height], axis=1)
+        velocity = np.stack([path.velocity_along, nothing, path.velocity_normal], axis=1)
+        return asked.course(position, velocity, path.mode, contacts.wall)
 
     return course
 

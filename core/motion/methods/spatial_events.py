@@ -98,18 +98,8 @@ def spatial_course(
     asked: CourseAsked, contacts: Contacts, *, tolerance: float, most_periods: float
 ) -> Course:
     """Return the course of one part over a cycle, or as asked."""
-    speed, length = asked.scale("velocity_scale"), asked.scale("length_scale")
-    times, phases = asked.times()
     settings = {"tolerance": tolerance, "most_periods": most_periods}
+    _, phases = asked.times()
     path, modes = spatial_path(asked.groups, contacts, **settings, phases=phases, watch=asked.watch)
-    position, velocity = path.position, path.velocity
-    values = {
-        "position_along": (position[:, 0] - position[0, 0]) * length,
-        "height_above_floor": position[:, 2] * length,
-        "relative_velocity_along": velocity[:, 0] * speed,
-        "relative_velocity_normal": velocity[:, 2] * speed,
-        **asked.track(),
-    }
-    if contacts.wall:
-        values["distance_from_wall"] = position[:, 1] * length
-    return Course(times, values, {"motion_mode": modes})
+    start = path.position[0, 0]
+    return asked.course(path.position, path.velocity, modes, contacts.wall, start)

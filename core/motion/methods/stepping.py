@@ -267,8 +267,7 @@ def _course(contacts: Contacts) -> FollowCourse:
     """
 
     def course(asked: CourseAsked) -> Course:
-        speed, length = asked.scale("velocity_scale"), asked.scale("length_scale")
-        times, phases = asked.times()
+        _, phases = asked.times()
         steps = 2 * int(asked.setting("steps_per_period")) + 1
         before = 2 * np.pi * asked.setting("most_periods")
         path = stepped_path(
@@ -279,18 +278,10 @@ def _course(contacts: Contacts) -> FollowCourse:
             watch=asked.watch,
         )
         position, velocity = path.position[1:], path.velocity[1:]
-        values = {
-            "position_along": (position[:, 0] - position[0, 0]) * length,
-            "height_above_floor": np.maximum(position[:, 2], 0.0) * length,
-            "relative_velocity_along": velocity[:, 0] * speed,
-            "relative_velocity_normal": velocity[:, 2] * speed,
-            **asked.track(),
-        }
-        if contacts.wall:
-            values["distance_from_wall"] = np.maximum(position[:, 1], 0.0) * length
-        return Course(
-            times, values, {"motion_mode": _modes(asked.groups, position, velocity, steps)}
-        )
+        modes = _modes(asked.groups, position, velocity, steps)
+        # A part in contact sinks in by a step of its fall.
+        shown = np.column_stack([position[:, 0], np.maximum(position[:, 1:], 0.0)])
+        return asked.course(shown, velocity, modes, contacts.wall, shown[0, 0])
 
     return course
 
