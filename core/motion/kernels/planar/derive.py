@@ -102,9 +102,10 @@ def add(d: Floats, to: int, factor: float, of: int) -> None:
 
 @borrowing
 def close(size: int, d: Floats, nearest: Floats) -> None:
-    """Put in what the state at the start must change by for the cycle to close again.
+    """Put in what the state y at the start must change by for the cycle to close again.
 
-    By the implicit function theorem it is (1 - M)^-1 times what the cycle changes of it.
+    y. = (1 - M)^-1 Q, with M what the cycle makes of a change of y, and Q of the parameter
+    (theory 13.16): of hops y is phase and rebound, and the slip after them.
     """
     free = DIRECTIONS - size
     if not free:
@@ -157,7 +158,10 @@ def carry_two_sided(drive: Sine, energy: bool, d: Floats, nearest: Floats) -> No
 
 @borrowing
 def tell(drive: Sine, result: Floats, d: Floats, nearest: Floats, slopes: Floats) -> None:
-    """Fill the derivatives of the means, shape (told, groups)."""
+    """Fill the derivatives of the means, shape (told, groups).
+
+    A sum over the cycle, over its time; drive = friction + impacts + sin(gamma) v (theory 13.15).
+    """
     time = result[COLUMN.multiple] * TURN
     for told, row in SUMMED:
         for i in range(DERIVED_BY):

@@ -22,7 +22,10 @@ from core.motion.kernels.statuses import MODE, STATUS
 
 @compiled
 def spend_over_piece(drive: Drive, piece: Floats, spent: Floats) -> None:
-    """Add what the drive and friction do over a piece of the log."""
+    """Add what the drive and friction do over a piece of the log (theory 13.15).
+
+    The integrals of b.u and, while it slips, of mu_k N |u|, with N = n - b_z, by Gauss's rule.
+    """
     tau, span, flies = piece[PIECE.phase], piece[PIECE.span], piece[PIECE.mode] == MODE.flight
     if piece[PIECE.mode] == MODE.stick:
         return
@@ -48,7 +51,8 @@ def spend_over_cycle(
 ) -> None:  # fmt: skip
     """Fill `spent` with means over so many periods of a chain of segments, entered with velocity u.
 
-    An impact takes the kinetic energy by which the piece after it starts with less.
+    An impact takes the kinetic energy by which the piece after it starts with less, (u-^2 - u+^2 +
+    w-^2 - w+^2)/2.
     """
     spent[:] = 0.0
     after_last = max(0.0, rows[0, SEGMENT.take_off])

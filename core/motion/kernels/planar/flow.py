@@ -101,14 +101,24 @@ def arc(d: float) -> tuple[float, float]:
 
 
 @compiled
-def flow(v: float, C: float, k: float, sine: float, cosine: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance a phase d after the velocity was v, under C sin(tau) - k.
+def swings(sine: float, cosine: float, d: float) -> tuple[float, float]:
+    """Return what sin(tau) adds to velocity and distance over a phase D from tau0 on.
 
-    `sine` and `cosine` are those of the phase at the start.
+    cos(tau0) (1 - cos D) + sin(tau0) sin D  and  cos(tau0) (D - sin D) + sin(tau0) (1 - cos D).
     """
     cubic, square = arc(d)
-    velocity = v + C * (cosine * square + sine * (d - cubic)) - k * d
-    return velocity, v * d + C * (cosine * cubic + sine * square) - k * d * d / 2
+    return cosine * square + sine * (d - cubic), cosine * cubic + sine * square
+
+
+@compiled
+def flow(v: float, C: float, k: float, sine: float, cosine: float, d: float) -> tuple[float, float]:
+    """Return velocity and distance a phase D after the velocity was v, under u' = C sin(tau) - k.
+
+    u = v + C swing - k D, x = v D + C sway - k D^2/2, with `swings` from the sine and the cosine of
+    the phase at the start (theory 13.2).
+    """
+    swing, sway = swings(sine, cosine, d)
+    return v + C * swing - k * d, v * d + C * sway - k * d * d / 2
 
 
 @compiled
