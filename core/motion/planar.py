@@ -14,7 +14,7 @@ from core.motion.kernels.cells import GROUPS
 from core.motion.kernels.planar import derive, energy, path, solve, unrepeated
 from core.motion.kernels.planar.drive import Waves
 from core.motion.kernels.planar.flow import NO_WAVES
-from core.motion.kernels.planar.wave import new_table
+from core.motion.kernels.planar.wave import TABLE, WaveTable
 from core.motion.kernels.results import RESULTS
 from core.quantities import MOTION_STATUSES
 
@@ -23,7 +23,7 @@ NOT_COMPUTED = MOTION_STATUSES["not_computed"].value
 
 def solve_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill table and status of cells; a row of `groups` holds the fields of `Cell`, and a wave."""
-    solve.solve_cells(groups, _waves(groups), table, status, stop)
+    solve.solve_cells(groups, waves_of(groups), table, status, stop)
     _average(groups, table, status, stop)
 
 
@@ -35,24 +35,24 @@ def derive_cells(spent: bool, groups: Floats, table: Floats, status: Statuses, s
 
 def spend_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill what a cycle of cells spends: `kernels.planar.energy`; NaN where there is none."""
-    energy.spend_cells(groups, _waves(groups), table, status, stop)
+    energy.spend_cells(groups, waves_of(groups), table, status, stop)
 
 
 def follow(row: Floats, stop: Stop) -> tuple[Floats, float, float, bool]:
     """Return the pieces of the motion of one cell: `kernels.planar.path`."""
     table, status = np.empty((1, RESULTS)), np.full(1, NOT_COMPUTED, dtype=np.int8)
     solve_cells(row[np.newaxis], table, status, stop)
-    return path.follow(row, _waves(row), int(status[0]), stop)
+    return path.follow(row, waves_of(row), int(status[0]), stop)
 
 
 def sample(pieces: Floats, row: Floats, shift: float, phases: Floats, repeats: bool) -> Floats:
     """Return a motion at phases since the start of its cycle: `kernels.planar.path`."""
-    return path.sample(pieces, row, _waves(row), shift, phases, repeats)
+    return path.sample(pieces, row, waves_of(row), shift, phases, repeats)
 
 
-def _waves(groups: Floats) -> Waves:
+def waves_of(groups: Floats) -> Waves:
     """Return room for the wave behind each cell, if there is one."""
-    return new_table() if groups.shape[-1] > GROUPS else NO_WAVES
+    return WaveTable(np.zeros(TABLE)) if groups.shape[-1] > GROUPS else NO_WAVES
 
 
 def _average(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
@@ -61,5 +61,5 @@ def _average(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> Non
     if cells.size:
         means = np.full((cells.size, RESULTS), np.nan)
         found = np.full(cells.size, NOT_COMPUTED, dtype=np.int8)
-        unrepeated.average_cells(groups[cells], _waves(groups), means, found, stop)
+        unrepeated.average_cells(groups[cells], waves_of(groups), means, found, stop)
         table[cells, :RESULTS], status[cells] = means, found

@@ -19,7 +19,8 @@ from benchmarks.waves import PLANAR, harmonics, parts
 from core.motion.groups import cells_of
 from core.motion.kernels import waves as kernels
 from core.motion.kernels.cells import cell_of
-from core.motion.kernels.planar.wave import AIR, KINDS, PULLS, ROOTS, new_table, wave_of
+from core.motion.kernels.planar.wave import AIR, KINDS, PULLS, ROOTS, wave_of
+from core.motion.planar import waves_of
 
 ROUNDED = 1e-12
 """Of a sum of some 20 terms of size 1: that of a phase, 4e-16, times a slope of some 100, and a
@@ -76,7 +77,7 @@ def test_no_change_of_sign_of_an_acceleration_is_missed(orders):
     groups = parts(pick, harmonics(pick, 70, orders))
     rows, _ = cells_of(groups, **PLANAR)
     for row in rows:
-        wave, _, _ = wave_of(cell_of(row), row, new_table())
+        wave, _, _ = wave_of(cell_of(row), row, waves_of(row))
         for kind in set(range(KINDS if wave.mu_s != wave.mu_k else KINDS - 2)) - {AIR}:
             sines, cosines = wave.table[2 * kind : 2 * kind + 2, 1 : orders + 1]
             one = Sum(sines, cosines, wave.table[PULLS, kind])

@@ -23,8 +23,9 @@ from core.motion.kernels.planar.drive import Drive, fly, lift_off, lifts, to_lif
 from core.motion.kernels.planar.flow import NO_WAVES, TURN, upright
 from core.motion.kernels.planar.slide import after_hops, contact
 from core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS
-from core.motion.kernels.planar.wave import new_table, wave_of
+from core.motion.kernels.planar.wave import wave_of
 from core.motion.methods.events import planar_motion
+from core.motion.planar import waves_of
 from core.motion.result import STATUS, Motion
 from night import count
 
@@ -161,7 +162,7 @@ def course(row: Floats, events: int, jolts: Floats) -> Course:
     if row.size == len(Cell._fields):
         drive, start, way = upright(cell, row, NO_WAVES)
     else:
-        drive, start, way = wave_of(cell, row, new_table())
+        drive, start, way = wave_of(cell, row, waves_of(row))
     found = Course(np.empty(events), np.empty(events), np.empty(events))
     follow_from_rest(drive, start, cell.restitution, jolts, *found)
     return found._replace(place=way * found.place, slip=way * found.slip)

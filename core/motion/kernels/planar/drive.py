@@ -24,7 +24,7 @@ from core.motion.kernels.planar.flow import NoWaves, Sine, phase_to
 from core.motion.kernels.planar.wave import Wave
 
 Drive: TypeAlias = Sine | Wave
-Waves: TypeAlias = NoWaves | wave.Waves
+Waves: TypeAlias = NoWaves | wave.WaveTable
 """Room for the wave that stands behind a cell in its row; its type tells whether there is one."""
 
 
@@ -35,7 +35,7 @@ def _by_drive(for_sine: Any, for_wave: Any) -> Callable[[Function], Function]:
     return by_type("drive", {Sine: for_sine, Wave: for_wave})
 
 
-@by_type("waves", {NoWaves: flow.upright, wave.Waves: wave.wave_of})
+@by_type("waves", {NoWaves: flow.upright, wave.WaveTable: wave.wave_of})
 def drive_of(cell: Cell, row: Floats, waves: Waves) -> tuple[Drive, float, float]:
     """Return the drive of a cell, phase and way; those of a wave are 0 and 1.
 

@@ -60,19 +60,17 @@ class Wave(NamedTuple):
     backward: int
 
 
-class Waves(NamedTuple):
-    """Room for the wave of a cell."""
+class WaveTable(NamedTuple):
+    """Room for the wave of a cell, a table of `TABLE`."""
 
     table: Floats
 
 
-def new_table() -> Waves:
-    """Return room for a wave; Python makes it, and hands it to the kernels."""
-    return Waves(np.zeros((ROOTS + KINDS, WIDTH)))
+TABLE = (ROOTS + KINDS, WIDTH)
 
 
 @compiled
-def wave_of(cell: Cell, row: Floats, waves: Waves) -> tuple[Wave, float, float]:
+def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[Wave, float, float]:
     """Return the wave of a row, which stands there behind the cell; phase and way as `upright`."""
     table = waves.table
     orders, steps = int(row[GROUPS]), int(row[GROUPS + 1])
