@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import namedtuple
-from typing import NamedTuple
 
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
@@ -29,36 +28,18 @@ keep a part bouncing for ever.
 """
 
 
-class Cell(NamedTuple):
-    """The numbers of one cell, SI; a row of the kernels' table in this order.
+Cell = namedtuple(
+    "Cell",
+    "half_diagonal inertia_ratio corner_angle turning pull_along pull_normal drive_along "
+    "drive_normal circular_frequency start_phase friction_kinetic friction_static restitution "
+    "gap_normal pitch velocity_along velocity_upward pitch_rate duration time_step law",
+)
+"""The numbers of one cell, SI; a row of the kernels' table in this order.
 
-    `turning` is 1 for a part with corners, 0 for a ball, whose one contact stays below the centre.
-    The pulls are gravity's components against the transport and towards the plane, the drives
-    those of the drive's acceleration.
-    """
-
-    half_diagonal: float
-    inertia_ratio: float
-    corner_angle: float
-    turning: float
-    pull_along: float
-    pull_normal: float
-    drive_along: float
-    drive_normal: float
-    circular_frequency: float
-    start_phase: float
-    friction_kinetic: float
-    friction_static: float
-    restitution: float
-    gap_normal: float
-    pitch: float
-    velocity_along: float
-    velocity_upward: float
-    pitch_rate: float
-    duration: float
-    time_step: float
-    law: float
-
+`turning` is 1 for a part with corners, 0 for a ball, whose one contact stays below the centre. The
+pulls are gravity's components against the transport and towards the plane, the drives those of the
+drive's acceleration.
+"""
 
 GROUPS = len(Cell._fields)
 
