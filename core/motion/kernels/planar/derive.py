@@ -9,7 +9,7 @@ import numpy as np
 from core.compiled import borrowing, compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.cells import cell_of
-from core.motion.kernels.planar.drive import holding, lifts
+from core.motion.kernels.planar.drive import lifts
 from core.motion.kernels.planar.flow import NO_WAVES, TURN, Sine, upright
 from core.motion.kernels.planar.sine_slip import two_sided
 from core.motion.kernels.planar.slope_tables import (
@@ -41,7 +41,7 @@ DERIVED_COLUMNS = MARGIN + 1
 
 
 @borrowing
-def start_of_cycle(drive: Sine, rows: Floats, count: int, d: Floats, nearest: Floats) -> int:
+def start_of_cycle(drive: Sine, rows: Floats, count: int, d: Floats) -> int:
     """Fill the derivatives at the start of a cycle; return how many directions there are.
 
     A cycle with a rest starts at a lift-off, one without contact at a landing, whose phase and
@@ -51,11 +51,10 @@ def start_of_cycle(drive: Sine, rows: Floats, count: int, d: Floats, nearest: Fl
     d[ROW.along, BY.start_along] = 1.0
     if rows[0, SEGMENT.take_off] < 0:
         if not lifts(drive):
-            least, largest, way = holding(drive)
             at = rows[0, SEGMENT.phase]
             by_least = math.cos(at) < 0
-            if abs(least if by_least else largest) < 1:
-                release(drive, by_least, way, at, d)
+            if abs(drive.least if by_least else drive.largest) < 1:
+                release(drive, by_least, drive.way, at, d)
         return BY.start_phase
     rests = False
     for row in range(count):
@@ -73,14 +72,14 @@ def carry(
     d: Floats, nearest: Floats,
 ) -> int:  # fmt: skip
     """Carry the derivatives over so many rounds of a cycle; return how many directions."""
-    size = start_of_cycle(drive, rows, count, d, nearest)
+    size = start_of_cycle(drive, rows, count, d)
     flies = lifts(drive)
     for cycle in range(cycles):
         apart, alike = nearest[2], nearest[4]
         for row in range(count):
             if rows[row, SEGMENT.take_off] >= 0:
                 rests = rows[(row + 1) % count, SEGMENT.take_off] < 0
-                u = in_air(drive, e, rows, row, rests, u, energy, size, d, nearest)
+                u = in_air(drive, e, rows, row, rests, u, size, d, nearest)
                 continue
             if flies:
                 lift(drive, ROW.end, d)
@@ -133,13 +132,13 @@ def carry_two_sided(drive: Sine, energy: bool, d: Floats, nearest: Floats) -> No
     The cycle starts where it turns forward, at a phase that is free.
     """
     _, share = two_sided(drive)
-    c, s, gs, gn, _, mu, _ = drive
+    c, s, gs, gn, mu = drive.c, drive.s, drive.gs, drive.gn, drive.mu_k
     span = share * TURN
     k1 = mu * gn
     half = (c * k1 - mu * s * gs) * math.cos((span - math.pi) / 2)
     sine = math.pi * (k1 - gs) * (k1 + gs) / (2 * half)
     first = math.pi - math.asin(sine) - span / 2
-    least, largest, _ = holding(drive)
+    least, largest = drive.least, drive.largest
     d[:, :] = 0.0
     d[ROW.phase, BY.start_phase] = 1.0
     for sign, mode, at, length in (
@@ -157,7 +156,7 @@ def carry_two_sided(drive: Sine, energy: bool, d: Floats, nearest: Floats) -> No
 
 
 @borrowing
-def tell(drive: Sine, result: Floats, d: Floats, nearest: Floats, slopes: Floats) -> None:
+def tell(drive: Sine, result: Floats, d: Floats, slopes: Floats) -> None:
     """Fill the derivatives of the means, shape (told, groups).
 
     A sum over the cycle, over its time; drive = friction + impacts + sin(gamma) v (theory 13.15).
@@ -198,8 +197,7 @@ def from_edges(drive: Sine) -> float:
 
     Relative; beside these a motion changes its kind.
     """
-    least, largest, _ = holding(drive)
-    gn = drive.gn
+    gn, least, largest = drive.gn, drive.least, drive.largest
     edge = min(abs(drive.s - gn) / gn, abs(1.0 - abs(least)), abs(1.0 - abs(largest)))
     pull, grip = abs(drive.gs), drive.mu_s * gn
     return min(edge, abs(grip - pull) / (grip + pull)) if grip + pull > 0 else 0.0
@@ -257,7 +255,7 @@ def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, 
                 d[ROW.landing, :] = math.nan
             if not nearest[4] > KINK:
                 d[ROW.height, :] = math.nan
-        tell(drive, result, d, nearest, slopes)
+        tell(drive, result, d, slopes)
         turn_slopes(cell.drive_number_along, cell.drive_number_normal, slopes)
         known = True  # by restitution there may be none alone, where it begins with a jump
         for i in range(BY.e):

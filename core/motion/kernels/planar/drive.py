@@ -132,22 +132,14 @@ def fly(drive: Drive, u: float, tau: float, d: float) -> tuple[float, float]:
 # --- on the floor
 
 
-@_by_drive(sine_slip.holding, wave_slip.holding)
-def holding(drive: Drive) -> tuple[float, float, float]:
-    """Return what `hold` and `holds` ask again and again of one drive."""
-    raise NotImplementedError
-
-
 @_by_drive(sine_slip.holds, wave_slip.holds)
-def holds(drive: Drive, held: tuple[float, float, float], at: float) -> bool:
+def holds(drive: Drive, at: float) -> bool:
     """Return whether static friction holds a part that does not slip."""
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.hold, wave_slip.hold)
-def hold(
-    drive: Drive, held: tuple[float, float, float], at: float, end: float
-) -> tuple[bool, float, bool]:
+def hold(drive: Drive, at: float, end: float) -> tuple[bool, float, bool]:
     """Return whether a part without slip sticks, until when, and whether it then slips forward.
 
     Until `end` at the latest.

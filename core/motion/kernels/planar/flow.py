@@ -33,7 +33,8 @@ NO_WAVES = NoWaves()
 class Sine(NamedTuple):
     """Drive and gravity along and normal to the floor, and both coefficients of friction.
 
-    `up_at` is the phase at which a part on the floor lifts off, NaN if it never does.
+    `up_at` is the phase at which a part on the floor lifts off, NaN if it never does; the rest is
+    `stick_range`.
     """
 
     c: float
@@ -43,12 +44,43 @@ class Sine(NamedTuple):
     mu_s: float
     mu_k: float
     up_at: float
+    least: float
+    largest: float
+    way: float
+
+
+@compiled
+def stick_range(
+    c: float, s: float, gs: float, gn: float, mu_s: float
+) -> tuple[float, float, float]:
+    """Return the least and largest sin(tau) at which friction holds, and the slip beyond the top.
+
+    Below the least value the part slips backward; beyond the largest one forward (1), or backward
+    (-1) where the drive lifts it off more than it pushes it on (theory 13.3).
+    """
+    least, largest, way = -math.inf, math.inf, 1.0
+    if c + mu_s * s > 0:
+        largest = (gs + mu_s * gn) / (c + mu_s * s)
+    elif gs + mu_s * gn < 0:
+        largest = -math.inf
+    lifting = c - mu_s * s
+    holding = mu_s * gn - gs
+    if lifting > 0:
+        least = -holding / lifting
+    elif lifting < 0:
+        if holding / -lifting < largest:
+            largest, way = holding / -lifting, -1.0
+    elif holding < 0:
+        least = math.inf
+    return least, largest, way
 
 
 @compiled
 def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) -> Sine:
     """Return the sine of these numbers, s not below 0."""
-    return Sine(c, s, gs, gn, mu_s, mu_k, math.asin(gn / s) if s > gn else math.nan)
+    least, largest, way = stick_range(c, s, gs, gn, mu_s)
+    up_at = math.asin(gn / s) if s > gn else math.nan
+    return Sine(c, s, gs, gn, mu_s, mu_k, up_at, least, largest, way)
 
 
 @compiled

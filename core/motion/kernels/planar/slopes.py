@@ -14,7 +14,6 @@ from core.motion.kernels.arrays import Floats
 from core.motion.kernels.planar.drive import (
     fly,
     hold,
-    holding,
     load,
     rise,
     slide,
@@ -194,14 +193,13 @@ def on_floor(
     What is done is that of `slide.contact`. `fresh` tells that the part came to this phase by
     itself, not to one at which it is let go.
     """
-    held = holding(drive)
-    least, largest, way = held
+    least, largest, way = drive.least, drive.largest, drive.way
     at, end = tau, tau + span
     for _ in range(MOST_MODES):
         if at >= end:
             return u
         if u == 0:
-            sticks, leave, forward = hold(drive, held, at, end)
+            sticks, leave, forward = hold(drive, at, end)
             if fresh:
                 sine = math.sin(at)
                 nearest[0] = min(nearest[0], abs(sine - least), abs(sine - largest))
@@ -287,7 +285,7 @@ def land(
 
 @borrowing
 def in_air(
-    drive: Sine, e: float, rows: Floats, row: int, rests: bool, u: float, energy: bool, size: int,
+    drive: Sine, e: float, rows: Floats, row: int, rests: bool, u: float, size: int,
     d: Floats, nearest: Floats,
 ) -> float:  # fmt: skip
     """Carry the derivatives over a flight and its landing; return the velocity along after it.
@@ -297,7 +295,7 @@ def in_air(
     `rests` tells that the part then stays on the floor, after hops that shrink to nothing.
     """
     tau, span = rows[row, SEGMENT.phase], rows[row, SEGMENT.span]
-    w, speed, impulse = rows[row, SEGMENT.take_off], rows[row, SEGMENT.landing], 0.0
+    w, speed = rows[row, SEGMENT.take_off], rows[row, SEGMENT.landing]
     impulse = rows[row, SEGMENT.impulse]
     size_of = drive.s + drive.gn
     grazing = speed / (size_of * min(1.0, span))

@@ -124,7 +124,7 @@ def floor_step(
     if pressed and spare >= 0.0:
         need = math.hypot(vx, vs / response)
         if need <= hold:
-            return held_state(vx, vy, vz, spin, normal, hold - need, rolling)
+            return held_state(vy, vz, spin, normal, hold - need, rolling)
         if spare < math.inf:
             share = 0.5 + (need - hold) / (need - hold + spare)
         left_x, left_y = -(1.0 - share) * vx, -(1.0 - share) * vs / response
@@ -150,7 +150,7 @@ def floor_step(
         spare = math.inf
         if pressed:
             spare = max(0.0, hold - math.hypot(h * ax, h * ay / response))
-        return held_state(vx, vy, vz, spin, normal, spare, rolling)
+        return held_state(vy, vz, spin, normal, spare, rolling)
     fx += left_x
     fy += left_y
     return vx + fx, vy + fy, vz, spin + rolling * fy, normal, -1.0
@@ -158,7 +158,7 @@ def floor_step(
 
 @compiled
 def held_state(
-    vx: float, vy: float, vz: float, spin: float, normal: float, spare: float, rolling: float
+    vy: float, vz: float, spin: float, normal: float, spare: float, rolling: float
 ) -> tuple[float, float, float, float, float, float]:
     """Return the state after a step in which the contact came to stick: no slip, exactly."""
     if rolling == 0.0:
