@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from core.errors import StudyError
 from core.mechanics.arrays import Array
 from core.motion.cells import run_cells
-from core.motion.groups import Contacts, Groups, cells_of
-from core.motion.methods.events import in_plane
+from core.motion.groups import Contacts, Groups, cells_of, in_plane
 from core.motion.prepare import choose_system
 from core.motion.result import COLUMNS, Energy, Motion, motion_of
 from core.motion.result import STATUS as MOTION_STATUS
@@ -127,7 +126,7 @@ class PlanarRules:
         return None if self.watch is None else replace(self.watch, progress=None)
 
     def _cells(self, groups: Groups, tolerance: Any, most_periods: Any) -> NDArray[np.float64]:
-        plain = Groups(*(value_of(number) for number in groups.numbers)).in_plane()
+        plain = Groups(*(value_of(number) for number in groups.numbers)).flat()
         lifts = np.abs(plain.drive_number_normal) > plain.gravity_number_normal
         plain = plain._replace(restitution=np.where(lifts, plain.restitution, 0.0))
         # Restitution plays no part in a cell that never lifts off: equal cells are computed once.

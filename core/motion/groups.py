@@ -79,7 +79,7 @@ class Groups(NamedTuple):
         """Whether nothing pushes any of the parts across the track."""
         return not (np.any(self.drive_number_across) or np.any(self.gravity_number_across))
 
-    def in_plane(self) -> Groups:
+    def flat(self) -> Groups:
         """Return the groups without what motion in the vertical plane of the track does not know.
 
         Cells that are equal but for that are then computed once.
@@ -117,6 +117,19 @@ class Contacts(NamedTuple):
 
 BLOCK_ON_FLOOR = Contacts()
 SOLID_CYLINDER = 2.0  # m r^2/I about its axis
+
+
+def in_plane(groups: Groups, contacts: Contacts) -> NDArray[np.bool_]:
+    """Return which parts move in the vertical plane of the track: nothing pushes them across.
+
+    Such a part touches the wall of a straight track, if at all, without a load.
+    """
+    pushed = np.not_equal(groups.drive_number_across, 0.0) | np.not_equal(
+        groups.gravity_number_across, 0.0
+    )
+    if contacts.wall:
+        pushed = pushed | np.not_equal(groups.curvature_number, 0.0)
+    return np.asarray(~pushed)
 
 
 def table(columns: Iterable[ArrayLike]) -> tuple[NDArray[np.float64], tuple[int, ...]]:

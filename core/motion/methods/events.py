@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from core.mechanics.arrays import Array
 from core.motion.cells import run_cells
 from core.motion.course import Course, CourseAsked
-from core.motion.groups import Contacts, Groups, cells_of, groups_of
+from core.motion.groups import Contacts, Groups, cells_of, groups_of, in_plane
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.methods.spatial_events import spatial_course, spatial_motion
 from core.motion.price import Price, Priced
@@ -64,7 +64,7 @@ def planar_motion(
     from core.motion.planar import solve_cells
 
     lifts = np.abs(groups.drive_number_normal) > groups.gravity_number_normal
-    plain = groups.in_plane()._replace(restitution=np.where(lifts, groups.restitution, 0.0))
+    plain = groups.flat()._replace(restitution=np.where(lifts, groups.restitution, 0.0))
     cells, shape = cells_of(plain, tolerance=tolerance, most_periods=most_periods)
     return motion_of(*run_cells(solve_cells, cells, watch=watch), shape)
 
@@ -115,19 +115,6 @@ def _modes(values: Array, way: float) -> NDArray[np.int8]:
         turned = {forward: backward, backward: forward}
         modes = np.array([turned.get(mode, mode) for mode in modes.tolist()], dtype=np.int8)
     return modes
-
-
-def in_plane(groups: Groups, contacts: Contacts) -> NDArray[np.bool_]:
-    """Return which parts move in the vertical plane of the track: nothing pushes them across.
-
-    Such a part touches the wall of a straight track, if at all, without a load.
-    """
-    pushed = np.not_equal(groups.drive_number_across, 0.0) | np.not_equal(
-        groups.gravity_number_across, 0.0
-    )
-    if contacts.wall:
-        pushed = pushed | np.not_equal(groups.curvature_number, 0.0)
-    return np.asarray(~pushed)
 
 
 def motion_by_events(
@@ -200,7 +187,7 @@ def energy_by_events(
     table = np.full((len(rows), len(Energy._fields)), np.nan)
     given = dict(zip(settings, columns, strict=True))
     for part, kernel, piece, here in (
-        (some.in_plane(), planar.spend_cells, 256, plane),
+        (some.flat(), planar.spend_cells, 256, plane),
         (some, in_space, 32, 1.0 - plane),
     ):
         which = (here * repeats) > 0.0

@@ -55,6 +55,7 @@ def stick_range(
 ) -> tuple[float, float, float]:
     """Return the least and largest sin(tau) at which friction holds, and the slip beyond the top.
 
+    (gs + mu_s gn)/(c + mu_s s) is the one bound, (gs - mu_s gn)/(c - mu_s s) the other.
     Below the least value the part slips backward; beyond the largest one forward (1), or backward
     (-1) where the drive lifts it off more than it pushes it on (theory 13.3).
     """

@@ -16,8 +16,9 @@ def friction_impulse(
     """Return the impulse of friction at one contact, two components, and whether it sticks.
 
     The slip is that without the impulse; a unit impulse changes it by 1 and by `response`. It
-    sticks if an impulse within the disc of radius `hold` can stop the slip; else the impulse has
-    the size `slide` and opposes the slip that is left: the secular equation of theory 7.3.
+    sticks if an impulse within the disc of radius `hold` can stop the slip; else the impulse is
+    -q e, with q = `slide` and e = (s_1/(z + q), s_2/(z + r q)) along the slip that is left, where
+    |e| = 1 gives z: the secular equation of theory 7.3, with the response r.
     """
     stop_2 = slip_2 / response
     if slip_1 * slip_1 + stop_2 * stop_2 <= hold * hold:

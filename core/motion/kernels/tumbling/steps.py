@@ -115,7 +115,10 @@ def drift(state: Floats, rates: Floats, time: float) -> None:
 
 @compiled
 def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop) -> Run:
-    """Run one cell by the midpoint rule of Moreau and Jean (theory 13.9), with Moreau's law."""
+    """Run one cell by the midpoint rule of Moreau and Jean (theory 13.9), with Moreau's law.
+
+    u(t + h) = u(t) + h a(t + h/2) + i,    q(t + h) = q(t) + h (u(t) + u(t + h))/2.
+    """
     corners = corner_count(cell)
     near = np.zeros(corners, dtype=np.int64)
     target, impulse = np.zeros((2, corners)), np.zeros((2, corners))
