@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from core.motion.groups import Groups, cells_of
 from core.motion.kernels.arrays import NEVER
 from core.motion.kernels.planar.derive import DERIVED_COLUMNS, KINK, MARGIN
 from core.motion.kernels.planar.slope_tables import DERIVED_BY, TOLD
@@ -54,9 +55,9 @@ def random_cells(count: int, seed: int) -> Floats:
     restitution = np.where(rng.random(count) < 0.5, 0.0, rng.uniform(0.01, 0.6, count))
     columns = (
         p * np.cos(beta), p * np.sin(beta), np.sin(gamma), np.cos(gamma), static, kinetic,
-        restitution, np.full(count, 1e-12), np.full(count, 1000.0),
+        restitution,
     )  # fmt: skip
-    return np.stack(columns, axis=1)
+    return cells_of(Groups(*columns), tolerance=1e-12, most_periods=1000.0)[0]
 
 
 def plain(cells: Floats) -> tuple[Floats, NDArray[np.int8]]:

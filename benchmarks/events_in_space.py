@@ -15,11 +15,12 @@ import numpy as np
 
 from core.motion.groups import SOLID_CYLINDER, Contacts, Groups, cells_of
 from core.motion.kernels.arrays import NEVER, Floats
+from core.motion.kernels.cells import cell_of
 from core.motion.kernels.means import mean_velocity
-from core.motion.kernels.results import RESULTS
-from core.motion.kernels.track import Cell, drive, solve_cells
+from core.motion.kernels.results import RESULTS, TALLY
+from core.motion.kernels.track import drive, solve_cells
 from core.motion.kernels.track.cycle import Series, new_history, settle
-from core.motion.kernels.track.tables import TALLY, TURN, at_rest, cell_of, new_work
+from core.motion.kernels.track.tables import TURN, at_rest, new_work
 from core.motion.methods.stepping import stepped_motion
 from core.motion.result import STATUS, Motion, motion_of
 
@@ -159,7 +160,7 @@ def main() -> None:
 
     for place, (name, kind) in enumerate(KINDS.items()):
         groups = random_groups(kind, arguments.cells, arguments.seed + place)
-        rows, _ = cells_of(Cell._fields, groups, **SETTINGS)
+        rows, _ = cells_of(groups, **SETTINGS)
         solve_cells(
             kind.wall,
             kind.rolling,

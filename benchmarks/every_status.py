@@ -18,12 +18,13 @@ from numpy.random import Generator
 from core.motion.groups import Groups, cells_of
 from core.motion.kernels import means
 from core.motion.kernels.arrays import NEVER, Flags, Floats
-from core.motion.kernels.results import COLUMN, RESULTS
+from core.motion.kernels.cells import cell_of
+from core.motion.kernels.results import COLUMN, RESULTS, TALLY
 from core.motion.kernels.statuses import STATUS
-from core.motion.kernels.track import Cell, drive, solve_cells
+from core.motion.kernels.track import drive, solve_cells
 from core.motion.kernels.track.cycle import apart, approach, new_history
 from core.motion.kernels.track.solve import FINE
-from core.motion.kernels.track.tables import TALLY, TURN, at_rest, cell_of, new_work
+from core.motion.kernels.track.tables import TURN, at_rest, new_work
 from core.quantities import MOTION_STATUSES
 
 GRAVITY = 9.80665
@@ -155,7 +156,7 @@ def course_of(row: Floats, periods: int) -> tuple[float, float, int]:
 def judged(groups: Groups, *, most_periods: int, periods: int, threads: int = 1) -> Judged:
     """Return cells by the method, and by their own course over so many periods."""
     settings = {"tolerance": 1e-12, "most_periods": float(most_periods)}
-    rows, _ = cells_of(Cell._fields, groups, **settings)
+    rows, _ = cells_of(groups, **settings)
     table, status = np.empty((len(rows), RESULTS)), np.zeros(len(rows), dtype=np.int8)
 
     def one(number: int) -> tuple[float, float, int]:

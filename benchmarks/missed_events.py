@@ -25,14 +25,15 @@ from numpy.typing import NDArray
 from benchmarks.waves import CLOSE, NAMES, PLANAR, REPEATS, SPATIAL, harmonics, parts, steps
 from core.motion import planar, waves
 from core.motion.groups import Contacts, Groups, cells_of
-from core.motion.kernels import track
 from core.motion.kernels.arrays import NEVER
+from core.motion.kernels.cells import cell_of
 from core.motion.kernels.planar.tables import PIECE
+from core.motion.kernels.results import TALLY
 from core.motion.kernels.statuses import MODE
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.cycle import new_history, settle
 from core.motion.kernels.track.solve import FINE
-from core.motion.kernels.track.tables import TALLY, at_rest, new_work
+from core.motion.kernels.track.tables import at_rest, new_work
 from core.motion.kernels.waves import passages
 from core.motion.methods.events import planar_motion
 from core.motion.methods.spatial_events import spatial_motion
@@ -150,7 +151,7 @@ def events_in_plane(groups: Groups) -> list[str]:
 
     A cycle that starts where a part begins to slip may have a stick of no length before it.
     """
-    rows, _ = cells_of(planar.Cell._fields, groups, **PLANAR)
+    rows, _ = cells_of(groups, **PLANAR)
     found = []
     for row in rows:
         pieces, *_ = planar.follow(row, NEVER)
@@ -163,14 +164,14 @@ def events_in_plane(groups: Groups) -> list[str]:
 
 def events_in_space(groups: Groups, multiples: Array) -> list[str]:
     """Return the signatures of the events of each period of the cycle of each cell."""
-    rows, _ = cells_of(track.Cell._fields, groups, **SPATIAL)
+    rows, _ = cells_of(groups, **SPATIAL)
     most, found = int(SPATIAL["most_periods"]), []
     history, work = new_history(most, NEVER), new_work()
     for row, multiple in zip(rows, multiples, strict=True):
         if not multiple > 0:
             found.append("")
             continue
-        cell = track.Cell(*row[: len(track.Cell._fields)].tolist())
+        cell = cell_of(row)
         drive.set_drive(cell, row, work)
         state, hold = at_rest()
         done = settle(cell, False, 0.0, FINE, most, state, hold, history, work)

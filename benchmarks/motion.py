@@ -18,6 +18,8 @@ import numpy as np
 
 from benchmarks.lockstep import lockstep_velocities
 from benchmarks.motions import planar_motion
+from core.motion.groups import Groups as Part
+from core.motion.groups import cells_of
 from core.motion.kernels.arrays import NEVER
 from core.motion.planar import solve_cells
 from core.motion.result import COLUMNS
@@ -122,7 +124,8 @@ def time_points(count: int) -> None:
         random.uniform(0.1, 6, count), random.uniform(0, 2, count), random.uniform(1, 89, count),
         random.uniform(-10, 10, count), random.uniform(0, 0.95, count),
     )  # fmt: skip
-    rows = np.stack(list(cells.values()), axis=-1)
+    numbers = {name: values for name, values in cells.items() if name not in SETTINGS}
+    rows, _ = cells_of(Part(**numbers), **SETTINGS)
     table, status = np.empty((count, COLUMNS)), np.zeros(count, dtype=np.int8)
     taken = np.empty(count)
     solve_cells(rows[:1], table[:1], status[:1], NEVER)  # compiles

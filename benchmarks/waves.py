@@ -235,12 +235,12 @@ def more_orders(pick: Pick, sine: Groups, orders: int) -> Groups:
     return sine._replace(wave=Wave(found, np.zeros((4, 0, cells))))
 
 
-def times(name: str, sine: Groups, run: Callable, fields: tuple[str, ...], rounds: int) -> None:
+def times(name: str, sine: Groups, run: Callable, rounds: int) -> None:
     """Print the time of a cell by orders, over that of the sine; the best of some rounds."""
     pick = np.random.default_rng(1)
     sets = {"sine": sine} | {k: more_orders(pick, sine, k) for k in (1, 2, 5, 10)}
     settings = PLANAR if run is planar.solve_cells else SPATIAL
-    rows = {k: np.ascontiguousarray(cells_of(fields, g, **settings)[0]) for k, g in sets.items()}
+    rows = {k: np.ascontiguousarray(cells_of(g, **settings)[0]) for k, g in sets.items()}
     cells = len(rows["sine"])
     table, status = np.empty((cells, COLUMNS)), np.empty(cells, dtype=np.int8)
     best = np.full((len(sets), cells), np.inf)
@@ -289,13 +289,13 @@ def main() -> None:
     agreement(given.cells, given.judged, given.seed)
     repetition(given.bouncing, given.seed)
     flat = feeder_parts(given.timed, given.seed, 0.0)
-    times("In the plane", flat, planar.solve_cells, planar.Cell._fields, given.rounds)
+    times("In the plane", flat, planar.solve_cells, given.rounds)
 
     def in_space(rows: NDArray, table: NDArray, status: NDArray, stop: NDArray) -> None:
         track.solve_cells(True, 0.0, rows, table, status, stop)
 
     aslant = feeder_parts(given.timed, given.seed, 1.0)
-    times("On the track", aslant, in_space, track.Cell._fields, max(3, given.rounds // 4))
+    times("On the track", aslant, in_space, max(3, given.rounds // 4))
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 
 from core.mechanics.arrays import Array, ratio
-from core.motion.groups import Groups
+from core.motion.groups import Contacts, Groups, in_plane
 
 
 def fastest_velocity(
@@ -41,10 +41,8 @@ def fastest_velocity(
     share = ratio(holding, holding + braking, 0.0)
     best = share**2 * ratio(most**2 - braking**2, 4 * most, 0.0) * gravity / frequency
     freed = most > groups.friction_static * onto + along
-    across = (groups.drive_number_across, groups.gravity_number_across, groups.curvature_number)
     holds = (along >= 0.0) & (holding >= 0.0) & (np.asarray(groups.drive_number_normal) == 0.0)
-    for number in across:
-        holds = holds & (np.asarray(number) == 0.0)
+    holds = holds & in_plane(groups, Contacts(wall=True))
     return np.where(holds & ~np.isnan(most), np.where(freed, best, 0.0), np.nan)
 
 

@@ -79,3 +79,27 @@ class CourseAsked(NamedTuple):
         else:
             along, normal = (length * place(groups.wave, axis, phases) for axis in (ALONG, NORMAL))
         return {"track_along": along, "track_normal": normal}
+
+    def course(
+        self,
+        position: Array,
+        velocity: Array,
+        modes: NDArray[np.int8],
+        wall: bool,
+        start: float = 0.0,
+    ) -> Course:
+        """Return the course of a part from its places and velocities, in the scales of the drive.
+
+        Places along are told from `start`; `wall` says whether there is one, to be far from.
+        """
+        speed, length = self.scale("velocity_scale"), self.scale("length_scale")
+        values = {
+            "position_along": (position[:, 0] - start) * length,
+            "height_above_floor": position[:, 2] * length,
+            "relative_velocity_along": velocity[:, 0] * speed,
+            "relative_velocity_normal": velocity[:, 2] * speed,
+            **self.track(),
+        }
+        if wall:
+            values["distance_from_wall"] = position[:, 1] * length
+        return Course(self.times()[0], values, {"motion_mode": modes})

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from core.errors import StudyError
 from core.mechanics.arrays import Array
 from core.motion.cells import run_cells
-from core.motion.groups import Contacts, Groups, cells_of
-from core.motion.methods.events import in_plane
+from core.motion.groups import Contacts, Groups, cells_of, in_plane
 from core.motion.prepare import choose_system
 from core.motion.result import COLUMNS, Energy, Motion, motion_of
 from core.motion.result import STATUS as MOTION_STATUS
@@ -105,14 +104,14 @@ class PlanarRules:
     def spent(self, given: Mapping[str, Any]) -> Ruled:
         """Return the energies with their derivative; the motion tells how they were found."""
         from core.motion.kernels.planar.slope_tables import DERIVED_BY, TOLD
-        from core.motion.planar import Cell, spend_cells
+        from core.motion.planar import spend_cells
 
         groups: Groups = given["groups"]
         settings = (given["tolerance"], given["most_periods"])
         table, _ = self._followed(groups, *settings)
         slopes = table[:, COLUMNS:-1].reshape(-1, len(TOLD), DERIVED_BY)[:, len(DERIVED) :]
         if self._spent is None or self._spent[0] is not table:
-            cells, width = self._cells(Cell._fields, groups, *settings), len(Energy._fields)
+            cells, width = self._cells(groups, *settings), len(Energy._fields)
             found, _ = run_cells(spend_cells, cells, columns=width, watch=self._silent)
             self._spent = table, found
         by = [np.asarray(slope_of(getattr(groups, name))) for name in BY]
@@ -126,24 +125,21 @@ class PlanarRules:
     def _silent(self) -> Watch | None:
         return None if self.watch is None else replace(self.watch, progress=None)
 
-    def _cells(
-        self, names: tuple[str, ...], groups: Groups, tolerance: Any, most_periods: Any
-    ) -> NDArray[np.float64]:
-        plain = Groups(*(value_of(number) for number in groups.numbers))
+    def _cells(self, groups: Groups, tolerance: Any, most_periods: Any) -> NDArray[np.float64]:
+        plain = Groups(*(value_of(number) for number in groups.numbers)).flat()
         lifts = np.abs(plain.drive_number_normal) > plain.gravity_number_normal
         plain = plain._replace(restitution=np.where(lifts, plain.restitution, 0.0))
-        settings = {"tolerance": tolerance, "most_periods": most_periods}
         # Restitution plays no part in a cell that never lifts off: equal cells are computed once.
-        return cells_of(names, plain, **settings)[0]
+        return cells_of(plain, tolerance=tolerance, most_periods=most_periods)[0]
 
     def _followed(
         self, groups: Groups, tolerance: Any, most_periods: Any
     ) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
         """Return table and status as `derive_cells` fills them."""
         from core.motion.kernels.planar.derive import DERIVED_COLUMNS
-        from core.motion.planar import Cell, derive_cells
+        from core.motion.planar import derive_cells
 
-        cells = self._cells(Cell._fields, groups, tolerance, most_periods)
+        cells = self._cells(groups, tolerance, most_periods)
         if self._known is None or not np.array_equal(self._known[0], cells):
 
             def derive(piece: Any, rows: Any, status: Any, stop: Any) -> None:

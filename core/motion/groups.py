@@ -65,14 +65,39 @@ class Groups(NamedTuple):
         return self[:-1]
 
     @property
+    def drive(self) -> tuple[Numbers, Numbers, Numbers]:
+        """The drive numbers along, across and normal."""
+        return self.drive_number_along, self.drive_number_across, self.drive_number_normal
+
+    @property
+    def gravity(self) -> tuple[Numbers, Numbers, Numbers]:
+        """The gravity numbers along, across and normal."""
+        return self.gravity_number_along, self.gravity_number_across, self.gravity_number_normal
+
+    @property
     def planar(self) -> bool:
         """Whether nothing pushes any of the parts across the track."""
         return not (np.any(self.drive_number_across) or np.any(self.gravity_number_across))
+
+    def flat(self) -> Groups:
+        """Return the groups without what motion in the vertical plane of the track does not know.
+
+        Cells that are equal but for that are then computed once.
+        """
+        nothing: dict[str, Any] = dict.fromkeys(ACROSS, 0.0)
+        return self._replace(**nothing)
 
     def single(self) -> Groups:
         """Return the groups of one part as plain numbers; raise if there are several parts."""
         (part,), _ = each(self)
         return part
+
+
+ACROSS = (
+    "drive_number_across", "gravity_number_across", "curvature_number", "wall_friction",
+    "wall_restitution",
+)  # fmt: skip
+"""Fields that play no part where nothing pushes the part across the track."""
 
 
 class Contacts(NamedTuple):
@@ -94,21 +119,32 @@ BLOCK_ON_FLOOR = Contacts()
 SOLID_CYLINDER = 2.0  # m r^2/I about its axis
 
 
+def in_plane(groups: Groups, contacts: Contacts) -> NDArray[np.bool_]:
+    """Return which parts move in the vertical plane of the track: nothing pushes them across.
+
+    Such a part touches the wall of a straight track, if at all, without a load.
+    """
+    pushed = np.not_equal(groups.drive_number_across, 0.0) | np.not_equal(
+        groups.gravity_number_across, 0.0
+    )
+    if contacts.wall:
+        pushed = pushed | np.not_equal(groups.curvature_number, 0.0)
+    return np.asarray(~pushed)
+
+
 def table(columns: Iterable[ArrayLike]) -> tuple[NDArray[np.float64], tuple[int, ...]]:
     """Return columns broadcast, one row a cell, and the shape of the cells."""
     arrays = np.broadcast_arrays(*(np.asarray(column, dtype=np.float64) for column in columns))
     return np.stack([array.ravel() for array in arrays], axis=-1), arrays[0].shape
 
 
-def cells_of(
-    fields: Iterable[str], groups: Groups, **settings: ArrayLike
-) -> tuple[NDArray[np.float64], tuple[int, ...]]:
-    """Return the rows of a kernel, whose cell has these fields, and the shape of the cells.
+def cells_of(groups: Groups, **settings: ArrayLike) -> tuple[NDArray[np.float64], tuple[int, ...]]:
+    """Return the rows of a kernel, `kernels.cells.Cell` its first columns, and the cells' shape.
 
-    Behind the fields a row holds the columns of the wave, if there is one.
+    A row holds the numbers of the groups, the settings, and the columns of the wave, if there is
+    one.
     """
-    columns = [settings[n] if n in settings else getattr(groups, n) for n in fields]
-    wave = groups.wave
+    columns, wave = (*groups.numbers, *settings.values()), groups.wave
     if wave is None:
         return table(columns)
     rows, shape = table((*columns, np.zeros(wave.cells)))
@@ -127,15 +163,18 @@ def groups_of(
 
 def each(groups: Groups) -> tuple[Iterator[Groups], tuple[int, ...]]:
     """Return the groups of every cell as plain numbers, and the shape of the cells."""
-    rows, shape = cells_of(Groups._fields[:-1], groups)
+    rows, shape = cells_of(groups)
+    return (one_of(row, groups.wave is not None)[0] for row in rows), shape
 
-    numbers = len(groups.numbers)
 
-    def one(row: NDArray[np.float64]) -> Groups:
-        wave = None if groups.wave is None else of_row(row[numbers:])
-        return Groups._make((*row[:numbers].tolist(), wave))
-
-    return map(one, rows), shape
+def one_of(
+    row: NDArray[np.float64], waved: bool, more: int = 0
+) -> tuple[Groups, NDArray[np.float64]]:
+    """Return the groups of a row of `cells_of` as plain numbers, and those of so many more."""
+    numbers = len(Groups._fields) - 1
+    wave = of_row(row[numbers + more :]) if waved else None
+    values = row.tolist()
+    return Groups._make((*values[:numbers], wave)), values[numbers : numbers + more]
 
 
 # --- as equations of a system

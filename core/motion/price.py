@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from core.mechanics.arrays import Array
-from core.motion.groups import Contacts, Groups
+from core.mechanics.arrays import Array, Mask
+from core.motion.groups import Contacts, Groups, in_plane
 from core.plan.equations import run
 from core.plan.grid import Grid, random_places
 from core.plan.plan import Plan
@@ -74,12 +74,9 @@ class Priced:
         return np.where(self.hops, np.clip((rebounds - few) / (many - few), 0.0, 1.0), 0.0)
 
     @property
-    def across(self) -> Array:
+    def across(self) -> Mask:
         """Where a part leaves the vertical plane of the track."""
-        g = self.groups
-        pushed = np.not_equal(g.drive_number_across, 0.0)
-        pushed = pushed | np.not_equal(g.gravity_number_across, 0.0)
-        return pushed | np.not_equal(g.curvature_number, 0.0)
+        return ~in_plane(self.groups, self.contacts)
 
     @property
     def orders(self) -> float:

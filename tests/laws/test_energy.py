@@ -141,12 +141,12 @@ def test_a_quadrature_over_the_pieces_finds_the_same_and_balances_impulses(resti
     from core.motion.kernels.arrays import NEVER
     from core.motion.kernels.planar.tables import PIECE
     from core.motion.kernels.statuses import MODE
-    from core.motion.planar import Cell, follow
+    from core.motion.planar import follow
 
     c, s, gs, gn, mu = 1.4, 1.6, 0.03, 1.1, 0.35
     groups = Groups(c, s, gs, gn, mu, mu, restitution)
     motion, energy = both(groups, PLANE)
-    (cell,), _ = cells_of(Cell._fields, groups, **SETTINGS)
+    (cell,), _ = cells_of(groups, **SETTINGS)
     pieces, _, _, repeats = follow(cell, NEVER)
     assert repeats
     nodes, weights = np.polynomial.legendre.leggauss(40)

@@ -16,11 +16,11 @@ from benchmarks.missed_events import (
     random_sum,
 )
 from benchmarks.waves import PLANAR, harmonics, parts
-from core.motion import planar
 from core.motion.groups import cells_of
 from core.motion.kernels import waves as kernels
-from core.motion.kernels.planar.tables import cell_of
-from core.motion.kernels.planar.wave import AIR, KINDS, PULLS, ROOTS, new_table, wave_of
+from core.motion.kernels.cells import cell_of
+from core.motion.kernels.planar.wave import AIR, KINDS, PULLS, ROOTS, wave_of
+from core.motion.planar import waves_of
 
 ROUNDED = 1e-12
 """Of a sum of some 20 terms of size 1: that of a phase, 4e-16, times a slope of some 100, and a
@@ -75,9 +75,9 @@ def test_no_change_of_sign_of_an_acceleration_is_missed(orders):
     """All that a random drive of a random part can change at: lift-offs, and slips of each way."""
     pick = np.random.default_rng(orders)
     groups = parts(pick, harmonics(pick, 70, orders))
-    rows, _ = cells_of(planar.Cell._fields, groups, **PLANAR)
+    rows, _ = cells_of(groups, **PLANAR)
     for row in rows:
-        wave = wave_of(cell_of(row), row, new_table())
+        wave, _, _ = wave_of(cell_of(row), row, waves_of(row))
         for kind in set(range(KINDS if wave.mu_s != wave.mu_k else KINDS - 2)) - {AIR}:
             sines, cosines = wave.table[2 * kind : 2 * kind + 2, 1 : orders + 1]
             one = Sum(sines, cosines, wave.table[PULLS, kind])

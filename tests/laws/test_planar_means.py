@@ -17,14 +17,15 @@ from core.intake import parse_study
 from core.motion import simulate
 from core.motion.groups import Groups, cells_of
 from core.motion.kernels.arrays import Floats
+from core.motion.kernels.cells import Cell, cell_of
 from core.motion.kernels.planar.cycle import SETTLED_EXACTLY, one_hop, rests
 from core.motion.kernels.planar.drive import Drive, fly, lift_off, lifts, to_lift_off
-from core.motion.kernels.planar.flow import TURN
+from core.motion.kernels.planar.flow import NO_WAVES, TURN, upright
 from core.motion.kernels.planar.slide import after_hops, contact
-from core.motion.kernels.planar.solve import upright
-from core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS, Cell, cell_of
-from core.motion.kernels.planar.wave import new_table, wave_of
+from core.motion.kernels.planar.tables import DISTANCE, PIECE, SUMS
+from core.motion.kernels.planar.wave import wave_of
 from core.motion.methods.events import planar_motion
+from core.motion.planar import waves_of
 from core.motion.result import STATUS, Motion
 from night import count
 
@@ -158,9 +159,10 @@ def follow_from_rest(
 def course(row: Floats, events: int, jolts: Floats) -> Course:
     """Return the course of the cell of a row."""
     cell = cell_of(row)
-    drive, start, way = upright(cell) if row.size == len(Cell._fields) else (
-        wave_of(cell, row, new_table()), 0.0, 1.0,
-    )  # fmt: skip
+    if row.size == len(Cell._fields):
+        drive, start, way = upright(cell, row, NO_WAVES)
+    else:
+        drive, start, way = wave_of(cell, row, waves_of(row))
     found = Course(np.empty(events), np.empty(events), np.empty(events))
     follow_from_rest(drive, start, cell.restitution, jolts, *found)
     return found._replace(place=way * found.place, slip=way * found.slip)
@@ -186,7 +188,7 @@ def test_the_mean_is_that_of_the_course_from_rest(wave):
     groups = bouncing(pick, CELLS // 2, clean=False)
     groups = as_harmonic(groups) if wave else groups
     motion = planar_motion(groups, **PLANAR)
-    rows, _ = cells_of(Cell._fields, groups, **PLANAR)
+    rows, _ = cells_of(groups, **PLANAR)
     drive = np.hypot(groups.drive_number_along, groups.drive_number_normal)
     judged = np.zeros(2, dtype=int)
     beyond = np.zeros(2, dtype=int)

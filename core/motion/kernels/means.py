@@ -14,6 +14,9 @@ import numpy as np
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
+from core.motion.kernels.cells import Cell
+from core.motion.kernels.results import COLUMN, TALLY
+from core.motion.kernels.statuses import MODES, STATUS
 
 BATCHES = 16
 SETTLING = 0.25
@@ -118,3 +121,61 @@ def runs_away(gain: float, before: float, pull: float, friction: float) -> bool:
     At high speed friction is kinetic, on the mean load, whether the part hops or not.
     """
     return gain * before > 0.0 and pull >= friction and abs(gain) > 0.5 * abs(before)
+
+
+@compiled
+def fill_means(tallies: Floats, first: int, last: int, period: float, result: Floats) -> None:
+    """Fill a result with the means over the periods from `first` to before `last`.
+
+    A part that touched the wall meanwhile has no mean velocity across: it comes back.
+    """
+    result[:] = 0.0
+    travel, across, at_wall = 0.0, 0.0, 0.0
+    for k in range(first, last):
+        tally = tallies[k]
+        travel += tally[TALLY.travel]
+        across += tally[TALLY.across]
+        at_wall += tally[TALLY.at_wall]
+        for mode in range(MODES):
+            result[COLUMN.stick + mode] += tally[TALLY.stick + mode]
+        result[COLUMN.impacts] += tally[TALLY.impacts]
+        result[COLUMN.landing_speed] = max(result[COLUMN.landing_speed], tally[TALLY.landing])
+        result[COLUMN.hop_height] = max(result[COLUMN.hop_height], tally[TALLY.height])
+    time, counted = (last - first) * period, 0.0
+    for mode in range(MODES):
+        counted += result[COLUMN.stick + mode]
+    result[COLUMN.stick : COLUMN.flight + 1] /= counted
+    result[COLUMN.velocity] = travel / time
+    result[COLUMN.across] = across / time if at_wall == 0.0 else 0.0
+    result[COLUMN.impacts] /= last - first
+
+
+@compiled
+def ended(
+    cell: Cell, wall: bool, pull: float, travel: Floats, period: float, resolved: float
+) -> tuple[int, Floats]:
+    """Return the status of a motion that did not repeat, and the means of its batches of periods.
+
+    `pull` is gravity's, which friction may not hold; `resolved` as in `is_steady`.
+    """
+    gain, before = gains(travel, travel.size, period)
+    friction = cell.friction_kinetic * cell.gravity_number_normal
+    if wall:
+        friction += cell.wall_friction * max(0.0, cell.gravity_number_across)
+    batches = batch_means(travel) / period
+    if runs_away(gain, before, pull, friction):
+        return STATUS.runaway, batches
+    return STATUS.aperiodic if is_steady(batches, resolved) else STATUS.limit_reached, batches
+
+
+@compiled
+def wall_gap(tallies: Floats, first: int, last: int, away: float) -> float:
+    """Return how far two distances from the wall lie apart, as far as it matters.
+
+    `away` is by how much the part moved away over the periods from `first` to before `last`: to one
+    that did not touch the wall meanwhile, and does not come nearer, it does not matter.
+    """
+    for k in range(first, last):
+        if tallies[k, TALLY.at_wall] > 0.0:
+            return abs(away)
+    return max(0.0, -away)

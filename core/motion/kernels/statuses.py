@@ -2,36 +2,19 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections import namedtuple
 
 from core.quantities.flags import MOTION_MODES, MOTION_STATUSES
 
+Status = namedtuple(
+    "Status",
+    "not_computed periodic at_rest aperiodic runaway neutral limit_reached no_solution "
+    "settled moving sensitive",
+)
+"""The values of the statuses that a kernel may give."""
 
-class Status(NamedTuple):
-    """The values of the statuses that a kernel may give."""
-
-    not_computed: int
-    periodic: int
-    at_rest: int
-    aperiodic: int
-    runaway: int
-    neutral: int
-    limit_reached: int
-    no_solution: int
-    settled: int
-    moving: int
-    sensitive: int
-
-
-class Mode(NamedTuple):
-    """The values of the modes."""
-
-    stick: int
-    forward: int
-    backward: int
-    flight: int
-    unknown: int
-
+Mode = namedtuple("Mode", "stick forward backward flight unknown")
+"""The values of the modes."""
 
 STATUS = Status(**{name: MOTION_STATUSES[name].value for name in Status._fields})
 MODE = Mode(**{name: MOTION_MODES[name].value for name in Mode._fields})

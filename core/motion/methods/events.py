@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from core.mechanics.arrays import Array
 from core.motion.cells import run_cells
 from core.motion.course import Course, CourseAsked
-from core.motion.groups import Contacts, Groups, cells_of, groups_of
+from core.motion.groups import Contacts, Groups, cells_of, groups_of, in_plane
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.methods.spatial_events import spatial_course, spatial_motion
 from core.motion.price import Price, Priced
@@ -61,12 +61,11 @@ def planar_motion(
     the drive; `most_periods` bounds how long an aperiodic motion is followed. Equal cells are
     computed once; restitution plays no part in a cell that never lifts off.
     """
-    from core.motion.planar import Cell, solve_cells
+    from core.motion.planar import solve_cells
 
     lifts = np.abs(groups.drive_number_normal) > groups.gravity_number_normal
-    groups = groups._replace(restitution=np.where(lifts, groups.restitution, 0.0))
-    settings = {"tolerance": tolerance, "most_periods": most_periods}
-    cells, shape = cells_of(Cell._fields, groups, **settings)
+    plain = groups.flat()._replace(restitution=np.where(lifts, groups.restitution, 0.0))
+    cells, shape = cells_of(plain, tolerance=tolerance, most_periods=most_periods)
     return motion_of(*run_cells(solve_cells, cells, watch=watch), shape)
 
 
@@ -93,10 +92,9 @@ def planar_path(
     watch : Watch, optional
         May stop it; all is NaN then.
     """
-    from core.motion.planar import Cell, follow, sample
+    from core.motion.planar import follow, sample
 
-    settings = {"tolerance": tolerance, "most_periods": most_periods}
-    (cell,), _ = cells_of(Cell._fields, groups, **settings)
+    (cell,), _ = cells_of(groups, tolerance=tolerance, most_periods=most_periods)
     with (watch or Watch()).flag() as stop:
         pieces, shift, way, repeats = follow(cell, stop)
     samples = sample(pieces, cell, shift, phases, repeats)
@@ -119,19 +117,6 @@ def _modes(values: Array, way: float) -> NDArray[np.int8]:
     return modes
 
 
-def in_plane(groups: Groups, contacts: Contacts) -> NDArray[np.bool_]:
-    """Return which parts move in the vertical plane of the track: nothing pushes them across.
-
-    Such a part touches the wall of a straight track, if at all, without a load.
-    """
-    pushed = np.not_equal(groups.drive_number_across, 0.0) | np.not_equal(
-        groups.gravity_number_across, 0.0
-    )
-    if contacts.wall:
-        pushed = pushed | np.not_equal(groups.curvature_number, 0.0)
-    return np.asarray(~pushed)
-
-
 def motion_by_events(
     groups: Groups,
     contacts: Contacts,
@@ -150,8 +135,7 @@ def motion_by_events(
         return planar_motion(groups, **settings, watch=watch)
     if not plane.any():
         return spatial_motion(groups, contacts, **settings, watch=watch)
-    names = Groups._fields[:-1]
-    rows, shape = cells_of((*names, *settings, "plane"), groups, **settings, plane=plane)
+    rows, shape = cells_of(groups, **settings, plane=plane)
     flat = plane if plane.shape == shape else np.broadcast_to(plane, shape)
     where = flat.ravel()
     found = []
@@ -198,19 +182,17 @@ def energy_by_events(
 
     settings = {"tolerance": tolerance, "most_periods": most_periods}
     plane = in_plane(groups, contacts)
-    names = (*Groups._fields[:-1], *settings, "plane", "repeats")
-    told = {"plane": plane, "repeats": motion.multiple > 0}
-    rows, shape = cells_of(names, groups, **settings, **told)
+    rows, shape = cells_of(groups, **settings, plane=plane, repeats=motion.multiple > 0)
     some, (*columns, plane, repeats) = groups_of(rows, groups.wave is not None, 4)
     table = np.full((len(rows), len(Energy._fields)), np.nan)
-    for fields, kernel, piece, here in (
-        (planar.Cell._fields, planar.spend_cells, 256, plane),
-        (track.Cell._fields, in_space, 32, 1.0 - plane),
+    given = dict(zip(settings, columns, strict=True))
+    for part, kernel, piece, here in (
+        (some.flat(), planar.spend_cells, 256, plane),
+        (some, in_space, 32, 1.0 - plane),
     ):
         which = (here * repeats) > 0.0
         if which.any():
-            given = dict(zip(settings, columns, strict=True))
-            cells, _ = cells_of(fields, some, **given)
+            cells, _ = cells_of(part, **given)
             table[which], _ = run_cells(
                 kernel, cells[which], columns=table.shape[1], piece=piece, watch=watch
             )
@@ -255,22 +237,15 @@ def _course(contacts: Contacts) -> FollowCourse:
     """Return what gives the course over a cycle of a part."""
 
     def course(asked: CourseAsked) -> Course:
-        speed, length = asked.scale("velocity_scale"), asked.scale("length_scale")
-        times, phases = asked.times()
         settings = {name: asked.setting(name) for name in ("tolerance", "most_periods")}
         if not in_plane(asked.groups, contacts):
             return spatial_course(asked, contacts, **settings)
+        _, phases = asked.times()
         path = planar_path(asked.groups, **settings, phases=phases, watch=asked.watch)
-        values = {
-            "position_along": path.along * length,
-            "height_above_floor": path.height * length,
-            "relative_velocity_along": path.velocity_along * speed,
-            "relative_velocity_normal": path.velocity_normal * speed,
-            **asked.track(),
-        }
-        if contacts.wall:
-            values["distance_from_wall"] = np.zeros_like(path.along)
-        return Course(times, values, {"motion_mode": path.mode})
+        nothing = np.zeros_like(path.along)
+        position = np.stack([path.along, nothing, path.height], axis=1)
+        velocity = np.stack([path.velocity_along, nothing, path.velocity_normal], axis=1)
+        return asked.course(position, velocity, path.mode, contacts.wall)
 
     return course
 

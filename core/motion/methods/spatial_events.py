@@ -48,10 +48,9 @@ def spatial_motion(
     watch : Watch, optional
         May stop it.
     """
-    from core.motion.kernels.track import Cell, solve_cells
+    from core.motion.kernels.track import solve_cells
 
-    settings = {"tolerance": tolerance, "most_periods": most_periods}
-    cells, shape = cells_of(Cell._fields, groups, **settings)
+    cells, shape = cells_of(groups, tolerance=tolerance, most_periods=most_periods)
 
     def kernel(
         piece: NDArray[np.float64],
@@ -83,14 +82,13 @@ def spatial_path(
     ValueError
         If phases are negative, do not ascend, or are beyond `MOST_TURNS` periods.
     """
-    from core.motion.kernels.track import Cell, follow
+    from core.motion.kernels.track import follow
 
     if phases.size and (phases[0] < 0.0 or np.any(np.diff(phases) < 0.0)):
         raise ValueError("phases must be at least 0, and ascend")
     if phases.size and phases[-1] > MOST_TURNS * 2 * np.pi:
         raise ValueError(f"phases reach beyond {MOST_TURNS:,} periods")
-    settings = {"tolerance": tolerance, "most_periods": most_periods}
-    (cell,), _ = cells_of(Cell._fields, groups, **settings)
+    (cell,), _ = cells_of(groups, tolerance=tolerance, most_periods=most_periods)
     with (watch or Watch()).flag() as stop:
         samples = follow(contacts.wall, float(contacts.rolling), cell, phases, stop)
     return Path(phases, samples[:, :3], samples[:, 3:6]), samples[:, 6].astype(np.int8)
@@ -100,18 +98,8 @@ def spatial_course(
     asked: CourseAsked, contacts: Contacts, *, tolerance: float, most_periods: float
 ) -> Course:
     """Return the course of one part over a cycle, or as asked."""
-    speed, length = asked.scale("velocity_scale"), asked.scale("length_scale")
-    times, phases = asked.times()
     settings = {"tolerance": tolerance, "most_periods": most_periods}
+    _, phases = asked.times()
     path, modes = spatial_path(asked.groups, contacts, **settings, phases=phases, watch=asked.watch)
-    position, velocity = path.position, path.velocity
-    values = {
-        "position_along": (position[:, 0] - position[0, 0]) * length,
-        "height_above_floor": position[:, 2] * length,
-        "relative_velocity_along": velocity[:, 0] * speed,
-        "relative_velocity_normal": velocity[:, 2] * speed,
-        **asked.track(),
-    }
-    if contacts.wall:
-        values["distance_from_wall"] = position[:, 1] * length
-    return Course(times, values, {"motion_mode": modes})
+    start = path.position[0, 0]
+    return asked.course(path.position, path.velocity, modes, contacts.wall, start)

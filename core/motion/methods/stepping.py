@@ -111,10 +111,10 @@ def stepped_motion(
     ValueError
         If a count is out of its range.
     """
-    from core.motion.kernels.stepping import FLOOR, PLANAR, WALL, Cell, step_cells
+    from core.motion.kernels.stepping import FLOOR, GROUPS, PLANAR, WALL, step_cells
 
     _check(steps_per_period, most_periods, tolerance, contacts)
-    cells, shape = cells_of(Cell._fields, groups)
+    cells, shape = cells_of(groups, tolerance=tolerance, most_periods=most_periods)
     fine = 2 * steps_per_period + 1  # odd, so that no middle of a step is one of both
     grids = ((steps_per_period, 0.0), (steps_per_period, -0.5), (fine, 0.0))
     sines = [sines_at(*grid) for grid in grids]
@@ -129,14 +129,14 @@ def stepped_motion(
         status: NDArray[np.int8],
         stop: NDArray[np.int8],
     ) -> None:
-        numbers, columns = np.split(piece, [len(Cell._fields)], axis=1)
+        numbers, columns = np.split(piece, [GROUPS], axis=1)
         coarse, shifted, finer = sines
         if columns.size:
             wave = of_columns(columns)
             coarse, shifted, finer = (drives_of(wave, n, TURN / n * shift) for n, shift in grids)
         step_cells(
             scene, rolling, absolute_speed, steps_per_period, coarse, shifted, finer,
-            most_periods, tolerance, np.ascontiguousarray(numbers), rows, status, stop,
+            np.ascontiguousarray(numbers), rows, status, stop,
         )  # fmt: skip
 
     # A cell takes milliseconds: small pieces let a run be stopped soon and share out evenly.
@@ -199,7 +199,7 @@ def stepped_path(
     ValueError
         If phases are not finite and ascending, or need more than `MOST_STEPS` steps.
     """
-    from core.motion.kernels.stepping import Cell, path
+    from core.motion.kernels.stepping import GROUPS, path
 
     asked = np.atleast_1d(np.asarray(phases, dtype=np.float64))
     if asked.ndim != 1 or asked.size == 0 or not np.all(np.isfinite(asked)):
@@ -211,8 +211,8 @@ def stepped_path(
     steps = (asked[-1] - asked[0]) / step
     if steps > MOST_STEPS:
         raise ValueError(f"phases need {steps:.3g} steps; the limit is {MOST_STEPS:,}")
-    (row,), _ = cells_of(Cell._fields, groups)
-    cell, columns = np.split(row, [len(Cell._fields)])
+    (row,), _ = cells_of(groups, tolerance=0.0, most_periods=0.0)
+    cell, columns = np.split(row, [GROUPS])
     start = np.array([*position, *velocity, spin], dtype=np.float64)
     if start.size != 7 or not (np.all(np.isfinite(row)) and np.all(np.isfinite(start))):
         raise ValueError("groups, position (3) and velocity (3) must be finite")
@@ -236,8 +236,8 @@ def _check(steps_per_period: int, most_periods: int, tolerance: float, contacts:
     if 4 * steps_per_period * most_periods > MOST_STEPS:
         raise ValueError(f"a cell may take {MOST_STEPS:,} steps at most")
     rolling = contacts.rolling
-    if not (tolerance >= 0.0 and rolling >= 0.0 and math.isfinite(rolling)):
-        raise ValueError("tolerance and rolling must not be negative")
+    if not (tolerance >= 0.0 and rolling >= 0.0 and math.isfinite(tolerance + rolling)):
+        raise ValueError("tolerance and rolling must be finite, and not negative")
 
 
 def _follow(contacts: Contacts) -> Follow:
@@ -267,8 +267,7 @@ def _course(contacts: Contacts) -> FollowCourse:
     """
 
     def course(asked: CourseAsked) -> Course:
-        speed, length = asked.scale("velocity_scale"), asked.scale("length_scale")
-        times, phases = asked.times()
+        _, phases = asked.times()
         steps = 2 * int(asked.setting("steps_per_period")) + 1
         before = 2 * np.pi * asked.setting("most_periods")
         path = stepped_path(
@@ -279,18 +278,10 @@ def _course(contacts: Contacts) -> FollowCourse:
             watch=asked.watch,
         )
         position, velocity = path.position[1:], path.velocity[1:]
-        values = {
-            "position_along": (position[:, 0] - position[0, 0]) * length,
-            "height_above_floor": np.maximum(position[:, 2], 0.0) * length,
-            "relative_velocity_along": velocity[:, 0] * speed,
-            "relative_velocity_normal": velocity[:, 2] * speed,
-            **asked.track(),
-        }
-        if contacts.wall:
-            values["distance_from_wall"] = np.maximum(position[:, 1], 0.0) * length
-        return Course(
-            times, values, {"motion_mode": _modes(asked.groups, position, velocity, steps)}
-        )
+        modes = _modes(asked.groups, position, velocity, steps)
+        # A part in contact sinks in by a step of its fall.
+        shown = np.column_stack([position[:, 0], np.maximum(position[:, 1:], 0.0)])
+        return asked.course(shown, velocity, modes, contacts.wall, shown[0, 0])
 
     return course
 

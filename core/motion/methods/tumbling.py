@@ -34,7 +34,7 @@ from core.mechanics.arrays import Array, Mask
 from core.motion.bodies import Part
 from core.motion.cells import run_cells
 from core.motion.course import Course, CourseAsked
-from core.motion.groups import Contacts
+from core.motion.groups import Contacts, table
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.price import Price, Priced, Pricing
 from core.motion.result import STATUS
@@ -270,34 +270,21 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
     circular_frequency = 2 * np.pi * np.asarray(throw.frequency, dtype=float)
     acceleration = np.asarray(throw.amplitude, dtype=float) * circular_frequency**2
     weight = np.asarray(throw.gravity, dtype=float)
-    time_step = _step_of(throw)
-    given: dict[str, ArrayLike] = {
+    given: dict[str, Any] = {
+        **throw._asdict(),
         **body._asdict(),
         "pull_along": weight * sine(np.asarray(throw.gamma, dtype=float)),
         "pull_normal": weight * cosine(np.asarray(throw.gamma, dtype=float)),
         "drive_along": acceleration * cosine(np.asarray(throw.beta, dtype=float)),
         "drive_normal": acceleration * sine(np.asarray(throw.beta, dtype=float)),
         "circular_frequency": circular_frequency,
-        "start_phase": throw.start_phase,
-        "friction_kinetic": throw.friction_kinetic,
         "friction_static": (
             throw.friction_kinetic if throw.friction_static is None else throw.friction_static
         ),
-        "restitution": throw.restitution,
-        "gap_normal": throw.gap_normal,
-        "pitch": throw.pitch,
-        "velocity_along": throw.velocity_along,
-        "velocity_upward": throw.velocity_upward,
-        "pitch_rate": throw.pitch_rate,
-        "duration": throw.duration,
-        "time_step": time_step,
+        "time_step": _step_of(throw),
         "law": laws[throw.law],
     }
-    columns = np.broadcast_arrays(
-        *(np.asarray(given[name], dtype=float) for name in kernel.Cell._fields)
-    )
-    shape = columns[0].shape
-    rows = np.stack([column.ravel() for column in columns], axis=1)
+    rows, shape = table(given[name] for name in kernel.Cell._fields)
     named = dict(zip(kernel.Cell._fields, rows.T, strict=True))
     given_themselves = [name for name in kernel.Cell._fields if name not in _DERIVED]
     if not all(np.all(np.isfinite(named[name])) for name in given_themselves):

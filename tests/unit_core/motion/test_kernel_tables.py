@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.motion import planar
-from core.motion.kernels import results, stepping, tumbling
-from core.motion.kernels.planar import tables as planar_tables
+from core.motion.groups import Groups, cells_of
+from core.motion.kernels import cells, results, stepping, tumbling
 from core.motion.kernels.stepping import tables as stepping_tables
 from core.motion.kernels.tumbling import tables as tumbling_tables
 from core.motion.methods.tumbling import Tumble, TumblePath
@@ -30,12 +29,18 @@ def test_shares_of_modes_stand_in_the_order_of_the_modes():
         assert place == MOTION_MODES[name].value
 
 
+def test_a_cell_has_the_numbers_of_groups_and_the_settings_of_a_method():
+    fields = (*Groups._fields[:-1], "tolerance", "most_periods")
+    assert cells.Cell._fields == fields
+    rows, shape = cells_of(Groups(*np.arange(12.0)), tolerance=12.0, most_periods=13.0)
+    assert shape == ()
+    np.testing.assert_array_equal(rows, [np.arange(14.0)])
+
+
 def test_a_cell_is_read_by_the_names_of_its_fields():
-    for package, tables in (
-        (planar, planar_tables), (stepping, stepping_tables), (tumbling, tumbling_tables),
-    ):  # fmt: skip
-        row = np.arange(len(package.Cell._fields)) + 0.5
-        assert tables.cell_of(row) == package.Cell(*row.tolist())
+    for tables in (cells, tumbling_tables):
+        row = np.arange(len(tables.Cell._fields)) + 0.5
+        assert tables.cell_of(row) == tables.Cell(*row.tolist())
 
 
 def test_a_scene_of_time_stepping_stops_where_its_coordinates_end():

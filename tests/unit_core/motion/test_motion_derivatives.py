@@ -13,6 +13,7 @@ from core.errors import StudyError
 from core.intake import prepare_content
 from core.kinds import tabulate
 from core.motion.derivatives import derivatives_at, motion_sensitivities
+from core.motion.groups import Groups, cells_of
 from core.motion.kernels.planar.derive import KINK
 from core.motion.kernels.planar.slope_tables import TOLD
 from core.motion.prepare import choose_system
@@ -29,7 +30,8 @@ POINT = {
 
 def cell(c, s, friction=0.3, static=None, restitution=0.0, gs=0.02):
     static = friction if static is None else static
-    return np.array([[c, s, gs, 1.0, static, friction, restitution, 1e-12, 1000.0]])
+    groups = Groups(c, s, gs, 1.0, static, friction, restitution)
+    return cells_of(groups, tolerance=1e-12, most_periods=1000.0)[0]
 
 
 # --- the kernel
@@ -110,9 +112,9 @@ def hopping(count, seed, more):
     normal = throw * np.cos(gamma)
     columns = (
         normal / np.tan(beta), normal, np.sin(gamma), np.cos(gamma),
-        kinetic * pick.uniform(1.0, more, count), kinetic, 0.0, 1e-12, 1000.0,
+        kinetic * pick.uniform(1.0, more, count), kinetic, 0.0,
     )  # fmt: skip
-    return np.stack(np.broadcast_arrays(*columns), axis=1)
+    return cells_of(Groups(*columns), tolerance=1e-12, most_periods=1000.0)[0]
 
 
 @pytest.mark.parametrize(("more", "jumps"), [(1.0, 0), (1.6, 5)])

@@ -9,6 +9,7 @@ import numpy as np
 
 from core.compiled import borrowing, compiled, raised
 from core.motion.kernels.arrays import Floats, Stop
+from core.motion.kernels.cells import Cell
 from core.motion.kernels.means import SETTLING, mean_error, scatter
 from core.motion.kernels.planar.cycle import (
     FIRST_LOOK,
@@ -31,7 +32,7 @@ from core.motion.kernels.planar.drive import (
 from core.motion.kernels.planar.flow import EPSILON, KEPT_BITS, TURN, kept
 from core.motion.kernels.planar.repeating import repeating
 from core.motion.kernels.planar.slide import after_hops, contact
-from core.motion.kernels.planar.tables import DISTANCE, MOST_SEGMENTS, PIECE, TIMES, Cell
+from core.motion.kernels.planar.tables import DISTANCE, MOST_SEGMENTS, PIECE, TIMES
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE, MODES, STATUS
 

@@ -8,8 +8,9 @@ import numpy as np
 
 from core.compiled import borrowing, compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
-from core.motion.kernels.planar.drive import holding, lifts
-from core.motion.kernels.planar.flow import TURN, Sine
+from core.motion.kernels.cells import cell_of
+from core.motion.kernels.planar.drive import lifts
+from core.motion.kernels.planar.flow import NO_WAVES, TURN, Sine, upright
 from core.motion.kernels.planar.sine_slip import two_sided
 from core.motion.kernels.planar.slope_tables import (
     BY,
@@ -20,8 +21,8 @@ from core.motion.kernels.planar.slope_tables import (
     TOLD,
 )
 from core.motion.kernels.planar.slopes import along, copy_row, in_air, lift, on_floor, release, rub
-from core.motion.kernels.planar.solve import solve_sine, upright
-from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS, cell_of
+from core.motion.kernels.planar.solve import solve_cell
+from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import MODE, STATUS
 
@@ -40,7 +41,7 @@ DERIVED_COLUMNS = MARGIN + 1
 
 
 @borrowing
-def start_of_cycle(drive: Sine, rows: Floats, count: int, d: Floats, nearest: Floats) -> int:
+def start_of_cycle(drive: Sine, rows: Floats, count: int, d: Floats) -> int:
     """Fill the derivatives at the start of a cycle; return how many directions there are.
 
     A cycle with a rest starts at a lift-off, one without contact at a landing, whose phase and
@@ -50,11 +51,10 @@ def start_of_cycle(drive: Sine, rows: Floats, count: int, d: Floats, nearest: Fl
     d[ROW.along, BY.start_along] = 1.0
     if rows[0, SEGMENT.take_off] < 0:
         if not lifts(drive):
-            least, largest, way = holding(drive)
             at = rows[0, SEGMENT.phase]
             by_least = math.cos(at) < 0
-            if abs(least if by_least else largest) < 1:
-                release(drive, by_least, way, at, d)
+            if abs(drive.least if by_least else drive.largest) < 1:
+                release(drive, by_least, drive.way, at, d)
         return BY.start_phase
     rests = False
     for row in range(count):
@@ -72,14 +72,14 @@ def carry(
     d: Floats, nearest: Floats,
 ) -> int:  # fmt: skip
     """Carry the derivatives over so many rounds of a cycle; return how many directions."""
-    size = start_of_cycle(drive, rows, count, d, nearest)
+    size = start_of_cycle(drive, rows, count, d)
     flies = lifts(drive)
     for cycle in range(cycles):
         apart, alike = nearest[2], nearest[4]
         for row in range(count):
             if rows[row, SEGMENT.take_off] >= 0:
                 rests = rows[(row + 1) % count, SEGMENT.take_off] < 0
-                u = in_air(drive, e, rows, row, rests, u, energy, size, d, nearest)
+                u = in_air(drive, e, rows, row, rests, u, size, d, nearest)
                 continue
             if flies:
                 lift(drive, ROW.end, d)
@@ -101,9 +101,10 @@ def add(d: Floats, to: int, factor: float, of: int) -> None:
 
 @borrowing
 def close(size: int, d: Floats, nearest: Floats) -> None:
-    """Put in what the state at the start must change by for the cycle to close again.
+    """Put in what the state y at the start must change by for the cycle to close again.
 
-    By the implicit function theorem it is (1 - M)^-1 times what the cycle changes of it.
+    y. = (1 - M)^-1 Q, with M what the cycle makes of a change of y, and Q of the parameter
+    (theory 13.16): of hops y is phase and rebound, and the slip after them.
     """
     free = DIRECTIONS - size
     if not free:
@@ -131,13 +132,13 @@ def carry_two_sided(drive: Sine, energy: bool, d: Floats, nearest: Floats) -> No
     The cycle starts where it turns forward, at a phase that is free.
     """
     _, share = two_sided(drive)
-    c, s, gs, gn, _, mu, _ = drive
+    c, s, gs, gn, mu = drive.c, drive.s, drive.gs, drive.gn, drive.mu_k
     span = share * TURN
     k1 = mu * gn
     half = (c * k1 - mu * s * gs) * math.cos((span - math.pi) / 2)
     sine = math.pi * (k1 - gs) * (k1 + gs) / (2 * half)
     first = math.pi - math.asin(sine) - span / 2
-    least, largest, _ = holding(drive)
+    least, largest = drive.least, drive.largest
     d[:, :] = 0.0
     d[ROW.phase, BY.start_phase] = 1.0
     for sign, mode, at, length in (
@@ -155,8 +156,11 @@ def carry_two_sided(drive: Sine, energy: bool, d: Floats, nearest: Floats) -> No
 
 
 @borrowing
-def tell(drive: Sine, result: Floats, d: Floats, nearest: Floats, slopes: Floats) -> None:
-    """Fill the derivatives of the means, shape (told, groups)."""
+def tell(drive: Sine, result: Floats, d: Floats, slopes: Floats) -> None:
+    """Fill the derivatives of the means, shape (told, groups).
+
+    A sum over the cycle, over its time; drive = friction + impacts + sin(gamma) v (theory 13.15).
+    """
     time = result[COLUMN.multiple] * TURN
     for told, row in SUMMED:
         for i in range(DERIVED_BY):
@@ -172,7 +176,7 @@ def tell(drive: Sine, result: Floats, d: Floats, nearest: Floats, slopes: Floats
 
 @borrowing
 def turn_slopes(c: float, s: float, slopes: Floats) -> None:
-    """Undo the mirror images of `solve.upright`, of a drive (c, s)."""
+    """Undo the mirror images of `flow.upright`, of a drive (c, s)."""
     mirrored = (-c if s < 0 else c) < 0
     for told in range(len(TOLD)):
         if s < 0:
@@ -193,8 +197,7 @@ def from_edges(drive: Sine) -> float:
 
     Relative; beside these a motion changes its kind.
     """
-    least, largest, _ = holding(drive)
-    gn = drive.gn
+    gn, least, largest = drive.gn, drive.least, drive.largest
     edge = min(abs(drive.s - gn) / gn, abs(1.0 - abs(least)), abs(1.0 - abs(largest)))
     pull, grip = abs(drive.gs), drive.mu_s * gn
     return min(edge, abs(grip - pull) / (grip + pull)) if grip + pull > 0 else 0.0
@@ -214,9 +217,11 @@ def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, 
     sums, nearest = np.empty(SUMS), np.empty(5)
     log, d = np.empty((0, len(PIECE))), np.empty((len(ROW), DIRECTIONS))
     for number in range(groups.shape[0]):
-        cell = cell_of(groups[number])
-        result = table[number, :RESULTS]
-        found, first, count, u = solve_sine(cell, True, rows, sums, log, result, stop)
+        row, result = groups[number], table[number, :RESULTS]
+        cell = cell_of(row)
+        found, first, count, u = solve_cell(
+            cell, row, NO_WAVES, True, rows, sums, log, result, stop
+        )
         slopes = table[number, RESULTS:MARGIN].reshape(len(TOLD), DERIVED_BY)
         slopes[:] = math.nan
         if raised(stop):
@@ -226,7 +231,7 @@ def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, 
         table[number, MARGIN] = 0.0
         if found not in (STATUS.periodic, STATUS.at_rest):
             continue
-        drive, _, _ = upright(cell)
+        drive, _, _ = upright(cell, row, NO_WAVES)
         nearest[:] = 0.0
         nearest[0] = from_edges(drive)
         if found == STATUS.at_rest:
@@ -250,7 +255,7 @@ def derive_cells(energy: bool, groups: Floats, table: Floats, status: Statuses, 
                 d[ROW.landing, :] = math.nan
             if not nearest[4] > KINK:
                 d[ROW.height, :] = math.nan
-        tell(drive, result, d, nearest, slopes)
+        tell(drive, result, d, slopes)
         turn_slopes(cell.drive_number_along, cell.drive_number_normal, slopes)
         known = True  # by restitution there may be none alone, where it begins with a jump
         for i in range(BY.e):

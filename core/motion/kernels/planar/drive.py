@@ -10,6 +10,8 @@ from collections.abc import Callable
 from typing import Any, TypeAlias, TypeVar
 
 from core.compiled import by_type, compiled
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.cells import Cell
 from core.motion.kernels.planar import (
     flow,
     sine_flight,
@@ -18,10 +20,12 @@ from core.motion.kernels.planar import (
     wave_flight,
     wave_slip,
 )
-from core.motion.kernels.planar.flow import Sine, phase_to
+from core.motion.kernels.planar.flow import NoWaves, Sine, phase_to
 from core.motion.kernels.planar.wave import Wave
 
 Drive: TypeAlias = Sine | Wave
+Waves: TypeAlias = NoWaves | wave.WaveTable
+"""Room for the wave that stands behind a cell in its row; its type tells whether there is one."""
 
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -29,6 +33,16 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 def _by_drive(for_sine: Any, for_wave: Any) -> Callable[[Function], Function]:
     return by_type("drive", {Sine: for_sine, Wave: for_wave})
+
+
+@by_type("waves", {NoWaves: flow.upright, wave.WaveTable: wave.wave_of})
+def drive_of(cell: Cell, row: Floats, waves: Waves) -> tuple[Drive, float, float]:
+    """Return the drive of a cell, phase and way; those of a wave are 0 and 1.
+
+    A sine has c and s positive: one that points down pushes up half a turn later, `phase` is where
+    the study's own phase 0 lies; one that points back is the mirror image, `way` is -1 there.
+    """
+    raise NotImplementedError
 
 
 @_by_drive(sine_flight.sizes, wave_flight.sizes)
@@ -118,22 +132,14 @@ def fly(drive: Drive, u: float, tau: float, d: float) -> tuple[float, float]:
 # --- on the floor
 
 
-@_by_drive(sine_slip.holding, wave_slip.holding)
-def holding(drive: Drive) -> tuple[float, float, float]:
-    """Return what `hold` and `holds` ask again and again of one drive."""
-    raise NotImplementedError
-
-
 @_by_drive(sine_slip.holds, wave_slip.holds)
-def holds(drive: Drive, held: tuple[float, float, float], at: float) -> bool:
+def holds(drive: Drive, at: float) -> bool:
     """Return whether static friction holds a part that does not slip."""
     raise NotImplementedError
 
 
 @_by_drive(sine_slip.hold, wave_slip.hold)
-def hold(
-    drive: Drive, held: tuple[float, float, float], at: float, end: float
-) -> tuple[bool, float, bool]:
+def hold(drive: Drive, at: float, end: float) -> tuple[bool, float, bool]:
     """Return whether a part without slip sticks, until when, and whether it then slips forward.
 
     Until `end` at the latest.
@@ -171,6 +177,12 @@ def slide(drive: Drive, sign: float, u: float, at: float, d: float) -> tuple[flo
 @_by_drive(sine_slip.slip_acceleration, wave_slip.slip_acceleration)
 def slip_acceleration(drive: Drive, sign: float, at: float) -> float:
     """Return the acceleration of a slip in the way of `sign`."""
+    raise NotImplementedError
+
+
+@_by_drive(sine_slip.two_sided, wave_slip.two_sided)
+def two_sided(drive: Drive) -> tuple[float, float]:
+    """Return mean velocity and forward share of sliding without stick, 0 where none is known."""
     raise NotImplementedError
 
 

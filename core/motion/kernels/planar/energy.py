@@ -8,19 +8,13 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
-from core.motion.kernels.planar.drive import Drive, push, smooth_span
+from core.motion.kernels.cells import cell_of
+from core.motion.kernels.planar.drive import Drive, Waves, drive_of, push, smooth_span
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.planar.path import at_piece
 from core.motion.kernels.planar.slide import follow_cycle
-from core.motion.kernels.planar.solve import solve_sine, solve_wave, upright
-from core.motion.kernels.planar.tables import (
-    MOST_SEGMENTS,
-    PIECE,
-    SEGMENT,
-    SUMS,
-    cell_of,
-)
-from core.motion.kernels.planar.wave import new_table, wave_of
+from core.motion.kernels.planar.solve import solve_cell
+from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.quadrature import PLACES, WEIGHTS
 from core.motion.kernels.results import COLUMN, RESULTS, SPENT
 from core.motion.kernels.statuses import MODE, STATUS
@@ -28,7 +22,10 @@ from core.motion.kernels.statuses import MODE, STATUS
 
 @compiled
 def spend_over_piece(drive: Drive, piece: Floats, spent: Floats) -> None:
-    """Add what the drive and friction do over a piece of the log."""
+    """Add what the drive and friction do over a piece of the log (theory 13.15).
+
+    The integrals of b.u and, while it slips, of mu_k N |u|, with N = n - b_z, by Gauss's rule.
+    """
     tau, span, flies = piece[PIECE.phase], piece[PIECE.span], piece[PIECE.mode] == MODE.flight
     if piece[PIECE.mode] == MODE.stick:
         return
@@ -54,7 +51,8 @@ def spend_over_cycle(
 ) -> None:  # fmt: skip
     """Fill `spent` with means over so many periods of a chain of segments, entered with velocity u.
 
-    An impact takes the kinetic energy by which the piece after it starts with less.
+    An impact takes the kinetic energy by which the piece after it starts with less, (u-^2 - u+^2 +
+    w-^2 - w+^2)/2.
     """
     spent[:] = 0.0
     after_last = max(0.0, rows[0, SEGMENT.take_off])
@@ -77,34 +75,17 @@ def spend_over_cycle(
 
 
 @compiled
-def spend_sine_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
+def spend_cells(groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill table, columns as in `SPENT`, and status of cells; NaN where a motion has no cycle."""
     rows, sums, result = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS), np.empty(RESULTS)
     log = np.empty((4 * MOST_SEGMENTS, len(PIECE)))
     for number in range(groups.shape[0]):
-        cell, spent = cell_of(groups[number]), table[number]
-        spent[:] = math.nan
-        found, first, count, u = solve_sine(cell, False, rows, sums, log[:0], result, stop)
-        if raised(stop):
-            return
-        status[number] = found
-        if found == STATUS.at_rest:
-            spent[:] = 0.0
-        elif count > 0:
-            rest, periods = rows[first:], result[COLUMN.multiple]
-            sine, _, _ = upright(cell)
-            spend_over_cycle(sine, rest, count - first, u, periods, sums, log, spent)
-
-
-@compiled
-def spend_wave_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Do what `spend_sine_cells` does under other waves; each stands behind the cell in its row."""
-    rows, sums, result = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS), np.empty(RESULTS)
-    log, waves = np.empty((4 * MOST_SEGMENTS, len(PIECE))), new_table()
-    for number in range(groups.shape[0]):
         row, spent = groups[number], table[number]
+        cell = cell_of(row)
         spent[:] = math.nan
-        found, first, count, u = solve_wave(row, waves, rows, sums, log[:0], result, stop)
+        found, first, count, u = solve_cell(
+            cell, row, waves, False, rows, sums, log[:0], result, stop
+        )
         if raised(stop):
             return
         status[number] = found
@@ -112,5 +93,5 @@ def spend_wave_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop
             spent[:] = 0.0
         elif count > 0:
             rest, periods = rows[first:], result[COLUMN.multiple]
-            drive = wave_of(cell_of(row), row, waves)
+            drive, _, _ = drive_of(cell, row, waves)
             spend_over_cycle(drive, rest, count - first, u, periods, sums, log, spent)

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from core.compiled import compiled
+from core.motion.kernels.arrays import Floats
+from core.motion.kernels.cells import Cell
 
 TURN = 2 * math.pi
 MOST_ITERATIONS = 200  # of a bracketed search
@@ -21,10 +23,18 @@ KEPT_BITS = 2.0**32
 parameter tells a user nothing."""
 
 
+class NoWaves(NamedTuple):
+    """What stands in the place of room for waves where the drive is a sine."""
+
+
+NO_WAVES = NoWaves()
+
+
 class Sine(NamedTuple):
     """Drive and gravity along and normal to the floor, and both coefficients of friction.
 
-    `up_at` is the phase at which a part on the floor lifts off, NaN if it never does.
+    `up_at` is the phase at which a part on the floor lifts off, NaN if it never does; the rest is
+    `stick_range`.
     """
 
     c: float
@@ -34,12 +44,61 @@ class Sine(NamedTuple):
     mu_s: float
     mu_k: float
     up_at: float
+    least: float
+    largest: float
+    way: float
+
+
+@compiled
+def stick_range(
+    c: float, s: float, gs: float, gn: float, mu_s: float
+) -> tuple[float, float, float]:
+    """Return the least and largest sin(tau) at which friction holds, and the slip beyond the top.
+
+    (gs + mu_s gn)/(c + mu_s s) is the one bound, (gs - mu_s gn)/(c - mu_s s) the other.
+    Below the least value the part slips backward; beyond the largest one forward (1), or backward
+    (-1) where the drive lifts it off more than it pushes it on (theory 13.3).
+    """
+    least, largest, way = -math.inf, math.inf, 1.0
+    if c + mu_s * s > 0:
+        largest = (gs + mu_s * gn) / (c + mu_s * s)
+    elif gs + mu_s * gn < 0:
+        largest = -math.inf
+    lifting = c - mu_s * s
+    holding = mu_s * gn - gs
+    if lifting > 0:
+        least = -holding / lifting
+    elif lifting < 0:
+        if holding / -lifting < largest:
+            largest, way = holding / -lifting, -1.0
+    elif holding < 0:
+        least = math.inf
+    return least, largest, way
 
 
 @compiled
 def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) -> Sine:
     """Return the sine of these numbers, s not below 0."""
-    return Sine(c, s, gs, gn, mu_s, mu_k, math.asin(gn / s) if s > gn else math.nan)
+    least, largest, way = stick_range(c, s, gs, gn, mu_s)
+    up_at = math.asin(gn / s) if s > gn else math.nan
+    return Sine(c, s, gs, gn, mu_s, mu_k, up_at, least, largest, way)
+
+
+@compiled
+def upright(cell: Cell, row: Floats, waves: NoWaves) -> tuple[Sine, float, float]:
+    """Return the drive with c and s positive, phase and way.
+
+    A drive that points down pushes up half a turn later; one that points back is the mirror image.
+    `phase` is where the study's own phase 0 lies, `way` is -1 in the mirror.
+    """
+    c, s, gs = cell.drive_number_along, cell.drive_number_normal, cell.gravity_number_along
+    phase, way = 0.0, 1.0
+    if s < 0:
+        c, s, phase = -c, -s, math.pi
+    if c < 0:
+        c, gs, way = -c, -gs, -1.0
+    gn, mu_s, mu_k = cell.gravity_number_normal, cell.friction_static, cell.friction_kinetic
+    return sine_of(c, s, gs, gn, mu_s, mu_k), phase, way
 
 
 @compiled
@@ -75,14 +134,24 @@ def arc(d: float) -> tuple[float, float]:
 
 
 @compiled
-def flow(v: float, C: float, k: float, sine: float, cosine: float, d: float) -> tuple[float, float]:
-    """Return velocity and distance a phase d after the velocity was v, under C sin(tau) - k.
+def swings(sine: float, cosine: float, d: float) -> tuple[float, float]:
+    """Return what sin(tau) adds to velocity and distance over a phase D from tau0 on.
 
-    `sine` and `cosine` are those of the phase at the start.
+    cos(tau0) (1 - cos D) + sin(tau0) sin D  and  cos(tau0) (D - sin D) + sin(tau0) (1 - cos D).
     """
     cubic, square = arc(d)
-    velocity = v + C * (cosine * square + sine * (d - cubic)) - k * d
-    return velocity, v * d + C * (cosine * cubic + sine * square) - k * d * d / 2
+    return cosine * square + sine * (d - cubic), cosine * cubic + sine * square
+
+
+@compiled
+def flow(v: float, C: float, k: float, sine: float, cosine: float, d: float) -> tuple[float, float]:
+    """Return velocity and distance a phase D after the velocity was v, under u' = C sin(tau) - k.
+
+    u = v + C swing - k D, x = v D + C sway - k D^2/2, with `swings` from the sine and the cosine of
+    the phase at the start (theory 13.2).
+    """
+    swing, sway = swings(sine, cosine, d)
+    return v + C * swing - k * d, v * d + C * sway - k * d * d / 2
 
 
 @compiled

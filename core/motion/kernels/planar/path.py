@@ -3,27 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from collections import namedtuple
 
 import numpy as np
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats, Stop
+from core.motion.kernels.cells import Cell, cell_of
 from core.motion.kernels.planar.cycle import normal_cycle
-from core.motion.kernels.planar.drive import Drive, fly, lifts, rise, slide
+from core.motion.kernels.planar.drive import Drive, Waves, drive_of, fly, lifts, rise, slide
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.planar.repeating import velocity_at_start
 from core.motion.kernels.planar.slide import follow_cycle, write_piece
-from core.motion.kernels.planar.solve import UNREPEATED, solve_sine, solve_wave, upright
-from core.motion.kernels.planar.tables import (
-    MOST_SEGMENTS,
-    PIECE,
-    SEGMENT,
-    SUMS,
-    Cell,
-    cell_of,
-)
-from core.motion.kernels.planar.wave import new_table, wave_of
+from core.motion.kernels.planar.solve import UNREPEATED, solve_cell
+from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.results import RESULTS
 from core.motion.kernels.statuses import MODE, STATUS
 
@@ -31,22 +24,14 @@ SHOWN_PERIODS = 4  # of an aperiodic motion, in its path
 UNKNOWN = (STATUS.aperiodic, STATUS.sensitive, STATUS.limit_reached)
 """Statuses of parts that are shown over the last stretch that was followed."""
 
-
-class Sample(NamedTuple):
-    """Columns of a path."""
-
-    position: int
-    height: int
-    velocity_along: int
-    velocity_normal: int
-    mode: int
-
+Sample = namedtuple("Sample", "position height velocity_along velocity_normal mode")
+"""Columns of a path."""
 
 SAMPLE = Sample(*range(len(Sample._fields)))
 
 
 @compiled
-def follow_sine(row: Floats, known: int, stop: Stop) -> tuple[Floats, float, float, bool]:
+def follow(row: Floats, waves: Waves, known: int, stop: Stop) -> tuple[Floats, float, float, bool]:
     """Return the pieces of the cycle of one cell, the phase shift and the way of `upright`.
 
     The last value tells whether the motion repeats after them. A piece is a row of the log. `known`
@@ -54,35 +39,15 @@ def follow_sine(row: Floats, known: int, stop: Stop) -> tuple[Floats, float, flo
     """
     cell = cell_of(row)
     rows, result = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(RESULTS)
-    sums, log = np.empty(SUMS), empty_log()
-    status, first, count, u = solve_sine(cell, False, rows, sums, log, result, stop)
+    sums, log = np.empty(SUMS), np.empty((4 * MOST_SEGMENTS, len(PIECE)))
+    log[:, PIECE.span] = -1.0
+    status, first, count, u = solve_cell(cell, row, waves, False, rows, sums, log, result, stop)
     status = known if status == UNREPEATED else status
-    drive, phase, way = upright(cell)
+    drive, phase, way = drive_of(cell, row, waves)
     pieces, repeats = pieces_of(
         drive, phase, cell, status, rows[first:], count - first, u, sums, log
     )
     return pieces, phase, way, repeats
-
-
-@compiled
-def follow_wave(row: Floats, known: int, stop: Stop) -> tuple[Floats, float, float, bool]:
-    """Do what `follow_sine` does under any other wave, which stands behind the cell in its row."""
-    cell = cell_of(row)
-    rows, result = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(RESULTS)
-    sums, log, table = np.empty(SUMS), empty_log(), new_table()
-    status, first, count, u = solve_wave(row, table, rows, sums, log, result, stop)
-    status = known if status == UNREPEATED else status
-    drive = wave_of(cell, row, table)
-    pieces, repeats = pieces_of(drive, 0.0, cell, status, rows[first:], count - first, u, sums, log)
-    return pieces, 0.0, 1.0, repeats
-
-
-@compiled
-def empty_log() -> Floats:
-    """Return room for the pieces of a motion."""
-    log = np.empty((4 * MOST_SEGMENTS, len(PIECE)))
-    log[:, PIECE.span] = -1.0
-    return log
 
 
 @compiled
@@ -111,27 +76,15 @@ def pieces_of(
 
 
 @compiled
-def sample_sine(pieces: Floats, row: Floats, shift: float, phases: Floats, repeats: bool) -> Floats:
+def sample(
+    pieces: Floats, row: Floats, waves: Waves, shift: float, phases: Floats, repeats: bool
+) -> Floats:
     """Return position, height, velocities and mode at phases since the start of the cycle.
 
     The columns of the result, shape (n, 5), are those of `SAMPLE`. NaN and mode `unknown` where
     there is no cycle, and beyond the end of pieces after which the motion does not repeat.
     """
-    return sample_under(upright(cell_of(row))[0], pieces, shift, phases, repeats)
-
-
-@compiled
-def sample_wave(pieces: Floats, row: Floats, shift: float, phases: Floats, repeats: bool) -> Floats:
-    """Do what `sample_sine` does under any other wave, which stands behind the cell in its row."""
-    drive = wave_of(cell_of(row), row, new_table())
-    return sample_under(drive, pieces, shift, phases, repeats)
-
-
-@compiled
-def sample_under(
-    drive: Drive, pieces: Floats, shift: float, phases: Floats, repeats: bool
-) -> Floats:
-    """Do what `sample_sine` does, under a drive."""
+    drive, _, _ = drive_of(cell_of(row), row, waves)
     samples = np.full((phases.size, len(SAMPLE)), math.nan)
     samples[:, SAMPLE.mode] = MODE.unknown
     if pieces.shape[0] == 0:

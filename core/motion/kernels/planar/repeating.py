@@ -8,6 +8,7 @@ import numpy as np
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats, Stop, copy
+from core.motion.kernels.cells import Cell
 from core.motion.kernels.planar.cycle import phase_doubt
 from core.motion.kernels.planar.drive import (
     Drive,
@@ -22,7 +23,7 @@ from core.motion.kernels.planar.drive import (
 from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.planar.settle import settle
 from core.motion.kernels.planar.slide import contact, follow_cycle
-from core.motion.kernels.planar.tables import DISTANCE, PIECE, SEGMENT, SUMS, TIMES, Cell
+from core.motion.kernels.planar.tables import DISTANCE, PIECE, SEGMENT, SUMS, TIMES
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import MODE, MODES, STATUS
 

@@ -77,49 +77,15 @@ def phase_to_stop(v: float, C: float, k: float, at: float, span: float) -> float
 
 
 @compiled
-def stick_range(
-    c: float, s: float, gs: float, gn: float, mu_s: float
-) -> tuple[float, float, float]:
-    """Return the least and largest sin(tau) at which friction holds, and the slip beyond the top.
-
-    Below the least value the part slips backward; beyond the largest one forward (1), or backward
-    (-1) where the drive lifts it off more than it pushes it on (theory 13.3).
-    """
-    least, largest, way = -math.inf, math.inf, 1.0
-    if c + mu_s * s > 0:
-        largest = (gs + mu_s * gn) / (c + mu_s * s)
-    elif gs + mu_s * gn < 0:
-        largest = -math.inf
-    lifting = c - mu_s * s
-    holding = mu_s * gn - gs
-    if lifting > 0:
-        least = -holding / lifting
-    elif lifting < 0:
-        if holding / -lifting < largest:
-            largest, way = holding / -lifting, -1.0
-    elif holding < 0:
-        least = math.inf
-    return least, largest, way
-
-
-@compiled
-def holding(drive: Sine) -> tuple[float, float, float]:
-    """Return `stick_range`."""
-    return stick_range(drive.c, drive.s, drive.gs, drive.gn, drive.mu_s)
-
-
-@compiled
-def holds(drive: Sine, held: tuple[float, float, float], at: float) -> bool:
+def holds(drive: Sine, at: float) -> bool:
     """Return whether static friction holds a part that does not slip."""
-    return held[0] <= math.sin(at) <= held[1]
+    return drive.least <= math.sin(at) <= drive.largest
 
 
 @compiled
-def hold(
-    drive: Sine, held: tuple[float, float, float], at: float, end: float
-) -> tuple[bool, float, bool]:
+def hold(drive: Sine, at: float, end: float) -> tuple[bool, float, bool]:
     """Return whether a part without slip sticks, until when, and whether it then slips forward."""
-    least, largest, way = held
+    least, largest = drive.least, drive.largest
     sine = math.sin(at)
     forward = drive.c * sine > drive.gs
     if not least <= sine <= largest:
@@ -127,7 +93,7 @@ def hold(
     leave = end
     if -1 < largest < 1:
         leave = min(leave, next_phase(math.asin(largest), at))
-        forward = way > 0
+        forward = drive.way > 0
     if -1 < least < 1:
         fall = next_phase(math.pi - math.asin(least), at)
         if fall < leave:
@@ -138,18 +104,16 @@ def hold(
 @compiled
 def always_holds(drive: Sine) -> bool:
     """Return whether friction holds a part all the time."""
-    least, largest, _ = holding(drive)
-    return drive.s <= drive.gn and least <= -1 and largest >= 1
+    return drive.s <= drive.gn and drive.least <= -1 and drive.largest >= 1
 
 
 @compiled
 def first_slip(drive: Sine, tau: float) -> float:
     """Return a phase at which a part that never lifts off starts to slip; NaN if there is none."""
-    least, largest, _ = holding(drive)
-    rises, falls = largest < 1, least > -1
+    rises, falls = drive.largest < 1, drive.least > -1
     if rises and (math.cos(tau) > 0 or not falls):
-        return arc_sine(largest)
-    return math.pi - arc_sine(least) if falls else math.nan
+        return arc_sine(drive.largest)
+    return math.pi - arc_sine(drive.least) if falls else math.nan
 
 
 @compiled
@@ -179,10 +143,9 @@ def slip_doubt(drive: Sine) -> float:
 
     The phase, asin of the threshold, is known the less, the nearer the threshold is to 1.
     """
-    least, largest, _ = holding(drive)
     jump = (drive.mu_s - drive.mu_k) * (drive.s + drive.gn)
     doubt = 0.0
-    for threshold in (least, largest):
+    for threshold in (drive.least, drive.largest):
         if abs(threshold) < 1.0:
             doubt += jump * THRESHOLD / math.sqrt((1.0 - threshold) * (1.0 + threshold))
     return doubt
@@ -194,7 +157,7 @@ def two_sided(drive: Sine) -> tuple[float, float]:
 
     The share is 0 where there is no such motion: the part lifts off, or sticks.
     """
-    c, s, gs, gn, mu_s, mu, _ = drive
+    c, s, gs, gn, mu_s, mu = drive.c, drive.s, drive.gs, drive.gn, drive.mu_s, drive.mu_k
     c1, k1 = mu * s, mu * gn
     H = c * k1 - c1 * gs
     if s > gn or mu_s != mu or H <= 0 or c <= c1:

@@ -10,7 +10,6 @@ from core.motion.kernels.planar.drive import (
     Drive,
     fly,
     hold,
-    holding,
     holds,
     load,
     push,
@@ -45,13 +44,12 @@ def contact(
     `sums` holds the distance and the times in the four modes. The last value returned is the number
     of rows of the log in use, -1 if the stretch held too many stops.
     """
-    held = holding(drive)
     at, end, slope = tau, tau + span, 1.0
     for _ in range(MOST_MODES):
         if at >= end:
             return u, slope, used
         if u == 0:
-            sticks, leave, forward = hold(drive, held, at, end)
+            sticks, leave, forward = hold(drive, at, end)
             if sticks:
                 slope = 0.0
                 used = write_piece(log, used, at, leave - at, MODE.stick, 0.0, 0.0, sums[DISTANCE])
@@ -73,7 +71,7 @@ def contact(
             return (after if after * sign > 0 else 0.0), slope, used
         at += d
         u = 0.0
-        if slope > 0 and not holds(drive, held, at):
+        if slope > 0 and not holds(drive, at):
             # The part turns round at once: a later stop shortens the way back.
             before = slip_acceleration(drive, sign, at)
             after = slip_acceleration(drive, -sign, at)

@@ -2,68 +2,32 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections import namedtuple
 
+Direction = namedtuple("Direction", "c s gs gn mu_s mu_k e start_along start_phase start_normal")
+"""What a motion is derived by: the groups, and the state at the start of its cycle.
 
-class Direction(NamedTuple):
-    """What a motion is derived by: the groups, and the state at the start of its cycle.
+The state is last: of a cycle that starts at a lift-off only its velocity is free.
+"""
 
-    The state is last: of a cycle that starts at a lift-off only its velocity is free.
-    """
+Told = namedtuple(
+    "Told",
+    "velocity stick forward backward flight landing_speed hop_height friction impact drive",
+)
+"""The means of a motion that are derived."""
 
-    c: int
-    s: int
-    gs: int
-    gn: int
-    mu_s: int
-    mu_k: int
-    e: int
-    start_along: int
-    start_phase: int
-    start_normal: int
+Carried = namedtuple(
+    "Carried",
+    "phase along normal end begin forced path distance stick forward backward flight landing "
+    "height friction impact",
+)
+"""Rows of the scratch table; a column a direction.
 
-
-class Told(NamedTuple):
-    """The means of a motion that are derived."""
-
-    velocity: int
-    stick: int
-    forward: int
-    backward: int
-    flight: int
-    landing_speed: int
-    hop_height: int
-    friction: int
-    impact: int
-    drive: int
-
-
-class Carried(NamedTuple):
-    """Rows of the scratch table; a column a direction.
-
-    `phase`, `along` and `normal` are the derivatives of the phase and the velocities at an event,
-    `end` that of the phase at which a segment ends. `begin` and `forced` are what changes of a
-    velocity seen at a fixed phase, by what was before and by the acceleration; `path` and `rise`
-    are distances.
-    """
-
-    phase: int
-    along: int
-    normal: int
-    end: int
-    begin: int
-    forced: int
-    path: int
-    distance: int
-    stick: int
-    forward: int
-    backward: int
-    flight: int
-    landing: int
-    height: int
-    friction: int
-    impact: int
-
+`phase`, `along` and `normal` are the derivatives of the phase and the velocities at an event,
+`end` that of the phase at which a segment ends. `begin` and `forced` are what changes of a
+velocity seen at a fixed phase, by what was before and by the acceleration; `path` and `rise`
+are distances.
+"""
 
 BY = Direction(*range(len(Direction._fields)))
 TOLD = Told(*range(len(Told._fields)))

@@ -11,8 +11,16 @@ import math
 
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Floats
-from core.motion.kernels.planar.drive import fly, hold, holding, load, rise, slide, stop_after
-from core.motion.kernels.planar.flow import TURN, Sine, arc, flow, phase_to
+from core.motion.kernels.planar.drive import (
+    fly,
+    hold,
+    load,
+    rise,
+    slide,
+    slip_acceleration,
+    stop_after,
+)
+from core.motion.kernels.planar.flow import TURN, Sine, flow, phase_to, swings
 from core.motion.kernels.planar.sine_flight import lowest_at, top_at
 from core.motion.kernels.planar.slide import MOST_MODES, skids
 from core.motion.kernels.planar.slope_tables import BY, ROW
@@ -35,11 +43,10 @@ def copy_row(d: Floats, to: int, of: int) -> None:
 def force(drive: Sine, sign: float, at: float, span: float, d: Floats) -> None:
     """Fill what the groups change of velocity and distance along, at a fixed phase.
 
-    `sign` tells the slip, 0 is a flight.
+    C. swing - k. D and C. sway - k. D^2/2 over the phase D, of C = c +- mu_k s and
+    k = sin(gamma) +- mu_k n (theory 13.16). `sign` tells the slip, 0 is a flight.
     """
-    cubic, square = arc(span)
-    sine, cosine = math.sin(at), math.cos(at)
-    swing, sway = cosine * square + sine * (span - cubic), cosine * cubic + sine * square
+    swing, sway = swings(math.sin(at), math.cos(at), span)
     half = span * span / 2
     d[ROW.forced, :], d[ROW.path, :] = 0.0, 0.0
     d[ROW.forced, BY.c], d[ROW.path, BY.c] = swing, sway
@@ -57,9 +64,14 @@ def along(
     drive: Sine, sign: float, u: float, after: float, at: float, span: float, stops: bool,
     mode: int, size: int, d: Floats,
 ) -> None:  # fmt: skip
-    """Carry the derivatives along a slip or a flight to its end: a stop, or the segment's end."""
-    C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
-    first, last = C * math.sin(at) - k, C * math.sin(at + span) - k
+    """Carry the derivatives along a slip or a flight to its end: a stop, or the segment's end.
+
+    With delta u0 = u0. - u'(tau0) tau0. it ends with u1. = delta u + u'(tau1) tau1., or with 0 at a
+    stop, which moves by tau1. = -delta u/u'(tau1); x1. - x0. = delta x + u1 tau1. - u0 tau0.
+    (theory 13.16).
+    """
+    first = slip_acceleration(drive, sign, at)
+    last = slip_acceleration(drive, sign, at + span)
     force(drive, sign, at, span, d)
     for i in range(size):
         begin = d[ROW.along, i] - first * d[ROW.phase, i]
@@ -79,8 +91,11 @@ def along(
 
 @borrowing
 def rub(drive: Sine, sign: float, u: float, at: float, span: float, size: int, d: Floats) -> None:
-    """Add what changes of the work of friction over a slip at fixed phases; after `along`."""
-    loads = swings = spans = rubs = slips = waves = 0.0
+    """Add what changes of the work of friction over a slip at fixed phases; after `along`.
+
+    The derivative of the integral of mu_k n |u|, n = n0 - s sin(tau), by the rule of 13.15.
+    """
+    loads = swung = spans = rubs = slips = waves = 0.0
     C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
     sine, cosine = math.sin(at), math.cos(at)
     done = 0.0
@@ -89,12 +104,11 @@ def rub(drive: Sine, sign: float, u: float, at: float, span: float, size: int, d
         for place, weight in zip(PLACES, WEIGHTS):  # noqa: B905 # numba knows no strict
             for side in (-place, place):
                 since = done + half * (1.0 + side)
-                cubic, square = arc(since)
-                swing = cosine * square + sine * (since - cubic)
+                swing, _ = swings(sine, cosine, since)
                 velocity, push = u + C * swing - k * since, math.sin(at + since)
                 share, given = half * weight, drive.gn - drive.s * push
                 loads += share * given
-                swings += share * given * swing
+                swung += share * given * swing
                 spans += share * given * since
                 rubs += share * given * velocity
                 slips += share * velocity
@@ -103,16 +117,19 @@ def rub(drive: Sine, sign: float, u: float, at: float, span: float, size: int, d
     mu = drive.mu_k * sign
     for i in range(size):
         d[ROW.friction, i] += mu * loads * d[ROW.begin, i]
-    d[ROW.friction, BY.c] += mu * swings
+    d[ROW.friction, BY.c] += mu * swung
     d[ROW.friction, BY.gs] -= mu * spans
-    d[ROW.friction, BY.s] += mu * (mu * swings - waves)
+    d[ROW.friction, BY.s] += mu * (mu * swung - waves)
     d[ROW.friction, BY.gn] += mu * (slips - mu * spans)
-    d[ROW.friction, BY.mu_k] += sign * (rubs + mu * (drive.s * swings - drive.gn * spans))
+    d[ROW.friction, BY.mu_k] += sign * (rubs + mu * (drive.s * swung - drive.gn * spans))
 
 
 @borrowing
 def release(drive: Sine, by_least: bool, way: float, leave: float, d: Floats) -> None:
-    """Fill how the phase moves at which static friction lets go (theory 13.3)."""
+    """Fill how the phase moves at which static friction lets go, sin(tau) = S (theory 13.3).
+
+    tau. = S./cos(tau) with S = (sin(gamma) +- mu_s n)/(c +- mu_s s).
+    """
     c, s, mu, gn = drive.c, drive.s, drive.mu_s, drive.gn
     rate = math.cos(leave)
     # The threshold is (gs + sign mu gn)/(c + sign mu s).
@@ -129,7 +146,7 @@ def release(drive: Sine, by_least: bool, way: float, leave: float, d: Floats) ->
 
 @borrowing
 def lift(drive: Sine, row: int, d: Floats) -> None:
-    """Fill how the phase of lift-off moves, into a row."""
+    """Fill how the phase of lift-off moves, into a row: (n. - s. sin(tau))/(s cos(tau))."""
     sine = drive.gn / drive.s
     rate = drive.s * math.sqrt((1.0 - sine) * (1.0 + sine))
     d[row, :] = 0.0
@@ -176,14 +193,13 @@ def on_floor(
     What is done is that of `slide.contact`. `fresh` tells that the part came to this phase by
     itself, not to one at which it is let go.
     """
-    held = holding(drive)
-    least, largest, way = held
+    least, largest, way = drive.least, drive.largest, drive.way
     at, end = tau, tau + span
     for _ in range(MOST_MODES):
         if at >= end:
             return u
         if u == 0:
-            sticks, leave, forward = hold(drive, held, at, end)
+            sticks, leave, forward = hold(drive, at, end)
             if fresh:
                 sine = math.sin(at)
                 nearest[0] = min(nearest[0], abs(sine - least), abs(sine - largest))
@@ -214,8 +230,7 @@ def on_floor(
         nearest[0] = min(nearest[0], slow_passage(drive, sign, u, at, span))
         size_of = abs(drive.c) + abs(drive.gs) + drive.mu_k * (drive.s + drive.gn)
         if stops:
-            C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
-            rate = (C * math.sin(at + span) - k) / size_of
+            rate = slip_acceleration(drive, sign, at + span) / size_of
             nearest[0] = min(nearest[0], rate * rate, end - at - span)
         elif span > 1e-9:
             nearest[0] = min(nearest[0], abs(after) / size_of)
@@ -251,10 +266,11 @@ def in_hops(drive: Sine, e: float, at: float, nearest: Floats) -> tuple[float, f
 def land(
     drive: Sine, w: float, tau: float, span: float, speed: float, size: int, d: Floats
 ) -> None:
-    """Fill how a landing moves: its phase by (delta z)/w, its speed by n tau1. - delta w."""
-    cubic, square = arc(span)
-    sine, cosine = math.sin(tau), math.cos(tau)
-    swing, sway = cosine * square + sine * (span - cubic), cosine * cubic + sine * square
+    """Fill how a landing moves: its phase by (delta z)/w, its speed by n tau1. - delta w.
+
+    delta z = -w0 tau0. + delta w0 D + s. sway - n. D^2/2 (theory 13.16).
+    """
+    swing, sway = swings(math.sin(tau), math.cos(tau), span)
     n0, n1 = load(drive, tau), load(drive, tau + span)
     for i in range(size):
         begin = d[ROW.normal, i] + n0 * d[ROW.phase, i]
@@ -269,15 +285,17 @@ def land(
 
 @borrowing
 def in_air(
-    drive: Sine, e: float, rows: Floats, row: int, rests: bool, u: float, energy: bool, size: int,
+    drive: Sine, e: float, rows: Floats, row: int, rests: bool, u: float, size: int,
     d: Floats, nearest: Floats,
 ) -> float:  # fmt: skip
     """Carry the derivatives over a flight and its landing; return the velocity along after it.
 
+    The rebound has (eps w). = eps. w + eps w., the slip loses (mu_k I). = mu_k. I + mu_k I., or all
+    of it (theory 13.16).
     `rests` tells that the part then stays on the floor, after hops that shrink to nothing.
     """
     tau, span = rows[row, SEGMENT.phase], rows[row, SEGMENT.span]
-    w, speed, impulse = rows[row, SEGMENT.take_off], rows[row, SEGMENT.landing], 0.0
+    w, speed = rows[row, SEGMENT.take_off], rows[row, SEGMENT.landing]
     impulse = rows[row, SEGMENT.impulse]
     size_of = drive.s + drive.gn
     grazing = speed / (size_of * min(1.0, span))
@@ -369,11 +387,10 @@ def highest(
         nearest[4] = min(nearest[4], (nearest[3] - height) / nearest[3])
         return
     nearest[3], nearest[4] = height, (height - nearest[3]) / height
-    cubic, square = arc(top)
-    sine, cosine = math.sin(tau), math.cos(tau)
+    _, sway = swings(math.sin(tau), math.cos(tau), top)
     n0 = load(drive, tau)
     for i in range(size):
         begin = d[ROW.normal, i] + n0 * d[ROW.phase, i]
         d[ROW.height, i] = begin * top - w * d[ROW.phase, i]
-    d[ROW.height, BY.s] += cosine * cubic + sine * square
+    d[ROW.height, BY.s] += sway
     d[ROW.height, BY.gn] -= top * top / 2

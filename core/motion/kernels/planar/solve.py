@@ -8,48 +8,22 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
+from core.motion.kernels.cells import Cell, cell_of
 from core.motion.kernels.planar.cycle import normal_cycle
-from core.motion.kernels.planar.drive import Drive, always_holds, sizes
-from core.motion.kernels.planar.flow import Sine, sine_of
+from core.motion.kernels.planar.drive import Drive, Waves, always_holds, drive_of, sizes, two_sided
 from core.motion.kernels.planar.growth import MOST_GROWTH
 from core.motion.kernels.planar.repeating import (
     ROUNDING,
     repeating,
     velocity_at_start,
 )
-from core.motion.kernels.planar.sine_slip import two_sided
-from core.motion.kernels.planar.tables import (
-    MOST_SEGMENTS,
-    PIECE,
-    SEGMENT,
-    SUMS,
-    Cell,
-    cell_of,
-)
-from core.motion.kernels.planar.wave import new_table, wave_of
+from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.results import COLUMN
 from core.motion.kernels.statuses import STATUS
 
 UNDECIDED = -1  # no status: the cell needs its cycle
 UNREPEATED = -2  # no status either: no cycle was found, and `chaos` tells the means
 LEAST_GRAVITY = 1e-12  # onto the floor, of all: less is the rounding of an upright track
-
-
-@compiled
-def upright(cell: Cell) -> tuple[Sine, float, float]:
-    """Return the drive with c and s positive, phase and way.
-
-    A drive that points down pushes up half a turn later; one that points back is the mirror image.
-    `phase` is where the study's own phase 0 lies, `way` is -1 in the mirror.
-    """
-    c, s, gs = cell.drive_number_along, cell.drive_number_normal, cell.gravity_number_along
-    phase, way = 0.0, 1.0
-    if s < 0:
-        c, s, phase = -c, -s, math.pi
-    if c < 0:
-        c, gs, way = -c, -gs, -1.0
-    gn, mu_s, mu_k = cell.gravity_number_normal, cell.friction_static, cell.friction_kinetic
-    return sine_of(c, s, gs, gn, mu_s, mu_k), phase, way
 
 
 @compiled
@@ -84,15 +58,16 @@ def solve_at_once(drive: Drive, e: float, result: Floats) -> int:
 
 
 @compiled
-def slides_on(drive: Sine, result: Floats) -> bool:
+def slides_on(drive: Drive, result: Floats) -> bool:
     """Fill the result of a part that slides to and fro without a stick, if it does so."""
     velocity, forward = two_sided(drive)
     if not forward > 0:
         return False
     result[:] = 0.0
     result[COLUMN.velocity] = velocity
-    rubbing = drive.mu_k * (drive.s + drive.gn)
-    result[COLUMN.error] = ROUNDING * (abs(drive.c) + abs(drive.gs) + rubbing)
+    along, normal = sizes(drive)
+    rubbing = drive.mu_k * (normal + drive.gn)
+    result[COLUMN.error] = ROUNDING * (along + abs(drive.gs) + rubbing)
     result[COLUMN.forward], result[COLUMN.backward] = forward, 1 - forward
     result[COLUMN.multiple] = 1.0
     return True
@@ -127,61 +102,34 @@ def solve(
 
 
 @compiled
-def solve_sine(
-    cell: Cell, closed: bool, rows: Floats, sums: Floats, log: Floats, result: Floats, stop: Stop
-) -> tuple[int, int, int, float]:
-    """Do what `solve` does under a sine; `closed` allows the closed form of a motion without stick.
+def solve_cell(
+    cell: Cell, row: Floats, waves: Waves, closed: bool, rows: Floats, sums: Floats, log: Floats,
+    result: Floats, stop: Stop,
+) -> tuple[int, int, int, float]:  # fmt: skip
+    """Do what `solve` does from the row of a cell.
 
-    Segments and velocity are in the axes of the drive as mirrored by `upright`.
+    `closed` allows the closed form of a motion without stick under a sine. Segments and velocity
+    are in the axes of the drive as mirrored by `upright`.
     """
-    drive, phase, way = upright(cell)
+    drive, phase, way = drive_of(cell, row, waves)
     result[:] = math.nan
     status, first, count, u = solve_at_once(drive, cell.restitution, result), 0, 0, 0.0
+    if status == UNDECIDED and closed and slides_on(drive, result):
+        status = STATUS.periodic
     if status == UNDECIDED:
-        if closed and slides_on(drive, result):
-            status = STATUS.periodic
-        else:
-            status, first, count, u = solve(drive, phase, cell, rows, sums, log, result, stop)
+        status, first, count, u = solve(drive, phase, cell, rows, sums, log, result, stop)
     turn_round(result, way)
     return status, first, count, u
 
 
 @compiled
-def solve_wave(
-    row: Floats, table: Floats, rows: Floats, sums: Floats, log: Floats, result: Floats, stop: Stop
-) -> tuple[int, int, int, float]:
-    """Do what `solve` does under any other wave, which stands behind the cell in its row."""
-    cell = cell_of(row)
-    drive = wave_of(cell, row, table)
-    result[:] = math.nan
-    status = solve_at_once(drive, cell.restitution, result)
-    if status != UNDECIDED:
-        return status, 0, 0, 0.0
-    return solve(drive, 0.0, cell, rows, sums, log, result, stop)
-
-
-@compiled
-def solve_sine_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill table and status of cells under a sine; a row of `groups` holds the fields of `Cell`."""
+def solve_cells(groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop) -> None:
+    """Fill table and status of cells, a row of `groups` each."""
     rows, sums = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
     log = np.empty((0, len(PIECE)))
     for number in range(groups.shape[0]):
-        cell, result = cell_of(groups[number]), table[number]
-        found = solve_sine(cell, True, rows, sums, log, result, stop)
-        if raised(stop):
-            result[:] = math.nan
-            return
-        status[number] = found[0]
-
-
-@compiled
-def solve_wave_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Do what `solve_sine_cells` does under other waves; each stands behind the cell in its row."""
-    rows, sums = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
-    log, waves = np.empty((0, len(PIECE))), new_table()
-    for number in range(groups.shape[0]):
         row, result = groups[number], table[number]
-        found = solve_wave(row, waves, rows, sums, log, result, stop)
+        found = solve_cell(cell_of(row), row, waves, True, rows, sums, log, result, stop)
         if raised(stop):
             result[:] = math.nan
             return

@@ -2,63 +2,20 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections import namedtuple
 
-from numba.np.unsafe.ndarray import to_fixed_tuple
-
-from core.compiled import compiled
-from core.motion.kernels.arrays import Floats
 from core.motion.kernels.statuses import MODES
 
+Segment = namedtuple("Segment", "phase span take_off landing impulse")
+"""Columns of the cycle of the motion normal to the floor, a row a segment.
 
-class Cell(NamedTuple):
-    """The groups of one cell; a row of the kernels' table in this order."""
+`take_off` is the velocity off the floor at the start, -1 for contact; `landing` the speed at
+the end, and `impulse` what it takes from the floor there. The impulse of a contact is the
+rebound of the hops that it stands for (theory 13.5), 0 if there are none.
+"""
 
-    drive_number_along: float
-    drive_number_normal: float
-    gravity_number_along: float
-    gravity_number_normal: float
-    friction_static: float
-    friction_kinetic: float
-    restitution: float
-    tolerance: float
-    most_periods: float
-
-
-GROUPS = len(Cell._fields)
-
-
-@compiled
-def cell_of(row: Floats) -> Cell:
-    """Return the cell of a row."""
-    return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one
-
-
-class Segment(NamedTuple):
-    """Columns of the cycle of the motion normal to the floor, a row a segment.
-
-    `take_off` is the velocity off the floor at the start, -1 for contact; `landing` the speed at
-    the end, and `impulse` what it takes from the floor there. The impulse of a contact is the
-    rebound of the hops that it stands for (theory 13.5), 0 if there are none.
-    """
-
-    phase: int
-    span: int
-    take_off: int
-    landing: int
-    impulse: int
-
-
-class Piece(NamedTuple):
-    """Columns of the log of a motion, a row a piece in one mode; velocities at its start."""
-
-    phase: int
-    span: int
-    mode: int
-    along: int
-    normal: int
-    position: int
-
+Piece = namedtuple("Piece", "phase span mode along normal position")
+"""Columns of the log of a motion, a row a piece in one mode; velocities at its start."""
 
 SEGMENT = Segment(*range(len(Segment._fields)))
 PIECE = Piece(*range(len(Piece._fields)))

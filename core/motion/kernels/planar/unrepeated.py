@@ -11,23 +11,16 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
+from core.motion.kernels.cells import Cell, cell_of
 from core.motion.kernels.planar.chaos import from_phases
 from core.motion.kernels.planar.cycle import normal_cycle
-from core.motion.kernels.planar.drive import Drive
+from core.motion.kernels.planar.drive import Drive, Waves, drive_of
 from core.motion.kernels.planar.growth import LAST_DIGIT
 from core.motion.kernels.planar.repeating import repeating, velocity_at_start
-from core.motion.kernels.planar.solve import turn_round, upright
-from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS, Cell, cell_of
-from core.motion.kernels.planar.wave import new_table, wave_of
+from core.motion.kernels.planar.solve import turn_round
+from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import STATUS
-
-
-@compiled
-def stay(result: Floats) -> None:
-    """Set the velocity across of a motion that has a mean: in a plane there is none."""
-    if not math.isnan(result[COLUMN.velocity]):
-        result[COLUMN.across] = 0.0
 
 
 @compiled
@@ -55,37 +48,22 @@ def reach_way(
 
 
 @compiled
-def average_sine_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill table and status of cells under a sine, as `solve.solve_sine_cells` does."""
+def average_cells(
+    groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop
+) -> None:
+    """Fill table and status of cells, as `solve.solve_cells` does."""
     rows, sums = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
     for number in range(groups.shape[0]):
-        cell, result = cell_of(groups[number]), table[number]
-        drive, phase, way = upright(cell)
+        row, result = groups[number], table[number]
+        cell = cell_of(row)
+        drive, phase, way = drive_of(cell, row, waves)
         result[:] = math.nan
         found = from_phases(cell, phase, drive, rows, sums, result, stop)
         if found == STATUS.aperiodic:
             reach_way(drive, phase, cell, rows, sums, result, stop)
-        stay(result)
+        if not math.isnan(result[COLUMN.velocity]):
+            result[COLUMN.across] = 0.0
         turn_round(result, way)
-        if raised(stop):
-            result[:] = math.nan
-            return
-        status[number] = found
-
-
-@compiled
-def average_wave_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill table and status of cells under other waves, as `solve.solve_wave_cells` does."""
-    rows, sums, waves = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS), new_table()
-    for number in range(groups.shape[0]):
-        row, result = groups[number], table[number]
-        cell = cell_of(row)
-        result[:] = math.nan
-        drive = wave_of(cell, row, waves)
-        found = from_phases(cell, 0.0, drive, rows, sums, result, stop)
-        if found == STATUS.aperiodic:
-            reach_way(drive, 0.0, cell, rows, sums, result, stop)
-        stay(result)
         if raised(stop):
             result[:] = math.nan
             return

@@ -15,8 +15,8 @@ import numpy as np
 
 from core.compiled import borrowing, compiled
 from core.motion.kernels.arrays import Floats
+from core.motion.kernels.cells import GROUPS, Cell
 from core.motion.kernels.planar.flow import MOST_ITERATIONS, TURN, arc
-from core.motion.kernels.planar.tables import GROUPS, Cell
 from core.motion.kernels.waves import halley, is_near_root, passages, value_and_slope
 
 NORMAL, AIR, FORWARD, BACKWARD, STATIC_FORWARD, STATIC_BACKWARD = range(6)
@@ -60,15 +60,19 @@ class Wave(NamedTuple):
     backward: int
 
 
-@compiled
-def new_table() -> Floats:
-    """Return room for a wave."""
-    return np.zeros((ROOTS + KINDS, WIDTH))
+class WaveTable(NamedTuple):
+    """Room for the wave of a cell, a table of `TABLE`."""
+
+    table: Floats
+
+
+TABLE = (ROOTS + KINDS, WIDTH)
 
 
 @compiled
-def wave_of(cell: Cell, row: Floats, table: Floats) -> Wave:
-    """Return the wave of a row, which stands there behind the cell; fill the table."""
+def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[Wave, float, float]:
+    """Return the wave of a row, which stands there behind the cell; phase and way as `upright`."""
+    table = waves.table
     orders, steps = int(row[GROUPS]), int(row[GROUPS + 1])
     gs, gn = cell.gravity_number_along, cell.gravity_number_normal
     mu_s, mu_k = cell.friction_static, cell.friction_kinetic
@@ -92,7 +96,7 @@ def wave_of(cell: Cell, row: Floats, table: Floats) -> Wave:
     for kind in range(KINDS if not alike else STATIC_FORWARD):
         if kind != AIR:
             fill_passages(drive, kind)
-    return drive
+    return drive, 0.0, 1.0
 
 
 @borrowing

@@ -27,13 +27,7 @@ THRESHOLD = 4e-16  # rounding of the push at which friction is overcome, over it
 
 
 @borrowing
-def holding(drive: Wave) -> tuple[float, float, float]:
-    """Return nothing of use: all that is asked stands in the table."""
-    return 0.0, 0.0, 0.0
-
-
-@borrowing
-def holds(drive: Wave, held: tuple[float, float, float], at: float) -> bool:
+def holds(drive: Wave, at: float) -> bool:
     """Return whether static friction holds a part that does not slip."""
     return (
         acceleration(drive, drive.forward, at) <= 0.0
@@ -42,11 +36,9 @@ def holds(drive: Wave, held: tuple[float, float, float], at: float) -> bool:
 
 
 @borrowing
-def hold(
-    drive: Wave, held: tuple[float, float, float], at: float, end: float
-) -> tuple[bool, float, bool]:
+def hold(drive: Wave, at: float, end: float) -> tuple[bool, float, bool]:
     """Return whether a part without slip sticks, until when, and whether it then slips forward."""
-    if not holds(drive, held, at):
+    if not holds(drive, at):
         return False, at, acceleration(drive, AIR, at) > 0.0
     forward = next_of_way(drive, drive.forward, at, True)
     backward = next_of_way(drive, drive.backward, at, False)
@@ -57,7 +49,7 @@ def hold(
 def always_holds(drive: Wave) -> bool:
     """Return whether friction holds a part all the time."""
     never = drive.table[ROOTS + drive.forward, 0] + drive.table[ROOTS + drive.backward, 0] == 0.0
-    return never and not lifts(drive) and holds(drive, (0.0, 0.0, 0.0), 0.0)
+    return never and not lifts(drive) and holds(drive, 0.0)
 
 
 @borrowing
@@ -127,3 +119,9 @@ def slip_doubt(drive: Wave) -> float:
             ]
             doubt += jump * THRESHOLD * size / max(abs(slope), 1e-8 * size)
     return doubt
+
+
+@borrowing
+def two_sided(drive: Wave) -> tuple[float, float]:
+    """Return 0, 0: there is no closed form."""
+    return 0.0, 0.0

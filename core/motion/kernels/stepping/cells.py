@@ -8,20 +8,13 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop, copy
-from core.motion.kernels.results import COLUMN, RESULTS
+from core.motion.kernels.cells import GROUPS, Cell, cell_of
+from core.motion.kernels.means import fill_means
+from core.motion.kernels.results import COLUMN, RESULTS, TALLY
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.stepping.period import planar_period, spatial_period
-from core.motion.kernels.stepping.repeat import means, repeats, unsettled
-from core.motion.kernels.stepping.tables import (
-    DRIVE,
-    PLANAR,
-    STATE,
-    TALLY,
-    WALL,
-    WIDTHS,
-    Cell,
-    cell_of,
-)
+from core.motion.kernels.stepping.repeat import repeats, unsettled
+from core.motion.kernels.stepping.tables import DRIVE, PLANAR, STATE, WALL, WIDTHS
 
 SAFETY = 3.0
 LANDING_SHARE = 0.15
@@ -37,8 +30,8 @@ a safety of 2 and nothing else the true error was larger in 3 % of random studie
 
 @compiled
 def run(
-    scene: int, cell: Cell, rolling: float, absolute: bool, drive: Floats, steps: int, most: int,
-    tolerance: float, states: Floats, tallies: Floats, result: Floats, stop: Stop,
+    scene: int, cell: Cell, rolling: float, absolute: bool, drive: Floats, steps: int,
+    states: Floats, tallies: Floats, result: Floats, stop: Stop,
 ) -> int:  # fmt: skip
     """Run one cell from rest until it repeats; fill the result and return the status.
 
@@ -63,7 +56,7 @@ def run(
     copy(state, states[0, :width])
     seen = states[:, :width]
     done = 0
-    for period in range(most):
+    for period in range(int(cell.most_periods)):
         if raised(stop):
             return STATUS.not_computed
         tally = tallies[period]
@@ -78,16 +71,16 @@ def run(
             result[:] = np.nan
             return STATUS.no_solution
         if tally[TALLY.peak] <= 1e-9 * h:
-            means(tallies, period, done, steps * h, result)
+            fill_means(tallies, period, done, steps * h, result)
             result[COLUMN.velocity], result[COLUMN.multiple] = 0.0, 1.0
             return STATUS.at_rest
         multiple = repeats(
-            seen, tallies, done, 1e-12 * scale, tolerance * h * scale, steps * h, result
+            seen, tallies, done, 1e-12 * scale, cell.tolerance * h * scale, steps * h, result
         )
         if multiple > 0:
             result[COLUMN.multiple] = multiple
             return STATUS.periodic
-    means(tallies, done // 4, done, steps * h, result)
+    fill_means(tallies, done // 4, done, steps * h, result)
     return unsettled(scene, cell, seen, tallies, done, steps * h, result)
 
 
@@ -134,8 +127,7 @@ def drive_of(scene: int, cell: Cell, waves: Floats, row: int, room: Floats) -> F
 @compiled
 def step_cells(
     scene: int, rolling: float, absolute: bool, steps: int, waves: Floats, shifted_waves: Floats,
-    fine_waves: Floats, most: int, tolerance: float, groups: Floats, table: Floats,
-    status: Statuses, stop: Stop,
+    fine_waves: Floats, groups: Floats, table: Floats, status: Statuses, stop: Stop,
 ) -> None:  # fmt: skip
     """Fill the table, columns as in `results`, and the statuses, one cell a row.
 
@@ -143,6 +135,7 @@ def step_cells(
     earlier, and of the finer, which has one more than twice as many. They hold the rows of `DRIVE`
     for each cell or, for all cells at once, sine and cosine at the middles of the steps.
     """
+    most = max(1, int(groups[:, GROUPS - 1].max()))
     states, tallies = np.zeros((most + 1, WIDTHS[scene])), np.zeros((most, len(TALLY)))
     coarse, shifted, fine = np.zeros(RESULTS), np.zeros(RESULTS), np.zeros(RESULTS)
     room, shifted_room, fine_room = room_of(waves), room_of(shifted_waves), room_of(fine_waves)
@@ -154,10 +147,7 @@ def step_cells(
             status[i] = STATUS.no_solution
             continue
         drive = drive_of(scene, cell, fine_waves, i, fine_room)
-        found = run(
-            scene, cell, rolling, absolute, drive, finest, most, tolerance, states, tallies, fine,
-            stop,
-        )  # fmt: skip
+        found = run(scene, cell, rolling, absolute, drive, finest, states, tallies, fine, stop)
         frictionless = cell.friction_static == 0.0 and cell.friction_kinetic == 0.0
         if scene == WALL:
             frictionless = frictionless and cell.wall_friction == 0.0
@@ -167,10 +157,7 @@ def step_cells(
         if found in (STATUS.no_solution, STATUS.runaway):
             continue
         drive = drive_of(scene, cell, waves, i, room)
-        run(
-            scene, cell, rolling, absolute, drive, steps, most, tolerance, states, tallies, coarse,
-            stop,
-        )  # fmt: skip
+        run(scene, cell, rolling, absolute, drive, steps, states, tallies, coarse, stop)
         apart = abs(fine[COLUMN.velocity] - coarse[COLUMN.velocity])
         if not math.isfinite(apart):  # the coarser run found no solution in a step
             apart = abs(fine[COLUMN.velocity])
@@ -178,10 +165,7 @@ def step_cells(
         if error > 1e-12:
             # Where in a step landings and stops fall is chance, and may hide the error of the step.
             drive = drive_of(scene, cell, shifted_waves, i, shifted_room)
-            run(
-                scene, cell, rolling, absolute, drive, steps, most, tolerance, states, tallies,
-                shifted, stop,
-            )  # fmt: skip
+            run(scene, cell, rolling, absolute, drive, steps, states, tallies, shifted, stop)
             apart = abs(fine[COLUMN.velocity] - shifted[COLUMN.velocity])
             error = SAFETY * max(error, apart if math.isfinite(apart) else 0.0)
         if fine[COLUMN.flight] > 0.0:

@@ -16,8 +16,9 @@ def friction_impulse(
     """Return the impulse of friction at one contact, two components, and whether it sticks.
 
     The slip is that without the impulse; a unit impulse changes it by 1 and by `response`. It
-    sticks if an impulse within the disc of radius `hold` can stop the slip; else the impulse has
-    the size `slide` and opposes the slip that is left: the secular equation of theory 7.3.
+    sticks if an impulse within the disc of radius `hold` can stop the slip; else the impulse is
+    -q e, with q = `slide` and e = (s_1/(z + q), s_2/(z + r q)) along the slip that is left, where
+    |e| = 1 gives z: the secular equation of theory 7.3, with the response r.
     """
     stop_2 = slip_2 / response
     if slip_1 * slip_1 + stop_2 * stop_2 <= hold * hold:
@@ -124,7 +125,7 @@ def floor_step(
     if pressed and spare >= 0.0:
         need = math.hypot(vx, vs / response)
         if need <= hold:
-            return held_state(vx, vy, vz, spin, normal, hold - need, rolling)
+            return held_state(vy, vz, spin, normal, hold - need, rolling)
         if spare < math.inf:
             share = 0.5 + (need - hold) / (need - hold + spare)
         left_x, left_y = -(1.0 - share) * vx, -(1.0 - share) * vs / response
@@ -150,7 +151,7 @@ def floor_step(
         spare = math.inf
         if pressed:
             spare = max(0.0, hold - math.hypot(h * ax, h * ay / response))
-        return held_state(vx, vy, vz, spin, normal, spare, rolling)
+        return held_state(vy, vz, spin, normal, spare, rolling)
     fx += left_x
     fy += left_y
     return vx + fx, vy + fy, vz, spin + rolling * fy, normal, -1.0
@@ -158,7 +159,7 @@ def floor_step(
 
 @compiled
 def held_state(
-    vx: float, vy: float, vz: float, spin: float, normal: float, spare: float, rolling: float
+    vy: float, vz: float, spin: float, normal: float, spare: float, rolling: float
 ) -> tuple[float, float, float, float, float, float]:
     """Return the state after a step in which the contact came to stick: no slip, exactly."""
     if rolling == 0.0:

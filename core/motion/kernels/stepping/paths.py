@@ -6,9 +6,10 @@ import math
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Stop
+from core.motion.kernels.cells import cell_of
 from core.motion.kernels.stepping.contacts import corner_step, floor_step
 from core.motion.kernels.stepping.period import acceleration, after_jump
-from core.motion.kernels.stepping.tables import DRIVE, cell_of
+from core.motion.kernels.stepping.tables import DRIVE
 
 
 @compiled

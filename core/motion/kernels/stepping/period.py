@@ -6,8 +6,10 @@ import math
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
+from core.motion.kernels.cells import Cell
+from core.motion.kernels.results import TALLY
 from core.motion.kernels.stepping.contacts import corner_step, floor_step, planar_step
-from core.motion.kernels.stepping.tables import DRIVE, STATE, TALLY, Cell
+from core.motion.kernels.stepping.tables import DRIVE, STATE
 
 
 @compiled
@@ -118,9 +120,10 @@ def acceleration(
     ux: float, along: float, across: float, normal: float, track: float, cell: Cell,
     absolute: bool,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """Return the acceleration of a free part relative to the track (theory 13.1).
+    """Return the acceleration of a free part relative to the track, a = b - g (theory 13.1).
 
-    From the three components of the push, and the speed of the track along.
+    Across, -kappa (u_x + v_x)^2 more: from the three components of the push b, and the speed v_x of
+    the track along, where the speed in the curve is the absolute one.
     """
     speed = ux + track if absolute else ux
     return (

@@ -6,17 +6,11 @@ import math
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Floats
-from core.motion.kernels.means import (
-    batch_means,
-    gains,
-    is_steady,
-    mean_velocity,
-    runs_away,
-    scatter,
-)
-from core.motion.kernels.results import COLUMN
+from core.motion.kernels.cells import Cell
+from core.motion.kernels.means import ended, fill_means, mean_velocity, scatter, wall_gap
+from core.motion.kernels.results import COLUMN, TALLY
 from core.motion.kernels.statuses import STATUS
-from core.motion.kernels.stepping.tables import FLOOR, STATE, TALLY, WALL, Cell
+from core.motion.kernels.stepping.tables import FLOOR, STATE, WALL
 
 MOST_MULTIPLE = 12
 WINDOW = 16
@@ -45,11 +39,8 @@ def difference(states: Floats, tallies: Floats, later: int, earlier: int) -> flo
     if new.size > STATE.uy:
         most = max(most, abs(new[STATE.uy] - old[STATE.uy]), abs(new[STATE.spin] - old[STATE.spin]))
     if new.size > STATE.y:
-        touched = False
-        for k in range(earlier, later):
-            touched = touched or tallies[k, TALLY.at_wall] > 0.0
         away = max(new[STATE.y], 0.0) - max(old[STATE.y], 0.0)
-        most = max(most, abs(away) if touched else max(0.0, -away))
+        most = max(most, wall_gap(tallies, earlier, later, away))
     return most
 
 
@@ -128,7 +119,7 @@ def repeats(
             and abs(now[STATE.z] - then[STATE.z]) <= rounding
             and (now[STATE.spare] >= 0.0) == (then[STATE.spare] >= 0.0)
         ):
-            means(tallies, done - multiple, done, period, result)
+            fill_means(tallies, done - multiple, done, period, result)
             return told_apart(states, tallies, done, multiple, allowed)
     for multiple in range(1, MOST_MULTIPLE + 1):
         window = multiple * ((WINDOW + multiple - 1) // multiple)
@@ -144,7 +135,7 @@ def repeats(
                 good = False
                 break
         if good:
-            means(tallies, done - window, done, period, result)
+            fill_means(tallies, done - window, done, period, result)
             if settled(tallies, done, multiple, window, rounding, bound, period, result):
                 return told_apart(states, tallies, done, multiple, allowed)
     return 0
@@ -173,44 +164,12 @@ def told_apart(states: Floats, tallies: Floats, done: int, cycle: int, allowed: 
 
 
 @compiled
-def means(tallies: Floats, first: int, last: int, period: float, result: Floats) -> None:
-    """Put the means over the periods from `first` to before `last` into a result."""
-    periods = last - first
-    result[:] = 0.0
-    travel, across, at_wall = 0.0, 0.0, 0.0
-    for k in range(first, last):
-        travel += tallies[k, TALLY.travel]
-        across += tallies[k, TALLY.across]
-        at_wall += tallies[k, TALLY.at_wall]
-        result[COLUMN.stick] += tallies[k, TALLY.stick]
-        result[COLUMN.forward] += tallies[k, TALLY.forward]
-        result[COLUMN.backward] += tallies[k, TALLY.backward]
-        result[COLUMN.flight] += tallies[k, TALLY.flight]
-        result[COLUMN.impacts] += tallies[k, TALLY.impacts]
-        result[COLUMN.landing_speed] = max(result[COLUMN.landing_speed], tallies[k, TALLY.landing])
-        result[COLUMN.hop_height] = max(result[COLUMN.hop_height], tallies[k, TALLY.height])
-    result[COLUMN.velocity] = travel / (periods * period)
-    result[COLUMN.across] = across / (periods * period) if at_wall == 0.0 else 0.0
-    counted = (
-        result[COLUMN.stick]
-        + result[COLUMN.forward]
-        + result[COLUMN.backward]
-        + result[COLUMN.flight]
-    )
-    result[COLUMN.stick : COLUMN.flight + 1] /= counted
-    result[COLUMN.impacts] /= periods
-
-
-@compiled
 def unsettled(
     scene: int, cell: Cell, states: Floats, tallies: Floats, done: int, period: float,
     result: Floats,
 ) -> int:  # fmt: skip
     """Return the status of a motion that did not repeat; put the spread of its batches."""
-    travel, quarter = tallies[:, TALLY.travel], done // 4
-    gain, before = gains(travel, done, period)
-    friction = cell.friction_kinetic * cell.gravity_number_normal
-    pull = abs(cell.gravity_number_along)
+    pull, quarter = abs(cell.gravity_number_along), done // 4
     if scene == FLOOR:
         pull = math.hypot(pull, cell.gravity_number_across)
         # Without a wall a part on a lean may slide or roll away across.
@@ -218,10 +177,8 @@ def unsettled(
         early = states[done - quarter, STATE.uy] - states[done - 2 * quarter, STATE.uy]
         if late * early > 0.0 and abs(late) > 0.5 * abs(early) and abs(late) > quarter * 1e-3:
             return STATUS.runaway
-    if scene == WALL:
-        friction += cell.wall_friction * max(0.0, cell.gravity_number_across)
-    if runs_away(gain, before, pull, friction):
-        return STATUS.runaway
-    batches = batch_means(travel[:done]) / period
-    result[COLUMN.spread] = scatter(batches)
-    return STATUS.aperiodic if is_steady(batches, 0.0) else STATUS.limit_reached
+    travel = tallies[:done, TALLY.travel]
+    status, batches = ended(cell, scene == WALL, pull, travel, period, 0.0)
+    if status != STATUS.runaway:
+        result[COLUMN.spread] = scatter(batches)
+    return status

@@ -13,6 +13,5 @@ drive do over a step, and over a cycle.
 from core.motion.kernels.track.energy import spend_cells
 from core.motion.kernels.track.path import follow
 from core.motion.kernels.track.solve import solve_cells
-from core.motion.kernels.track.tables import Cell
 
-__all__ = ["Cell", "follow", "solve_cells", "spend_cells"]
+__all__ = ["follow", "solve_cells", "spend_cells"]

@@ -6,7 +6,8 @@ import math
 
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Flags, Floats
-from core.motion.kernels.results import SPENT
+from core.motion.kernels.cells import Cell
+from core.motion.kernels.results import SPENT, TALLY
 from core.motion.kernels.statuses import MODE
 from core.motion.kernels.track import modes
 from core.motion.kernels.track.contacts import begin_slip, change_contacts
@@ -22,10 +23,8 @@ from core.motion.kernels.track.tables import (
     HOLD,
     ROW,
     STATE,
-    TALLY,
     TURN,
     WALL,
-    Cell,
     Work,
 )
 
@@ -51,10 +50,11 @@ def advance(
     """
     tally[:] = 0.0
     tau, at_once, given = 0.0, 0, 0
-    start = state[STATE.x]
+    start, across = state[STATE.x], state[STATE.y]
     for _ in range(MOST_STEPS):
         if tau >= TURN:
             tally[TALLY.travel] = state[STATE.x] - start
+            tally[TALLY.across] = 0.0 if rolling > 0.0 else state[STATE.y] - across
             return True
         jump = next_jump(tau, work)
         rest = jump - tau
@@ -101,7 +101,6 @@ def advance(
         if event != EVENT.nothing:
             mark = 31.0 * tally[TALLY.signature] + 7.0 * event + contacts
             tally[TALLY.signature] = mark % 1000003.0
-        tally[TALLY.steps] += 1.0
         hold[HOLD.event] = after_jump(event) if span >= even else event
         tau = jump if span >= rest else tau + span
     return False

@@ -6,22 +6,12 @@ import math
 
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Flags, Floats
+from core.motion.kernels.cells import Cell
 from core.motion.kernels.rebounds import SETTLED_EXACTLY, SETTLED_TIME
 from core.motion.kernels.stepping.contacts import friction_impulse
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.modes import Begin, Step
-from core.motion.kernels.track.tables import (
-    BOTH,
-    EVENT,
-    FLOOR,
-    FREE,
-    HOLD,
-    ROW,
-    STATE,
-    WALL,
-    Cell,
-    Work,
-)
+from core.motion.kernels.track.tables import BOTH, EVENT, FLOOR, FREE, HOLD, ROW, STATE, WALL, Work
 
 MOST_SWEEPS = 500
 STEADY = 1e-16
@@ -217,7 +207,10 @@ def stop_slip(step: Step, state: Floats, contacts: int, slip_2: float) -> None:
 
 @borrowing
 def direction(push_1: float, push_2: float, slide: float, response: float) -> tuple[float, float]:
-    """Return the direction in which a contact begins to slip (theory 7.3)."""
+    """Return the direction in which a contact begins to slip.
+
+    That of the push less friction, e = (D_1/(z + q), D_2/(z + r q)): `friction_impulse`.
+    """
     if slide > 0.0 and response != 1.0:
         friction_1, friction_2, _ = friction_impulse(push_1, push_2, 0.0, slide, response)
         push_1, push_2 = -friction_1, -friction_2

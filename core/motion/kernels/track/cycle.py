@@ -17,10 +17,13 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Flags, Floats, Stop, copy
+from core.motion.kernels.cells import Cell, cell_of
+from core.motion.kernels.means import wall_gap
+from core.motion.kernels.results import TALLY
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.advance import advance
-from core.motion.kernels.track.tables import HOLD, STATE, TALLY, Cell, Work
+from core.motion.kernels.track.tables import HOLD, STATE, Work, at_rest
 
 MOST_MULTIPLE = 32
 APART, APART_AT_MOST = 1e4, 1e-5
@@ -115,10 +118,7 @@ def apart(wall: bool, rolling: float, history: History, later: int, earlier: int
     most = max(most, abs(across))
     if wall:
         away = new[STATE.y] - old[STATE.y]
-        touched = False
-        for k in range(earlier, later + 1):
-            touched = touched or history.tallies[k, TALLY.at_wall] > 0.0
-        most = max(most, abs(away) if touched else max(0.0, -away))
+        most = max(most, wall_gap(history.tallies, earlier, later + 1, away))
     return most
 
 
@@ -203,6 +203,25 @@ def settle(
         if found.multiple == 0:
             return found
     return found
+
+
+@compiled
+def to_cycle(
+    row: Floats, wall: bool, rolling: float, series: Series, history: History, work: Work
+) -> tuple[Settled, Floats, Flags]:
+    """Follow the cell of a row from rest until it repeats; return state and hold at its cycle.
+
+    Of one that does not repeat, those at the end. The table of a step is set for its drive.
+    """
+    cell = cell_of(row)
+    drive.set_drive(cell, row, work)
+    state, hold = at_rest()
+    most = int(cell.most_periods)
+    found = settle(cell, wall, rolling, series, most, state, hold, history, work)
+    if found.multiple > 0:
+        first = found.done - found.multiple
+        state, hold = history.starts[first].copy(), history.holds[first].copy()
+    return found, state, hold
 
 
 @compiled

@@ -11,7 +11,8 @@ import math
 
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Floats
-from core.motion.kernels.track.tables import GROUPS, INVERSE, MOST_ORDER, ROW, TURN, Cell, Work
+from core.motion.kernels.cells import GROUPS, Cell
+from core.motion.kernels.track.tables import INVERSE, MOST_ORDER, ROW, TURN, Work
 from core.motion.kernels.waves import passages, value_and_slope
 
 LATE = 1e-13

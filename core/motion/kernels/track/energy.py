@@ -8,18 +8,13 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
+from core.motion.kernels.cells import GROUPS, cell_of
+from core.motion.kernels.results import TALLY
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.advance import advance
-from core.motion.kernels.track.cycle import NO_PHASES, new_history, settle
+from core.motion.kernels.track.cycle import NO_PHASES, new_history, to_cycle
 from core.motion.kernels.track.solve import FINE
-from core.motion.kernels.track.tables import (
-    GROUPS,
-    TALLY,
-    TURN,
-    at_rest,
-    cell_of,
-    new_work,
-)
+from core.motion.kernels.track.tables import TURN, new_work
 
 
 @compiled
@@ -36,24 +31,18 @@ def spend_cells(
     tally = np.zeros(len(TALLY))
     for number in range(groups.shape[0]):
         row, spent = groups[number], table[number]
-        cell = cell_of(row)
-        drive.set_drive(cell, row, work)
-        state, hold = at_rest()
-        most = int(cell.most_periods)
-        found = settle(cell, wall, rolling, FINE, most, state, hold, history, work)
+        found, state, hold = to_cycle(row, wall, rolling, FINE, history, work)
         spent[:] = math.nan
         if raised(stop):
             return
         status[number] = found.status
         if found.multiple == 0:
             continue
-        first = found.done - found.multiple
-        state, hold = history.starts[first].copy(), history.holds[first].copy()
         tolerance, fine = FINE.tolerance * drive.size(work), True
         spent[:] = 0.0
         for _ in range(found.multiple):
             fine = fine and advance(
-                cell, wall, rolling, FINE.order, tolerance, state, hold, tally, work,
+                cell_of(row), wall, rolling, FINE.order, tolerance, state, hold, tally, work,
                 NO_PHASES, history.ends[:0], spent,
             )  # fmt: skip
         spent /= found.multiple * TURN if fine else math.nan

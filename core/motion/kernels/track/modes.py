@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Flags, Floats
+from core.motion.kernels.cells import Cell
 from core.motion.kernels.track.drive import is_wave
 from core.motion.kernels.track.polynomials import first_fall
 from core.motion.kernels.track.slide import (
@@ -34,7 +35,6 @@ from core.motion.kernels.track.tables import (
     ROW,
     STATE,
     WALL,
-    Cell,
     Work,
 )
 

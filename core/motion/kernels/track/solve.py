@@ -8,16 +8,9 @@ import numpy as np
 
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Flags, Floats, Statuses, Stop
-from core.motion.kernels.means import (
-    batch_means,
-    gains,
-    is_steady,
-    mean_error,
-    mean_velocity,
-    runs_away,
-    scatter,
-)
-from core.motion.kernels.results import COLUMN
+from core.motion.kernels.cells import GROUPS, Cell, cell_of
+from core.motion.kernels.means import ended, fill_means, mean_error, mean_velocity, scatter
+from core.motion.kernels.results import COLUMN, TALLY
 from core.motion.kernels.statuses import STATUS
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.cycle import (
@@ -28,18 +21,9 @@ from core.motion.kernels.track.cycle import (
     new_history,
     remaining,
     settle,
+    to_cycle,
 )
-from core.motion.kernels.track.tables import (
-    GROUPS,
-    STATE,
-    TALLY,
-    TURN,
-    Cell,
-    Work,
-    at_rest,
-    cell_of,
-    new_work,
-)
+from core.motion.kernels.track.tables import STATE, TURN, Work, at_rest, new_work
 
 FINE = Series(16, 1e-11)
 """Of the results."""
@@ -75,33 +59,6 @@ def never_settles(cell: Cell, wall: bool) -> bool:
 
 
 @compiled
-def fill(history: History, first: int, last: int, result: Floats) -> None:
-    """Fill a result with the means over the periods from `first` to before `last`.
-
-    A part that touched the wall meanwhile has no mean velocity across: it comes back.
-    """
-    result[:] = 0.0
-    total, across, at_wall = 0.0, 0.0, 0.0
-    for k in range(first, last):
-        tally = history.tallies[k]
-        at_wall += tally[TALLY.at_wall]
-        across += history.ends[k, STATE.y] - history.starts[k, STATE.y]
-        result[COLUMN.stick] += tally[TALLY.stick]
-        result[COLUMN.forward] += tally[TALLY.forward]
-        result[COLUMN.backward] += tally[TALLY.backward]
-        result[COLUMN.flight] += tally[TALLY.flight]
-        result[COLUMN.impacts] += tally[TALLY.impacts]
-        result[COLUMN.landing_speed] = max(result[COLUMN.landing_speed], tally[TALLY.landing])
-        result[COLUMN.hop_height] = max(result[COLUMN.hop_height], tally[TALLY.height])
-    for column in range(COLUMN.stick, COLUMN.flight + 1):
-        total += result[column]
-    result[COLUMN.stick : COLUMN.flight + 1] /= total
-    result[COLUMN.impacts] /= last - first
-    result[COLUMN.velocity] = mean_velocity(history.tallies[:, TALLY.travel], first, last, TURN)
-    result[COLUMN.across] = across / ((last - first) * TURN) if at_wall == 0.0 else 0.0
-
-
-@compiled
 def without_repeating(
     cell: Cell, wall: bool, speed: float, history: History, done: int, result: Floats
 ) -> int:
@@ -109,18 +66,11 @@ def without_repeating(
 
     Its mean is that of batches of periods, and so is its error; a mean that drifts is none.
     """
-    travel = history.tallies[:done, TALLY.travel]
-    gain, before = gains(travel, done, TURN)
-    friction = cell.friction_kinetic * cell.gravity_number_normal
-    if wall:
-        friction += cell.wall_friction * max(0.0, cell.gravity_number_across)
-    pull = abs(cell.gravity_number_along)
-    if runs_away(gain, before, pull, friction):
-        return STATUS.runaway
-    batches = batch_means(travel) / TURN
-    if not is_steady(batches, LEAST_ERROR * speed):
-        return STATUS.limit_reached
-    fill(history, done // 4, done, result)
+    travel, pull = history.tallies[:done, TALLY.travel], abs(cell.gravity_number_along)
+    status, batches = ended(cell, wall, pull, travel, TURN, LEAST_ERROR * speed)
+    if status != STATUS.aperiodic:
+        return status
+    fill_means(history.tallies, done // 4, done, TURN, result)
     result[COLUMN.velocity] = np.mean(batches)
     result[COLUMN.spread] = scatter(batches)
     result[COLUMN.error] = mean_error(batches) + LEAST_ERROR * speed
@@ -147,20 +97,14 @@ def solve(row: Floats, wall: bool, rolling: float, history: History, result: Flo
     if not rubs and cell.gravity_number_along != 0.0:
         return Settled(STATUS.runaway, 0, 0, math.inf)
     work = new_work()
-    drive.set_drive(cell, row, work)
-    state, hold = at_rest()
-    found = settle(cell, wall, rolling, FINE, most, state, hold, history, work)
+    found, state, hold = to_cycle(row, wall, rolling, FINE, history, work)
     speed = drive.size(work)
     if found.multiple == 0:
         if found.status == STATUS.aperiodic:
             status = without_repeating(cell, wall, speed, history, found.done, result)
-            if rolling > 0.0:
-                result[COLUMN.across] = 0.0
             return Settled(status, 0, found.done, math.inf)
         return found
-    fill(history, found.done - found.multiple, found.done, result)
-    if rolling > 0.0:
-        result[COLUMN.across] = 0.0
+    fill_means(history.tallies, found.done - found.multiple, found.done, TURN, result)
     result[COLUMN.multiple] = float(found.multiple)
     if found.status == STATUS.at_rest:
         result[COLUMN.velocity] = 0.0
@@ -170,8 +114,7 @@ def solve(row: Floats, wall: bool, rolling: float, history: History, result: Flo
     if cell.restitution > 0.0 or (wall and cell.wall_restitution > 0.0):
         apart, told = settled_anew(cell, wall, rolling, found, velocity, history, work)
     else:
-        first, told = found.done - found.multiple, True
-        state, hold = history.starts[first].copy(), history.holds[first].copy()
+        told = True
         apart = followed_on(
             cell, wall, rolling, found.multiple, state.copy(), hold.copy(), velocity, history, work
         )

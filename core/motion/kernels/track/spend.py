@@ -6,10 +6,11 @@ import math
 
 from core.compiled import borrowing
 from core.motion.kernels.arrays import Floats
+from core.motion.kernels.cells import Cell
 from core.motion.kernels.quadrature import PLACES, WEIGHTS
 from core.motion.kernels.results import SPENT
 from core.motion.kernels.track.polynomials import value
-from core.motion.kernels.track.tables import BOTH, FLOOR, FREE, ROW, STATE, Cell, Work
+from core.motion.kernels.track.tables import BOTH, FLOOR, FREE, ROW, STATE, Work
 
 
 @borrowing

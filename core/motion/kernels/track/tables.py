@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, TypeAlias
+from collections import namedtuple
+from typing import TypeAlias
 
 import numpy as np
-from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from core.compiled import compiled
 from core.motion.kernels.arrays import Flags, Floats
@@ -18,165 +18,73 @@ INVERSE = np.array([math.inf, *(1.0 / k for k in range(1, MOST_ORDER + 2))])
 """1/k, by which a term is integrated: a division takes four times as long as a product."""
 
 
-class Cell(NamedTuple):
-    """The groups of one cell; a row of the kernels' table in this order."""
+State = namedtuple("State", "x y z ux uy uz spin")
+"""Columns of a state: place, velocity relative to the track, and spin.
 
-    drive_number_along: float
-    drive_number_across: float
-    drive_number_normal: float
-    gravity_number_along: float
-    gravity_number_across: float
-    gravity_number_normal: float
-    curvature_number: float
-    friction_static: float
-    friction_kinetic: float
-    wall_friction: float
-    restitution: float
-    wall_restitution: float
-    tolerance: float
-    most_periods: float
+The spin of a cylinder is the velocity across that it gives the lowest point.
+"""
 
-
-GROUPS = len(Cell._fields)
-
-
-@compiled
-def cell_of(row: Floats) -> Cell:
-    """Return the cell of a row."""
-    return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one
-
-
-class State(NamedTuple):
-    """Columns of a state: place, velocity relative to the track, and spin.
-
-    The spin of a cylinder is the velocity across that it gives the lowest point.
-    """
-
-    x: int
-    y: int
-    z: int
-    ux: int
-    uy: int
-    uz: int
-    spin: int
-
-
-class Hold(NamedTuple):
-    """Columns of what holds a part: its contacts, whether they slip, the event before."""
-
-    contacts: int
-    slips: int
-    event: int
+Hold = namedtuple("Hold", "contacts slips event")
+"""Columns of what holds a part: its contacts, whether they slip, the event before."""
 
 
 FREE, FLOOR, WALL, BOTH = 0, 1, 2, 3
 """Contacts that carry the part: the floor is bit 0, the wall bit 1."""
 
+Event = namedtuple("Event", "nothing start lift land leave bump stop slip press release seat")
+"""What ends a stretch of motion.
 
-class Event(NamedTuple):
-    """What ends a stretch of motion.
-
-    `nothing` where the series had to be made anew; `seat` where the floor, or `press` where the
-    wall, comes to carry a part that touches it without moving, and `release` where the wall ceases
-    to carry one that the floor holds; `leave` where a part that slips loses the wall.
-    """
-
-    nothing: int
-    start: int
-    lift: int
-    land: int
-    leave: int
-    bump: int
-    stop: int
-    slip: int
-    press: int
-    release: int
-    seat: int
-
-
-class Tally(NamedTuple):
-    """Columns of the tally of one period.
-
-    The distance; the phase spent in each mode, in the order of the modes' own numbers; impacts on
-    the floor, the largest speed of a landing and the largest height; the stretches at the wall, the
-    signature of the events, and the steps.
-    """
-
-    travel: int
-    stick: int
-    forward: int
-    backward: int
-    flight: int
-    impacts: int
-    landing: int
-    height: int
-    at_wall: int
-    signature: int
-    steps: int
+`nothing` where the series had to be made anew; `seat` where the floor, or `press` where the
+wall, comes to carry a part that touches it without moving, and `release` where the wall ceases
+to carry one that the floor holds; `leave` where a part that slips loses the wall.
+"""
 
 
 STATE = State(*range(len(State._fields)))
 HOLD = Hold(*range(len(Hold._fields)))
 EVENT = Event(*range(len(Event._fields)))
-TALLY = Tally(*range(len(Tally._fields)))
 
+Row = namedtuple(
+    "Row",
+    "free track velocity place slip square load extra event scratch lifts wave sines cosines "
+    "levels speeds rows",
+)
+"""First rows of the table of a step: series in powers of the phase since its start.
 
-class Row(NamedTuple):
-    """First rows of the table of a step: series in powers of the phase since its start.
+One table, since a call hands on each array at a price.
 
-    One table, since a call hands on each array at a price.
-
-    Attributes
-    ----------
-    free : int
-        Acceleration of a part without contacts, along, across and normal; what a curve adds is in
-        the second once the velocity along is known.
-    track : int
-        Velocity of the track along itself.
-    velocity, place : int
-        Of the part relative to the track, along, across and normal.
-    slip : int
-        Of the contact that slips, two rows.
-    square : int
-        Of the slip's size.
-    load : int
-        Of the contact that slips.
-    extra : int
-        Seven of use to one function only.
-    event, scratch : int
-        What turns negative at an event, and a copy that its search destroys.
-    lifts : int
-        No series: how many times a period the floor loses a part that rests on it, and the phases.
-    wave : int
-        Of the drive: how many harmonics and steps it has, and the speed of the track.
-    sines, cosines : int
-        Three rows each, along, across and normal: a wave's coefficients by order.
-    levels : int
-        Three rows, and one of the phases at which the steps end.
-    speeds : int
-        Velocity of the track along itself at the start of each step.
-    rows : int
-        How many there are.
-    """
-
-    free: int
-    track: int
-    velocity: int
-    place: int
-    slip: int
-    square: int
-    load: int
-    extra: int
-    event: int
-    scratch: int
-    lifts: int
-    wave: int
-    sines: int
-    cosines: int
-    levels: int
-    speeds: int
-    rows: int
-
+Attributes
+----------
+free : int
+    Acceleration of a part without contacts, along, across and normal; what a curve adds is in
+    the second once the velocity along is known.
+track : int
+    Velocity of the track along itself.
+velocity, place : int
+    Of the part relative to the track, along, across and normal.
+slip : int
+    Of the contact that slips, two rows.
+square : int
+    Of the slip's size.
+load : int
+    Of the contact that slips.
+extra : int
+    Seven of use to one function only.
+event, scratch : int
+    What turns negative at an event, and a copy that its search destroys.
+lifts : int
+    No series: how many times a period the floor loses a part that rests on it, and the phases.
+wave : int
+    Of the drive: how many harmonics and steps it has, and the speed of the track.
+sines, cosines : int
+    Three rows each, along, across and normal: a wave's coefficients by order.
+levels : int
+    Three rows, and one of the phases at which the steps end.
+speeds : int
+    Velocity of the track along itself at the start of each step.
+rows : int
+    How many there are.
+"""
 
 ROW = Row(0, 3, 4, 7, 10, 12, 13, 14, 21, 22, 23, 24, 25, 28, 31, 35, 36)
 Work: TypeAlias = Floats

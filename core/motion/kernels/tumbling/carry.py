@@ -28,7 +28,10 @@ def rates(
 
 @compiled
 def fly(cell: Cell, state: Floats, time: float, step: float, after: Floats) -> None:
-    """Set `after` to the state after a free flight, in closed form (theory 13.2)."""
+    """Set `after` to the state after a free flight, in closed form (theory 13.2).
+
+    x + u t - g t^2/2 and u - g t, and of the drive P sin(w t + phi) the first and second integral.
+    """
     gained = moved = 0.0  # integrals of the swing of the drive
     w = cell.circular_frequency
     if w > 0.0:

@@ -29,7 +29,11 @@ def free_corner(
 
 @compiled
 def holding_force(cell: Cell, s: float, c: float, chi: float, along: float) -> tuple[float, float]:
-    """Return normal and friction force per mass that keep a corner at rest (theory 2.4)."""
+    """Return normal and friction force per mass that keep a corner at rest (theory 2.4).
+
+    -((1 + kappa s^2) chi - kappa s c a_t)/(1 + kappa) and -((1 + kappa c^2) a_t - kappa s c chi)/
+    (1 + kappa), with the accelerations chi and a_t of the corner without force.
+    """
     kappa = cell.inertia_ratio
     normal = -((1.0 + kappa * s * s) * chi - kappa * s * c * along) / (1.0 + kappa)
     friction = -((1.0 + kappa * c * c) * along - kappa * s * c * chi) / (1.0 + kappa)

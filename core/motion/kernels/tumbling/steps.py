@@ -115,7 +115,10 @@ def drift(state: Floats, rates: Floats, time: float) -> None:
 
 @compiled
 def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop) -> Run:
-    """Run one cell by the midpoint rule of Moreau and Jean (theory 13.9), with Moreau's law."""
+    """Run one cell by the midpoint rule of Moreau and Jean (theory 13.9), with Moreau's law.
+
+    u(t + h) = u(t) + h a(t + h/2) + i,    q(t + h) = q(t) + h (u(t) + u(t + h))/2.
+    """
     corners = corner_count(cell)
     near = np.zeros(corners, dtype=np.int64)
     target, impulse = np.zeros((2, corners)), np.zeros((2, corners))
@@ -134,12 +137,7 @@ def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop
         step = min(cell.time_step, cell.duration - time)
         along, upward = free_acceleration(cell, time + step / 2)
         copy(state, middle)
-        for place, rate in (
-            (STATE.along, STATE.along_rate),
-            (STATE.up, STATE.up_rate),
-            (STATE.pitch, STATE.pitch_rate),
-        ):
-            middle[place] += step / 2 * state[rate]
+        drift(middle, state, step / 2)
         middle[STATE.along_rate] += step * along
         middle[STATE.up_rate] += step * upward
         touching, struck = set_targets(cell, state, middle, step, abs(upward), near, target)
@@ -154,12 +152,7 @@ def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop
         for corner in range(corners):
             if near[corner] != 0 and impulse[0, corner] > 0.0 and touching > 0:
                 support = FLAT if support != FREE else corner
-        for place, rate in (
-            (STATE.along, STATE.along_rate),
-            (STATE.up, STATE.up_rate),
-            (STATE.pitch, STATE.pitch_rate),
-        ):
-            middle[place] += step / 2 * middle[rate]
+        drift(middle, middle, step / 2)
         copy(middle, state)
         time += step
         impacts += 1 if struck else 0

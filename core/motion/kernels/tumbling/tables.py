@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections import namedtuple
 
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
@@ -28,36 +28,18 @@ keep a part bouncing for ever.
 """
 
 
-class Cell(NamedTuple):
-    """The numbers of one cell, SI; a row of the kernels' table in this order.
+Cell = namedtuple(
+    "Cell",
+    "half_diagonal inertia_ratio corner_angle turning pull_along pull_normal drive_along "
+    "drive_normal circular_frequency start_phase friction_kinetic friction_static restitution "
+    "gap_normal pitch velocity_along velocity_upward pitch_rate duration time_step law",
+)
+"""The numbers of one cell, SI; a row of the kernels' table in this order.
 
-    `turning` is 1 for a part with corners, 0 for a ball, whose one contact stays below the centre.
-    The pulls are gravity's components against the transport and towards the plane, the drives
-    those of the drive's acceleration.
-    """
-
-    half_diagonal: float
-    inertia_ratio: float
-    corner_angle: float
-    turning: float
-    pull_along: float
-    pull_normal: float
-    drive_along: float
-    drive_normal: float
-    circular_frequency: float
-    start_phase: float
-    friction_kinetic: float
-    friction_static: float
-    restitution: float
-    gap_normal: float
-    pitch: float
-    velocity_along: float
-    velocity_upward: float
-    pitch_rate: float
-    duration: float
-    time_step: float
-    law: float
-
+`turning` is 1 for a part with corners, 0 for a ball, whose one contact stays below the centre. The
+pulls are gravity's components against the transport and towards the plane, the drives those of the
+drive's acceleration.
+"""
 
 GROUPS = len(Cell._fields)
 
@@ -68,44 +50,21 @@ def cell_of(row: Floats) -> Cell:
     return Cell(*to_fixed_tuple(row, GROUPS))  # type: ignore[call-arg] # the compiler gives one
 
 
-class State(NamedTuple):
-    """Places in the state: centre, pitch, their rates, energy per mass lost so far."""
-
-    along: int
-    up: int
-    pitch: int
-    along_rate: int
-    up_rate: int
-    pitch_rate: int
-    lost: int
-
+State = namedtuple("State", "along up pitch along_rate up_rate pitch_rate lost")
+"""Places in the state: centre, pitch, their rates, energy per mass lost so far."""
 
 STATE = State(*range(len(State._fields)))
 
-
-class Columns(NamedTuple):
-    """Columns of a table of results: the fields of `Tumble`; the status has an array of its own."""
-
-    pitch: int
-    resting_side: int
-    settling_time: int
-    impacts: int
-    largest_bounce: int
-    velocity: int
-    energy_lost: int
-
+Columns = namedtuple(
+    "Columns",
+    "pitch resting_side settling_time impacts largest_bounce velocity energy_lost",
+)
+"""Columns of a table of results: the fields of `Tumble`; the status has an array of its own."""
 
 COLUMN = Columns(*range(len(Columns._fields)))
 
-
-class Path(NamedTuple):
-    """Where in a row of a path stand time, state, lowest gap, and whether each corner carries."""
-
-    time: int
-    state: int
-    gap: int
-    touching: int
-
+Path = namedtuple("Path", "time state gap touching")
+"""Where in a row of a path stand time, state, lowest gap, and whether each corner carries."""
 
 PATH = Path(time=0, state=1, gap=1 + len(STATE), touching=2 + len(STATE))
 PATH_COLUMNS = PATH.touching + 4

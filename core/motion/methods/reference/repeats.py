@@ -114,8 +114,7 @@ class Run:
         self.laws, self.watch = laws, watch
         self.part = Part(laws, np.zeros(7), watch=watch)
         p = laws.groups
-        numbers = p.drive_number_along, p.drive_number_across, p.drive_number_normal
-        self.scale = (math.hypot(*numbers) if p.wave is None else float(size(p.wave))) or 1.0
+        self.scale = (math.hypot(*p.drive) if p.wave is None else float(size(p.wave))) or 1.0
         self.before: list[Array] = []
         self.after: list[Array] = []
         self.flags: list[tuple[bool, bool]] = []

@@ -16,13 +16,12 @@ from numpy.typing import ArrayLike
 
 from core.errors import StoppedError
 from core.mechanics.arrays import Array
-from core.motion.groups import Contacts, Groups, cells_of
+from core.motion.groups import Contacts, Groups, cells_of, one_of
 from core.motion.method import Follow, Method
 from core.motion.methods.regularised.laws import Cell, laws
 from core.motion.methods.regularised.orbit import Orbit, Run, SpentError, measures_of, orbit_of
 from core.motion.price import Price, Priced, Pricing
 from core.motion.result import STATUS, Motion, with_whole_shares
-from core.motion.waves import of_row
 from core.watch import Watch
 
 SOLVERS = ("Radau", "BDF", "LSODA")
@@ -57,24 +56,6 @@ Where a slip stops near the peak of friction, the error falls more slowly than t
 
 LOOSER = 10.0
 """Factor of the tolerance for the estimate of the integrator's error."""
-
-
-FIELDS = (
-    "drive_number_along",
-    "drive_number_across",
-    "drive_number_normal",
-    "gravity_number_along",
-    "gravity_number_across",
-    "gravity_number_normal",
-    "friction_kinetic",
-    "friction_static",
-    "restitution",
-    "slip_speed",
-    "contact_stiffness",
-    "tolerance",
-    "most_periods",
-)
-"""The groups that matter here, and the settings."""
 
 
 def followed(
@@ -208,7 +189,7 @@ def regularised_motion(
         "tolerance": tolerance,
         "most_periods": most_periods,
     }
-    rows, shape = cells_of(FIELDS, groups, **settings)
+    rows, shape = cells_of(groups, **settings)
     fields = {name: np.full(shape, np.nan) for name in Motion._fields[:-1]}
     fields["multiple"][...] = 0
     status = np.full(shape, STATUS["not_computed"], dtype=np.int8)
@@ -217,16 +198,14 @@ def regularised_motion(
     for place, row in zip(np.ndindex(shape), rows, strict=True):
         if watch.stopped():
             break
-        numbers = row[: len(FIELDS)].tolist()
-        drive = tuple(numbers[i] for i in kept)
-        gravity = tuple(numbers[3 + i] for i in kept)
-        kinetic, static, rebound, slip, stiffness, error, periods = numbers[6:]
+        part, (slip, stiffness, error, periods) = one_of(row, groups.wave is not None, 4)
+        kinetic, static, rebound = part.friction_kinetic, part.friction_static, part.restitution
+        drive, gravity = (tuple(three[i] for i in kept) for three in (part.drive, part.gravity))
         usable = bool(np.isfinite(row).all()) and min(slip, stiffness, error, periods) > 0
         if not (usable and kinetic >= 0 and 0 <= rebound <= 1):
             status[place] = STATUS["no_solution"]
             continue
-        wave = None if groups.wave is None else of_row(row[len(FIELDS) :])
-        cell = Cell(laws(kinetic, static, rebound, slip, stiffness), drive, gravity, wave)
+        cell = Cell(laws(kinetic, static, rebound, slip, stiffness), drive, gravity, part.wave)
         once, twice = (
             replace(
                 cell, laws=laws(kinetic, static, rebound, COARSER**n * slip, stiffness / SOFTER**n)
