@@ -11,10 +11,10 @@ import pytest
 from benchmarks.best_wave import harmonics, known_best, motions, steps, study
 from core.errors import StudyError
 from core.intake import load_study, parse_study, prepare_content
-from core.motion.derivatives import motion_sensitivities
 from core.optimise import optimise
 from core.optimise.prepare import prepare
 from core.optimise.run import designs_of
+from point_slopes import motion_sensitivities
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 PARAMETERS = study()["parameters"]
