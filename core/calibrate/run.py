@@ -45,7 +45,6 @@ if TYPE_CHECKING:
 
 SHARES = (0.16, 0.84, 0.025, 0.975)
 """Of the mass below the ends of the intervals of `BANDS`: both tails are equal."""
-EXPLORING = 0.9  # of the work
 
 
 def calibrate(study: CalibrateStudy, *, watch: Watch | None = None) -> xarray.Dataset:
