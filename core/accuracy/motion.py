@@ -121,10 +121,10 @@ def measure(
     exact = "events" if "events" in scene.variants else None
     parts = SHARES["both"] + (SHARES["events"] if exact else 0)
     parts += SHARES["regularised"] if "regularised" in scene.variants else 0
-    watch = _shared(watch, 1 / parts)
+    watch = watch.part(1 / parts)
     given = random_cells(grid, CANDIDATES * cells, [*grid.axes, *grid.fixed])
     given = {name: values for name, values in given.items() if _is_used(scene, name)}
-    share = _shared(watch, 0.04)
+    share = watch.part(0.04)
     quick = _warm(scene, exact or "time-stepping", given, settings, share)
     moves = quick.periodic & (np.abs(quick.velocity) > ROUNDING)
     chosen = np.flatnonzero(moves & _first_of_its_kind(given))
@@ -137,7 +137,7 @@ def measure(
         if share.stopped():
             note = "The time given ran out before a cell was found whose motion repeats."
         return Measured("motion", (), (note,))
-    reference = run_method(scene, "reference", picked, {}, _shared(watch, 0.3))
+    reference = run_method(scene, "reference", picked, {}, watch.part(0.3))
     sound = reference.periodic & (reference.estimate < REFERENCE_ERROR)
     if exact:
         ours = _warm(scene, exact, picked, {**settings, "tolerance": 1e-12}, share)
@@ -164,14 +164,14 @@ def measure(
             f"'reference' (collocation between events, no code in common) for events. The two "
             f"differ by at most {apart:.1e}: what is smaller cannot be told."
         )
-        curves += _events(scene, picked, truth, hops, floor, _shared(watch, 0.02))
+        curves += _events(scene, picked, truth, hops, floor, watch.part(0.02))
         truth = ours.velocity[sound]
     else:
         notes.append(
             "Reference: the method 'reference' (collocation between events); its own estimate of "
             f"its error is at most {own:.1e}."
         )
-    curves += _stepping(scene, picked, truth, hops, floor, _shared(watch, 0.25))
+    curves += _stepping(scene, picked, truth, hops, floor, watch.part(0.25))
     curves.append(
         Curve(
             "motion",
@@ -181,7 +181,7 @@ def measure(
         )
     )
     if "regularised" in scene.variants:
-        curves += _regularised(scene, picked, truth, hops, _shared(watch, 0.35))
+        curves += _regularised(scene, picked, truth, hops, watch.part(0.35))
     if rivals and exact and _is_planar(scene, grid):
         theirs, remarks = rivals(scene, picked, truth, hops, watch)
         curves += theirs
@@ -189,10 +189,6 @@ def measure(
     if watch.stopped():
         notes.append("The time given ran out: settings that were not reached are left out.")
     return Measured("motion", tuple(curves), tuple(notes))
-
-
-def _shared(watch: Watch, share: float) -> Watch:
-    return replace(watch, progress=lambda done: watch.advance(done * share))
 
 
 def _is_planar(scene: Scene, grid: Grid) -> bool:
@@ -298,7 +294,7 @@ def _events(
     watch: Watch,
 ) -> Iterator[Curve]:
     """Yield the motion from event to event by its tolerance."""
-    each = _shared(watch, 1 / (len(TOLERANCES) * len(set(hops.tolist()))))
+    each = watch.part(1 / (len(TOLERANCES) * len(set(hops.tolist()))))
     for group, here, true in _groups(cells, truth, hops):
         points = [
             point_of(
@@ -322,7 +318,7 @@ def _stepping(
     watch: Watch,
 ) -> Iterator[Curve]:
     """Yield time stepping by its steps, and what two of its runs extrapolate to."""
-    each = _shared(watch, 1 / (len(STEPS) * len(set(hops.tolist()))))
+    each = watch.part(1 / (len(STEPS) * len(set(hops.tolist()))))
     is_planar = "alpha" not in cells or not np.any(cells["alpha"])
     is_planar &= "radius" not in cells and "delta" not in cells
     for group, here, true in _groups(cells, truth, hops):
@@ -365,7 +361,7 @@ def _regularised(
 ) -> Iterator[Curve]:
     """Yield the stiff integrators by slip speed, the stiffness its square's inverse."""
     first = one_of_each(hops)
-    each = _shared(watch, 1 / (len(SLIP_SPEEDS) * len(STIFF)))
+    each = watch.part(1 / (len(SLIP_SPEEDS) * len(STIFF)))
     few = {name: values[first] for name, values in cells.items()}
     for method in (name for name in STIFF if name in scene.variants):
         points = []
