@@ -29,15 +29,18 @@ def slopes(
     """Return the logarithmic derivatives at optima x, shape (variables, cells).
 
     Those of closed forms are exact; those of motion are differences inside one regime. NaN where
-    there is none: at a kink, a jump, and for a parameter or an output that is 0.
+    there is none: at a kink, a jump, and for a parameter or an output that is 0. 0 for a variable
+    that the output does not depend on, as one that only a constraint needs.
     """
     names, output, kept = sensitive(problem), problem.criterion.output, ~lost
-    found = {name: np.full(lost.shape, np.nan) for name in names}
+    used = problem.plan.only(output).parameters
+    found = {name: np.where(kept, np.nan if name in used else 0.0, np.nan) for name in names}
     if not kept.any():
         return found
-    cells = {name: design[name][kept] for name in names if name in design}
-    cells |= {name: x[i, kept] for i, name in enumerate(problem.names)}
+    cells = {name: design[name][kept] for name in used if name in design}
+    cells |= {name: x[i, kept] for i, name in enumerate(problem.names) if name in used}
     plan = plan_scene(problem.plan.scene, problem.plan.variant, (output,), cells)
+    names = tuple(name for name in names if name in used)
     values = values_of(plan, cells, names)
     for (_, name), derived in derivatives_at(plan, cells, names).items():
         exponents = derived.logarithmic(values[name])
