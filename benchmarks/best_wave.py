@@ -15,12 +15,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from core.intake import parse_study
+from core.kinds import run_study
 from core.motion.driven import driven
 from core.motion.drives import shape_of
 from core.motion.methods.events import planar_path
 from core.motion.systems import SYSTEMS
 from core.motion.waves import ALONG, speed
-from core.optimise import optimise
 from core.plan.equations import run_equations
 from core.plan.plan import plan_scene
 
@@ -122,7 +122,7 @@ def _range(lower: float, upper: float) -> dict[str, float]:
 
 def best(content: Mapping[str, Any]) -> Any:
     """Return the dataset of a study."""
-    return optimise(parse_study(dict(content)))
+    return run_study(parse_study(dict(content)))
 
 
 def wave_of(found: Any) -> dict[str, float]:

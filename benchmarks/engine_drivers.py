@@ -35,7 +35,7 @@ class Block(NamedTuple):
 def mujoco_block(step: float, friction: float) -> Block:
     """Return the block in MuJoCo: elliptic cones, contacts as stiff as the step allows.
 
-    The time constant of contacts is 4 steps, as in `core.accuracy.engines`.
+    The time constant of contacts is 4 steps, as in `benchmarks.plate_engines`.
     """
     import mujoco
 

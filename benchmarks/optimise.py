@@ -17,8 +17,9 @@ import numpy as np
 
 from core.accuracy.optimisers import answer
 from core.intake import parse_study
+from core.kinds import run_study
 from core.mechanics.arrays import Array
-from core.optimise import METHODS, optimise
+from core.optimise import METHODS
 from core.optimise.codes import ANGLE_PROBLEMS, AngleProblem
 from core.optimise.methods import refusal
 from core.optimise.newton import fastest
@@ -72,7 +73,7 @@ def studies() -> dict[str, dict[str, Any]]:
 
 def compared(content: Mapping[str, Any]) -> dict[str, tuple[Array, float, Array]]:
     """Return errors, seconds a design, and evaluations of every method that can."""
-    known = optimise(parse_study(dict(content)))
+    known = run_study(parse_study(dict(content)))
     moves = (known["optimum_status"] == 0).values.ravel()
     exact = known["objective"].values.ravel()
     results = {}
@@ -225,7 +226,7 @@ def print_batch(everything: Mapping[str, Mapping[str, tuple[Array, float, Array]
     scales = prepared.problem.scales(design)
     solve = METHODS["newton"].solve
     alone = least_seconds(lambda: solve(prepared.problem, design, scales, Watch())) / DESIGNS
-    whole = least_seconds(lambda: optimise(study)) / DESIGNS
+    whole = least_seconds(lambda: run_study(study)) / DESIGNS
     print(
         f"  through a study: {alone * 1e6:.2f} us a design, {good[name] / alone:,.0f} times faster;"
     )
@@ -242,7 +243,7 @@ def print_front() -> None:
     }
     one = parse_study({**plane, "criterion": {"kind": "limit", "limit": 1.0}})
     many = parse_study({**plane, "criterion": {"kind": "pareto", "points": 200}})
-    single, front = (least_seconds(lambda s=study: optimise(s), 20) for study in (one, many))  # type: ignore[misc]
+    single, front = (least_seconds(lambda s=study: run_study(s), 20) for study in (one, many))  # type: ignore[misc]
     print(f"\nA front of 200 points: {front * 1e3:.2f} ms, {front / single:.1f} single limits")
 
 
@@ -265,7 +266,7 @@ def print_answers() -> None:
     }
     print("\nData of figure 5.1 (60 Hz, 0.5 mm, friction 0.5)")
     for title, case in cases.items():
-        dataset = optimise(parse_study({**base, **case}))
+        dataset = run_study(parse_study({**base, **case}))
         alpha = float(dataset["best_alpha"]) if "best_alpha" in dataset else 0.0
         value = dataset["objective"]
         print(

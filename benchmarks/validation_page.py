@@ -13,12 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.validation_engines import NAMES, PICTURE, RESULTS, STEPS, cases
+from core.dataset.markdown import markdown_table
 from core.validation import rail
 from core.validation.catalogue import FAMILIES, NOT_CLAIMED, problems
 from core.validation.forms import Form, forms
 from core.validation.problem import RELATIONS, TRUTHS
 from core.validation.run import Outcome, solve
-from core.validation.shown import expected, number, table
+from core.validation.shown import expected, number
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = DOCS / "validation.md"
@@ -121,7 +122,7 @@ def _form(form: Form, outcomes: list[Outcome]) -> Iterator[str]:
     yield f"- Random members: within {form.tolerance:g} {share}; {form.why}."
     if outcomes:
         yield ""
-        yield from table(
+        yield from markdown_table(
             ("problem", "inputs", "expected", "found", "may be off by", "is"),
             [_row(outcome) for outcome in outcomes],
         )
@@ -167,7 +168,7 @@ def _measured(outcomes: list[Outcome]) -> Iterator[str]:
     ]  # fmt: skip
     columns = ("f [Hz]", "a_s [g]", "a_m [g]", "F [N]", "measured [mm/s]", "formula [mm/s]",
                "difference", "")  # fmt: skip
-    yield from table(columns, rows)
+    yield from markdown_table(columns, rows)
 
 
 def _worked(outcomes: list[Outcome]) -> Iterator[str]:
@@ -193,7 +194,7 @@ def _worked(outcomes: list[Outcome]) -> Iterator[str]:
                     "right" if outcome.passed else "**wrong**",
                 )
             )  # fmt: skip
-    yield from table(("problem", "what", "expected", "found", "unit", "is"), rows)
+    yield from markdown_table(("problem", "what", "expected", "found", "unit", "is"), rows)
     hard = [outcome for outcome in outcomes if outcome.problem.family == "H"]
     right = sum(outcome.passed for outcome in hard)
     yield ""
@@ -240,7 +241,7 @@ def _engines() -> Iterator[str]:
     own = ["vibrafeed, events", ""]
     for case in asked:
         own += ["rounding", _seconds(_only(found, "vibrafeed", case.id, 0)["seconds"])]
-    yield from table(columns, [*rows, own])
+    yield from markdown_table(columns, [*rows, own])
     yield ""
     yield AFTER.format(during=20)
 

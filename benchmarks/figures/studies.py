@@ -9,8 +9,8 @@ from pathlib import Path
 import xarray as xr
 
 from core.intake import load_study, parse_study
+from core.kinds import run_study
 from core.study import SweepStudy
-from core.sweep import sweep
 
 ROOT = Path(__file__).parents[2]
 STUDIES = ROOT / "configs" / "figures"
@@ -36,7 +36,7 @@ def study(number: int) -> SweepStudy:
 @cache
 def data(number: int) -> xr.Dataset:
     """Return the data of figure 5.number."""
-    return sweep(study(number))
+    return run_study(study(number))
 
 
 def changed(number: int, *, variant: str | None = None, **parameters: object) -> xr.Dataset:
@@ -44,7 +44,7 @@ def changed(number: int, *, variant: str | None = None, **parameters: object) ->
     content = tomllib.loads(path_of(number).read_text(encoding="utf-8"))
     content["parameters"] |= parameters
     content["variant"] = variant or content["variant"]
-    return sweep(parse_study(content))
+    return run_study(parse_study(content))
 
 
 def fine(start: float, stop: float, step: float) -> dict[str, float]:

@@ -33,7 +33,7 @@ def measure(sweep: Sweep, watch: Watch, cells: int = CELLS) -> Measured:
     cells = sample_size(sweep.grid, cells)
     given = random_cells(sweep.grid, cells, plan.parameters)
     pieces: list[_Known] = []
-    share = replace(watch, progress=lambda done: watch.advance(0.9 * done / cells))
+    share = watch.part(0.9 / cells)
     for start in range(0, cells, PIECE):
         if pieces and watch.stopped():
             break
@@ -91,7 +91,7 @@ class _Known:
 def _known(plan: Plan, cells: Mapping[str, Array], watch: Watch) -> _Known:
     """Return what is known to 50 digits at cells, all outputs at once."""
     count = max((values.size for values in cells.values()), default=1)
-    share = replace(watch, progress=lambda done: watch.advance(done * count / (len(TYPES) + 1)))
+    share = watch.part(count / (len(TYPES) + 1))
     exact = {
         title: exact_values(
             _with_defaults(plan, dtype),

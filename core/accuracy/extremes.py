@@ -14,6 +14,7 @@ import numpy as np
 from core import kinds
 from core.accuracy.hard_cases import HARD_CASES, HardCase, result_of
 from core.accuracy.textbook import Answer
+from core.dataset.markdown import markdown_table
 from core.dataset.table import CONVENTIONS, Table, Variable
 from core.errors import StudyError
 from core.intake import prepare_content
@@ -304,21 +305,18 @@ def to_markdown(outcomes: Sequence[Outcome], untried: int = 0) -> str:
 
 
 def _rows(outcomes: Sequence[Outcome], *, family: bool) -> list[str]:
-    first = "| family " if family else ""
+    columns = ("case", "status", "error", "allowed", "seconds", "is", "note")
     rows = [
-        f"{first}| case | status | error | allowed | seconds | is | note |",
-        "| --- " * (8 if family else 7) + "|",
-    ]
-    for outcome in outcomes:
-        cells = [outcome.family] if family else []
-        cells += [
+        (
+            *([outcome.family] if family else []),
             outcome.name,
             outcome.status,
             "" if math.isnan(outcome.error) else f"{outcome.error:.2g}",
             "" if math.isnan(outcome.stated_error) else f"{outcome.stated_error:.2g}",
             f"{outcome.seconds:.2f}",
             "right" if outcome.passed else "**wrong**",
-            " ".join(outcome.note.split()).replace("|", "\\|"),
-        ]
-        rows.append("| " + " | ".join(cells) + " |")
-    return rows
+            outcome.note,
+        )
+        for outcome in outcomes
+    ]
+    return markdown_table((*(["family"] if family else []), *columns), rows)

@@ -23,6 +23,7 @@ import numpy as np
 import core
 from core import kinds
 from core.catalogue import needed_parameters
+from core.dataset.markdown import markdown_table
 from core.dataset.table import CONVENTIONS, Table, Variable
 from core.errors import StudyError
 from core.intake import prepare_content
@@ -296,22 +297,23 @@ def _text(value: Any) -> str:
 
 def to_markdown(rows: Sequence[Footprint]) -> str:
     """Return the footprints as Markdown: what the columns are, and a table."""
-    lines = [
+    about = (
         "What a study of one output takes, counted while it runs: for each scene the output that "
         "needs fewest parameters, and the one that needs most. Equations: those run, of those that "
         "the variant has. KiB: the most memory allocated at a time. Coordinates and contacts: what "
         "a motion carries. Modules: those that a fresh process imports, of this program and of "
-        "others, for the second; and the heavy libraries among them.",
-        "",
-        "| scene | kind | variant or method | output | equations | KiB | coordinates | contacts "
-        "| modules | heavy |",
-        "| --- " * 10 + "|",
-    ]
-    for row in rows:
-        cells = (
+        "others, for the second; and the heavy libraries among them."
+    )
+    columns = (
+        "scene", "kind", "variant or method", "output", "equations", "KiB", "coordinates",
+        "contacts", "modules", "heavy",
+    )  # fmt: skip
+    cells = [
+        (
             row.scene, row.kind, row.variant, row.output, f"{row.equations} of {row.of}",
             f"{row.bytes / 1024:.1f}", _text(row.coordinates),
             _text(row.contacts), str(row.modules) if row.modules >= 0 else "", _text(row.heavy),
-        )  # fmt: skip
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join([*lines, ""])
+        )
+        for row in rows
+    ]  # fmt: skip
+    return "\n".join([about, "", *markdown_table(columns, cells), ""])

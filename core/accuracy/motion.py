@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.accuracy import engines
 from core.accuracy.cells import random_cells
 from core.accuracy.curves import STEEP, Curve, Measured, Point
 from core.mechanics.arrays import Array
@@ -38,11 +36,6 @@ OUTPUTS = (
     "velocity_scale",
     "motion_status",
 )
-ENGINE_STEPS = (200, 2000)  # a period
-ENGINE_INPUTS = (
-    "frequency", "amplitude", "beta", "gamma", "friction_static", "friction_kinetic", "gravity",
-    "restitution", "hold_down_number",
-)  # fmt: skip
 SHARES = {"both": 0.59, "events": 0.06, "regularised": 0.35}
 """Of the progress: candidates, reference and time stepping; and what not every scene has."""
 
@@ -109,8 +102,18 @@ def run_method(
     )
 
 
-def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measured:
-    """Return error and time of every method that can follow the motion of a study."""
+Rivals = Callable[
+    [Scene, Mapping[str, Array], Array, NDArray[np.bool_], Watch],
+    tuple[Sequence[Curve], Sequence[str]],
+]
+"""Measure other programs on planar cells (their scene, parameters, true velocities, and where the
+part hops); return curves and notes."""
+
+
+def measure(
+    simulation: Simulation, watch: Watch, cells: int = CELLS, rivals: Rivals | None = None
+) -> Measured:
+    """Return error and time of all methods that follow the motion of a study, and of rivals."""
     scene, grid = simulation.plan.scene, simulation.grid
     settings = {
         name: value for name, value in simulation.study.settings().items() if name == "most_periods"
@@ -118,10 +121,10 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
     exact = "events" if "events" in scene.variants else None
     parts = SHARES["both"] + (SHARES["events"] if exact else 0)
     parts += SHARES["regularised"] if "regularised" in scene.variants else 0
-    watch = _shared(watch, 1 / parts)
+    watch = watch.part(1 / parts)
     given = random_cells(grid, CANDIDATES * cells, [*grid.axes, *grid.fixed])
     given = {name: values for name, values in given.items() if _is_used(scene, name)}
-    share = _shared(watch, 0.04)
+    share = watch.part(0.04)
     quick = _warm(scene, exact or "time-stepping", given, settings, share)
     moves = quick.periodic & (np.abs(quick.velocity) > ROUNDING)
     chosen = np.flatnonzero(moves & _first_of_its_kind(given))
@@ -134,7 +137,7 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
         if share.stopped():
             note = "The time given ran out before a cell was found whose motion repeats."
         return Measured("motion", (), (note,))
-    reference = run_method(scene, "reference", picked, {}, _shared(watch, 0.3))
+    reference = run_method(scene, "reference", picked, {}, watch.part(0.3))
     sound = reference.periodic & (reference.estimate < REFERENCE_ERROR)
     if exact:
         ours = _warm(scene, exact, picked, {**settings, "tolerance": 1e-12}, share)
@@ -161,35 +164,31 @@ def measure(simulation: Simulation, watch: Watch, cells: int = CELLS) -> Measure
             f"'reference' (collocation between events, no code in common) for events. The two "
             f"differ by at most {apart:.1e}: what is smaller cannot be told."
         )
-        curves += _events(scene, picked, truth, hops, floor, _shared(watch, 0.02))
+        curves += _events(scene, picked, truth, hops, floor, watch.part(0.02))
         truth = ours.velocity[sound]
     else:
         notes.append(
             "Reference: the method 'reference' (collocation between events); its own estimate of "
             f"its error is at most {own:.1e}."
         )
-    curves += _stepping(scene, picked, truth, hops, floor, _shared(watch, 0.25))
+    curves += _stepping(scene, picked, truth, hops, floor, watch.part(0.25))
     curves.append(
         Curve(
             "motion",
-            f"{_kinds(hops)} cells",
+            f"{kinds_of(hops)} cells",
             "reference",
             (Point("reference", np.nan, own, floor, reference.seconds, int(sound.sum())),),
         )
     )
     if "regularised" in scene.variants:
-        curves += _regularised(scene, picked, truth, hops, _shared(watch, 0.35))
-    if exact and _is_planar(scene, grid):
-        rivals, told = _engines(scene, picked, truth, hops, watch)
-        curves += rivals
-        notes += told
+        curves += _regularised(scene, picked, truth, hops, watch.part(0.35))
+    if rivals and exact and _is_planar(scene, grid):
+        theirs, remarks = rivals(scene, picked, truth, hops, watch)
+        curves += theirs
+        notes += remarks
     if watch.stopped():
         notes.append("The time given ran out: settings that were not reached are left out.")
     return Measured("motion", tuple(curves), tuple(notes))
-
-
-def _shared(watch: Watch, share: float) -> Watch:
-    return replace(watch, progress=lambda done: watch.advance(done * share))
 
 
 def _is_planar(scene: Scene, grid: Grid) -> bool:
@@ -256,7 +255,7 @@ def _groups(
             yield name, {key: values[where] for key, values in cells.items()}, truth[where]
 
 
-def _point(
+def point_of(
     setting: str, value: float, run: Means, truth: Array, floor: float = ROUNDING
 ) -> Point | None:
     """Return the point of a run; None if a cell is missing: fewer are not to be compared."""
@@ -295,10 +294,10 @@ def _events(
     watch: Watch,
 ) -> Iterator[Curve]:
     """Yield the motion from event to event by its tolerance."""
-    each = _shared(watch, 1 / (len(TOLERANCES) * len(set(hops.tolist()))))
+    each = watch.part(1 / (len(TOLERANCES) * len(set(hops.tolist()))))
     for group, here, true in _groups(cells, truth, hops):
         points = [
-            _point(
+            point_of(
                 f"tolerance {tolerance:.0e}",
                 tolerance,
                 _repeated(scene, "events", here, {"tolerance": tolerance}, each),
@@ -319,7 +318,7 @@ def _stepping(
     watch: Watch,
 ) -> Iterator[Curve]:
     """Yield time stepping by its steps, and what two of its runs extrapolate to."""
-    each = _shared(watch, 1 / (len(STEPS) * len(set(hops.tolist()))))
+    each = watch.part(1 / (len(STEPS) * len(set(hops.tolist()))))
     is_planar = "alpha" not in cells or not np.any(cells["alpha"])
     is_planar &= "radius" not in cells and "delta" not in cells
     for group, here, true in _groups(cells, truth, hops):
@@ -330,13 +329,13 @@ def _stepping(
             if not watch.stopped():
                 settings = {"steps_per_period": float(n)}
                 runs[n] = _repeated(scene, "time-stepping", here, settings, each)
-        plain = [_point(f"{n} steps", n, run, true, floor) for n, run in runs.items()]
+        plain = [point_of(f"{n} steps", n, run, true, floor) for n, run in runs.items()]
         yield _by_steps("time-stepping", group, plain, str(-order), -order, floor)
         limits = []
         for n, run in runs.items():
             if n // 2 in runs:
                 limit = _extrapolated(runs[n // 2], run, n, order)
-                limits.append(_point(f"{n // 2} and {n} steps", n, limit, true))
+                limits.append(point_of(f"{n // 2} and {n} steps", n, limit, true))
         says = f"{-order - 1} if the error were smooth; events within steps make it irregular"
         yield _by_steps("Richardson", group, limits, says, -order - 1, floor)
 
@@ -361,8 +360,8 @@ def _regularised(
     watch: Watch,
 ) -> Iterator[Curve]:
     """Yield the stiff integrators by slip speed, the stiffness its square's inverse."""
-    first = _few(hops)
-    each = _shared(watch, 1 / (len(SLIP_SPEEDS) * len(STIFF)))
+    first = one_of_each(hops)
+    each = watch.part(1 / (len(SLIP_SPEEDS) * len(STIFF)))
     few = {name: values[first] for name, values in cells.items()}
     for method in (name for name in STIFF if name in scene.variants):
         points = []
@@ -371,76 +370,20 @@ def _regularised(
                 break
             settings = {"slip_speed": slip, "contact_stiffness": slip**-2}
             run = run_method(scene, method, few, settings, each)
-            points.append(_point(f"slip speed {slip:.1e}", slip, run, truth[first]))
-        curve = _curve(method, _kinds(hops), points, "2/3", 2 / 3, 0.0)
+            points.append(point_of(f"slip speed {slip:.1e}", slip, run, truth[first]))
+        curve = _curve(method, kinds_of(hops), points, "2/3", 2 / 3, 0.0)
         if curve.points:
             yield replace(curve, cost="value")
 
 
-def _few(hops: NDArray[np.bool_]) -> NDArray[np.intp]:
+def one_of_each(hops: NDArray[np.bool_]) -> NDArray[np.intp]:
     """Return the places of a cell that hops and of one that slides, for what takes long."""
     return np.sort(
         np.concatenate([np.flatnonzero(hops)[: STIFF_CELLS - 1], np.flatnonzero(~hops)[:1]])
     )
 
 
-def _kinds(hops: NDArray[np.bool_]) -> str:
-    """Return what cells do: those of `_few` are of the same kinds as all."""
+def kinds_of(hops: NDArray[np.bool_]) -> str:
+    """Return what cells do: those of `one_of_each` are of the same kinds as all."""
     names = [name for name, there in (("sliding", ~hops), ("hopping", hops)) if there.any()]
     return " and ".join(names)
-
-
-def _engines(
-    scene: Scene,
-    cells: Mapping[str, Array],
-    truth: Array,
-    hops: NDArray[np.bool_],
-    watch: Watch,
-) -> tuple[list[Curve], list[str]]:
-    """Return what general physics engines find, by their steps, and what to say of them."""
-    names = engines.installed()
-    if not names:
-        return [], []
-    first = _few(hops)
-    plan = plan_scene(scene, "events", ("conveying_velocity",), tuple(cells))
-    found = run_equations(plan, {name: cells[name][first] for name in plan.parameters})
-    known = {name: np.broadcast_to(found[name], first.size) for name in ENGINE_INPUTS}
-    if np.any(known["restitution"]) or np.any(
-        known["friction_static"] != known["friction_kinetic"]
-    ):
-        return [], ["Engines: left out; what they make of bouncing parts and of two coefficients "
-                    "of friction differs in kind."]  # fmt: skip
-    if np.any(known["hold_down_number"]):
-        return [], ["Engines: left out; they are not told of a force that holds the part down."]
-    curves = []
-    for name in names:
-        points = []
-        for steps in ENGINE_STEPS:
-            if watch.stopped():
-                break
-            shares = np.empty(first.size)
-            started = time.perf_counter()
-            for place in range(first.size):
-                one = {key: float(values[place]) for key, values in known.items()}
-                drive = engines.Drive(
-                    one["frequency"], one["amplitude"], one["beta"], one["gamma"],
-                    one["friction_kinetic"], one["gravity"],
-                )  # fmt: skip
-                step = 1 / (drive.frequency * steps)
-                velocity = engines.engine_velocity(name, drive, step)
-                shares[place] = velocity / (drive.amplitude * drive.circular)
-            seconds = (time.perf_counter() - started) / first.size
-            none = np.full(first.size, np.nan)
-            run = Means(shares, none, hops[first], hops[first], seconds)
-            points.append(_point(f"{steps} steps", steps, run, truth[first]))
-        curve = Curve(
-            "motion", f"{_kinds(hops)} cells", name, tuple(p for p in points if p), of="largest"
-        )
-        if curve.points:
-            curves.append(curve)
-    told = (
-        f"Engines: {', '.join(f'{name} {version(name)}' for name in names)}, on the first of these "
-        f"cells of each kind ({_kinds(hops)}); the mean over {engines.AVERAGED} periods after "
-        f"{engines.TRANSIENT}."
-    )
-    return curves, [told]

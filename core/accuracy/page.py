@@ -12,6 +12,7 @@ from urllib.parse import quote
 from core.accuracy.curves import FAMILIES, STEEP, Curve, Measured, Point, numbers_of
 from core.accuracy.families import SECONDS
 from core.accuracy.report import Part
+from core.dataset.markdown import markdown_table
 
 TITLES = {
     "closed_forms": "Rounding of the closed forms",
@@ -96,9 +97,8 @@ def _body(part: Part, measured: Measured, command: str, picture: str | None) -> 
 
 
 def _table(columns: Sequence[Column], rows: Iterable[tuple[Curve, Point]]) -> str:
-    lines = [[name for name, _ in columns], ["---"] * len(columns)]
-    lines += [[cell(curve, point) for _, cell in columns] for curve, point in rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    cells = [[cell(curve, point) for _, cell in columns] for curve, point in rows]
+    return "\n".join(markdown_table([name for name, _ in columns], cells))
 
 
 def _number(value: float) -> str:

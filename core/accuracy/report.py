@@ -88,7 +88,7 @@ def measure_study(
     for family in families:
         if watch.stopped():
             break
-        share = replace(watch, progress=lambda done: watch.advance(done / len(families)))
+        share = watch.part(1 / len(families))
         found = measure_family(prepared, family, share, seconds)
         if found is not None:
             measured.append(found)
@@ -182,7 +182,7 @@ def _motion(prepared: Prepared, watch: Watch) -> Measured | None:
 def _storage(prepared: Prepared, watch: Watch) -> Measured:
     is_fast = prepared.not_lazy is None or prepared.plan.variant == "events"
     most = MOST_CELLS if is_fast else MOST_CELLS_MOTION
-    half = replace(watch, progress=lambda done: watch.advance(done / 2))
+    half = watch.part(0.5)
     # Half of the time to compute the result, half to write it; what is missing by then is NaN.
     first = half
     if half.deadline is not None:

@@ -19,7 +19,6 @@ from core.dataset.table import Table
 from core.watch import Watch
 
 REPEATS = 3
-MOST_WRITTEN = 4_000_000  # values; a file of more says nothing new
 
 BITS = {"float32": 23}
 """Binary digits of the fraction of types that are shorter than the result's."""

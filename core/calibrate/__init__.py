@@ -10,15 +10,12 @@ __all__ = [
     "KIND",
     "MOST_UNKNOWNS",
     "Calibration",
-    "calibrate",
-    "tabulate",
 ]
 
 if TYPE_CHECKING:
     from core.calibrate.calibration import Calibration
     from core.calibrate.kind import KIND
     from core.calibrate.prepare import MOST_UNKNOWNS
-    from core.calibrate.run import calibrate, tabulate
 else:
     __getattr__ = lazily(
         __name__,
@@ -26,9 +23,5 @@ else:
             "calibration": ("Calibration",),
             "kind": ("KIND",),
             "prepare": ("MOST_UNKNOWNS",),
-            "run": (
-                "calibrate",
-                "tabulate",
-            ),
         },
     )

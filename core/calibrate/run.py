@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,48 +29,16 @@ from core.calibrate.posterior import (
     pair,
     posterior_of,
 )
-from core.calibrate.prepare import prepare
 from core.calibrate.words import Findings, summary
 from core.dataset.table import Table, Variable, quantity_attributes
 from core.mechanics.arrays import Array
 from core.plan.labels import global_attributes
-from core.plan.pieces import FOLLOWED, Computed, carry_out
+from core.plan.pieces import FOLLOWED, Computed
 from core.quantities import QUANTITIES
 from core.watch import Watch
 
-if TYPE_CHECKING:
-    import xarray
-
-    from core.study import CalibrateStudy
-
 SHARES = (0.16, 0.84, 0.025, 0.975)
 """Of the mass below the ends of the intervals of `BANDS`: both tails are equal."""
-EXPLORING = 0.9  # of the work
-
-
-def calibrate(study: CalibrateStudy, *, watch: Watch | None = None) -> xarray.Dataset:
-    """Return the dataset of what a study's observations tell of its unknowns.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> from core.calibrate import calibrate
-    >>> from core.intake import load_study
-    >>> dataset = calibrate(load_study(Path("configs/calibrate-rail.toml")))
-    """
-    prepared = prepare(study)
-    return tabulate(prepared, watch=watch).to_xarray()
-
-
-def tabulate(prepared: Calibration, *, watch: Watch | None = None) -> Table:
-    """Return the labelled results of a prepared calibration.
-
-    Raises
-    ------
-    StoppedError
-        If the watch says so: a part of a posterior is no answer.
-    """
-    return carry_out(prepared, compute, label, watch)
 
 
 def compute(prepared: Calibration, watch: Watch) -> Computed:

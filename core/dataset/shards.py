@@ -10,9 +10,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
-import os
 from collections.abc import Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -98,7 +96,6 @@ class GrowingZarr:
         self.digests: dict[str, str] = {}
         self._shared = shared
         self._behind = Behind()
-        self._pool = ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="chunks")
         with told_plainly():
             self._begin(where, identity, resume=resume)
 
@@ -148,7 +145,9 @@ class GrowingZarr:
         """Write a tile; whoever writes it, it has the same bytes."""
         tile = self.tiles[index]
         for name in tile.field.names:
-            key, data = _shard(name, tile), pack(tile, arrays[name], self._pool)
+            key = _shard(tile)
+            data = pack(self._documents[name], tile, arrays[name], key)
+            key = f"{name}/{key}"
             if self._shared:
                 self.digests[key] = hashlib.sha256(data).hexdigest()
             self._put(key, data)
@@ -204,7 +203,6 @@ class GrowingZarr:
     def close(self) -> None:
         """Leave things so that another run can go on."""
         self._behind.close()
-        self._pool.shutdown(cancel_futures=True)
 
     def _described(self) -> dict[str, dict[str, Any]]:
         """Return the documents of all arrays."""
@@ -224,7 +222,7 @@ class GrowingZarr:
         """Return whether all shards of a tile are whole."""
         length = index_length(tile.field.layout)
         for name in tile.field.names:
-            key = _shard(name, tile)
+            key = f"{name}/{_shard(tile)}"
             size = there.get(key, 0)
             if size < length:
                 return False
@@ -287,10 +285,10 @@ def needed_for_zarr() -> None:
             raise MissingPackageError("Zarr", package, installing(package, extra))
 
 
-def _shard(name: str, tile: Tile) -> str:
-    """Return the key of the shard that holds a tile of an array."""
+def _shard(tile: Tile) -> str:
+    """Return the key of the shard that holds a tile, within its array."""
     at = (start // n for (start, _), n in zip(tile.box, tile.field.layout.tile, strict=True))
-    return "/".join([name, "c", *map(str, at)])
+    return "/".join(["c", *map(str, at)])
 
 
 def _as_json(document: Mapping[str, Any]) -> bytes:

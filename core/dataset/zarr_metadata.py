@@ -21,22 +21,16 @@ none, so that flags stay integers.
 
 LITTLE: dict[str, Any] = {"name": "bytes", "configuration": {"endian": "little"}}
 CHECKSUM: dict[str, Any] = {"name": "crc32c"}
-# The fastest of those that every reader of version 3 has; with a shuffle it packs floats better
-# than zstd does without.
-BLOSC_NAME, BLOSC_LEVEL = "lz4", 5
-
-
-def is_shuffled(width: int) -> bool:
-    """Return whether the bytes of values are shuffled before they are packed; `width` is theirs."""
-    return width > 1
 
 
 def _sharding(chunk_shape: tuple[int, ...], width: int) -> dict[str, Any]:
     """Return the codec of shards whose chunks are compressed, and torn nowhere unnoticed."""
+    # lz4 is the fastest of those that every reader of version 3 has; with a shuffle it packs floats
+    # better than zstd does without.
     blosc = {
-        "cname": BLOSC_NAME,
-        "clevel": BLOSC_LEVEL,
-        "shuffle": "shuffle" if is_shuffled(width) else "noshuffle",
+        "cname": "lz4",
+        "clevel": 5,
+        "shuffle": "shuffle" if width > 1 else "noshuffle",
         "typesize": width,
         "blocksize": 0,
     }

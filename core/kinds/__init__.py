@@ -14,6 +14,7 @@ if TYPE_CHECKING:
         is_whole,
         not_verified,
         prepare,
+        run_study,
         share_left_out,
         tabulate,
     )
@@ -27,6 +28,7 @@ else:
                 "is_whole",
                 "not_verified",
                 "prepare",
+                "run_study",
                 "share_left_out",
                 "tabulate",
             )
@@ -39,6 +41,7 @@ __all__ = [
     "is_whole",
     "not_verified",
     "prepare",
+    "run_study",
     "share_left_out",
     "tabulate",
 ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from core.dataset.table import Table
@@ -12,6 +14,9 @@ from core.plan.sample import FAILED, LEFT_OUT
 from core.quantities import FLAGS
 from core.study.grid_study import Study
 from core.watch import Watch
+
+if TYPE_CHECKING:
+    import xarray
 
 STATUSES = {
     name: flags["not_computed"].value for name, flags in FLAGS.items() if "not_computed" in flags
@@ -28,6 +33,18 @@ def tabulate(prepared: Prepared, watch: Watch | None = None) -> Table:
     """Return the labelled results of a prepared study."""
     kind = KINDS[prepared.study.kind]
     return carry_out(prepared, kind.compute, kind.label, watch)
+
+
+def run_study(study: Study, *, watch: Watch | None = None) -> xarray.Dataset:
+    """Return the dataset of a study; `watch` may stop it early.
+
+    Examples
+    --------
+    >>> from core.intake import load_study
+    >>> from core.kinds import run_study
+    >>> dataset = run_study(load_study("configs/figures/fig-5-1.toml"))
+    """
+    return tabulate(prepare(study), watch).to_xarray()
 
 
 def share_left_out(table: Table) -> float:

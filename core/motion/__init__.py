@@ -11,15 +11,12 @@ __all__ = [
     "SYSTEMS",
     "Motion",
     "Simulation",
-    "simulate",
-    "tabulate",
 ]
 
 if TYPE_CHECKING:
     from core.motion.kind import KIND
     from core.motion.prepare import Simulation
     from core.motion.result import Motion
-    from core.motion.run import simulate, tabulate
     from core.motion.systems import SYSTEMS
 else:
     __getattr__ = lazily(
@@ -28,10 +25,6 @@ else:
             "kind": ("KIND",),
             "prepare": ("Simulation",),
             "result": ("Motion",),
-            "run": (
-                "simulate",
-                "tabulate",
-            ),
             "systems": ("SYSTEMS",),
         },
     )

@@ -15,11 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.errors import StudyError
 from core.mechanics.arrays import Array
 from core.motion.cells import run_cells
 from core.motion.groups import Contacts, Groups, cells_of, in_plane
-from core.motion.prepare import choose_system
 from core.motion.result import COLUMNS, Energy, Motion, motion_of
 from core.motion.result import STATUS as MOTION_STATUS
 from core.motion.systems import CONTACTS
@@ -29,9 +27,7 @@ from core.plan.derivatives import (
     Derived,
     Rule,
     Ruled,
-    Sensitivities,
     derivatives,
-    in_words,
     values_of,
 )
 from core.plan.duals import Dual, slope_of, value_of
@@ -250,40 +246,6 @@ def _nothing(shape: tuple[int, ...]) -> Derived:
     value, slope, error, below, above = (np.full(shape, np.nan) for _ in range(5))
     status = np.full(shape, STATUS["not_computed"], dtype=np.int8)
     return Derived(value, slope, error, status, below, above, np.zeros(shape, dtype=bool))
-
-
-def motion_sensitivities(
-    scene: str,
-    method: str | None,
-    outputs: Collection[str],
-    point: Mapping[str, float],
-    parameters: Collection[str],
-) -> Sensitivities:
-    """Return the derivatives of simulated motion at a point, in words where there are none.
-
-    Parameters
-    ----------
-    scene, method
-        As in a study.
-    outputs : collection of str
-        Outputs of the system.
-    point : mapping of str to float
-        Parameters by name, SI units and radians.
-    parameters : collection of str
-        What to derive by.
-
-    Raises
-    ------
-    StudyError
-        As for a simulation, and as `derivatives_at` does.
-    """
-    system, chosen, problems = choose_system(scene, method, point)
-    if problems:
-        raise StudyError(problems)
-    plan = plan_scene(system, chosen, outputs, point)
-    at = values_of(plan, point, parameters)
-    found = derivatives_at(plan, point, parameters)
-    return {key: in_words(one, float(at[key[1]][0])) for key, one in found.items()}
 
 
 # --- by differences

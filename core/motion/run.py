@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from numpy.typing import NDArray
 
@@ -17,45 +17,18 @@ from core.dataset.table import (
 from core.motion.course import COURSE_FLAGS, Course, CourseAsked
 from core.motion.derivatives import derivatives_at
 from core.motion.groups import Contacts
-from core.motion.prepare import Simulation, prepare
+from core.motion.prepare import Simulation
 from core.motion.systems import CONTACTS
 from core.motion.verify import accuracy, verified
 from core.plan.derived import cells_of
 from core.plan.equations import regimes, run_equations
 from core.plan.labels import coordinates_of, global_attributes, outputs_of
-from core.plan.pieces import Computed, carry_out
+from core.plan.pieces import Computed
 from core.quantities import FLAGS
 from core.watch import Watch
 
-if TYPE_CHECKING:
-    import xarray
-
-    from core.study import SimulateStudy
-
 TIME = "cycle_time"
 """The axis of a course."""
-
-
-def simulate(study: SimulateStudy, *, watch: Watch | None = None) -> xarray.Dataset:
-    """Return the dataset of a study of motion.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> from core.motion import simulate
-    >>> from core.intake import load_study
-    >>> dataset = simulate(load_study(Path("configs/conveying-velocity.toml")))
-    """
-    prepared = prepare(study)
-    return tabulate(prepared, watch=watch).to_xarray()
-
-
-def tabulate(prepared: Simulation, *, watch: Watch | None = None) -> Table:
-    """Return the labelled results of a prepared simulation; `watch` may stop it early.
-
-    What is finished then is kept; the other cells are NaN, with the status `not_computed`.
-    """
-    return carry_out(prepared, compute, label, watch)
 
 
 def compute(prepared: Simulation, watch: Watch) -> Computed:

@@ -10,15 +10,12 @@ __all__ = [
     "KIND",
     "METHODS",
     "Optimisation",
-    "optimise",
-    "tabulate",
 ]
 
 if TYPE_CHECKING:
     from core.optimise.kind import KIND
     from core.optimise.methods import METHODS
     from core.optimise.optimisation import Optimisation
-    from core.optimise.run import optimise, tabulate
 else:
     __getattr__ = lazily(
         __name__,
@@ -26,9 +23,5 @@ else:
             "kind": ("KIND",),
             "methods": ("METHODS",),
             "optimisation": ("Optimisation",),
-            "run": (
-                "optimise",
-                "tabulate",
-            ),
         },
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 from typing import Literal
@@ -24,48 +24,6 @@ LEVELS = {1: NODES, 2: 5, 3: 3}
 MOST_UNCERTAIN = 6
 
 How = Literal["worst", "mean", "quantile"]
-
-UncertainEvaluate = Callable[[Array, Array], Array]
-"""Takes points (n, d) and a value of the uncertain parameter for each (n,), returns values (n,)."""
-
-
-def robust_value(
-    evaluate: UncertainEvaluate,
-    interval: ArrayLike,
-    *,
-    how: Literal["worst", "mean"] = "worst",
-    nodes: int = NODES,
-) -> Callable[[Array], Array]:
-    """Return an objective that knows a parameter only within an interval, for any optimiser.
-
-    Parameters
-    ----------
-    evaluate : callable
-        The objective for known values: takes points (n, d) and values of the parameter (n,).
-    interval : array_like, shape (2,)
-        Ends of the interval.
-    how : {"worst", "mean"}
-        The least value over evenly spaced nodes with both ends, or the mean over the interval by
-        Gauss's rule.
-    nodes : int
-        At least 2 for the worst case: enough where the objective is monotone in the parameter.
-        An inner minimum is missed by its curvature times the square of the distance of nodes. The
-        mean is exact for polynomials up to degree 2 nodes - 1; across a jump its error is of the
-        order of the jump over the nodes.
-
-    Returns
-    -------
-    callable
-        Takes points (n, d), returns values (n,): NaN where a node has none.
-    """
-    places, weights = nodes_over(interval, how, nodes)
-
-    def robust(points: Array) -> Array:
-        count = len(points)
-        values = np.asarray(evaluate(np.tile(points, (nodes, 1)), np.repeat(places, count)))
-        return over_nodes(values.reshape(nodes, count), weights)
-
-    return robust
 
 
 def nodes_over(interval: ArrayLike, how: str, nodes: int = NODES) -> tuple[Array, Array | None]:

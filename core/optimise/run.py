@@ -3,53 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.table import Table
 from core.mechanics.arrays import Array
 from core.optimise.checked import checked
 from core.optimise.front import find_front
 from core.optimise.labels import label
 from core.optimise.methods import METHODS
 from core.optimise.optimisation import Optimisation
-from core.optimise.prepare import prepare
 from core.optimise.problem import LIMIT, Problem, cells_of, chosen_cells
 from core.plan.grid import Grid
-from core.plan.pieces import Computed, carry_out
+from core.plan.pieces import Computed
 from core.study.optimise_study import Limited, Pareto
 from core.watch import Watch
 
-if TYPE_CHECKING:
-    import xarray
-
-    from core.study import OptimiseStudy
-
 BLOCK_CELLS = 65_536  # answers at a time: bounds the memory
-
-
-def optimise(study: OptimiseStudy, *, watch: Watch | None = None) -> xarray.Dataset:
-    """Return the dataset of the optima of a study.
-
-    Examples
-    --------
-    >>> from pathlib import Path
-    >>> from core.optimise import optimise
-    >>> from core.intake import load_study
-    >>> dataset = optimise(load_study(Path("configs/optimise-limit.toml")))
-    """
-    prepared = prepare(study)
-    return tabulate(prepared, watch=watch).to_xarray()
-
-
-def tabulate(prepared: Optimisation, *, watch: Watch | None = None) -> Table:
-    """Return the labelled optima of a prepared study; `watch` may stop it early.
-
-    Designs that are not finished then are NaN, with the status `not_computed`.
-    """
-    return carry_out(prepared, compute, label, watch)
 
 
 def compute(prepared: Optimisation, watch: Watch) -> Computed:
@@ -102,4 +73,4 @@ def with_limit(problem: Problem, design: Mapping[str, Array], cells: int) -> dic
     return {**design, LIMIT: np.full(cells, limit)}
 
 
-__all__ = ["compute", "designs_of", "label", "optimise", "tabulate"]
+__all__ = ["compute", "designs_of", "label"]

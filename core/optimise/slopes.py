@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.motion.derivatives import motion_sensitivities
+from core.motion.derivatives import derivatives_at
 from core.optimise.problem import Problem
-from core.plan.derivatives import sensitivities
+from core.plan.derivatives import STATUS, values_of
+from core.plan.plan import plan_scene
 
 MOST_SENSITIVE = 1_000
 """Designs of a study that asks for sensitivities: each is derived by itself."""
@@ -29,16 +29,20 @@ def slopes(
     """Return the logarithmic derivatives at optima x, shape (variables, cells).
 
     Those of closed forms are exact; those of motion are differences inside one regime. NaN where
-    there is none: at a kink, a jump, and for a parameter or an output that is 0.
+    there is none: at a kink, a jump, and for a parameter or an output that is 0. 0 for a variable
+    that the output does not depend on, as one that only a constraint needs.
     """
-    names, output = sensitive(problem), problem.criterion.output
-    found = {name: np.full(lost.shape, np.nan) for name in names}
-    scene = problem.plan.scene
-    derive: Any = motion_sensitivities if problem.is_motion else sensitivities
-    for cell in np.flatnonzero(~lost):
-        point = {n: float(design[n][cell]) for n in names if n in design}
-        point |= {name: float(x[i, cell]) for i, name in enumerate(problem.names)}
-        told = derive(scene.name, problem.plan.variant, [output], point, names)
-        for name in names:
-            found[name][cell] = told[output, name].logarithmic
+    names, output, kept = sensitive(problem), problem.criterion.output, ~lost
+    used = problem.plan.only(output).parameters
+    found = {name: np.where(kept, np.nan if name in used else 0.0, np.nan) for name in names}
+    if not kept.any():
+        return found
+    cells = {name: design[name][kept] for name in used if name in design}
+    cells |= {name: x[i, kept] for i, name in enumerate(problem.names) if name in used}
+    plan = plan_scene(problem.plan.scene, problem.plan.variant, (output,), cells)
+    names = tuple(name for name in names if name in used)
+    values = values_of(plan, cells, names)
+    for (_, name), derived in derivatives_at(plan, cells, names).items():
+        exponents = derived.logarithmic(values[name])
+        found[name][kept] = np.where(derived.status < STATUS["kink"], exponents, np.nan)
     return found

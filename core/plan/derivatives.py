@@ -6,7 +6,6 @@ is exact but for rounding. What has no formula, such as a motion, comes with a r
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Collection, Mapping
 from functools import reduce
 from typing import Any, NamedTuple, TypeAlias
@@ -19,7 +18,7 @@ from core.mechanics import yawing
 from core.mechanics.arrays import Array
 from core.mechanics.screws import Reduction, ScrewKind, Wrench, cross, dot
 from core.plan.duals import Dual, NotDifferentiableError, slope_of, unboxed, value_of
-from core.plan.plan import Plan, make_plan
+from core.plan.plan import Plan
 from core.quantities.derivative import DERIVATIVE_STATUSES
 from core.scenes import Equation
 
@@ -30,7 +29,6 @@ AGREE = 1e-5  # relative difference of the derivatives of both sides that are st
 
 Statuses: TypeAlias = NDArray[np.int8]
 STATUS: Mapping[str, int] = {name: flag.value for name, flag in DERIVATIVE_STATUSES.items()}
-NAMES = {value: name for name, value in STATUS.items()}
 
 Ruled: TypeAlias = tuple[Any, "Statuses | int"]
 Rule: TypeAlias = Callable[[Mapping[str, Any]], Ruled]
@@ -295,84 +293,3 @@ IN_PLACE_OF: dict[Callable[..., Any], Callable[..., Any]] = {
     yawing.printed_force_reduction: lambda *, force_wrench: _printed(force_wrench),
 }
 """Equations whose programs take numbers apart bit by bit, and the same in plain arithmetic."""
-
-
-# --- at one point, in words
-
-
-class Sensitivity(NamedTuple):
-    """How an output changes with a parameter at a point, SI units.
-
-    Attributes
-    ----------
-    derivative : float
-        Of the output by the parameter; NaN where there is none.
-    logarithmic : float
-        d ln(output)/d ln(parameter), the exponent of a power law; NaN where the output is 0.
-    error : float
-        Estimate of the error of `derivative`; 0 if exact but for rounding.
-    note : str
-        Why there is no derivative, or how it was found; empty for an exact one.
-    """
-
-    derivative: float
-    logarithmic: float
-    error: float
-    note: str
-
-
-Sensitivities: TypeAlias = dict[tuple[str, str], Sensitivity]
-"""By output and parameter."""
-
-
-def sensitivities(
-    scene: str,
-    variant: str | None,
-    outputs: Collection[str],
-    point: Mapping[str, float],
-    parameters: Collection[str],
-) -> Sensitivities:
-    """Return the exact derivatives of closed-form outputs at a point.
-
-    Parameters
-    ----------
-    scene, variant
-        As in a study.
-    outputs : collection of str
-        Outputs of the scene.
-    point : mapping of str to float
-        Parameters by name, SI units and radians.
-    parameters : collection of str
-        What to derive by: parameters of the point, or those with a default value.
-
-    Raises
-    ------
-    StudyError
-        As for a sweep, and as `derivatives` does.
-    """
-    plan = make_plan(scene, variant, outputs, point)
-    at = values_of(plan, point, parameters)
-    found = derivatives(plan, point, parameters)
-    return {key: in_words(one, float(at[key[1]][0])) for key, one in found.items()}
-
-
-def in_words(derived: Derived, at: float) -> Sensitivity:
-    """Return the derivative at a single cell, where the parameter has the value `at`."""
-    _, slope, error, status, below, above, jumps = (field[0] for field in derived)
-    if status == STATUS["both_sides"]:
-        note = "from both sides of a switch"
-    elif status == STATUS["differences"]:
-        note = "from differences"
-    elif status == STATUS["no_value"]:
-        note = "the output has no finite value here"
-    elif status == STATUS["kink"] and not math.isnan(below + above):
-        sides = f"{below:g} below and {above:g} above"
-        note = f"at a switch: {sides}{', with a jump' if jumps else ''}"
-    elif status == STATUS["exact"]:
-        note = ""
-    else:
-        note = DERIVATIVE_STATUSES[NAMES[int(status)]].description.removeprefix("none: ")
-    if status >= STATUS["kink"]:
-        return Sensitivity(math.nan, math.nan, math.nan, note)
-    logarithmic = float(derived.logarithmic(np.asarray([at]))[0])
-    return Sensitivity(float(slope), logarithmic, float(error), note)

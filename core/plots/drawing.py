@@ -36,7 +36,7 @@ def draw(
     Parameters
     ----------
     dataset : xarray.Dataset, or a sequence of them
-        A sweep or simulation, as `core.sweep.sweep` or `core.motion.simulate` returns it or as its
+        A sweep or simulation, as `core.kinds.run_study` returns it or as its
         file is read. Of several, up to seven, the same output is drawn over the same axis.
     variable : str, optional
         The output; the first if left out.
@@ -75,8 +75,8 @@ def draw(
     >>> from pathlib import Path
     >>> from core.plots import draw
     >>> from core.intake import load_study
-    >>> from core.sweep import sweep
-    >>> dataset = sweep(load_study(Path("configs/figures/fig-5-1.toml")))
+    >>> from core.kinds import run_study
+    >>> dataset = run_study(load_study(Path("configs/figures/fig-5-1.toml")))
     >>> figure = draw(dataset, axes=("beta", "alpha"), kind="surface")
     """
     datasets = [dataset] if isinstance(dataset, xarray.Dataset) else list(dataset)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from core.plots.problem import PlotError
 from core.plots.selection import held_fixed
 from core.plots.text import number, shown_in, with_unit
-from core.plots.trajectory import LEGEND, TIME, check_trajectory, read_trajectory
+from core.plots.trajectory import LEGEND, TIME, check_trajectory, read_trajectory, values_of
 from core.study.shown import Shown, ShownUnits
 
 FRAMES_PER_SECOND = 25
@@ -112,9 +112,9 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     """Return the film of a part on a track, over as many cycles as let it travel."""
     known = read_trajectory(dataset, units)
     dataset = dataset.sortby(TIME)
-    time = _values(dataset[TIME])
+    time = values_of(dataset[TIME])
     position, height, along, normal = (
-        _values(dataset[name])
+        values_of(dataset[name])
         for name in ("position_along", "height_above_floor", "track_along", "track_normal")
     )
     if not np.isfinite([position, height, along, normal]).all():
@@ -171,9 +171,9 @@ def _on_track(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
 def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) -> Film:
     """Return the film of a part that tumbles, until shortly after it rests."""
     dataset = dataset.sortby(TIME)
-    time = _values(dataset[TIME])
+    time = values_of(dataset[TIME])
     along, upward, pitch = (
-        _values(dataset[f"path_{name}"]) for name in ("along", "height", "pitch")
+        values_of(dataset[f"path_{name}"]) for name in ("along", "height", "pitch")
     )
     followed = np.isfinite(along) & np.isfinite(upward) & np.isfinite(pitch)
     if followed.sum() < 2:
@@ -196,7 +196,7 @@ def _tumbling(dataset: xarray.Dataset, units: ShownUnits, slow: float | None) ->
     def then(values: Array) -> Array:
         return np.asarray(np.interp(moments, time[followed], values[followed]))
 
-    corners = np.nan_to_num(_values(dataset["path_corners"]))
+    corners = np.nan_to_num(values_of(dataset["path_corners"]))
     modes = [CORNERS[int(min(count, 2))] for count in corners]
     nearest = _now(time, moments)
     return Film(
@@ -295,7 +295,3 @@ def _stands_for(dataset: xarray.Dataset, units: ShownUnits) -> str:
     shown: Shown = shown_in(dataset["length"], units)
     length = with_unit(number(shown.factor * float(dataset["length"])), shown.unit)
     return f"{length} long"
-
-
-def _values(array: xarray.DataArray) -> Array:
-    return np.asarray(array.values, dtype=np.float64)

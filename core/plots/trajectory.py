@@ -139,31 +139,31 @@ def read_trajectory(dataset: xarray.Dataset, units: ShownUnits) -> Trajectory:
         raise PlotError("dataset", f"its motion has no {missing[0]}", fix)
     dataset = dataset.sortby(TIME)
 
-    seconds = _values(dataset[TIME])
+    seconds = values_of(dataset[TIME])
     period = 1.0 / float(dataset["frequency"])
-    track = _values(dataset["track_normal"])
-    part, orbit = track + _values(dataset["height_above_floor"]), None
+    track = values_of(dataset["track_normal"])
+    part, orbit = track + values_of(dataset["height_above_floor"]), None
     if shape is None:
-        swing = _swing(seconds, period, _values(dataset["track_along"]))
+        swing = _swing(seconds, period, values_of(dataset["track_along"]))
     else:
         wave, scale = _wave(dataset, shape), float(dataset["gravity"]) * period / TURN
         swing = scale * speed(wave, ALONG, TURN * seconds / period)
         orbit = _orbit(wave)
-    seen = part if part.any() else _values(dataset["track_along"])  # a level drive
+    seen = part if part.any() else values_of(dataset["track_along"])  # a level drive
     height = shown_in(xarray.DataArray(seen, attrs={"units": "m"}), units)
     if not np.isfinite(part).any():
         raise PlotError("dataset", "no cycle was found: its motion has no values", "Draw another")
     place = shown_in(dataset["position_along"], units)
-    position = place.factor * _values(dataset["position_along"])
+    position = place.factor * values_of(dataset["position_along"])
     if np.nanmax(np.abs(position)) <= AT_REST * place.factor * np.nanmax(np.abs(part)):
         position, place = np.zeros_like(position), height
-    moved = swing + _values(dataset["relative_velocity_along"])
+    moved = swing + values_of(dataset["relative_velocity_along"])
     fastest = xarray.DataArray([swing, moved], attrs={"units": "m s-1"})
     speed_shown = shown_in(fastest, units)
     wall, wall_unit = None, ""
     if WALL in dataset:
         gap = shown_in(dataset[WALL], units)
-        wall, wall_unit = gap.factor * _values(dataset[WALL]), gap.unit
+        wall, wall_unit = gap.factor * values_of(dataset[WALL]), gap.unit
     return Trajectory(
         time=MILLI * seconds,
         period=MILLI * period,
@@ -261,7 +261,8 @@ def _facts(dataset: xarray.Dataset, units: ShownUnits) -> list[str]:
     return [fact.replace(" ", "\N{NO-BREAK SPACE}") for fact in facts] + held
 
 
-def _values(array: xarray.DataArray) -> NDArray[np.float64]:
+def values_of(array: xarray.DataArray) -> NDArray[np.float64]:
+    """Return the values of an array as floats."""
     return np.asarray(array.values, dtype=np.float64)
 
 
@@ -284,7 +285,7 @@ def _swing(
 
 def _wave(dataset: xarray.Dataset, shape: Shape) -> Wave:
     """Return the drive that the dataset's parameters tell."""
-    given = {name: _values(dataset[name]) for name in shape.inputs}
+    given = {name: values_of(dataset[name]) for name in shape.inputs}
     return shape.wave(
         **{n: np.deg2rad(v) if QUANTITIES[n].is_angle else v for n, v in given.items()}
     )

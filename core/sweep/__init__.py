@@ -10,15 +10,12 @@ __all__ = [
     "KIND",
     "ReducedSweep",
     "Sweep",
-    "sweep",
-    "tabulate",
 ]
 
 if TYPE_CHECKING:
     from core.sweep.kind import KIND
     from core.sweep.plain import Sweep
     from core.sweep.reduced import ReducedSweep
-    from core.sweep.run import sweep, tabulate
 else:
     __getattr__ = lazily(
         __name__,
@@ -26,9 +23,5 @@ else:
             "kind": ("KIND",),
             "plain": ("Sweep",),
             "reduced": ("ReducedSweep",),
-            "run": (
-                "sweep",
-                "tabulate",
-            ),
         },
     )

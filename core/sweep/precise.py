@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import mpmath
@@ -306,7 +306,7 @@ def sensitivities(
     watch = watch or Watch()
     columns, size = _columns(cells)
     names = [name for name in columns if name in plan.parameters]
-    share = replace(watch, progress=lambda done: watch.advance(done / max(1, 2 * len(names))))
+    share = watch.part(1 / max(1, 2 * len(names)))
     moved: dict[str, Any] = dict.fromkeys(plan.outputs, np.full(size, CONTEXT.zero))
     for name in names:
         up, down = (

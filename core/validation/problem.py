@@ -35,10 +35,6 @@ RELATIONS: Mapping[str, str] = MappingProxyType(
 ``shown`` is a value that is set beside the answer and not judged.
 """
 
-PICKS = ("value", "least", "largest", "first", "last")
-"""What is taken of an output: its one value, the least or largest over the study, or that of the
-first or last time of its course."""
-
 
 @dataclass(frozen=True)
 class Term:
@@ -51,7 +47,8 @@ class Term:
     output : str
         The output, in SI units and degrees, as files hold it.
     pick : str
-        One of `PICKS`.
+        What is taken of the output: its one `value`, the `least` or `largest` over the study, or
+        that of the `first` or `last` time of its trajectory.
     times, minus : float
     """
 

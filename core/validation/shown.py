@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from core.dataset.markdown import markdown_table
 from core.validation.catalogue import FAMILIES, NOT_CLAIMED
 from core.validation.problem import RELATIONS, KnownProblem
 from core.validation.run import Outcome, Summary, summaries
@@ -132,19 +133,10 @@ def _outcome(outcome: Outcome) -> Mapping[str, Any]:
 def markdown(outcomes: Sequence[Outcome], program: str) -> str:
     """Return outcomes as a page: families first, then every problem."""
     lines = ["# Validation", "", sentence(outcomes, program), ""]
-    lines += [*table(FAMILY_COLUMNS, family_rows(summaries(outcomes))), ""]
+    lines += [*markdown_table(FAMILY_COLUMNS, family_rows(summaries(outcomes))), ""]
     for family in dict.fromkeys(outcome.problem.family for outcome in outcomes):
         mine = [outcome for outcome in outcomes if outcome.problem.family == family]
-        lines += [f"## {family}: {FAMILIES[family]}", "", *table(COLUMNS, rows(mine)), ""]
+        lines += [f"## {family}: {FAMILIES[family]}", "", *markdown_table(COLUMNS, rows(mine)), ""]
     lines += ["## No claim of this program", ""]
     lines += [f"- {name}: {words}" for name, words in NOT_CLAIMED.items()]
     return "\n".join(lines) + "\n"
-
-
-def table(columns: Sequence[str], cells: Sequence[Sequence[str]]) -> Iterator[str]:
-    """Yield the lines of a table in Markdown."""
-    yield f"| {' | '.join(columns)} |"
-    yield "| --- " * len(columns) + "|"
-    for row in cells:
-        told = (" ".join(cell.split()).replace("|", "\\|") for cell in row)
-        yield f"| {' | '.join(told)} |"

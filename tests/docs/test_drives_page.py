@@ -12,7 +12,7 @@ import pytest
 
 from core.errors import StudyError
 from core.intake import parse_study, prepare_content
-from core.motion import simulate
+from core.kinds import run_study
 from core.quantities import MOTION_STATUSES
 
 ROOT = Path(__file__).parents[2]
@@ -25,7 +25,7 @@ SPEED = "conveying_velocity"
 
 
 def run(given: dict[str, Any], **changes: Any) -> Any:
-    return simulate(parse_study({**HEAD, "parameters": {**given, **changes}}))
+    return run_study(parse_study({**HEAD, "parameters": {**given, **changes}}))
 
 
 @pytest.mark.parametrize("given", [block["parameters"] for block in BLOCKS])

@@ -90,8 +90,8 @@ def test_adding_a_scene(tree: Path) -> None:
         "-c",
         "from core.quantities import REGIMES\n"
         "from core.intake import parse_study\n"
-        "from core.sweep import sweep\n"
-        "found = sweep(parse_study({'kind': 'sweep', 'scene': 'ball-on-plane',\n"
+        "from core.kinds import run_study\n"
+        "found = run_study(parse_study({'kind': 'sweep', 'scene': 'ball-on-plane',\n"
         "    'outputs': ['acceleration_x'],\n"
         "    'parameters': {'frequency': 50, 'amplitude': '0.1 mm', 'beta': 0}}))\n"
         "exact = 5 / 7 * 9.869604401089358\n"

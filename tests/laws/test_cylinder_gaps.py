@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from core.intake import parse_study
+from core.kinds import run_study
 from core.mechanics.cylinder_contact import cylinder_contact
 from core.mechanics.cylinder_impact import is_apart
 from core.mechanics.cylinders import Cylinder
 from core.quantities import REGIMES
-from core.sweep import sweep
 
 PAIRS = 200
 STEPS = 1000
@@ -138,7 +138,7 @@ def test_two_washers_that_were_said_to_overlap():
         "position_x_2": -0.0061010771866972366, "position_y_2": -0.012750910292771724,
         "position_z_2": 0.013618784114556727,
     }  # fmt: skip
-    result = sweep(
+    result = run_study(
         parse_study(
             {"kind": "sweep", "scene": "cylinder-pair-impact", "outputs": ["gap"],
              "parameters": parameters}

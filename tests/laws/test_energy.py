@@ -9,7 +9,8 @@ import pytest
 
 from core.errors import StudyError
 from core.intake import parse_study, prepare_content
-from core.motion import simulate, waves
+from core.kinds import run_study
+from core.motion import waves
 from core.motion.groups import Contacts, Groups, cells_of, each
 from core.motion.methods.events import energy_by_events, motion_by_events
 from core.motion.methods.spatial_events import spatial_path
@@ -187,7 +188,7 @@ def study(parameters, outputs=WORKS, **more):
 
 
 def run(parameters, **more):
-    return simulate(parse_study(study(parameters, **more)))
+    return run_study(parse_study(study(parameters, **more)))
 
 
 def test_a_rail_with_a_clamp_has_a_closed_answer():

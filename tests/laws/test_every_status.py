@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.every_status import FAMILIES, Judged, judged
 from core.intake import parse_study
-from core.motion import simulate
+from core.kinds import run_study
 from core.motion.groups import Contacts, Groups
 from core.motion.kernels.results import COLUMN
 from core.motion.methods.spatial_events import spatial_path
@@ -102,7 +102,7 @@ def test_periodic_is_what_one_more_cycle_confirms(family):
 def run(**parameters):
     """Return the results of one part on the track, at 50 Hz."""
     settings = {name: parameters.pop(name) for name in ("method",) if name in parameters}
-    return simulate(
+    return run_study(
         parse_study({
             "kind": "simulate", "scene": "rectangle-on-track", **settings,
             "outputs": ["conveying_velocity", "conveying_velocity_error", "period_multiple",
@@ -185,7 +185,7 @@ def test_without_a_wall_a_mirror_turns_the_velocity_across():
         "parameters": {"frequency": 50, "amplitude": "0.2 mm", "alpha": [-20, 0, 20],
                        "beta": 20, "friction": 0.3},
     }  # fmt: skip
-    right, flat, left = simulate(parse_study(study)).velocity_across.values
+    right, flat, left = run_study(parse_study(study)).velocity_across.values
     assert flat == 0.0
     # 4.712567625805 mm/s by the method `reference`.
     assert left == pytest.approx(4.712567625805e-3, rel=1e-9)

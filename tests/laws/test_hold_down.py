@@ -9,7 +9,7 @@ import pytest
 
 from core.errors import StudyError
 from core.intake import parse_study, prepare_content
-from core.motion import simulate
+from core.kinds import run_study
 
 SINE = {"frequency": 50, "amplitude": "0.3 mm", "beta": 30, "friction": 0.4, "gravity": 9.8}
 RAIL = {"frequency": 20, "gravity": 9.81, "gamma": 90, "friction_static": 0.44,
@@ -23,7 +23,7 @@ def study(parameters, scene="rectangle-on-plane", method="events", outputs=OUTPU
 
 
 def run(parameters, **more):
-    return simulate(parse_study(study(parameters, **more)))
+    return run_study(parse_study(study(parameters, **more)))
 
 
 def two_levels(slow, fast, period):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from core.intake import parse_study
-from core.optimise import optimise
+from core.kinds import run_study
 from core.optimise.codes import STATUS
 from work import calls
 
@@ -118,7 +118,7 @@ def printed_answer(d: Designs, floor: bool, limit: float):
 
 @pytest.mark.parametrize("floor", [True, False])
 def test_the_printed_plane_keeps_its_limit(floor):
-    dataset = optimise(
+    dataset = run_study(
         study(
             "rectangle-on-plane",
             "thesis",
@@ -151,7 +151,7 @@ def test_the_printed_plane_keeps_its_limit(floor):
 
 @pytest.mark.parametrize("floor", [True, False])
 def test_the_printed_plane_without_a_limit(floor):
-    dataset = optimise(
+    dataset = run_study(
         study("cylinder-on-plane", "thesis", {"kind": "maximise"}, floor_contact=floor)
     )
     d = Designs(dataset)
@@ -170,7 +170,7 @@ def test_the_printed_plane_without_a_limit(floor):
 @pytest.mark.parametrize("variant", ["thesis", "derived"])
 @pytest.mark.parametrize("wall", [True, False])
 def test_the_printed_track(variant, wall):
-    dataset = optimise(
+    dataset = run_study(
         study(
             "rectangle-on-track",
             variant,
@@ -196,7 +196,7 @@ def test_the_printed_track(variant, wall):
 
 
 def test_the_physical_track_with_each_contact_at_its_limit():
-    dataset = optimise(
+    dataset = run_study(
         study(
             "rectangle-on-track",
             "physical",
@@ -234,7 +234,7 @@ def test_the_physical_track_with_each_contact_at_its_limit():
 @pytest.mark.parametrize("scene", ["rectangle-on-plane", "cylinder-on-plane"])
 def test_the_physical_plane_has_no_trade_off(scene):
     falling = sorted(-abs(angle) for angle in GAMMA)
-    dataset = optimise(
+    dataset = run_study(
         study(
             scene,
             "physical",
@@ -282,7 +282,7 @@ def test_optimisers_agree_with_the_answer(method, angle, gap):
         parameters=parameters,
         method=method,
     )
-    dataset = optimise(given)
+    dataset = run_study(given)
     alpha, beta, limited, exists, _ = printed_answer(Designs(dataset), True, 0.5)
     assert exists.all()
     assert limited.any()
@@ -308,7 +308,7 @@ def front_of_case_b(points: int = 200, **more):
 
 @pytest.mark.parametrize("method", ["exact", "newton"])
 def test_the_front_of_case_b_is_the_curve(method):
-    dataset = optimise(front_of_case_b(method=method))
+    dataset = run_study(front_of_case_b(method=method))
     alpha, beta = angles(dataset)
     curve = np.arctan(0.5 * (np.cos(alpha) + np.sin(alpha)))
     np.testing.assert_allclose(beta, curve, rtol=0, atol=1e-8)
@@ -332,7 +332,7 @@ def test_the_front_of_case_a_without_contact():
         parameters={"amplitude": 5e-4, "friction": 0.5},
         floor_contact=False,
     )
-    dataset = optimise(given)
+    dataset = run_study(given)
     d = Designs(dataset.isel(front=0))
     alpha, beta = angles(dataset)
     np.testing.assert_array_equal(alpha, 0.0)
@@ -347,7 +347,7 @@ def test_a_front_without_trade_off_is_one_point():
         {"kind": "pareto", "points": 20},
         parameters={"amplitude": 5e-4, "friction": 0.5},
     )
-    dataset = optimise(given)
+    dataset = run_study(given)
     assert np.ptp(dataset.best_beta.values) == 0
     np.testing.assert_array_equal(np.flatnonzero(dataset.knee.values), [0])
 
@@ -361,7 +361,7 @@ def test_a_front_of_200_points_takes_less_work_than_ten_single_limits():
     )
     front = front_of_case_b()
 
-    assert calls(lambda: optimise(front)) < 10 * calls(lambda: optimise(single))
+    assert calls(lambda: run_study(front)) < 10 * calls(lambda: run_study(single))
 
 
 # --- where there is no optimum
@@ -370,7 +370,7 @@ def test_a_front_of_200_points_takes_less_work_than_ten_single_limits():
 @pytest.mark.parametrize("method", [None, "grid", "population", "slsqp"])
 def test_every_method_says_alike_why_there_is_no_design(method):
     """A limit that no choice keeps is infeasible; newton said of it that nothing moves forwards."""
-    found = optimise(
+    found = run_study(
         study(
             "rectangle-on-plane", "physical", {"kind": "limit", "limit": 2.17},
             parameters={"gamma": [7.67, 7.67 + 1e-3], "frequency": 96.84, "amplitude": 0.29e-3,
@@ -384,7 +384,7 @@ def test_every_method_says_alike_why_there_is_no_design(method):
 
 @pytest.mark.parametrize("method", [None, "grid", "population", "slsqp"])
 def test_every_method_says_alike_that_nothing_moves(method):
-    found = optimise(
+    found = run_study(
         study(
             "rectangle-on-plane", "physical", {"kind": "limit", "limit": 2.17},
             parameters={"gamma": [0.0, 1.0], "frequency": 10.0, "amplitude": 0.1e-3,

@@ -14,7 +14,7 @@ import pytest
 from benchmarks.waves import PLANAR, as_harmonic, bouncing
 from core.compiled import compiled
 from core.intake import parse_study
-from core.motion import simulate
+from core.kinds import run_study
 from core.motion.groups import Groups, cells_of
 from core.motion.kernels.arrays import Floats
 from core.motion.kernels.cells import Cell, cell_of
@@ -45,7 +45,7 @@ def velocity(**parameters: float | str) -> tuple[float, float]:
         "outputs": ["conveying_velocity", "period_multiple"],
         "parameters": {"frequency": 50, **parameters},
     }
-    found = simulate(parse_study(study))
+    found = run_study(parse_study(study))
     assert found.motion_status.item() == STATUS["periodic"]
     return 1e3 * found.conveying_velocity.item(), found.period_multiple.item()
 

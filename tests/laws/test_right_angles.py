@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from core.intake import parse_study
+from core.kinds import run_study
 from core.mechanics.angles import cosine, radians, sine
 from core.mechanics.vibration import vibration_acceleration
 from core.motion import scales
@@ -17,7 +18,6 @@ from core.plan.grid import Grid
 from core.plan.plan import make_plan, scene_parameters
 from core.quantities import QUANTITIES, REGIMES
 from core.scenes import ALIASES, SCENES
-from core.sweep import sweep
 from core.sweep.precise import CONTEXT, exact_values
 
 TURNS = range(-8, 9)
@@ -121,7 +121,7 @@ def test_a_turned_angle_gives_the_same_to_the_bit(scene, variant, level):
 def regimes(scene: str, outputs: list[str], **parameters: object):
     """Return the result of a sweep and the name of its regime."""
     asked = {"kind": "sweep", "scene": scene, "outputs": outputs, "parameters": parameters}
-    result = sweep(parse_study(asked))
+    result = run_study(parse_study(asked))
     return result, next(n for n, r in REGIMES.items() if r.value == int(result.regime))
 
 

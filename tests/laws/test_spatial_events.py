@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.intake import parse_study
-from core.motion import simulate
+from core.kinds import run_study
 from core.motion.groups import Contacts, Groups, each
 from core.motion.kernels.statuses import MODE
 from core.motion.kernels.track.polynomials import NEVER, first_fall
@@ -215,7 +215,7 @@ def test_size_does_not_matter_to_the_bit():
         amplitude = f"{one['amplitude']} mm"
         study = {"kind": "simulate", "scene": "rectangle-on-track",
                  "parameters": {**one, "amplitude": amplitude}}  # fmt: skip
-        speeds.append(float(simulate(parse_study(study)).conveying_velocity))
+        speeds.append(float(run_study(parse_study(study)).conveying_velocity))
     assert speeds[0] == 2 * speeds[1] != 0.0
 
 

@@ -7,7 +7,8 @@ import pytest
 
 from benchmarks.waves import harmonics, steps
 from core.intake import parse_study
-from core.motion import simulate, waves
+from core.kinds import run_study
+from core.motion import waves
 from core.motion.groups import Contacts, Groups
 from core.motion.kernels.waves import passages
 from core.motion.methods.events import planar_motion
@@ -32,7 +33,7 @@ def velocity(scene: str = "rectangle-on-plane", **parameters) -> float:
         "outputs": ASKED,
         "parameters": {"gravity": G, **parameters},
     }
-    found = simulate(parse_study(study))
+    found = run_study(parse_study(study))
     assert found.motion_status.item() == STATUS["periodic"]
     return found.conveying_velocity.item()
 

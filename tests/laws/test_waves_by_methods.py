@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from core.intake import parse_study
+from core.kinds import run_study
 from core.mechanics.arrays import Array
-from core.motion import simulate
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups
 from core.motion.kernels.stepping.tables import Drive
 from core.motion.methods.reference import reference_motion, reference_path
@@ -113,7 +113,7 @@ LEVELS = [
 
 
 def follow(method: str, parameters: dict[str, Any], frequency: float = 50.0) -> Any:
-    return simulate(parse_study({
+    return run_study(parse_study({
         "kind": "simulate", "scene": "rectangle-on-plane", "method": method,
         "outputs": ["conveying_velocity", "conveying_velocity_error"],
         "parameters": {"gravity": G, "frequency": f"{frequency} Hz", **parameters},
@@ -455,7 +455,7 @@ def test_a_stiff_integrator_is_within_its_error_of_the_reference(wave: Wave) -> 
 
 def test_a_course_shows_the_track() -> None:
     parameters, _ = quaid(0.4, 2.0, 0.5, 0.3)
-    dataset = simulate(parse_study({
+    dataset = run_study(parse_study({
         "kind": "simulate", "scene": "rectangle-on-plane", "method": "time-stepping",
         "outputs": ["conveying_velocity"], "trajectory": 600,
         "parameters": {"gravity": G, "frequency": "50 Hz", **parameters},

@@ -14,10 +14,9 @@ from app.cli import app
 from app.main import create_app
 from app.settings import Settings
 from core.intake import parse_study
-from core.kinds import KINDS
-from core.motion import SYSTEMS, simulate
+from core.kinds import KINDS, run_study
+from core.motion import SYSTEMS
 from core.scenes import SCENES
-from core.sweep import sweep
 from local_client import local_client
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -36,7 +35,7 @@ def test_every_scene_has_an_example():
 def test_motion_by_file_by_request_and_by_call(scene, tmp_path):
     path = EXAMPLES["simulate"][scene]
     content = tomllib.loads(path.read_text())
-    called = simulate(parse_study(content))
+    called = run_study(parse_study(content))
     ran = CliRunner().invoke(app, ["run", str(path), "-o", str(tmp_path / "by_file.nc")])
     assert ran.exit_code == 0, ran.output
     read = xarray.load_dataset(tmp_path / "by_file.nc", engine="netcdf4", decode_times=False)
@@ -53,7 +52,7 @@ def test_motion_by_file_by_request_and_by_call(scene, tmp_path):
 def test_a_scene_by_file_by_request_and_by_call(scene, tmp_path):
     path = EXAMPLES["sweep"][scene]
     content = tomllib.loads(path.read_text())
-    called = sweep(parse_study(content))
+    called = run_study(parse_study(content))
     ran = CliRunner().invoke(app, ["run", str(path), "-o", str(tmp_path / "by_file.nc")])
     assert ran.exit_code == 0, ran.output
     with local_client(create_app(Settings(data_directory=tmp_path / "data"))) as client:

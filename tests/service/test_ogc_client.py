@@ -18,8 +18,7 @@ from owslib import ogcapi
 from owslib.ogcapi.processes import Processes
 
 from core.intake import parse_study
-from core.motion import simulate
-from core.sweep import sweep
+from core.kinds import run_study
 from waiting import wait_for
 
 OGC = "http://www.opengis.net/def/rel/ogc/1.0/"
@@ -173,7 +172,7 @@ def test_a_short_study_is_executed_at_once(client, wrap):
     assert document["dataset"]["mediaType"] == "application/json"
     value = document["dataset"]["value"]
     assert value["complete"] is True
-    expected = sweep(parse_study({"kind": "sweep", **SWEEP}))
+    expected = run_study(parse_study({"kind": "sweep", **SWEEP}))
     for name in expected.data_vars:
         found = value["variables"][name]
         assert found["dims"] == list(expected[name].dims)
@@ -204,7 +203,7 @@ def test_a_job_from_the_post_to_the_file(client, server, tmp_path):
     path = tmp_path / "motion.nc"
     path.write_bytes(reply.content)
     read = xarray.load_dataset(path, engine="netcdf4")
-    xarray.testing.assert_equal(read, simulate(parse_study(SIMULATION)))
+    xarray.testing.assert_equal(read, run_study(parse_study(SIMULATION)))
 
 
 def test_the_list_of_jobs(client):

@@ -10,7 +10,7 @@ from app.main import create_app
 from app.settings import Settings
 from benchmarks.quantities_page import PAGE, page
 from core.intake import parse_study, prepare_content
-from core.motion import simulate
+from core.kinds import run_study
 from core.quantities import DIRECTIONS, MOTION_STATUSES
 
 ROOT = Path(__file__).parents[3]
@@ -40,13 +40,13 @@ def test_the_readme_shows_a_study_that_runs():
 
 def test_the_page_on_motion_shows_a_study_and_rates_that_run():
     study, measured, derived, fed = blocks("docs/motion.md", "toml")
-    found = simulate(parse_study(tomllib.loads(study)))
+    found = run_study(parse_study(tomllib.loads(study)))
     assert found.sizes == {"cycle_time": 401}
     driven = tomllib.loads(measured)
     driven["drive"]["file"] = str(ROOT / "examples" / driven["drive"]["file"])
     assert prepare_content(driven, files=True).cells == 21
     assert tomllib.loads(derived) == {"sensitivities": True}
-    rate = simulate(parse_study(tomllib.loads(fed)))
+    rate = run_study(parse_study(tomllib.loads(fed)))
     assert f"{float(rate.feed_rate):.2f} parts a minute, forwards" in " ".join(
         (ROOT / "docs/motion.md").read_text().split()
     )

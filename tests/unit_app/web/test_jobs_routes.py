@@ -14,7 +14,7 @@ from fastapi.testclient import TestClient
 from app.main import create_app
 from app.settings import Settings
 from core.intake import parse_study
-from core.sweep import sweep
+from core.kinds import run_study
 from local_client import ended, local_client
 
 pytestmark = pytest.mark.service  # a server with workers of its own
@@ -175,12 +175,12 @@ class TestResults:
         assert len(reply.content) == found["length"]
         (tmp_path / "sweep.nc").write_bytes(reply.content)
         read = xarray.load_dataset(tmp_path / "sweep.nc", engine="netcdf4")
-        xarray.testing.assert_equal(read, sweep(parse_study(study())))
+        xarray.testing.assert_equal(read, run_study(parse_study(study())))
 
     def test_the_dataset_as_json(self, client, job):
         href = client.get(link(job, f"{OGC}results")).json()["dataset"]["href"]
         document = client.get(href, params={"format": "json"}).json()
-        expected = sweep(parse_study(study()))
+        expected = run_study(parse_study(study()))
         data = document["variables"]["acceleration_x"]["data"]
         np.testing.assert_array_equal(data, expected.acceleration_x)
         problem(client.get(href, params={"format": "xml"}), 422)

@@ -16,9 +16,8 @@ from fastapi.testclient import TestClient
 from app.main import create_app
 from app.settings import Settings
 from core.intake import parse_study
-from core.motion import simulate
+from core.kinds import run_study
 from core.scenes import SCENES
-from core.sweep import sweep
 from local_client import local_client
 from posted_sweeps import STUDY
 
@@ -90,7 +89,7 @@ def test_a_study_is_addressed_by_its_content(client):
 
 
 def test_a_slice_is_a_piece_of_the_whole(client, posted):
-    whole = sweep(parse_study(STUDY))
+    whole = run_study(parse_study(STUDY))
     piece = client.get(
         f"/sweeps/{posted}/slice",
         params={
@@ -288,7 +287,7 @@ class TestSimulation:
         document = reply.json()
         assert document["complete"] is True
         assert document["cells"] == 8
-        expected = simulate(parse_study(SIMULATION))
+        expected = run_study(parse_study(SIMULATION))
         for name in expected.data_vars:
             variable = document["variables"][name]
             assert variable["dims"] == list(expected[name].dims)

@@ -15,7 +15,7 @@ from app.settings import Settings
 from app.web.accept import preferred
 from app.web.zarr_views import ZarrViews
 from core.intake import parse_study, prepare_content
-from core.sweep import sweep
+from core.kinds import run_study
 from core.sweep.zarr_view import ZarrView
 from local_client import local_client
 from posted_sweeps import STUDY, TRILLION, problem
@@ -59,7 +59,7 @@ class TestSlice:
         assert header.keys() == told.json().keys()
         for name in ("output", "unit", "fixed", "regimes"):
             assert header[name] == told.json()[name]
-        whole = sweep(parse_study(STUDY)).sel(beta=15, amplitude=5e-4)
+        whole = run_study(parse_study(STUDY)).sel(beta=15, amplitude=5e-4)
         np.testing.assert_array_equal(arrays["values"].T, whole.transport_velocity)
         np.testing.assert_array_equal(arrays["regime"].T, whole.regime)
         assert arrays["regime"].dtype == np.int8

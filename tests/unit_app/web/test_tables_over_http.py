@@ -15,8 +15,8 @@ from app.settings import Settings
 from app.web.accept import takes_gzip
 from core.extras import installing
 from core.intake import parse_study
+from core.kinds import run_study
 from core.quantities import REGIMES
-from core.sweep import sweep
 from local_client import local_client
 from posted_sweeps import STUDY, problem, with_axes
 
@@ -34,7 +34,7 @@ PLAIN = {"Accept-Encoding": "identity"}
 @pytest.fixture
 def expected() -> pandas.DataFrame:
     """Return the slice, by xarray and pandas."""
-    whole = sweep(parse_study(STUDY)).sel(beta=15, amplitude=5e-4)
+    whole = run_study(parse_study(STUDY)).sel(beta=15, amplitude=5e-4)
     return whole.transport_velocity.transpose("alpha", "frequency").to_dataframe().reset_index()
 
 
@@ -57,7 +57,7 @@ class TestSlices:
         for column in ("alpha [degree]", "frequency [Hz]", "transport_velocity [m s-1]"):
             np.testing.assert_array_equal(found[column], expected[column.split()[0]])
         assert (found["amplitude [m]"] == 5e-4).all()
-        whole = sweep(parse_study(STUDY)).sel(beta=15, amplitude=5e-4)
+        whole = run_study(parse_study(STUDY)).sel(beta=15, amplitude=5e-4)
         regimes = words_of(whole.regime.transpose("alpha", "frequency")).ravel()
         assert found["regime"].tolist() == regimes.tolist()
         beyond = sum(not REGIMES[name].valid for name in regimes)
@@ -152,7 +152,7 @@ class TestResults:
     def test_tables(self, job):
         client, post = job
         address = post(STUDY)
-        expected = sweep(parse_study(STUDY)).to_dataframe().reset_index()
+        expected = run_study(parse_study(STUDY)).to_dataframe().reset_index()
         reply = client.get(address, headers={"Accept": "text/csv"})
         assert reply.headers["content-disposition"].endswith('.csv"')
         found = pandas.read_csv(io.BytesIO(reply.content))

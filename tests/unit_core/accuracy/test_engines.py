@@ -1,4 +1,4 @@
-"""General physics engines on a vibrating plate, in the report where they are installed."""
+"""General physics engines on a vibrating plate, beside our methods where they are installed."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import pytest
 
+from benchmarks import engines, plate_engines
 from benchmarks.engines import CASES
-from core.accuracy import engines, motion
+from core.accuracy import motion
 from core.accuracy.curves import Measured
 from core.intake import prepare_content
 from core.watch import Watch
@@ -31,14 +32,17 @@ def measured(monkeypatch: pytest.MonkeyPatch, *names: str, **parameters: object)
             **parameters,
         },
     }
-    return motion.measure(prepare_content(study), Watch(), cells=4)
+    return motion.measure(prepare_content(study), Watch(), cells=4, rivals=engines.engine_curves)
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_pymunk_comes_near_the_known_velocity_with_its_step(case):
     """Engines are of first order: a tenth of the step is a tenth of the error, or less."""
     errors = [
-        abs(engines.engine_velocity("pymunk", case.drive, 1 / (50 * steps)) / case.velocity - 1)
+        abs(
+            plate_engines.engine_velocity("pymunk", case.drive, 1 / (50 * steps)) / case.velocity
+            - 1
+        )
         for steps in (200, 2000)
     ]
     assert errors[0] < 0.02  # a step is 2 % of a period
@@ -49,7 +53,7 @@ def test_a_drive_along_a_level_track_moves_nothing():
     """But for the moments at which slip turns, which are late by up to a step."""
     drive = replace(CASES[0].drive, beta=0.0, gamma=0.0)
     speed = drive.amplitude * drive.circular
-    found = engines.engine_velocity("pymunk", drive, 1 / (50 * 2000))
+    found = plate_engines.engine_velocity("pymunk", drive, 1 / (50 * 2000))
     assert abs(found) < 2 * math.pi / 2000 * speed
 
 
@@ -61,8 +65,8 @@ def test_the_plate_of_a_drive_is_where_it_should_be():
     assert math.hypot(*drive.gravity) == pytest.approx(9.81)
 
 
-def test_a_report_measures_what_is_installed(monkeypatch):
-    monkeypatch.setattr(motion, "ENGINE_STEPS", (200, 1000))
+def test_what_is_installed_is_measured_beside_our_methods(monkeypatch):
+    monkeypatch.setattr(engines, "ENGINE_STEPS", (200, 1000))
     found = measured(monkeypatch, "pymunk")
     [curve] = [curve for curve in found.curves if curve.method == "pymunk"]
     coarse, fine = curve.points
@@ -71,9 +75,9 @@ def test_a_report_measures_what_is_installed(monkeypatch):
     assert any(note.startswith("Engines: pymunk 7") for note in found.notes)
 
 
-def test_engines_that_are_not_installed_are_no_part_of_a_report(monkeypatch):
+def test_engines_that_are_not_installed_are_left_out(monkeypatch):
     found = measured(monkeypatch)
-    assert not {curve.method for curve in found.curves} & set(engines.ENGINES)
+    assert not {curve.method for curve in found.curves} & set(plate_engines.ENGINES)
     assert not any("Engines" in note for note in found.notes)
 
 

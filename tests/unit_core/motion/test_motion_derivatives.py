@@ -12,7 +12,7 @@ from benchmarks.derivatives import BAR, SURE, derived, errors, random_cells, rep
 from core.errors import StudyError
 from core.intake import prepare_content
 from core.kinds import tabulate
-from core.motion.derivatives import derivatives_at, motion_sensitivities
+from core.motion.derivatives import derivatives_at
 from core.motion.groups import Groups, cells_of
 from core.motion.kernels.planar.derive import KINK
 from core.motion.kernels.planar.slope_tables import TOLD
@@ -20,6 +20,7 @@ from core.motion.prepare import choose_system
 from core.motion.result import STATUS as MOTION
 from core.plan.derivatives import STATUS
 from core.plan.plan import plan_scene
+from point_slopes import motion_sensitivities
 
 PLANE = "rectangle-on-plane"
 POINT = {

@@ -13,12 +13,11 @@ import pytest
 from benchmarks.worked_values import MEAN_VELOCITIES
 from core.errors import StudyError
 from core.intake import load_study, parse_study, prepare_content
-from core.kinds import tabulate
-from core.motion import SYSTEMS, simulate
+from core.kinds import run_study, tabulate
+from core.motion import SYSTEMS
 from core.motion.rates import effective_distance, parts_per_minute, velocity_for
 from core.motion.systems import CONTACTS
 from core.quantities import MOTION_STATUSES
-from core.sweep import sweep
 from core.watch import Watch
 
 CONFIGS = Path(__file__).parents[3] / "configs"
@@ -37,7 +36,7 @@ def study(scene: str = "rectangle-on-plane", **changes):
 
 
 def run(**changes):
-    return simulate(parse_study(study(**changes)))
+    return run_study(parse_study(study(**changes)))
 
 
 def problems(**changes) -> dict[str, str]:
@@ -87,7 +86,7 @@ class TestMethods:
             assert away <= float(found.conveying_velocity_error) + 1e-9 * HOP_SPEED, method
 
     def test_regularised_methods_agree_within_their_error(self):
-        found = simulate(load_study(CONFIGS / "regularised.toml"))
+        found = run_study(load_study(CONFIGS / "regularised.toml"))
         # Its friction is 0.25 throughout: the exact motion is that of the events.
         exact = run(parameters={"amplitude": "24 um", "beta": "20 deg", "friction": 0.25})
         away = abs(float(found.conveying_velocity) - float(exact.conveying_velocity))
@@ -231,13 +230,13 @@ class TestDatasets:
         assert float(whole.position_along[-1]) == pytest.approx(0.5 * HOP_SPEED, rel=1e-11)
 
     def test_a_tumbling_part(self):
-        found = simulate(load_study(CONFIGS / "tumbling-course.toml"))
+        found = run_study(load_study(CONFIGS / "tumbling-course.toml"))
         assert found.attrs["scene"] == "cylinder-isolated"
         assert float(found.settling_time) < 1
         end = found.isel(cycle_time=-1)
         assert float(end.path_height) == pytest.approx(0.004, abs=1e-9)  # on its side
         assert int(end.path_corners) == 2
-        by_steps = simulate(parse_study({
+        by_steps = run_study(parse_study({
             "kind": "simulate", "scene": "rectangle-isolated", "method": "time-stepping",
             "outputs": ["resting_side", "final_pitch"],
             "parameters": {"length": "20 mm", "height": "12 mm", "drop_height": "5 mm",
@@ -265,7 +264,7 @@ class TestDatasets:
                 parameters |= {"amplitude": "24 um", "friction": 0.25, "beta": "20 deg"}
             asked = {"method": method, "outputs": list(system.outputs(method))}
             content = {"kind": "simulate", "scene": scene, **asked, "parameters": parameters}
-            found = simulate(parse_study(content))
+            found = run_study(parse_study(content))
             for name in system.outputs(method):
                 assert name in found
                 # No bound is known of a drive off the floor.
@@ -434,13 +433,13 @@ class TestRates:
             "parameters": {**HOP, "delta": "10 deg", "radius": "0.2 m", "distance": "0.1 mm"},
         }  # fmt: skip
         simulated = run()
-        K = sweep(parse_study(content)).starting_acceleration
+        K = run_study(parse_study(content)).starting_acceleration
         distance = effective_distance(
             velocity=simulated.conveying_velocity.values, starting_acceleration=K.values,
             friction_kinetic=np.array(0.4), radius=np.array(0.2),
         )  # fmt: skip
         content["parameters"]["distance"] = float(distance)
-        again = sweep(parse_study(content)).transport_velocity
+        again = run_study(parse_study(content)).transport_velocity
         assert float(again) == pytest.approx(HOP_SPEED, rel=1e-13)
 
     def test_there_is_none_beyond_the_terminal_velocity(self):

@@ -10,15 +10,14 @@ import pytest
 
 from core.errors import StudyError
 from core.intake import load_study, parse_study, prepare_content
-from core.kinds import tabulate
-from core.optimise import METHODS, optimise
+from core.kinds import run_study, tabulate
+from core.optimise import METHODS
 from core.optimise.codes import STATUS
 from core.optimise.front import knee
 from core.optimise.labels import BINDS
 from core.plots import PlotError, front, landscape
 from core.plots.options import Options
 from core.quantities import OPTIMUM_STATUSES, REGIMES
-from core.sweep import sweep
 from core.watch import Watch
 
 CONFIGS = sorted((Path(__file__).parents[3] / "configs").glob("optimise-*.toml"))
@@ -38,7 +37,7 @@ def content(**change):
 
 
 def solved(**change):
-    return optimise(parse_study(content(**change)))
+    return run_study(parse_study(content(**change)))
 
 
 def problems(**change) -> dict[str, str]:
@@ -200,7 +199,7 @@ def test_floor_contact_can_be_given_up():
 
 
 def test_the_fastest_true_motion():
-    dataset = optimise(load_study(next(path for path in CONFIGS if "velocity" in path.stem)))
+    dataset = run_study(load_study(next(path for path in CONFIGS if "velocity" in path.stem)))
     # By a plain grid of the simulated motion: 0.17 m/s near 22 deg, far beyond lift-off (7.9 deg).
     assert float(dataset.best_beta) == pytest.approx(21.8, abs=0.1)
     assert float(dataset.throw_number) > 2
@@ -350,7 +349,7 @@ def test_outputs_without_a_value(method):
 @pytest.mark.parametrize("method", ["grid", "population", "slsqp"])
 def test_what_was_never_begun_is_not_computed(method):
     study = parse_study(content(method=method))
-    dataset = optimise(study, watch=Watch(deadline=0.0))
+    dataset = run_study(study, watch=Watch(deadline=0.0))
     assert status(dataset) == "not_computed"
 
 
@@ -430,7 +429,7 @@ class TestRobust:
             parameters = {**DATA, "friction": float(friction), **at}
             study = {"kind": "sweep", "scene": "rectangle-on-plane", "variant": "thesis",
                      "outputs": ["acceleration_y"], "parameters": parameters}  # fmt: skip
-            assert abs(float(sweep(parse_study(study)).acceleration_y)) <= 0.5 + 1e-6
+            assert abs(float(run_study(parse_study(study)).acceleration_y)) <= 0.5 + 1e-6
 
     def test_several_are_worst_in_a_corner_of_their_box(self):
         both = {"friction": {"lower": 0.3, "upper": 0.5}, "gamma": {"lower": 0, "upper": 3}}
@@ -485,13 +484,21 @@ class TestSensitivities:
         np.testing.assert_allclose(found.sensitivity_beta, -beta * np.tan(beta), rtol=1e-12)
         assert "sensitivity_friction" not in found
 
+    def test_a_variable_that_only_a_constraint_needs_has_none(self):
+        """A0 (2 pi f)^2 does not know beta; the study was refused once its answers were there."""
+        gentle = load_study(CONFIGS[0].parent / "optimise-minimise.toml")
+        found = run_study(gentle.model_copy(update={"sensitivities": True}))
+        np.testing.assert_array_equal(found.sensitivity_beta, 0.0)
+        np.testing.assert_allclose(found.sensitivity_amplitude, 1, rtol=1e-14)
+        np.testing.assert_allclose(found.sensitivity_frequency, 2, rtol=1e-14)
+
     def test_those_of_a_smooth_optimum_by_its_own_variables_are_0(self):
         found = solved(criterion={"kind": "maximise"}, variant="thesis", sensitivities=True,
                        parameters={**DATA, "amplitude": "0.05 mm"})  # fmt: skip
         assert float(found.sensitivity_beta) == pytest.approx(0, abs=1e-7)
 
     def test_motion_is_derived_inside_its_regime(self):
-        found = optimise(load_study(CONFIGS[0].parent / "optimise-robust.toml"))
+        found = run_study(load_study(CONFIGS[0].parent / "optimise-robust.toml"))
         # v/(g/w) depends on p = A0 w^2/g alone: d ln v/d ln f = 2 d ln v/d ln A0 - 1.
         np.testing.assert_allclose(
             found.sensitivity_frequency, 2 * found.sensitivity_amplitude - 1, atol=1e-3

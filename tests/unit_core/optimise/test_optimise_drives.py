@@ -11,10 +11,10 @@ import pytest
 from benchmarks.best_wave import harmonics, known_best, motions, steps, study
 from core.errors import StudyError
 from core.intake import load_study, parse_study, prepare_content
-from core.motion.derivatives import motion_sensitivities
-from core.optimise import optimise
+from core.kinds import run_study
 from core.optimise.prepare import prepare
 from core.optimise.run import designs_of
+from point_slopes import motion_sensitivities
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 PARAMETERS = study()["parameters"]
@@ -28,7 +28,7 @@ def problems(**changes: Any) -> dict[str, str]:
 
 @pytest.mark.parametrize("count", [3, 4])
 def test_free_switching_times_find_the_fastest_wave(count: int) -> None:
-    found = optimise(parse_study(study(variables=steps(count))))
+    found = run_study(parse_study(study(variables=steps(count))))
     assert 1 - 1e-6 < float(found.share_of_fastest) < 1 + 1e-9
     assert float(found.largest_acceleration_along) <= 30 * (1 + 1e-12)
     assert found.binds_largest_acceleration_along_upper == 1
@@ -39,7 +39,7 @@ def test_the_best_phase_of_a_normal_drive() -> None:
     content["variables"] = {"phase_normal_1": {"lower": "-180 deg", "upper": "180 deg"}}
     amplitudes = {"amplitude_along_1": 2e-4, "amplitude_normal_1": 8e-5}
     content["parameters"] = PARAMETERS | amplitudes
-    found = optimise(parse_study(content))
+    found = run_study(parse_study(content))
     phases = np.linspace(-np.pi, np.pi, 721)
     given = {name: np.full_like(phases, value) for name, value in content["parameters"].items()}
     looked = motions(("conveying_velocity",), {**given, "phase_normal_1": phases})
@@ -54,14 +54,14 @@ def test_a_stroke_is_kept() -> None:
         {"output": "stroke_along", "upper": 1e-4},
         {"output": "largest_jerk_along", "upper": 2e4},
     ]
-    found = optimise(parse_study(study(variables=harmonics(2), constraints=limits)))
+    found = run_study(parse_study(study(variables=harmonics(2), constraints=limits)))
     assert float(found.stroke_along) <= 1e-4 * (1 + 1e-9)
     assert float(found.largest_jerk_along) <= 2e4 * (1 + 1e-9)
     assert float(found.objective) > 0
 
 
 def test_the_robust_wave_does_better_in_the_worst_case() -> None:
-    found = optimise(load_study(CONFIGS / "optimise-robust-steps.toml"))
+    found = run_study(load_study(CONFIGS / "optimise-robust-steps.toml"))
     friction = np.linspace(0.36, 0.44, 201)
     given = {name: np.full_like(friction, value) for name, value in
              {**known_best(0.4, 0.4), "frequency": 50.0, "gravity": 9.81}.items()}  # fmt: skip

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from core.intake import parse_study
+from core.kinds import tabulate
 from core.optimise.prepare import prepare
-from core.optimise.run import tabulate
 from core.watch import Watch
 
 STUDY = {

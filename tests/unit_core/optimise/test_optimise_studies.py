@@ -16,7 +16,8 @@ from app.settings import Settings
 from core.catalogue import kind_schema
 from core.errors import StudyError
 from core.intake import load_study, parse_json, parse_study, prepare_content
-from core.optimise import METHODS, optimise
+from core.kinds import run_study
+from core.optimise import METHODS
 from core.optimise.codes import STATUS
 from core.quantities import REGIMES
 from local_client import local_client
@@ -48,7 +49,7 @@ def problems(**change) -> dict[str, str]:
 
 @pytest.mark.parametrize("path", CONFIGS, ids=lambda path: path.stem)
 def test_every_example_has_an_optimum_everywhere(path):
-    dataset = optimise(load_study(path))
+    dataset = run_study(load_study(path))
     assert (dataset.optimum_status == STATUS["optimal"]).all()
     for name, variable in dataset.data_vars.items():
         if name != "optimality_residual" or "worst case" not in dataset.attrs["criterion"]:
@@ -178,7 +179,7 @@ def test_by_command_by_request_and_by_call(tmp_path):
 
     path = next(path for path in CONFIGS if "pareto" in path.stem)
     study = tomllib.loads(path.read_text())
-    called = optimise(parse_study(study))
+    called = run_study(parse_study(study))
     ran = CliRunner().invoke(app, ["run", str(path), "-o", str(tmp_path / "front.nc")])
     assert ran.exit_code == 0, ran.output
     assert "the whole front, method exact" in ran.output

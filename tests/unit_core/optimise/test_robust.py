@@ -7,8 +7,20 @@ import math
 import numpy as np
 import pytest
 
-from core.optimise.robust import robust_value, uncertain_of
+from core.optimise.robust import NODES, nodes_over, over_nodes, uncertain_of
 from core.study.distributions import read_distribution
+
+
+def robust_value(evaluate, interval, *, how="worst", nodes=NODES):
+    """Return an objective that knows a parameter only within an interval: what counts of it."""
+    places, weights = nodes_over(interval, how, nodes)
+
+    def robust(points):
+        count = len(points)
+        values = np.asarray(evaluate(np.tile(points, (nodes, 1)), np.repeat(places, count)))
+        return over_nodes(values.reshape(nodes, count), weights)
+
+    return robust
 
 
 def hill(points, friction):

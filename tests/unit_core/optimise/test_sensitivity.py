@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 from core.errors import StudyError
-from core.motion.derivatives import motion_sensitivities
 from core.plan import plan as plans
-from core.plan.derivatives import sensitivities
 from core.scenes import SCENES
 from core.scenes.scene import Equation, Scene
 from exact_planes import FORMULAS, Point
 from many_digits import mp, mpf
 from plane_points import parameters, random_point
+from point_slopes import motion_sensitivities, sensitivities
 
 POINTS, PAIRS = 4, 24  # random points of a variant, and derivatives taken at each
 

@@ -12,16 +12,14 @@ import pytest
 from core.catalogue import describe, study_schema
 from core.errors import LimitError, Problem, SceneError, StudyError
 from core.intake import load_study, parse_study, prepare_content
-from core.kinds import KINDS
-from core.motion import SYSTEMS, simulate
+from core.kinds import KINDS, run_study
+from core.motion import SYSTEMS
 from core.motion.drives import shape_of
-from core.optimise import optimise
 from core.plan.plan import make_plan, scene_parameters
 from core.quantities import FAMILIES, QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE as NUMBERS_OF_DRIVES
 from core.scenes import ALIASES, SCENES, Condition, Equation
 from core.scenes.scene import Scene
-from core.sweep import sweep
 from core.sweep.prepare import prepare
 
 READABLE = re.compile(r"[A-Z][a-z']+,? (?! )[^`\[\]]*(?<! )\.")
@@ -108,7 +106,7 @@ def test_every_output_evaluates_to_a_finite_value_and_a_known_regime(name, varia
     outputs = list(scene.outputs(variant))
     parameters = {n: VALUES[n] for n in VALUES if n in scene_parameters(scene, variant)}
     study = {**content(name, outputs, **parameters), "variant": variant}
-    dataset = sweep(parse_study(study))
+    dataset = run_study(parse_study(study))
     # What is infinite is so for a reason: this drive does not stop the part, nor lets it hover.
     unbounded = {"stopping_distance", "stopping_time", "pressure_offset_x", "pressure_offset_y"}
     unbounded |= {"pressure_offset_axial", "required_friction"}
@@ -169,8 +167,8 @@ def test_results_do_not_depend_on_blocks_or_on_the_presence_of_other_axes():
         assert sum(done) == pytest.approx(1)
         for name, values in whole.items():
             np.testing.assert_array_equal(parts[name], values)
-    dataset = sweep(study)
-    point = sweep(
+    dataset = run_study(study)
+    point = run_study(
         parse_study(
             content(
                 "rectangle-on-track",
@@ -280,10 +278,10 @@ def test_every_output_names_the_variant_that_it_really_uses(scene, variant, outp
 
 def test_peak_to_peak_is_twice_the_amplitude():
     common = {"frequency": 50, "beta": 20, "friction": 0.3}
-    one = sweep(
+    one = run_study(
         parse_study(content("rectangle-on-plane", ["acceleration_x"], amplitude=5e-4, **common))
     )
-    two = sweep(
+    two = run_study(
         parse_study(
             content("rectangle-on-plane", ["acceleration_x"], peak_to_peak="1 mm", **common)
         )
@@ -337,10 +335,10 @@ class TestScenes:
             used |= {*shape.inputs, "wave"}
         configs = Path(__file__).parents[3] / "configs"
         for study in ("trajectory.toml", "tumbling-course.toml", "track-course.toml"):
-            used |= set(simulate(load_study(configs / study)).variables)
-        front = optimise(load_study(configs / "optimise-pareto.toml"))
+            used |= set(run_study(load_study(configs / study)).variables)
+        front = run_study(load_study(configs / "optimise-pareto.toml"))
         used |= {*front.variables}
-        used |= set(optimise(load_study(configs / "optimise-velocity.toml")).variables)
+        used |= set(run_study(load_study(configs / "optimise-velocity.toml")).variables)
         assert set(QUANTITIES) - used == set()
 
     def test_regime_values_are_distinct_and_without_gaps(self):

@@ -11,13 +11,12 @@ from matplotlib.colors import to_hex, to_rgb
 from scipy.ndimage import label
 
 from core.intake import parse_study
-from core.motion import simulate
+from core.kinds import run_study
 from core.plots import draw, draw_file
 from core.plots.islands import without_specks
 from core.plots.regimes import LOOKS
 from core.quantities import REGIMES
 from core.quantities.pictures import FILLS
-from core.sweep import sweep
 from pictures import legend, problem, subtitle
 
 OUTPUTS = ["conveying_velocity", "conveying_velocity_spread"]
@@ -25,7 +24,7 @@ FREQUENCY = 50.0
 
 
 def simulation(outputs: list[str] = OUTPUTS, **parameters: object) -> xarray.Dataset:
-    return simulate(
+    return run_study(
         parse_study(
             {
                 "kind": "simulate",
@@ -157,7 +156,7 @@ def test_specks_have_no_border(bouncing: xarray.Dataset):
 
 
 def test_map_of_closed_forms_on_a_logarithmic_axis():
-    dataset = sweep(
+    dataset = run_study(
         parse_study(
             {
                 "kind": "sweep",

@@ -16,11 +16,11 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from core.intake import parse_study
+from core.kinds import run_study
 from core.plots import PlotError, draw, draw_file
 from core.plots.selection import select
 from core.plots.text import math_symbol
 from core.quantities import REGIMES
-from core.sweep import sweep
 from pictures import problem, subtitle
 
 DEGREES = {"start": 0, "stop": 60, "num": 13}
@@ -36,7 +36,7 @@ TRACK = {
 
 
 def study(scene: str, outputs: list[str], variant: str = "physical", **parameters: object):
-    return sweep(
+    return run_study(
         parse_study(
             {
                 "kind": "sweep",

@@ -6,11 +6,11 @@ import pytest
 from benchmarks.worked_values import DRIVE
 from core.errors import StudyError
 from core.intake import parse_study
+from core.kinds import run_study
 from core.plan.blocks import evaluate_in_blocks
 from core.plan.evaluate import empty_results
 from core.quantities import REGIMES
 from core.scenes import SCENES
-from core.sweep import sweep
 from core.sweep.prepare import prepare
 
 SCENE = "cylinder-rolling"
@@ -27,7 +27,7 @@ def run(*outputs: str, variant: str = "derived", scene: str = SCENE, **changes: 
         "parameters": {**BASE, **changes},
     }  # fmt: skip
     try:
-        return sweep(parse_study(study))
+        return run_study(parse_study(study))
     except StudyError as error:
         # drop what these outputs do not use
         unused = {p.place.removeprefix("parameters.") for p in error.problems if "not used" in
@@ -35,7 +35,7 @@ def run(*outputs: str, variant: str = "derived", scene: str = SCENE, **changes: 
         if not unused:
             raise
         study["parameters"] = {k: v for k, v in study["parameters"].items() if k not in unused}
-        return sweep(parse_study(study))
+        return run_study(parse_study(study))
 
 
 def regime(dataset) -> set[str]:

@@ -5,8 +5,8 @@ import pytest
 
 from core.errors import VibrafeedError
 from core.intake import parse_study
+from core.kinds import run_study
 from core.quantities import REGIMES
-from core.sweep import sweep
 
 DRIVE = {
     "frequency": 60, "amplitude": "1 mm", "alpha": 0, "beta": 2, "delta": 10, "friction": 0.3,
@@ -17,7 +17,7 @@ PART = {"width": "1.5 mm", "height": "10 mm", "length": "50 mm", "mass": "5 g"}
 
 def track(variant: str, outputs: list[str], **parameters: object):
     content = {"kind": "sweep", "scene": "rectangle-on-track", "variant": variant}
-    return sweep(parse_study({**content, "outputs": outputs, "parameters": DRIVE | parameters}))
+    return run_study(parse_study({**content, "outputs": outputs, "parameters": DRIVE | parameters}))
 
 
 def test_floor_force_from_moments_does_not_carry_the_weight():

@@ -8,9 +8,8 @@ import pytest
 from benchmarks.figures.studies import data as figure
 from benchmarks.figures.studies import path_of
 from core.intake import load_study
-from core.kinds import prepare, tabulate
+from core.kinds import prepare, run_study, tabulate
 from core.quantities import REGIMES
-from core.sweep import sweep
 
 CONFIGS = Path(__file__).parents[3] / "configs"
 STUDIES = sorted(CONFIGS.rglob("*.toml"))
@@ -60,7 +59,7 @@ def test_limiting_friction_of_chapter_3_is_the_formula_and_never_below_its_minim
     assert study.title is not None
     assert study.title.startswith(f"Figure 3.{number}: ")
     assert study.variant == "thesis"
-    dataset = sweep(study)
+    dataset = run_study(study)
     limit = dataset["limiting_friction_right"]
     ratio = dataset[across] / dataset["length"]
     kappa = 3 if number == 3 else 12 * (ratio**2 + 1) / (3 * ratio**2 + 4)

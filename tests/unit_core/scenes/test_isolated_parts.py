@@ -10,8 +10,8 @@ import pytest
 from benchmarks.worked_values import LIMITING_FRICTION
 from core.errors import StudyError
 from core.intake import parse_study
+from core.kinds import run_study
 from core.quantities import REGIMES
-from core.sweep import sweep
 from core.sweep.prepare import prepare
 from core.sweep.slice import cut
 
@@ -21,7 +21,7 @@ OF_A_CYLINDER = LIMITING_FRICTION["least of a cylinder"]
 
 def run(scene: str, outputs: list[str], variant: str = "derived", **parameters: object):
     content = {"kind": "sweep", "scene": scene, "variant": variant, "outputs": outputs}
-    return sweep(parse_study({**content, "parameters": parameters}))
+    return run_study(parse_study({**content, "parameters": parameters}))
 
 
 def regime(dataset) -> str:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from core.intake import parse_study
+from core.kinds import run_study
 from core.quantities import REGIMES
-from core.sweep import sweep
 
 VELOCITIES = [
     f"{name}_{body}_after" for body in "12" for name in ("velocity_x", "velocity_y", "spin")
@@ -34,7 +34,7 @@ def collide(law: str | None = None, scene: str = "rectangle-pair-impact", **para
         study["variant"] = law
     if law in LAWS[1:]:
         study["parameters"].setdefault("friction", 0.3)
-    return sweep(parse_study(study))
+    return run_study(parse_study(study))
 
 
 def regime(dataset) -> str:
@@ -248,7 +248,7 @@ def clash(law: str | None = None, outputs: list[str] | None = None, **parameters
         study["variant"] = law
     if law in LAWS[1:]:
         study["parameters"].setdefault("friction", 0.3)
-    return sweep(parse_study(study))
+    return run_study(parse_study(study))
 
 
 # place of body 1 over body 2, which lies along x; form; body with the face; gap from the geometry

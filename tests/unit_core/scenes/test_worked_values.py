@@ -6,7 +6,7 @@ import pytest
 
 from benchmarks.worked_values import CLOSED_FORMS, ClosedForm
 from core.intake import parse_study
-from core.sweep import sweep
+from core.kinds import run_study
 
 EXACT = 1e-13
 
@@ -19,7 +19,7 @@ def test_a_worked_value(row: ClosedForm) -> None:
         "kind": "sweep", "scene": row.scene, "variant": row.variant, "outputs": [row.output],
         "parameters": row.given,
     }  # fmt: skip
-    found = float(sweep(parse_study(study))[row.output])
+    found = float(run_study(parse_study(study))[row.output])
     if row.half_unit is None:
         assert found == pytest.approx(row.value, rel=EXACT)
     else:

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from core.intake import parse_study
+from core.kinds import run_study
 from core.study import spacing
 from core.study.spacing import as_typed, evenly, geometrically
 from core.study.values import read_values
-from core.sweep import sweep
 
 UNITS = {
     "amplitude": {"m": 1, "mm": Fraction(1, 1000), "um": Fraction(1, 10**6)},
@@ -133,7 +133,7 @@ def test_every_typed_amplitude_selects_its_cell():
             },
         }
     )
-    found = sweep(study)
+    found = run_study(study)
     for hundredths in range(5, 76):
         found.sel(amplitude=float(f"{hundredths}e-5"))
     assert found.sizes["frequency"] == 21

@@ -16,8 +16,8 @@ from core.dataset.files import partial
 from core.dataset.netcdf import write_netcdf
 from core.errors import VibrafeedError
 from core.intake import prepare_content
+from core.kinds import tabulate
 from core.plan.tiles import Tiled
-from core.sweep import tabulate
 from core.sweep.stream import outline, stream
 from core.sweep.targets import is_complete, open_target
 from core.watch import Watch

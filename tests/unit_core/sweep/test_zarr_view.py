@@ -19,8 +19,9 @@ import xarray
 
 from core.errors import VibrafeedError
 from core.intake import prepare_content
+from core.kinds import tabulate
 from core.study.values import Points, Span
-from core.sweep import Sweep, tabulate
+from core.sweep import Sweep
 from core.sweep.lazy import open_lazily
 from core.sweep.zarr_view import ZarrView
 
