@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from core.errors import Problem, StudyError
 from core.mechanics.arrays import Array
 from core.mechanics.travel import distance_bound
 
@@ -24,8 +25,7 @@ def parts_per_minute(*, velocity: Array, length: Array, gap: Array | float = 0.0
     >>> float(round(vibrafeed.parts_per_minute(velocity=0.03, length=0.012, gap=0.003), 9))
     120.0
     """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.divide(60.0 * velocity, length + gap)
+    return 60.0 * velocity / _spacing(length, gap)
 
 
 def velocity_for(*, parts_per_minute: Array, length: Array, gap: Array | float = 0.0) -> Array:
@@ -36,7 +36,7 @@ def velocity_for(*, parts_per_minute: Array, length: Array, gap: Array | float =
     >>> round(vibrafeed.velocity_for(parts_per_minute=120, length=0.012, gap=0.003), 15)
     0.03
     """
-    return parts_per_minute * (length + gap) / 60.0
+    return parts_per_minute * _spacing(length, gap) / 60.0
 
 
 def effective_distance(
@@ -73,3 +73,13 @@ def effective_distance(
         radius=radius,
     )
     return np.where(velocity < 0, np.inf, distance)
+
+
+def _spacing(length: Array, gap: Array | float) -> Array:
+    """Return the length of track that a part takes [m]; no rate belongs to none."""
+    spacing = length + gap
+    if np.any(spacing <= 0.0):
+        raise StudyError([
+            Problem("length", "with its gap it is not above 0", "Give what a part takes of the track")
+        ])  # fmt: skip
+    return spacing

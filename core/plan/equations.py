@@ -17,6 +17,14 @@ Known = dict[str, Any]
 """Quantities by name: arrays that broadcast, SI units, and bundles of them."""
 
 
+def too_large_is_data() -> np.errstate:
+    """Return the context in which what is too large for a float is infinite, without a warning.
+
+    What hangs on it may be no number; the compiled loops of large sweeps say nothing of it either.
+    """
+    return np.errstate(over="ignore", invalid="ignore")
+
+
 def run_equations(plan: Plan, given: Mapping[str, Any], watch: Watch | None = None) -> Known:
     """Return every quantity of a plan on whole arrays, SI units: given, default and computed.
 
@@ -28,11 +36,12 @@ def run_equations(plan: Plan, given: Mapping[str, Any], watch: Watch | None = No
 
 def run(equations: Iterable[Equation], known: Known, watch: Watch | None = None) -> Known:
     """Add what equations give, one after another, to what is known; return that."""
-    for equation in equations:
-        watched = {"watch": watch} if equation.takes_long else {}
-        known[equation.gives] = equation.function(
-            **{name: known[name] for name in equation.inputs}, **watched
-        )
+    with too_large_is_data():
+        for equation in equations:
+            watched = {"watch": watch} if equation.takes_long else {}
+            known[equation.gives] = equation.function(
+                **{name: known[name] for name in equation.inputs}, **watched
+            )
     return known
 
 
@@ -44,7 +53,8 @@ def regimes(plan: Plan, known: Mapping[str, Any]) -> NDArray[np.int8]:
 def regimes_of(conditions: Sequence[Condition], otherwise: str, known: Mapping[str, Any]) -> Any:
     """Return what `regimes` does, of conditions and the regime where none of them holds."""
     regime: Any = np.int8(REGIMES[otherwise].value)
-    for condition in reversed(conditions):
-        holds = condition.function(**{name: known[name] for name in condition.inputs})
-        regime = np.where(holds, np.int8(REGIMES[condition.regime].value), regime)
+    with too_large_is_data():
+        for condition in reversed(conditions):
+            holds = condition.function(**{name: known[name] for name in condition.inputs})
+            regime = np.where(holds, np.int8(REGIMES[condition.regime].value), regime)
     return regime
