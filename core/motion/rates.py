@@ -17,8 +17,12 @@ def parts_per_minute(*, velocity: Array, length: Array, gap: Array | float = 0.0
     velocity : ndarray
         Mean conveying velocity [m s-1].
     length, gap : ndarray
-        Length of a part along the track, and free length between two parts [m]. The rate is
-        infinite where both are 0, and no number where nothing moves there.
+        Length of a part along the track, and free length between two parts [m]; together above 0.
+
+    Raises
+    ------
+    StudyError
+        If a part takes no length.
 
     Examples
     --------
@@ -79,7 +83,6 @@ def _spacing(length: Array, gap: Array | float) -> Array:
     """Return the length of track that a part takes [m]; no rate belongs to none."""
     spacing = length + gap
     if np.any(spacing <= 0.0):
-        raise StudyError([
-            Problem("length", "with its gap it is not above 0", "Give what a part takes of the track")
-        ])  # fmt: skip
+        fix = "Give what a part takes of the track"
+        raise StudyError([Problem("length", "with its gap it is not above 0", fix)])
     return spacing

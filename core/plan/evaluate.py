@@ -61,10 +61,7 @@ def evaluate(
     results: dict[str, NDArray[Any]] = dict(into or empty_results(plan, grid))
     fused = _fused(plan, grid)
     if fused is None:
-        # What is too large for a float is infinite, or no number, under a regime that says why; the
-        # compiled loops say no more of it.
-        with np.errstate(over="ignore", invalid="ignore"):
-            evaluate_in_blocks(plan, grid, results, progress=progress)
+        evaluate_in_blocks(plan, grid, results, progress=progress)
     else:
         fused.run(results, threads, progress)
     return results

@@ -362,35 +362,3 @@ def test_a_front_of_200_points_takes_less_work_than_ten_single_limits():
     front = front_of_case_b()
 
     assert calls(lambda: run_study(front)) < 10 * calls(lambda: run_study(single))
-
-
-# --- where there is no optimum
-
-
-@pytest.mark.parametrize("method", [None, "grid", "population", "slsqp"])
-def test_every_method_says_alike_why_there_is_no_design(method):
-    """A limit that no choice keeps is infeasible; newton said of it that nothing moves forwards."""
-    found = run_study(
-        study(
-            "rectangle-on-plane", "physical", {"kind": "limit", "limit": 2.17},
-            parameters={"gamma": [7.67, 7.67 + 1e-3], "frequency": 96.84, "amplitude": 0.29e-3,
-                        "friction": 0.7646, "gravity": 9.80665},
-            variables={"alpha": {"lower": 6, "upper": 72}, "beta": {"lower": 0, "upper": 90}},
-            **({} if method is None else {"method": method}),
-        )
-    )  # fmt: skip
-    assert (found.optimum_status == STATUS["infeasible"]).all()
-
-
-@pytest.mark.parametrize("method", [None, "grid", "population", "slsqp"])
-def test_every_method_says_alike_that_nothing_moves(method):
-    found = run_study(
-        study(
-            "rectangle-on-plane", "physical", {"kind": "limit", "limit": 2.17},
-            parameters={"gamma": [0.0, 1.0], "frequency": 10.0, "amplitude": 0.1e-3,
-                        "friction": 0.9, "gravity": 9.80665},
-            variables={"alpha": {"lower": 6, "upper": 72}, "beta": {"lower": 0, "upper": 90}},
-            **({} if method is None else {"method": method}),
-        )
-    )  # fmt: skip
-    assert (found.optimum_status == STATUS["no_motion"]).all()

@@ -181,17 +181,3 @@ def test_roots_are_certain() -> None:
         assert (falls[1], rises[1]) == (-1, 1)
         np.testing.assert_allclose([falls[0], rises[0]], made[:2], rtol=0.0, atol=1e-13 / apart)
         assert first_fall(coefficients) == falls[0]
-
-
-def test_a_part_that_nears_its_cycle_slowly_has_no_mean_too_early() -> None:
-    """With the default of periods it was told to be aperiodic, 3.1 times its error off."""
-    groups, scale = on_track(
-        frequency=94.77336081655253, amplitude=0.24976347661458185e-3,
-        degrees=(-23.300678233595903, 15.821811376990269, 0.0, 29.684382450095644),
-        friction=0.6647636435674749, restitution=0.0, radius=0.2571147638571506,
-    )  # fmt: skip
-    early = reference_motion(**groups)
-    assert early.status == STATUS["limit_reached"]
-    late = reference_motion(**groups, most_periods=1000)
-    assert late.status == STATUS["periodic"]
-    assert scale * float(late.velocity) == pytest.approx(23.7885049e-3, abs=5e-11)

@@ -194,23 +194,3 @@ def test_a_million_cells_over_one_two_and_all_axes() -> None:
         np.testing.assert_allclose(got, [float(mean) for mean in means], rtol=2**-52)
         quantiles = np.nanquantile(lines[:500], 0.3, axis=1)
         np.testing.assert_array_equal(found[f"{SPEED}_quantile"].values.ravel()[:500], quantiles)
-
-
-def test_quantiles_count_each_cell_whatever_an_output_depends_on(stored):
-    """Where all cells are valid, `all` and `valid` rank the same ones.
-
-    The throw number does not depend on alpha: its own values, each once, were ranked for `all`.
-    """
-    over, point = ("alpha", "beta"), {"frequency": 0, "amplitude": 0, "friction": 0}
-    told = {
-        cells: tabulate(reduced(over, cells=cells, quantiles=[0.1, 0.5])).to_xarray().isel(point)
-        for cells in ("all", "valid")
-    }
-    here = stored.isel(point)
-    assert valid_of(here).all()
-    values = np.broadcast_to(here.throw_number.values, here.regime.shape)
-    for dataset in told.values():
-        assert dataset.throw_number_count == values.size
-        np.testing.assert_allclose(
-            dataset.throw_number_quantile, np.quantile(values, [0.1, 0.5]), rtol=1e-14
-        )
