@@ -11,7 +11,7 @@ import numpy as np
 
 from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.cells import GROUPS
-from core.motion.kernels.planar import derive, energy, path, solve, unrepeated
+from core.motion.kernels.planar import again, derive, solve, unrepeated
 from core.motion.kernels.planar.drive import Waves
 from core.motion.kernels.planar.flow import NO_WAVES
 from core.motion.kernels.planar.wave import TABLE, WaveTable
@@ -34,20 +34,20 @@ def derive_cells(spent: bool, groups: Floats, table: Floats, status: Statuses, s
 
 
 def spend_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
-    """Fill what a cycle of cells spends: `kernels.planar.energy`; NaN where there is none."""
-    energy.spend_cells(groups, waves_of(groups), table, status, stop)
+    """Fill what a cycle of cells spends: `kernels.planar.again`; NaN where there is none."""
+    again.spend_cells(groups, waves_of(groups), table, status, stop)
 
 
 def follow(row: Floats, stop: Stop) -> tuple[Floats, float, float, bool]:
-    """Return the pieces of the motion of one cell: `kernels.planar.path`."""
+    """Return the pieces of the motion of one cell: `kernels.planar.again`."""
     table, status = np.empty((1, RESULTS)), np.full(1, NOT_COMPUTED, dtype=np.int8)
     solve_cells(row[np.newaxis], table, status, stop)
-    return path.follow(row, waves_of(row), int(status[0]), stop)
+    return again.follow(row, waves_of(row), int(status[0]), stop)
 
 
 def sample(pieces: Floats, row: Floats, shift: float, phases: Floats, repeats: bool) -> Floats:
-    """Return a motion at phases since the start of its cycle: `kernels.planar.path`."""
-    return path.sample(pieces, row, waves_of(row), shift, phases, repeats)
+    """Return a motion at phases since the start of its cycle: `kernels.planar.again`."""
+    return again.sample(pieces, row, waves_of(row), shift, phases, repeats)
 
 
 def waves_of(groups: Floats) -> Waves:

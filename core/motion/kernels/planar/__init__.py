@@ -15,7 +15,7 @@ never stretches distances, so its fixed point is bracketed by every evaluation.
 `wave_flight` and `wave_slip` of any other; `cycle`: the chain of segments, and `growth`, how far
 roundings grow along it; `slide`: the motion along the track over a chain; `settle`: the velocity at
 which that repeats; `repeating`: its means; `chaos`: means of motion that does not; `solve`: one
-cell, and many; `unrepeated`: cells without a cycle; `path`: the course of one part; `energy`: what
+cell, and many; `unrepeated`: cells without a cycle; `again`: the path of one part, and what
 friction, impacts and the drive do over a cycle. `core.motion.planar` says which of them Python
 calls. Each is compiled for a sine and for other waves, which the type of `waves` tells.
 

@@ -6,12 +6,11 @@ polynomial ends a step where something happens.
 
 `polynomials`: first roots; `drive`: what shakes the track; `slide`, `modes`: the series of a step;
 `contacts`: what happens at an event; `advance`: one period; `cycle`: until it repeats; `solve`: one
-cell, and many; `path`: the course of one part; `spend`, `energy`: what friction, impacts and the
-drive do over a step, and over a cycle.
+cell, and many; `spend`: what friction and the drive do over a step; `again`: a cycle followed once
+more, for the course of one part and for its energies.
 """
 
-from core.motion.kernels.track.energy import spend_cells
-from core.motion.kernels.track.path import follow
+from core.motion.kernels.track.again import follow, spend_cells
 from core.motion.kernels.track.solve import solve_cells
 
 __all__ = ["follow", "solve_cells", "spend_cells"]

@@ -1,4 +1,7 @@
-"""What friction, impacts and the drive do over a cycle, per mass (theory 13.15)."""
+"""A cycle followed once more: the course of one part, and what friction, impacts and the drive do.
+
+Energies are means over the cycle, per mass (theory 13.15).
+"""
 
 from __future__ import annotations
 
@@ -10,11 +13,45 @@ from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.cells import GROUPS, cell_of
 from core.motion.kernels.results import TALLY
+from core.motion.kernels.statuses import MODE, STATUS
 from core.motion.kernels.track import drive
 from core.motion.kernels.track.advance import advance
 from core.motion.kernels.track.cycle import NO_PHASES, new_history, to_cycle
 from core.motion.kernels.track.solve import FINE
-from core.motion.kernels.track.tables import TURN, new_work
+from core.motion.kernels.track.tables import STATE, TURN, new_work
+
+SAMPLE = 7
+"""Columns of a sample: place (3), velocity (3), mode."""
+
+
+@compiled
+def follow(wall: bool, rolling: float, group: Floats, phases: Floats, stop: Stop) -> Floats:
+    """Return place, velocity and mode at ascending phases from the start of a cycle.
+
+    Of a motion that does not repeat, from the end of the periods that it is followed for.
+    """
+    cell = cell_of(group)
+    samples = np.full((phases.size, SAMPLE), math.nan)
+    samples[:, SAMPLE - 1] = MODE.unknown
+    history, work = new_history(int(cell.most_periods), stop), new_work()
+    found, state, hold = to_cycle(group, wall, rolling, FINE, history, work)
+    if found.status == STATUS.limit_reached:
+        return samples
+    state[STATE.x] = 0.0
+    tally, given, turns = np.zeros(len(TALLY)), 0, 0
+    while given < phases.size and not raised(stop):
+        before = turns * TURN
+        end = given
+        while end < phases.size and phases[end] < before + TURN:
+            end += 1
+        fine = advance(
+            cell, wall, rolling, FINE.order, FINE.tolerance * drive.size(work), state, hold,
+            tally, work, phases[given:end] - before, samples[given:end], tally[:0],
+        )  # fmt: skip
+        if not fine:
+            return samples
+        given, turns = end, turns + 1
+    return samples
 
 
 @compiled
