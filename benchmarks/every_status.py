@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from core.motion.groups import Groups, cells_of
+from core.motion.groups import Contacts, Groups, cells_of
 from core.motion.kernels import means
 from core.motion.kernels.arrays import NEVER, Flags, Floats
 from core.motion.kernels.cells import cell_of
@@ -28,6 +28,7 @@ from core.motion.kernels.track.tables import TURN, at_rest, new_work
 from core.quantities import MOTION_STATUSES
 
 GRAVITY = 9.80665
+TRACK = Contacts(wall=True)
 ROUNDING = 1e-9
 """Of the drive's speed: what a course is known to at best."""
 
@@ -126,13 +127,14 @@ class Judged(NamedTuple):
         )
 
 
-def course_of(row: Floats, periods: int) -> tuple[float, float, int]:
+def course_of(row: Floats, periods: int, contacts: Contacts = TRACK) -> tuple[float, float, int]:
     """Return mean, what is not known of it, and multiple of a course from rest without jumps."""
+    wall, rolling = contacts.wall, float(contacts.rolling)
     cell, work, (state, hold) = cell_of(row), new_work(), at_rest()
     drive.set_drive(cell, row, work)
     speed = float(drive.size(work))
     history = new_history(periods, NEVER)
-    found, _ = approach(cell, True, 0.0, FINE, periods, 0, state, hold, history, work)
+    found, _ = approach(cell, wall, rolling, FINE, periods, 0, state, hold, history, work)
     if found.status == STATUS.limit_reached:
         return np.nan, np.nan, 0
     travel = history.tallies[: found.done, TALLY.travel] / TURN
@@ -144,8 +146,8 @@ def course_of(row: Floats, periods: int) -> tuple[float, float, int]:
     left, cycles = found.left, found.done // 4 // found.multiple
     if cycles > 4:  # the ratio of a cycle, from many: those at the end are rounding
         last = found.done - 1 - cycles * found.multiple
-        before = apart(True, 0.0, history, last, last - found.multiple + 1)
-        change = apart(True, 0.0, history, found.done - 1, found.done - found.multiple)
+        before = apart(wall, rolling, history, last, last - found.multiple + 1)
+        change = apart(wall, rolling, history, found.done - 1, found.done - found.multiple)
         if 0.0 < change < before:
             ratio = (change / before) ** (1.0 / cycles)
             left = max(left, change * ratio / (1.0 - ratio))

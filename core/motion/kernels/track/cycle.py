@@ -263,7 +263,8 @@ def approach(
         if not follow_period(cell, wall, rolling, series, period, state, hold, history, work):
             return Settled(STATUS.limit_reached, 0, period + 1, math.inf), jumps
         moves = tally[TALLY.forward] + tally[TALLY.backward] + tally[TALLY.flight]
-        if moves == 0.0 and rolling == 0.0:
+        # A slip straight across counts to neither way along the track.
+        if moves == 0.0 and tally[TALLY.across] == 0.0 and rolling == 0.0:
             return Settled(STATUS.at_rest, 1, period + 1, 0.0), jumps
         patient = period % LONG == LONG - 1
         near = max(close, NOISE * series.tolerance * speed) if patient else close

@@ -254,7 +254,9 @@ def slide(
     if not begin.onset:
         work[ROW.slip, 0] = state[STATE.ux]
         work[ROW.slip + 1, 0] = state[STATE.ux + second] + (state[STATE.spin] if on_floor else 0.0)
-        line = is_wave(work) and stays_in_line(contact, order, work)
+        # Under a sine a slip aslant is in its line but for rounding, and would leave it and return.
+        on_axis = work[ROW.slip, 0] * work[ROW.slip + 1, 0] == 0.0
+        line = (on_axis or is_wave(work)) and stays_in_line(contact, order, work)
     closes = begin.closes and not line
     if closes:
         order = 1

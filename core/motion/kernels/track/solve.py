@@ -37,8 +37,17 @@ SURELY = 1e-4
 """Of the drive's speed: a motion whose mean is known less well is not known to repeat."""
 STRAYED = 0.1
 """Of the drive's speed: two runs that were so far apart have forgotten where they came from."""
+HAIR = 1e-12
+"""Of the restitution: what other runs lose more at each impact than the first.
+
+Series of all orders are alike under steps, and only this parts such runs. It comes to `STRAYED`
+where changes grow by 1e11 on the way, from where on digits decide in the plane, too.
+"""
 OTHERS = 3
 """Runs more of a part whose motion digits decide."""
+RESTITUTION, WALL_RESTITUTION = (
+    Cell._fields.index(name) for name in ("restitution", "wall_restitution")
+)
 
 
 @compiled
@@ -112,7 +121,7 @@ def solve(row: Floats, wall: bool, rolling: float, history: History, result: Flo
     status = found.status if rubs else STATUS.neutral
     velocity = result[COLUMN.velocity]
     if cell.restitution > 0.0 or (wall and cell.wall_restitution > 0.0):
-        apart, told = settled_anew(cell, wall, rolling, found, velocity, history, work)
+        apart, told = settled_anew(row, wall, rolling, found, velocity, history, work)
     else:
         told = True
         apart = followed_on(
@@ -151,20 +160,30 @@ def followed_on(
 
 
 @compiled
+def changed(row: Floats, hairs: float) -> Cell:
+    """Return the cell of a row with restitutions e (1 - hairs 1e-12)."""
+    row = row.copy()
+    row[RESTITUTION] *= 1.0 - hairs * HAIR
+    row[WALL_RESTITUTION] *= 1.0 - hairs * HAIR
+    return cell_of(row)
+
+
+@compiled
 def settled_anew(
-    cell: Cell, wall: bool, rolling: float, found: Settled, velocity: float, history: History,
+    row: Floats, wall: bool, rolling: float, found: Settled, velocity: float, history: History,
     work: Work,
 ) -> tuple[float, bool]:  # fmt: skip
-    """Return how far shorter series come from a mean velocity, and whether digits do not decide.
+    """Return how far other runs come from a mean velocity, and whether digits do not decide.
 
-    They start from rest again: which of several motions a part with rebounds falls into may hang
-    on its last digits. It does where both runs have strayed from each other on the way; others then
-    tell how far the means are apart.
+    They start from rest again, by shorter series and with a restitution that is a hair smaller:
+    which of several motions a part with rebounds falls into may hang on its last digits. It does
+    where both runs have strayed from each other on the way; others then tell how far the means are
+    apart.
     """
     speeds = history.ends[: found.done, STATE.ux].copy()
     state, hold = at_rest()
     other, done = settled_velocity(
-        cell, wall, rolling, COARSE, found.done, state, hold, history, work
+        changed(row, 1.0), wall, rolling, COARSE, found.done, state, hold, history, work
     )
     most, strayed = abs(other - velocity), 0.0
     for period in range(min(done, speeds.size)):
@@ -175,8 +194,9 @@ def settled_anew(
         series = Series(COARSE.order, COARSE.tolerance / (2.0 + number))
         state, hold = at_rest()
         other, _ = settled_velocity(
-            cell, wall, rolling, series, found.done, state, hold, history, work
-        )
+            changed(row, 2.0 + number), wall, rolling, series, found.done, state, hold, history,
+            work,
+        )  # fmt: skip
         most = max(most, abs(other - velocity)) if math.isfinite(other) else math.nan
     return most, False
 
