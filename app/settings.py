@@ -21,11 +21,14 @@ from core.suggestions import suggestion
 PREFIX = "VIBRAFEED_"
 # Read by the tests only; whoever runs them may serve with the same environment.
 TEST_SWITCHES = (
+    "VIBRAFEED_NIGHT",
     "VIBRAFEED_REQUIRE_TOOLS",
     "VIBRAFEED_COMPLIANCE_CHECKER",
     "VIBRAFEED_CLIENT_GENERATOR",
     "VIBRAFEED_FUZZ_CASES",
     "VIBRAFEED_FUZZ_LINKS",
+    "VIBRAFEED_LAW_CELLS",
+    "VIBRAFEED_DURATIONS",
 )
 
 _DIGEST = re.compile(r"[0-9a-fA-F]{64}")

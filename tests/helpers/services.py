@@ -97,6 +97,9 @@ class Server(Service):
             except urllib.error.HTTPError:
                 raise
             except OSError:
+                assert self.process is not None
+                ended = self.process.poll()  # negative where it was killed
+                assert ended is None or ended < 0, self.log.read_text()
                 return None
 
         return wait_for(replied)[0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,7 +19,7 @@ from typer.testing import CliRunner
 from app.cli import app as commands
 from app.jobs.keys import new_key
 from app.main import create_app
-from app.settings import TEST_SWITCHES, Settings
+from app.settings import TEST_SWITCHES, Settings, unknown_variables
 from app.web.guard import SAFE, is_loopback
 from local_client import local_client
 
@@ -448,6 +449,14 @@ class TestSettings:
             Settings(api_key_hashes=KEY)  # type: ignore[arg-type]
         assert "number 1 of 1" in str(caught.value)
         assert KEY not in str(caught.value)
+
+    def test_a_service_starts_under_whatever_switches_the_tests_read(self):
+        read = re.compile(r"\bVIBRAFEED_[A-Z_]+")
+        places = [*(ROOT / "tests" / "helpers").glob("*.py"), *(ROOT / "scripts").glob("[a-z]*")]
+        places += [ROOT / "Makefile", ROOT / ".ci" / "run", ROOT / "tests" / "conftest.py"]
+        names = {name for place in places for name in read.findall(place.read_text())}
+        assert {"VIBRAFEED_NIGHT", "VIBRAFEED_REQUIRE_TOOLS"} <= names
+        assert not unknown_variables(names)
 
     def test_every_setting_is_shown_and_described_and_hashes_are_masked(self, monkeypatch):
         monkeypatch.setenv("VIBRAFEED_API_KEY_HASHES", HASH)
