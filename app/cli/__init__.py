@@ -1,50 +1,89 @@
 """The command line, one file a command.
 
-Every command imports what it needs when it runs: `vibrafeed scenes` loads no NetCDF library.
+A command's file is loaded when the command runs: `vibrafeed scenes` loads no NetCDF library, and
+`vibrafeed --help` none of them.
 """
 
 from __future__ import annotations
 
-from typing import Annotated
+from importlib import import_module
+from types import MappingProxyType
+from typing import Annotated, Any, Final
 
 import typer
+from typer.core import TyperCommand, TyperGroup
 
-from app.cli import (
-    atlas,
-    convert,
-    drive,
-    export,
-    friction,
-    key,
-    lookup,
-    new,
-    parts,
-    plot,
-    report,
-    run,
-    scenes,
-    schema,
-    scrub,
-    serve,
-    validate,
-    warm,
-)
+import core
 from core.kinds import KINDS
 
+COMMANDS: Final = MappingProxyType(
+    {
+        "new": "Write a commented study to start from, after a few questions.",
+        "run": "Carry out studies and write one file each: NetCDF, or what the suffix of the "
+        "output names.",
+        "convert": "Write a study as TOML, as JSON, as a line for curl, or as a call in Python.",
+        "export": "Write a result in another format, which the suffix of the output names.",
+        "join": "Join the parts that `vibrafeed run --part` has computed, and give the result "
+        "its name.",
+        "plot": "Draw an output with its regimes, a map of the regimes, or the motion of one part.",
+        "drive": "Fit the harmonics of a drive to the recording of an accelerometer, and tell "
+        "their errors.",
+        "report": "Measure error against run time for studies: a page, its pictures, and datasets.",
+        "atlas": "Write the atlas that `vibrafeed lookup` reads, or the book of charts, or both.",
+        "lookup": "Read speed, regime and shares from an atlas, each with its error.",
+        "scenes": "Print the catalogue: scenes, parameters, outputs, units, equations, validity.",
+        "friction": "Print published coefficients of friction and restitution, with their sources.",
+        "schema": "Print the JSON Schema of studies, for editors.",
+        "serve": "Serve the HTTP interface.",
+        "scrub": "Compare every result of a service with its digests; exit with 1 if one is "
+        "broken.",
+        "validate": "Answer every problem whose answer is known, and say how far off that is.",
+        "warm": "Compile what follows motion in time, once for this processor; a minute or so.",
+        "key": "Keys for the HTTP interface.",
+    }
+)
+"""Each command and the line that lists it; the file of its name has the function of its name."""
+
+
+STYLE: Final[Any] = {"pretty_exceptions_enable": False, "rich_markup_mode": "markdown"}
+"""Markdown folds paragraphs as wholes."""
+
+
+class Commands(TyperGroup):
+    """The commands, of which only the one that runs is loaded."""
+
+    def __init__(self, **given: Any):
+        super().__init__(**given)
+        for name, line in COMMANDS.items():
+            self.add_command(TyperCommand(name, help=line))
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Return the name of a command, the command as a whole, and the words after it."""
+        name, _, rest = super().resolve_command(ctx, args)
+        return name, name and loaded(name), rest
+
+
+def loaded(name: str) -> Any:
+    """Return a command with its options."""
+    command = getattr(import_module(f"{__name__}.{name}"), name)
+    if not isinstance(command, typer.Typer):
+        function, command = command, typer.Typer(add_completion=False, **STYLE)
+        command.command(name)(function)
+    return typer.main.get_command(command)
+
+
 app = typer.Typer(
+    cls=Commands,
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
-    pretty_exceptions_enable=False,
-    rich_markup_mode="markdown",  # folds paragraphs as wholes
     help="Sweeps, motion in time and best drives of parts on vibratory feeder tracks.\n\n"
     f"Kinds of study: {', '.join(KINDS)}.",
+    **STYLE,
 )
 
 
 def _tell_version(asked: bool) -> None:
     if asked:
-        import core
-
         typer.echo(f"vibrafeed {core.__version__}")
         raise typer.Exit
 
@@ -59,15 +98,6 @@ def _all_commands(
     ] = False,
 ) -> None:
     pass
-
-
-for _command in (
-    new.new, run.run, convert.convert, export.export, parts.join, plot.plot, drive.drive,
-    report.report, atlas.atlas, lookup.lookup, scenes.scenes, friction.friction, schema.schema,
-    serve.serve, scrub.scrub, validate.validate, warm.warm,
-):  # fmt: skip
-    app.command()(_command)
-app.add_typer(key.key, name="key")
 
 
 def main() -> None:

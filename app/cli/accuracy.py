@@ -8,7 +8,9 @@ from pathlib import Path
 
 from app.cli import console
 from app.jobs.accuracy import PAGE, draw
+from core.accuracy import extremes, leaving_out
 from core.accuracy.families import SECONDS
+from core.accuracy.hard_cases import HARD_CASES
 from core.accuracy.page import Section, head_of, sections_of, write_page
 from core.accuracy.report import machine, measure_study
 from core.dataset.files import whole
@@ -99,9 +101,6 @@ def dataset_of(folder: Path, name: str) -> Path:
 
 def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[Section], bool]:
     """Return the tables and sections of what is asked of no study, and whether all is right."""
-    from core.accuracy import extremes, leaving_out
-    from core.accuracy.hard_cases import HARD_CASES
-
     with console.progress("hard cases") as advance:
         outcomes = extremes.run_catalogue(Watch(advance, stopped))
     with console.progress("what a scene leaves out") as advance:

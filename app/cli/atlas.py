@@ -9,11 +9,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from app.cli import console
 from app.cli.existing import REMOVE, REPLACE
 from app.cli.options import FAILED
 from app.cli.studies import interruption, refuse
-from core.errors import Problem, StoppedError
+from core.atlas.build import RESOLUTIONS, build
+from core.dataset.group import write_zarr
+from core.dataset.netcdf import write_netcdf
+from core.dataset.shards import needed_for_zarr
+from core.errors import MissingPackageError, Problem, StoppedError
 from core.extras import installing
+from core.watch import Watch
 
 if TYPE_CHECKING:
     from core.watch import Watch
@@ -43,8 +49,6 @@ def atlas(
     numbers that the motion of a part in the plane depends on if it does not rebound. The charts are
     computed exactly, not read from the atlas.
     """
-    from app.cli import console
-
     _refuse_wrong(output, charts, resolution, force=force)
     if charts is not None:
         try:
@@ -62,10 +66,6 @@ def _refuse_wrong(
     output: Path | None, charts: Path | None, resolution: str, *, force: bool
 ) -> None:
     """Exit with every problem of the options."""
-    from core.atlas.build import RESOLUTIONS
-    from core.dataset.shards import needed_for_zarr
-    from core.errors import MissingPackageError
-
     problems = []
     if output is None and charts is None:
         fix = "Write -o atlas.nc, --charts book.pdf, or both"
@@ -95,9 +95,6 @@ def _refuse_wrong(
 
 def _carried_out(target: Path, carry_out: Callable[[Watch], str]) -> None:
     """Carry something out with a bar and Ctrl-C; say what came out, or exit."""
-    from app.cli import console
-    from core.watch import Watch
-
     began = time.perf_counter()
     try:
         with console.progress(target.name) as advance, interruption() as interrupted:
@@ -113,10 +110,6 @@ def _carried_out(target: Path, carry_out: Callable[[Watch], str]) -> None:
 
 def _write_atlas(target: Path, resolution: str, watch: Watch) -> str:
     """Write an atlas; return how large it is, in words."""
-    from core.atlas.build import build
-    from core.dataset.group import write_zarr
-    from core.dataset.netcdf import write_netcdf
-
     table = build(resolution, watch)
     # Without a history: two atlases of one version are equal to the byte.
     if target.suffix.lower() == ".zarr":

@@ -10,6 +10,8 @@ import typer
 from app.cli.studies import content_of, refuse
 from app.cli.texts import refuse_taken, write_text
 from core.errors import Problem, StudyError
+from core.intake import prepare_content
+from core.intake.forms import FORMS, SERVICE, placed, to_curl
 from core.suggestions import suggestion
 
 if TYPE_CHECKING:
@@ -35,8 +37,6 @@ def convert(
     all of its forms have the same key: the service computes equal studies once. Exit code 2 means
     that the study or an option is wrong, 1 that the file could not be written.
     """
-    from core.intake.forms import FORMS, SERVICE, placed, to_curl
-
     if to not in FORMS:
         refuse(
             {file: [Problem("to", f"'{to[:40]}' is not a form of a study", suggestion(to, FORMS))]}
@@ -58,8 +58,6 @@ def convert(
 
 def _checked(file: Path) -> Mapping[str, Any]:
     """Return the content of a sound study, as it was typed; report every error and exit."""
-    from core.intake import prepare_content
-
     try:
         content = content_of(file)
         prepare_content(content, files=True)

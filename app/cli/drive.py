@@ -7,10 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from app.cli import console
+from app.cli.drives import document_of, show_fit, toml_of
 from app.cli.options import FAILED, Json, Units
 from app.cli.studies import refuse
+from app.cli.units import units_asked
+from core import plots
 from core.errors import Problem, StudyError
 from core.extras import installing
+from core.measured import Recording, fit_drive
 
 if TYPE_CHECKING:
     from core.measured import Fit, Recording
@@ -68,10 +73,6 @@ def drive(
 
     Exit code 2 means that the recording or an option is wrong, 1 that a file could not be written.
     """
-    from app.cli import console
-    from app.cli.units import units_asked
-    from core.measured import Recording
-
     shown = units_asked(units)
     asked = Recording(
         along=along,
@@ -87,8 +88,6 @@ def drive(
         harmonics=harmonics,
     )
     fit = _fitted(recording, asked, plot)
-    from app.cli.drives import document_of, show_fit, toml_of
-
     lines = toml_of(fit, recording)
     if toml:
         typer.echo(lines)
@@ -101,10 +100,7 @@ def drive(
             output.write_text(lines + "\n", encoding="utf-8")
             typer.echo(f"wrote {output}", err=toml or as_json)
         if plot is not None:
-            from core.plots.files import save
-            from core.plots.measured import draw_fit
-
-            save(draw_fit(fit), plot)
+            plots.save(plots.draw_fit(fit), plot)
             typer.echo(f"wrote {plot}", err=toml or as_json)
     except OSError as error:
         console.fail(f"{error.filename or recording}: {error.strerror or error}.")
@@ -117,8 +113,6 @@ def _parts(text: str | None) -> tuple[str, ...] | None:
 
 def _fitted(recording: Path, asked: Recording, plot: Path | None) -> Fit:
     """Return the fit; report every problem of recording and options, and exit."""
-    from core.measured import fit_drive
-
     problems = _wrong_picture(plot)
     try:
         fit = fit_drive(recording, asked)
@@ -136,8 +130,6 @@ def _wrong_picture(plot: Path | None) -> list[Problem]:
     """Return what is wrong with the name of a picture; exit if nothing can draw it."""
     if plot is None:
         return []
-    from app.cli import console
-
     try:
         from core.plots.files import check_format
         from core.plots.problem import PlotError

@@ -7,7 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.cli.studies import refuse
+from core.dataset.formats import read_result
 from core.errors import Problem
+from core.kinds import is_whole
+from core.plan.sample import LEFT_OUT
+from core.sweep.targets import attributes_there, is_complete, is_zarr
 
 if TYPE_CHECKING:
     from core.plan.prepared import Prepared
@@ -28,8 +32,6 @@ def complete_already(
     force : bool
         Replace files, whatever they are. A Zarr group is a folder, and never removed.
     """
-    from core.sweep.targets import is_complete, is_zarr
-
     wrong: dict[Path, Sequence[Problem]] = {}
     complete = []
     for path, target in targets.items():
@@ -61,19 +63,12 @@ def refuse_others(
 
     The shards of a Zarr group are looked at one by one where they are computed.
     """
-    from core.sweep.targets import is_zarr
-
     files = {path: target for path, target in targets.items() if not is_zarr(target)}
     complete_already(studies, files, resume=True, force=force)
 
 
 def _is_whole(prepared: Prepared, target: str) -> bool:
     """Return whether no stop left a cell of a result of this study uncomputed or unverified."""
-    from core.dataset.formats import read_result
-    from core.kinds import is_whole
-    from core.plan.sample import LEFT_OUT
-    from core.sweep.targets import attributes_there
-
     if not prepared.keeps_some:  # it may be large, and is written when it is computed
         return LEFT_OUT not in attributes_there(target)
     return is_whole(read_result(target))

@@ -10,10 +10,12 @@ from typing import Annotated
 
 import typer
 
+from app.cli import console
 from app.cli.existing import refuse_existing
 from app.cli.options import FAILED, WRONG_INPUT
 from app.cli.studies import refuse
 from app.cli.targets import check_suffix, make_folder_of, write_or_exit
+from core.dataset.formats import read_result
 from core.errors import LimitError, Problem, VibrafeedError
 
 
@@ -36,9 +38,6 @@ def export(
     Nothing is computed again. Exit code 2 means that the file is no result, or that the format
     cannot hold it, 1 that it could not be read or written.
     """
-    from app.cli import console
-    from core.dataset.formats import read_result
-
     check_suffix(output)
     refuse_existing(file, output, force=force)
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")

@@ -7,7 +7,10 @@ from typing import Annotated, Any
 
 import typer
 
+from app.cli import console
 from app.cli.options import FAILED, Json
+from core import materials
+from core.materials import shown
 
 PAIRS = ("pair", "surface", "static", "kinetic", "from")
 REBOUNDS = ("pair", "restitution", "note", "from")
@@ -21,11 +24,8 @@ def friction(
     as_json: Json = False,
 ) -> None:
     """Print published coefficients of friction and restitution, with their sources."""
-    from app.cli import console
-    from core.materials import friction, shown
-
     asked = " ".join(words or ())
-    found = friction(asked)
+    found = materials.friction(asked)
     if as_json:
         console.document(found)
         return
@@ -38,7 +38,10 @@ def friction(
         for row in found["pairs"]:
             surface = "; ".join(text for text in (row["surface"], row["note"]) if text)
             either = shown(row, "coefficient") and shown(row, "coefficient") + " ?"
-            static, kinetic = shown(row, "static") or either, shown(row, "kinetic") or either
+            static, kinetic = (
+                shown(row, "static") or either,
+                shown(row, "kinetic") or either,
+            )
             rows.append((_pair(row), surface, static, kinetic, numbers[row["source"]]))
         console.table(PAIRS, rows)
         if any(row["coefficient"] for row in found["pairs"]):

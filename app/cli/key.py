@@ -5,15 +5,26 @@ They work on the ledger that `vibrafeed serve` has with the same settings.
 
 from __future__ import annotations
 
+import os
+import sqlite3
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from app.cli import console
 from app.cli.options import WRONG_INPUT, Json
+from app.cli.serve import PRIVATE, settings_in_force
 from app.cli.studies import refuse
+from app.jobs import audit
+from app.jobs.errors import LaterLedgerError
+from app.jobs.keys import Key, Keys, NoSuchKeyError, WrongKeyError, new_key
+from app.jobs.ledger import Ledger
+from core.errors import Problem
 
 if TYPE_CHECKING:
     from app.jobs.database import Database
@@ -42,9 +53,6 @@ def add(
 
     What a limit is left out of has none. The key is shown once: a hash of it is kept.
     """
-    from app.jobs.keys import Key, Keys, WrongKeyError
-    from core.errors import Problem
-
     asked = Key(
         name,
         role,
@@ -76,11 +84,6 @@ def _whole(figure: float | None) -> int | None:
 @key.command("list")
 def list_keys(as_json: Json = False) -> None:
     """List the keys, those too that are over."""
-    import time
-
-    from app.cli import console
-    from app.jobs.keys import Keys
-
     with _database() as database:
         keys = Keys(database).all()
     now = time.time()
@@ -105,9 +108,6 @@ def list_keys(as_json: Json = False) -> None:
 @key.command()
 def withdraw(name: Name) -> None:
     """Withdraw a key; a service that runs refuses it within seconds. What it made stays."""
-    from app.cli import console
-    from app.jobs.keys import Keys, NoSuchKeyError
-
     with _database() as database:
         try:
             Keys(database).withdraw(name)
@@ -122,10 +122,6 @@ def tell_audit(
     most: Annotated[int, typer.Option(help="So many entries, the latest.", min=1)] = 100,
 ) -> None:
     """Print who did what: posts, dismissals, sharing, keys made, withdrawn and refused."""
-    from datetime import UTC, datetime
-
-    from app.jobs import audit
-
     with _database() as database:
         for entry in reversed(audit.latest(database, most)):
             when = datetime.fromtimestamp(entry.time, UTC).isoformat(timespec="seconds")
@@ -135,8 +131,6 @@ def tell_audit(
 @key.command("hash")
 def print_hash() -> None:
     """Make a key of the role admin for the setting VIBRAFEED_API_KEY_HASHES; nothing is kept."""
-    from app.jobs.keys import new_key
-
     made, digest = new_key()
     typer.echo(f"key   {made}")
     typer.echo(f"hash  {digest}")
@@ -150,14 +144,6 @@ def print_hash() -> None:
 @contextmanager
 def _database() -> Iterator[Database]:
     """Yield the ledger's database, or say in one line why it cannot be used and exit."""
-    import os
-    import sqlite3
-
-    from app.cli import console
-    from app.cli.serve import PRIVATE, settings_in_force
-    from app.jobs.errors import LaterLedgerError
-    from app.jobs.ledger import Ledger
-
     settings = settings_in_force()
     os.umask(PRIVATE)  # it may be the one who makes the files
     ledger = Ledger(settings.ledger)
@@ -176,6 +162,4 @@ def _limit(figure: int | None) -> str:
 
 
 def _day(seconds: float | None) -> str:
-    from datetime import UTC, datetime
-
     return "-" if seconds is None else datetime.fromtimestamp(seconds, UTC).date().isoformat()

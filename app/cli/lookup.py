@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
+from app.cli import console
+from app.cli.existing import refuse_existing
 from app.cli.options import FAILED, Json, Units
 from app.cli.studies import refuse
+from app.cli.targets import check_suffix, make_folder_of, write_or_exit
+from app.cli.units import number, units_asked
+from core.atlas.lookup import ROW, advice, lookup_grid, lookup_rows
+from core.atlas.numbers import AXES
+from core.atlas.read import MAKE, open_atlas
+from core.atlas.rows import read_rows
+from core.dataset.frame import Column, Frame
 from core.errors import Problem, StudyError, VibrafeedError
+from core.study.unusual import questions
 
 if TYPE_CHECKING:
     from core.dataset.table import Table
@@ -62,15 +74,10 @@ def lookup(
     The atlas answers inside a regime and in its range, and says where it does not. Exit code 1
     means that it did not answer everything, 2 that a parameter or a file is wrong.
     """
-    from app.cli import console
-    from app.cli.units import units_asked
-
     shown = units_asked(units)
     found = _found(atlas, given or [], rows, simulate=simulate)
     if output is not None:
         _write(found, output, force=force)
-    from core.atlas.lookup import advice
-
     lines = advice(found)
     if as_json:
         console.document(_document(found) | {"advice": lines})
@@ -89,11 +96,6 @@ def lookup(
 
 def _found(path: Path, given: list[str], rows: Path | None, *, simulate: bool) -> Table:
     """Return what the atlas says; report every problem and exit."""
-    from core.atlas.lookup import lookup_grid, lookup_rows
-    from core.atlas.read import MAKE, open_atlas
-    from core.atlas.rows import read_rows
-    from core.study.unusual import questions
-
     source = rows or Path("lookup")
     wrong: dict[Path, list[Problem]] = {}
     parameters, problems = _named(given)
@@ -150,11 +152,6 @@ def _named(given: list[str]) -> tuple[dict[str, str | float], list[Problem]]:
 
 
 def _write(found: Table, output: str, *, force: bool) -> None:
-    from datetime import UTC, datetime
-
-    from app.cli.existing import refuse_existing
-    from app.cli.targets import check_suffix, make_folder_of, write_or_exit
-
     check_suffix(output)
     refuse_existing("lookup", output, force=force)
     make_folder_of(output)
@@ -163,15 +160,11 @@ def _write(found: Table, output: str, *, force: bool) -> None:
 
 
 def _words(found: Table, name: str) -> list[str]:
-    from core.dataset.frame import Column
-
     return [str(word) for word in Column(name, found.variables[name]).values.ravel()]
 
 
 def _show_one(found: Table, shown: Any) -> None:
     """Print the answer for one part."""
-    from app.cli import console
-    from app.cli.units import number
 
     def value(name: str) -> float:
         return float(found.variables[name].values.ravel()[0])
@@ -194,19 +187,11 @@ def _show_one(found: Table, shown: Any) -> None:
         console.tell(f"  shares  {', '.join(shares)} of the period")
     else:
         console.say(f"  no speed: {status.replace('_', ' ')}")
-    from core.atlas.numbers import AXES
-
     console.tell(f"  numbers {', '.join(f'{name} {number(value(name))}' for name in AXES)}")
 
 
 def _show_many(found: Table, shown: Any) -> None:
     """Print the first rows of many."""
-    import numpy as np
-
-    from app.cli import console
-    from app.cli.units import number
-    from core.dataset.frame import Frame
-
     speeds = found.variables["conveying_velocity"].values
     unit = shown.of("m s-1", float(np.nanmax(np.abs(speeds), initial=0.0)))
     frame = Frame.of(found)
@@ -234,8 +219,6 @@ def _show_many(found: Table, shown: Any) -> None:
 
 def _given(found: Table) -> list[str]:
     """Return the columns that say which part a row is about."""
-    from core.atlas.lookup import ROW
-
     if ROW in found.coordinates:
         return [ROW]
     return list(found.coordinates)

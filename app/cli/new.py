@@ -10,10 +10,12 @@ from typing import Annotated, Any
 import typer
 
 from app.cli.questions import QUESTIONS, Question
+from app.cli.starter import example_study, starter_study
 from app.cli.studies import STANDARD, refuse
 from app.cli.texts import refuse_taken, write_text
 from core.errors import Problem
 from core.kinds import KINDS
+from core.study.units import UnitError
 from core.suggestions import suggestion
 
 _BY_NAME = {question.name: question for question in reversed(QUESTIONS)}  # the first of a name
@@ -67,8 +69,6 @@ def new(
     The study runs at once. Exit code 2 means that an answer is wrong or that the file is there
     already, 1 that it could not be written.
     """
-    from app.cli.starter import example_study, starter_study
-
     _check_name(file, force)
     given = {name: context.params[name] for name in _BY_NAME if context.params[name] is not None}
     name = str(file) if file != STANDARD else "study.toml"
@@ -110,8 +110,6 @@ def _check_kind(kind: str, given: Mapping[str, str]) -> None:
 
 def _answered(given: dict[str, str], *, asks: bool) -> dict[str, str]:
     """Return an answer to every question that belongs; report every wrong option, and exit."""
-    from core.study.units import UnitError
-
     answers: dict[str, str] = {}
     problems, doubts = [], []
     for question in QUESTIONS:
@@ -140,8 +138,6 @@ def _answered(given: dict[str, str], *, asks: bool) -> dict[str, str]:
 
 def _ask(question: Question) -> str:
     """Return the answer of a person, who is asked again until it is one, once if it is unusual."""
-    from core.study.units import UnitError
-
     width = max(map(len, question.choices), default=0)
     if question.choices:
         typer.echo(question.asks)

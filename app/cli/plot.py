@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from app.cli import console
 from app.cli.options import FAILED
 from app.cli.studies import refuse
 from core.errors import Problem
@@ -72,8 +73,6 @@ def plot(
     ] = False,
 ) -> None:
     """Draw an output with its regimes, a map of the regimes, or the motion of one part."""
-    from app.cli import console
-
     try:
         from core.plots import PlotError, draw_file
     except ModuleNotFoundError as error:

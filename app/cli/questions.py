@@ -7,6 +7,9 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final
 
+from core.quantities import QUANTITIES
+from core.study.units import UnitError, read_number
+from core.study.unusual import questions
 from core.suggestions import meant, suggestion
 
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
@@ -59,9 +62,6 @@ class Question:
         UnitError
             If it is none; it says what would be one.
         """
-        from core.quantities import QUANTITIES
-        from core.study.units import UnitError, read_number
-
         answer = answer.strip()
         if self.choices:
             chosen = answer if answer in self.choices else meant(answer, self.choices)
@@ -74,8 +74,6 @@ class Question:
 
     def doubt(self, answer: str) -> str:
         """Return the line that asks whether an unusual number is meant; empty if it is usual."""
-        from core.study.unusual import questions
-
         return " ".join(questions({"parameters": {self.parameter: typed(answer)}}))
 
 

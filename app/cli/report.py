@@ -7,8 +7,11 @@ from typing import Annotated
 
 import typer
 
+from app.cli import console
+from app.cli.accuracy import EXTREMES, dataset_of, write_report
 from app.cli.options import FAILED
 from app.cli.studies import interruption, prepare_all, refuse, refuse_clashes
+from core.accuracy.families import families_of
 from core.errors import Problem, StudyError
 
 
@@ -44,10 +47,6 @@ def report(
     a hard case came out wrong, or that it was stopped by Ctrl-C: what was measured by then is
     written.
     """
-    from app.cli import console
-    from app.cli.accuracy import EXTREMES, dataset_of, write_report
-    from core.accuracy.families import families_of
-
     files = files or []
     if not files and not extremes:
         fix = "Name studies, or add --extremes, which needs none"

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.cli.console import fail, say, table, tell
+from app.cli.findings import show_findings
 from app.cli.uncertain import is_short, is_uncertain, show_design
 from app.cli.units import DIGITS, ends, units_asked
 from core.dataset.regimes import percent, regime_shares, shares_of
@@ -52,8 +53,6 @@ def show_result(facts: Mapping[str, Any], result: Table, asked: str | None) -> N
     """Print a short table of a result: values or ranges, regimes, what was verified."""
     units = units_asked(asked, str(result.attributes.get("shown_units", "")))
     if "findings" in result.attributes:
-        from app.cli.findings import show_findings  # one kind of study alone has them
-
         show_findings(result, units)
         return
     outputs = facts["outputs"]

@@ -11,10 +11,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import core
+from app.cli import console, plans
 from app.cli.existing import complete_already, refuse_others
 from app.cli.options import FAILED, Json, Units
+from app.cli.parts import run_part
+from app.cli.pipes import is_standard, standard_output
+from app.cli.running import Running, history_of
 from app.cli.studies import prepare_all, refuse
 from app.cli.targets import targets_of
+from app.cli.units import units_asked
 from core.errors import Problem
 
 if TYPE_CHECKING:
@@ -100,11 +105,6 @@ def run(
     or that a study was stopped, by Ctrl-C or the time limit, while it was computed or verified:
     what was finished is written, of a large sweep where --resume finds it.
     """
-    from app.cli import console
-    from app.cli.pipes import is_standard, standard_output
-    from app.cli.running import Running, history_of
-    from app.cli.units import units_asked
-
     in_parts = part is not None or scheduler is not None
     to_standard = is_standard(output) and not dry_run
     _refuse_together(as_json=as_json, to_standard=to_standard, in_parts=in_parts)
@@ -116,12 +116,12 @@ def run(
             _show_plans(studies, units, as_json)
             return
         if in_parts:
-            from app.cli.parts import run_on_scheduler, run_part
-
             targets = targets_of(studies, output)
             if part is not None:
                 run_part(studies, targets, part)
             elif scheduler is not None:
+                from app.cli.scheduler import run_on_scheduler  # it loads Dask
+
                 refuse_others(studies, targets, force=force)
                 run_on_scheduler(studies, targets, scheduler, parts, history_of(files[0]))
             return
@@ -149,8 +149,6 @@ def run(
 
 
 def _show_plans(studies: Mapping[Path, Prepared], units: str | None, as_json: bool) -> None:
-    from app.cli import console, plans
-
     if as_json:
         told = [plans.plan_facts(path, prepared) for path, prepared in studies.items()]
         console.document({"vibrafeed": core.__version__, "plans": told})

@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from app.cli import console
+from app.cli.plans import more
+from app.cli.results import facts_of, show_result
+from app.cli.streamed import run_streamed
 from app.cli.studies import (
     INTERRUPTED,
     interruptible_compiler,
@@ -21,7 +24,13 @@ from app.cli.studies import (
 )
 from app.cli.targets import kept_apart, write_or_exit
 from core.compiling import stopwatch
+from core.dataset.formats import NETCDF, ZARR, suffix_of
+from core.dataset.netcdf import is_large
 from core.errors import StoppedError
+from core.kinds import is_whole, not_verified, share_left_out, tabulate
+from core.plan.pieces import cells_of
+from core.plan.tiles import Tiled
+from core.watch import Watch
 
 if TYPE_CHECKING:
     from core.plan.prepared import Prepared
@@ -68,8 +77,6 @@ class Running:
                 left.remove(path)
                 continue
             if prepared.not_lazy is None and _is_streamed(prepared, target):
-                from app.cli.streamed import run_streamed
-
                 left.remove(path)
                 whole, is_sound, facts = run_streamed(
                     path,
@@ -104,11 +111,6 @@ class Running:
         self, path: Path, prepared: Prepared, target: str
     ) -> tuple[bool, bool] | None:
         """Write one result; return whether it is sound, and whether Ctrl-C came; None without."""
-        from app.cli.results import facts_of, show_result
-        from core.kinds import is_whole, not_verified, share_left_out, tabulate
-        from core.plan.pieces import cells_of
-        from core.watch import Watch
-
         refuse_beyond_memory(path, prepared)
         compiled = stopwatch.spent
         begun = threading.Event()
@@ -162,18 +164,12 @@ class Running:
     def _say_more(self, prepared: Prepared) -> None:
         """Print what a user of --verbose reads besides."""
         if self.checked is not None:
-            from app.cli.plans import more
-
             for line in more(prepared, self.checked):
                 console.tell(line)
 
 
 def _is_streamed(sweep: Prepared, target: str) -> bool:
     """Return whether a sweep is written tile by tile, in place of being held in memory."""
-    from core.dataset.formats import NETCDF, ZARR, suffix_of
-    from core.dataset.netcdf import is_large
-    from core.plan.tiles import Tiled
-
     suffix = suffix_of(target)
     return suffix == ZARR or (suffix == NETCDF and is_large(Tiled(sweep).tiles))
 

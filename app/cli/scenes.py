@@ -7,15 +7,17 @@ from typing import Annotated
 
 import typer
 
+from app.cli import catalogue, console
 from app.cli.options import Json, Units
 from app.cli.studies import refuse
+from app.cli.units import units_asked
+from core.catalogue import describe, describe_all
 from core.errors import StudyError
+from core.scenes import SCENES
 
 
 def _names(begun: str) -> list[str]:
     """Return the scenes that a shell may complete what is begun to."""
-    from core.scenes import SCENES
-
     return [name for name in SCENES if name.startswith(begun)]
 
 
@@ -31,10 +33,6 @@ def scenes(
     as_json: Json = False,
 ) -> None:
     """Print the catalogue: scenes, parameters, outputs, units, equations, validity."""
-    from app.cli import catalogue, console
-    from app.cli.units import units_asked
-    from core.catalogue import describe, describe_all
-
     shown = units_asked(units)
     try:
         found = describe_all() if name is None else describe(name, variant, method=method)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import json
+
 import typer
+
+from core.catalogue import study_schema
 
 
 def schema() -> None:
     """Print the JSON Schema of studies, for editors."""
-    import json
-
-    from core.catalogue import study_schema
-
     typer.echo(json.dumps(study_schema(), indent=2))

@@ -8,9 +8,13 @@ from typing import Annotated
 
 import typer
 
+from app.cli import console
 from app.cli.options import FAILED, WRONG_INPUT, Json
 from app.cli.serve import settings_in_force
 from app.cli.studies import interruption
+from app.jobs.scrub import BROKEN, ORPHANED, WHOLE
+from app.jobs.scrub import scrub as found_in
+from app.jobs.store import Store
 
 SHOWN = 12  # letters of an identifier, as in the names of downloads
 COLUMNS = ("study", "state", "files")
@@ -32,11 +36,6 @@ def scrub(
 
     The service may run meanwhile.
     """
-    from app.cli import console
-    from app.jobs.scrub import BROKEN, ORPHANED
-    from app.jobs.scrub import scrub as found_in
-    from app.jobs.store import Store
-
     directory = directory or settings_in_force().data_directory
     store = Store(directory)
     if not directory.is_dir():
@@ -76,9 +75,6 @@ def _tell(
     repair: bool,
 ) -> None:
     """Print what was found."""
-    from app.cli import console
-    from app.jobs.scrub import BROKEN, WHOLE
-
     if rows:
         console.table(COLUMNS, rows)
     told = ", ".join(f"{count:,} {state}" for state, count in sorted(counts.items()))

@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import errno
 import os
+import socket
+import sqlite3
 import sys
+import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
+from pydantic import ValidationError
 
+from app.cli import console
 from app.cli.options import WRONG_INPUT
 from app.cli.studies import refuse
+from app.jobs.errors import LaterLedgerError
+from app.jobs.keys import Keys
+from app.jobs.ledger import Ledger
+from app.settings import PREFIX, Settings, unknown_variables
 from core.errors import Problem
 
 if TYPE_CHECKING:
@@ -39,6 +48,7 @@ def serve(
         typer.echo(settings.model_dump_json(indent=2))
         return
     _check_keys(settings, host)
+    # Settings are shown, and keys kept, without what serves.
     from app import logs
     from app.main import create_app
     from app.web.connections import most_requests, raise_open_files
@@ -60,10 +70,6 @@ def serve(
 
 def settings_in_force() -> Settings:
     """Return the settings in the environment, or report every wrong one and exit."""
-    from pydantic import ValidationError
-
-    from app.settings import PREFIX, Settings, unknown_variables
-
     wrong = unknown_variables(os.environ)
     try:
         settings = Settings()
@@ -78,10 +84,6 @@ def settings_in_force() -> Settings:
 
 def _check_address(host: str, port: int) -> None:
     """Listen for a moment, or say in one line why that cannot be and exit."""
-    import socket
-
-    from app.cli import console
-
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
         socket.create_server((host, port), family=family).close()
@@ -96,18 +98,12 @@ def _check_address(host: str, port: int) -> None:
 
 def _check_keys(settings: Settings, host: str) -> None:
     """Refuse to serve other machines where there is no key."""
-    import sqlite3
-
-    from app.jobs.errors import LaterLedgerError
-    from app.web.guard import is_loopback
+    from app.web.guard import is_loopback  # with all that serves
 
     if settings.api_key_hashes or is_loopback(host):
         return
     where = settings.ledger
     if isinstance(where, str) or where.exists():
-        from app.jobs.keys import Keys
-        from app.jobs.ledger import Ledger
-
         ledger = Ledger(where)
         keys = Keys(ledger.database)
         try:
@@ -125,8 +121,6 @@ def _check_keys(settings: Settings, host: str) -> None:
 
 def _check_directory(directory: Path) -> None:
     """Write a little into the data directory, or say in one line why not and exit."""
-    import tempfile
-
     try:
         directory.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=directory) as file:
@@ -143,11 +137,6 @@ def _check_directory(directory: Path) -> None:
 
 def _check_ledger(settings: Settings, ledger: Ledger) -> None:
     """Begin a change of the ledger, or say in one line why that cannot be and exit."""
-    import sqlite3
-
-    from app.cli import console
-    from app.jobs.errors import LaterLedgerError
-
     try:
         with ledger.transaction():
             pass  # what can begin a change can be opened and written
@@ -167,8 +156,6 @@ def _check_ledger(settings: Settings, ledger: Ledger) -> None:
 
 
 def _refuse_directory(directory: Path, why: str, first: str) -> NoReturn:
-    from app.cli import console
-
     fix = f"{first} VIBRAFEED_DATA_DIRECTORY to a directory that can be written"
     console.fail(f"The data directory {directory} cannot be used: {why}. {fix}.")
     raise typer.Exit(WRONG_INPUT)

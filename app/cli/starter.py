@@ -8,8 +8,13 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Final
 
+import tomlkit
+
 from app.cli.questions import QUESTIONS, typed
+from core.intake.forms import to_toml
 from core.kinds import KINDS
+from core.quantities import QUANTITIES
+from core.study.shown import SI
 
 SCENES: Final[Mapping[str, str]] = {
     "straight": "rectangle-on-plane",
@@ -103,11 +108,6 @@ def scene_of(answers: Mapping[str, str]) -> str:
 
 def starter_study(answers: Mapping[str, str], file: str) -> str:
     """Return the TOML of the study that some answers ask for; `file` is what it will be called."""
-    import tomlkit
-
-    from core.quantities import QUANTITIES
-    from core.study.shown import SI
-
     starter, scene = STARTERS[answers["question"]], scene_of(answers)
     document = tomlkit.document()
     _say(document, "\n".join(starter.says))
@@ -136,8 +136,6 @@ def starter_study(answers: Mapping[str, str], file: str) -> str:
 
 def example_study(kind: str, file: str) -> str:
     """Return the TOML of the example of a kind of study; `file` is what it will be called."""
-    from core.intake.forms import to_toml
-
     record = KINDS[kind]
     said = [f"{record.title}.", *textwrap.wrap(record.description, WIDTH)]
     lines = [*said, "", f"Carry it out: vibrafeed run {file}"]
@@ -146,16 +144,12 @@ def example_study(kind: str, file: str) -> str:
 
 
 def _say(container: Any, text: str) -> None:
-    import tomlkit
-
     for line in text.split("\n"):
         container.add(tomlkit.comment(line))
 
 
 def _table(says: str, content: Mapping[str, Any]) -> Any:
     """Return a table that begins with what is said of it."""
-    import tomlkit
-
     table = tomlkit.table()
     _say(table, says)
     for name, value in content.items():

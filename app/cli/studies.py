@@ -14,8 +14,10 @@ from typing import TYPE_CHECKING, NoReturn
 import typer
 
 from app.cli.options import WRONG_INPUT
+from core import intake
 from core.compiling import stopwatch
 from core.errors import LimitError, Problem, StudyError
+from core.study.unusual import questions
 
 if TYPE_CHECKING:
     from core.plan.prepared import Prepared
@@ -40,16 +42,13 @@ def prepare_all(
 
     What is allowed and hardly meant is asked about on the error stream.
     """
-    from core.intake import prepare_content
-    from core.study.unusual import questions
-
     prepared: dict[Path, Prepared] = {}
     wrong: dict[Path, Sequence[Problem]] = {}
     asked: dict[Path, list[str]] = {}
     for path in files:
         try:
             content = content_of(path)
-            prepared[path] = prepare_content(content, files=True)
+            prepared[path] = intake.prepare_content(content, files=True)
             prepared[path].check_limits(cells=cells, bytes_=bytes_)
             asked[path] = questions(content)
         except StudyError as error:
@@ -81,16 +80,14 @@ def content_of(path: Path) -> object:
     StudyError
         If it is neither.
     """
-    from core.intake import read_content, read_json, read_toml
-
     if path != STANDARD:
-        return read_content(path)
+        return intake.read_content(path)
     try:
         text = typer.get_binary_stream("stdin").read().decode("utf-8-sig")
     except UnicodeDecodeError:
         problem = Problem("file", "it is not UTF-8 text", "Send it as UTF-8")
         raise StudyError([problem]) from None
-    return read_json(text) if text.lstrip().startswith("{") else read_toml(text)
+    return intake.read_json(text) if text.lstrip().startswith("{") else intake.read_toml(text)
 
 
 def refuse(wrong: Mapping[Path, Sequence[Problem]]) -> NoReturn:

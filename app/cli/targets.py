@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from app.cli import console
 from app.cli.options import FAILED
 from app.cli.studies import refuse, refuse_clashes, stem_of
+from core.dataset.formats import FORMATS, known_suffixes, suffix_of, write_result
 from core.errors import LimitError, MissingPackageError, Problem
 from core.suggestions import nearest
 
@@ -46,8 +48,6 @@ def targets_of(studies: Mapping[Path, Prepared], output: str | None) -> dict[Pat
 
 def check_suffix(output: str) -> None:
     """Exit if no format has the suffix of a place, or what writes it is not installed."""
-    from core.dataset.formats import FORMATS, known_suffixes, suffix_of
-
     suffix = suffix_of(output)
     problem = None
     if suffix not in FORMATS:
@@ -77,9 +77,6 @@ def make_folder_of(target: str) -> None:
 
 def kept_apart(target: str) -> str:
     """Return where what is not whole goes: beside a file that is there, which may be whole."""
-    from app.cli import console
-    from core.dataset.formats import suffix_of
-
     if not Path(target).exists():
         return target
     suffix = suffix_of(target)
@@ -92,9 +89,6 @@ def write_or_exit(
     path: Path, table: Table, target: str, history: str, *, compression: bool = True
 ) -> None:
     """Write a result; exit, with the reason, if it cannot be written."""
-    from app.cli import console
-    from core.dataset.formats import write_result
-
     try:
         write_result(table, target, history=history, compression=compression)
     except LimitError as error:
@@ -114,8 +108,6 @@ def _is_folder(output: str) -> bool:
 
 def _check_formats(studies: Mapping[Path, Prepared], targets: Mapping[Path, str]) -> None:
     """Exit if a format cannot hold what is to go there, before anything is computed."""
-    from core.dataset.formats import FORMATS, suffix_of
-
     wrong = {}
     for path, prepared in studies.items():
         kept = {dim for dims in prepared.dims.values() for dim in dims}

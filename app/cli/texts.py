@@ -6,6 +6,7 @@ from pathlib import Path
 
 import typer
 
+from app.cli import console
 from app.cli.options import FAILED
 from app.cli.studies import refuse
 from core.errors import Problem
@@ -20,8 +21,6 @@ def refuse_taken(file: Path, place: str, *, force: bool) -> None:
 
 def write_text(file: Path, text: str) -> None:
     """Write a text; say why and exit if it cannot be written."""
-    from app.cli import console
-
     try:
         file.write_text(text, encoding="utf-8")
     except OSError as error:

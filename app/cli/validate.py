@@ -9,10 +9,26 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
+import core
+from app.cli import console
+from app.cli.layout import plain_lines
 from app.cli.options import FAILED
 from app.cli.studies import interruption, refuse
 from app.cli.texts import refuse_taken, write_text
 from core.errors import Problem, StudyError
+from core.validation import catalogue
+from core.validation.answers import read_answers
+from core.validation.run import judge, solve, summaries
+from core.validation.shown import (
+    COLUMNS,
+    FAMILY_COLUMNS,
+    document,
+    family_rows,
+    markdown,
+    rows,
+    sentence,
+)
+from core.watch import Watch
 
 if TYPE_CHECKING:
     from core.validation.answers import Answers
@@ -70,9 +86,6 @@ def validate(
     Anchors from the literature, limits, laws that any drive keeps, a measured set, worked values:
     docs/validation.md. Exit code 1 means that an answer is wrong, 2 that an option or a file is.
     """
-    from app.cli import console
-    from core.validation import catalogue
-
     if problems and (answers or form in (Form.TEXT, Form.MARKDOWN)):
         fix = "Leave --answers and --format out"
         _refuse([Problem("problems", "the problems themselves are JSON", fix)])
@@ -95,12 +108,8 @@ def validate(
         outcomes, program = _others(given, letters)
     form = form or (SUFFIXES.get(output.suffix.lower()) if output else None) or Form.TEXT
     if form is Form.JSON:
-        from core.validation.shown import document
-
         _write(document(outcomes, program), output)
     elif form is Form.MARKDOWN or output:
-        from core.validation.shown import markdown
-
         page = (markdown if form is Form.MARKDOWN else _text)(outcomes, program)
         if output:
             write_text(output, page)
@@ -109,8 +118,6 @@ def validate(
     else:
         _tell(outcomes, program, listed=bool(family))
     if output:
-        from core.validation.shown import sentence
-
         console.say(sentence(outcomes, program))
         console.say(f"wrote {output}")
     if not all(outcome.passed for outcome in outcomes):
@@ -118,18 +125,11 @@ def validate(
 
 
 def _read(path: Path) -> Answers:
-    from core.validation.answers import read_answers
-
     return read_answers(path)
 
 
 def _own(problems: Sequence[KnownProblem]) -> tuple[list[Outcome], str]:
     """Return this program's outcomes, and its name; exit if it was stopped."""
-    import core
-    from app.cli import console
-    from core.validation.run import solve
-    from core.watch import Watch
-
     with console.progress("validate") as advance, interruption() as interrupted:
         outcomes = solve(problems, Watch(advance, interrupted))
     if len(outcomes) < len(problems):
@@ -140,8 +140,6 @@ def _own(problems: Sequence[KnownProblem]) -> tuple[list[Outcome], str]:
 
 def _others(given: Answers, letters: Sequence[str]) -> tuple[list[Outcome], str]:
     """Return the outcomes of another program in some families, and its name."""
-    from core.validation.run import judge
-
     asked = [problem for problem in given.problems if problem.family in letters]
     if not asked:
         fix = f"Families that it answers: {', '.join(sorted({p.family for p in given.problems}))}"
@@ -151,10 +149,6 @@ def _others(given: Answers, letters: Sequence[str]) -> tuple[list[Outcome], str]
 
 def _tell(outcomes: Sequence[Outcome], program: str, *, listed: bool) -> None:
     """Print outcomes: every problem, or a row a family and what is wrong."""
-    from app.cli import console
-    from core.validation.run import summaries
-    from core.validation.shown import COLUMNS, FAMILY_COLUMNS, family_rows, rows, sentence
-
     wrong = [outcome for outcome in outcomes if not outcome.passed]
     if listed:
         console.table(COLUMNS, rows(outcomes))
@@ -171,10 +165,6 @@ def _tell(outcomes: Sequence[Outcome], program: str, *, listed: bool) -> None:
 
 def _text(outcomes: Sequence[Outcome], program: str) -> str:
     """Return a row a family, then every problem, as plain lines."""
-    from app.cli.layout import plain_lines
-    from core.validation.run import summaries
-    from core.validation.shown import COLUMNS, FAMILY_COLUMNS, family_rows, rows, sentence
-
     families = plain_lines(FAMILY_COLUMNS, family_rows(summaries(outcomes)))
     lines = [*families, "", *plain_lines(COLUMNS, rows(outcomes)), "", sentence(outcomes, program)]
     return "\n".join(lines) + "\n"
@@ -182,8 +172,6 @@ def _text(outcomes: Sequence[Outcome], program: str) -> str:
 
 def _write(content: object, output: Path | None) -> None:
     """Write a JSON document into a file, or on the output."""
-    from app.cli import console
-
     if output is None:
         console.document(content)
     else:

@@ -8,7 +8,10 @@ from typing import Annotated
 
 import typer
 
+from app.cli import console
 from app.cli.options import FAILED, Json
+from core.warm import is_warm
+from core.warm import warm as compile_all
 
 
 def warm(
@@ -25,10 +28,6 @@ def warm(
     Without it the first study of each kind waits. Compiled code is kept in NUMBA_CACHE_DIR, or
     among the user's caches.
     """
-    from app.cli import console
-    from core.warm import is_warm
-    from core.warm import warm as compile_all
-
     if check:
         warm_already = is_warm()
         if as_json:

@@ -6,23 +6,24 @@ The only place that loads matplotlib, when a picture is drawn. Its object interf
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from core.lazy import lazily
 
 if TYPE_CHECKING:
     from core.plots.drawing import draw
-    from core.plots.files import draw_file
+    from core.plots.files import draw_file, save
+    from core.plots.measured import draw_fit
     from core.plots.problem import PlotError
+else:  # the table of pictures is read without matplotlib
+    __getattr__ = lazily(
+        __name__,
+        {
+            "drawing": ("draw",),
+            "files": ("draw_file", "save"),
+            "measured": ("draw_fit",),
+            "problem": ("PlotError",),
+        },
+    )
 
-__all__ = ["PlotError", "draw", "draw_file"]
-
-_HOMES = {"PlotError": "problem", "draw": "drawing", "draw_file": "files"}
-
-
-def __getattr__(name: str) -> Any:
-    """Load what is asked for: the table of pictures is read without matplotlib."""
-    if name not in _HOMES:
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-    value = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
-    globals()[name] = value
-    return value
+__all__ = ["PlotError", "draw", "draw_file", "draw_fit", "save"]

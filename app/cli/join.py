@@ -1,0 +1,44 @@
+"""`vibrafeed join`: the result of the parts of a sweep."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from app.cli.existing import refuse_others
+from app.cli.parts import counts_of, join_parts, parts_of
+from app.cli.studies import prepare_all, refuse
+from core.errors import Problem
+
+
+def join(
+    file: Annotated[Path, typer.Argument(help="The study, TOML or JSON.", show_default=False)],
+    output: Annotated[
+        str, typer.Option("-o", "--output", help="The result, as given to run --part.")
+    ],
+    parts: Annotated[
+        int | None, typer.Option(min=1, help="Number of parts; told from what is there.")
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace a file with the result of another study.")
+    ] = False,
+) -> None:
+    """Join the parts that `vibrafeed run --part` has computed, and give the result its name.
+
+    Each part is checked by its digest. Exit code 1 means that some are missing or damaged; which,
+    is told as a queue takes it: compute these again, and join again.
+    """
+    studies = prepare_all([file])
+    refuse_others(studies, {file: output}, force=force)
+    counts = {parts} if parts is not None else counts_of(output)
+    if len(counts) != 1:
+        told = f"there are parts of {', '.join(map(str, sorted(counts)))}" if counts else "no part"
+        message = f"{told} beside {output}" if counts else f"there is no part beside {output}"
+        fix = "Give --parts" if counts else "Compute them with vibrafeed run --part 0/N, 1/N, ..."
+        refuse({file: [Problem("parts", message, fix)]})
+    stamp = datetime.now(UTC).isoformat(timespec="seconds")
+    history = f"{stamp} vibrafeed join {file.name}"
+    join_parts(file, parts_of(file, studies[file], output, counts.pop()), history)
