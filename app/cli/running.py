@@ -23,11 +23,11 @@ from app.cli.studies import (
     refuse_beyond_memory,
 )
 from app.cli.targets import kept_apart, write_or_exit
+from core import kinds
 from core.compiling import stopwatch
 from core.dataset.formats import NETCDF, ZARR, suffix_of
 from core.dataset.netcdf import is_large
 from core.errors import StoppedError
-from core.kinds import is_whole, not_verified, share_left_out, tabulate
 from core.plan.pieces import cells_of
 from core.plan.tiles import Tiled
 from core.watch import Watch
@@ -126,7 +126,7 @@ class Running:
                 advance(share)
 
             try:
-                table = tabulate(prepared, Watch(progress, interrupted, self.deadline))
+                table = kinds.tabulate(prepared, Watch(progress, interrupted, self.deadline))
             except StoppedError as stopped:
                 console.fail(f"{path}: {stopped}; nothing is written.")
                 return None
@@ -134,10 +134,10 @@ class Running:
                 at_once = f"{path}: it was stopped at once; nothing is written."
                 console.fail(at_once if begun.is_set() else stopped_early)
                 raise typer.Exit(INTERRUPTED) from None
-        if share_left_out(table) == 1:
+        if kinds.share_left_out(table) == 1:
             console.fail(stopped_early)
             return None
-        target = kept_apart(target) if not is_whole(table) else target
+        target = kept_apart(target) if not kinds.is_whole(table) else target
         evaluated = time.perf_counter()
         write_or_exit(path, table, target, history_of(path), compression=not self.plain)
         seconds = {
@@ -159,7 +159,7 @@ class Running:
         if seconds["compiling"]:
             console.say(f"  compiled in {seconds['compiling']:.1f} s: once, it is kept")
         self._say_more(prepared)
-        return is_whole(table) and not not_verified(table), interrupted()
+        return kinds.is_whole(table) and not kinds.not_verified(table), interrupted()
 
     def _say_more(self, prepared: Prepared) -> None:
         """Print what a user of --verbose reads besides."""
