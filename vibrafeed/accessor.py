@@ -13,6 +13,15 @@ from typing import TYPE_CHECKING
 
 import xarray
 
+from core.dataset.formats import suffix_of, write_result
+from core.dataset.regimes import regime_shares
+from core.dataset.shown import in_shown_units
+from core.dataset.table import Table
+from core.errors import Problem, StudyError, VibrafeedError
+from core.intake import parse_json
+from core.study.shown import read_shown
+from core.study.units import UnitError
+
 if TYPE_CHECKING:
     import os
 
@@ -49,9 +58,6 @@ class Accessor:
         VibrafeedError
             If the dataset holds none: it is no result of vibrafeed.
         """
-        from core.errors import VibrafeedError
-        from core.intake import parse_json
-
         if "study" not in self._dataset.attrs:
             raise VibrafeedError("The dataset holds no study: it is no result of vibrafeed.")
         return parse_json(str(self._dataset.attrs["study"]))
@@ -85,9 +91,6 @@ class Accessor:
         VibrafeedError
             If the dataset has no regime.
         """
-        from core.dataset.regimes import regime_shares
-        from core.errors import VibrafeedError
-
         if "regime" not in self._dataset:
             raise VibrafeedError("The dataset has no regime: it is no result of vibrafeed.")
         return regime_shares(self._dataset["regime"].values)
@@ -112,11 +115,6 @@ class Accessor:
         StudyError
             If one is no unit of anything here, or two are of one kind.
         """
-        from core.dataset.shown import in_shown_units
-        from core.errors import Problem, StudyError
-        from core.study.shown import read_shown
-        from core.study.units import UnitError
-
         wanted = units or ("study" in self._dataset.attrs and self.study.units) or ()
         try:
             return in_shown_units(self._dataset, read_shown(wanted))
@@ -141,10 +139,6 @@ class Accessor:
         OSError
             If it cannot be written.
         """
-        from core.dataset.formats import suffix_of, write_result
-        from core.dataset.table import Table
-        from core.errors import VibrafeedError
-
         if suffix_of(str(path)) != ".xlsx":
             raise VibrafeedError(f"{path} does not end in .xlsx, by which a workbook is known.")
         before = self._dataset.attrs.get("history", "")

@@ -6,6 +6,8 @@ import logging
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import xarray
+
 from app.jobs.store import Store
 from core.accuracy.families import families_of
 from core.accuracy.kept import keep, kept
@@ -69,8 +71,6 @@ def draw(
     except ModuleNotFoundError as error:
         warn(f"{error.name} is missing: no pictures. {installing('matplotlib', 'plot')}")
         return {}
-    import xarray
-
     pictures = {}
     with xarray.open_dataset(file, engine="netcdf4", decode_times=False) as dataset:
         for family in families:

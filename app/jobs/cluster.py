@@ -7,8 +7,12 @@ import contextlib
 import importlib
 import os
 from collections.abc import Callable
-from contextlib import AsyncExitStack
+from contextlib import AsyncExitStack, suppress
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeVar
+
+import dask
+from distributed import WorkerPlugin, get_worker
 
 if TYPE_CHECKING:
     from distributed import Client, WorkerPlugin
@@ -134,11 +138,6 @@ def by_name(function: Callable[..., _T]) -> Callable[..., _T]:
     name, topic = function.__name__, BEGUN
 
     def call(*arguments: Any) -> _T:
-        from contextlib import suppress
-        from importlib import import_module
-
-        from distributed import get_worker
-
         with suppress(ValueError):  # it is called elsewhere than on a worker
             worker = get_worker()
             told = {"key": worker.get_current_task(), "worker": worker.address}
@@ -160,7 +159,6 @@ def _is_lost(start: asyncio.Task[_Made]) -> bool:
 
 def _polite() -> WorkerPlugin:
     """Return what makes each worker polite, those too that take the place of dead ones."""
-    from distributed import WorkerPlugin
 
     class Polite(WorkerPlugin):
         def setup(self, worker: object) -> None:
@@ -183,8 +181,6 @@ async def _end_workers(cluster: Any) -> None:
 
 
 def _local(distributed: Any, workers: int) -> Any:
-    import dask
-
     # A worker may be killed for reasons that are not its block's.
     dask.config.set(
         {

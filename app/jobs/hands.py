@@ -9,6 +9,9 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from distributed.client import FutureCancelledError
+from distributed.comm.core import CommClosedError
+
 from app.jobs.cluster import Cluster, by_name
 from app.jobs.turns import Place, Turns
 from core.errors import VibrafeedError
@@ -156,9 +159,6 @@ class Hands:
                 call.begun.set_result(None)
 
     async def _followed(self, call: _Call, began: Callable[[], Awaitable[None]]) -> float:
-        from distributed.client import FutureCancelledError
-        from distributed.comm.core import CommClosedError
-
         told = False
         while True:
             events: set[asyncio.Future[Any]] = {call.result}

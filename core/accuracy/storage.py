@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 from numpy.typing import NDArray
 
@@ -130,8 +131,6 @@ def _short(values: NDArray[np.float64]) -> NDArray[np.float32]:
 
 def errors_of_file(path: Path, values: Mapping[str, NDArray[Any]]) -> NDArray[np.float64]:
     """Return the error of each finite value of a file that is not 0, as a share of it."""
-    import netCDF4
-
     errors = []
     with netCDF4.Dataset(path) as file:
         file.set_auto_mask(False)

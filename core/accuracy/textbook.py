@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from mpmath import mp, mpf
+
 DIGITS = 700
 """Enough for 1 - exp(-s) at s = 1e-300."""
 
@@ -45,8 +47,6 @@ def exact(formula: Formula, **given: float) -> Callable[[], Answer]:
     """
 
     def answer() -> Answer:
-        from mpmath import mp, mpf  # the reference only; no result needs it
-
         with mp.workdps(DIGITS):
             inputs = {name: mpf(value) for name, value in given.items()}
             value = formula(**inputs)
@@ -72,8 +72,6 @@ def exact_of_floats(formula: Formula, **given: float) -> Callable[[], Answer]:
     """
 
     def answer() -> Answer:
-        from mpmath import mp, mpf  # the reference only; no result needs it
-
         with mp.workdps(DIGITS):
             value = float(formula(**{name: mpf(number) for name, number in given.items()}))
         error = BAR * abs(value) * EPSILON + BAR * 5e-324
@@ -83,22 +81,16 @@ def exact_of_floats(formula: Formula, **given: float) -> Callable[[], Answer]:
 
 
 def _radians(degrees: Any) -> Any:
-    from mpmath import mp
-
     return degrees * mp.pi / 180
 
 
 def _sin_cos(degrees: Any) -> tuple[Any, Any]:
-    from mpmath import mp
-
     angle = _radians(degrees)
     return mp.sin(angle), mp.cos(angle)
 
 
 def drive(*, frequency: Any, amplitude: Any) -> Any:
     """Return P = A0 (2 pi f)^2 [m s-2]."""
-    from mpmath import mp
-
     return amplitude * (2 * mp.pi * frequency) ** 2
 
 
@@ -127,8 +119,6 @@ def starting_acceleration(
 
 def velocity_after(*, radius: Any, distance: Any, friction: Any, **drive: Any) -> Any:
     """Return v(x) from rest, theory 4.5 [m s-1]."""
-    from mpmath import mp
-
     K = starting_acceleration(friction=friction, **drive)
     if K <= 0:
         return mp.zero
@@ -139,8 +129,6 @@ def velocity_after(*, radius: Any, distance: Any, friction: Any, **drive: Any) -
 
 def time_over(*, radius: Any, distance: Any, friction: Any, **drive: Any) -> Any:
     """Return t(x) from rest, theory 4.5 [s]."""
-    from mpmath import mp
-
     K = starting_acceleration(friction=friction, **drive)
     if friction == 0:
         return mp.sqrt(2 * distance / K)
@@ -152,16 +140,12 @@ def time_over(*, radius: Any, distance: Any, friction: Any, **drive: Any) -> Any
 
 def velocity_at(*, radius: Any, time: Any, friction: Any, **drive: Any) -> Any:
     """Return v(t) from rest, theory 4.5 [m s-1]."""
-    from mpmath import mp
-
     K = starting_acceleration(friction=friction, **drive)
     return mp.sqrt(K * radius / friction) * mp.tanh(time * mp.sqrt(friction * K / radius))
 
 
 def distance_at(*, radius: Any, time: Any, friction: Any, **drive: Any) -> Any:
     """Return x(t) from rest, theory 4.5 [m]."""
-    from mpmath import mp
-
     K = starting_acceleration(friction=friction, **drive)
     u = time * mp.sqrt(friction * K / radius)
     return radius / friction * (u + mp.log1p(mp.exp(-2 * u)) - mp.log(2))
@@ -169,15 +153,11 @@ def distance_at(*, radius: Any, time: Any, friction: Any, **drive: Any) -> Any:
 
 def chord_cosine(*, length: Any, radius: Any) -> Any:
     """Return sqrt(1 - (h/2R)^2), theory 4.1 [1]."""
-    from mpmath import mp
-
     return mp.sqrt(1 - (length / (2 * radius)) ** 2)
 
 
 def normal_response(*, height: Any, length: Any, pitch: Any, friction: Any) -> Any:
     """Return m tau in slip to the right, theory 2.2 [1]."""
-    from mpmath import mp
-
     s = mp.atan2(height, length) + _radians(pitch)
     return 1 + 3 * mp.cos(s) * (mp.cos(s) - friction * mp.sin(s))
 
@@ -186,8 +166,6 @@ def contact_acceleration(
     *, height: Any, length: Any, pitch: Any, friction: Any, pitch_rate: Any, gravity: Any
 ) -> Any:
     """Return -chi/(m tau) of a corner that slips to the right, theory 2.2, 2.3 [m s-2]."""
-    from mpmath import mp
-
     s = mp.atan2(height, length) + _radians(pitch)
     rho = mp.hypot(height, length) / 2
     chi = rho * pitch_rate**2 * mp.sin(s) - gravity
@@ -197,6 +175,4 @@ def contact_acceleration(
 
 def hop_after_hop(*, frequency: Any, beta: Any, gamma: Any, gravity: Any) -> Any:
     """Return the mean velocity of one hop a period that ends where the next begins, theory 13.8."""
-    from mpmath import mp
-
     return gravity * mp.cos(_radians(beta + gamma)) / (2 * frequency * _sin_cos(beta)[0])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from core.calibrate.model import Model
 from core.mechanics.arrays import Array
@@ -41,15 +42,13 @@ class LeastSquares:
         StoppedError
             If the watch says so.
         """
-        from scipy.optimize import least_squares  # few parts of scipy load as slowly
-
         model = self.model
         if not model.runs.measured.any():
             return start
         margin = 1e-9
         share = np.clip((start - model.lower) / model.width, margin, 1.0 - margin)
         before = self._residuals(share[np.newaxis])[0]
-        found = least_squares(
+        found = scipy.optimize.least_squares(
             lambda x: self._residuals(x[np.newaxis])[0],
             share,
             jac=self._slopes,

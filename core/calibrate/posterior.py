@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from core.calibrate.leaves import Explored, Leaves, points_of
@@ -119,13 +120,11 @@ def _within(leaves: Leaves, each: int) -> tuple[Array, NDArray[np.int64]]:
 
     A set that fills a cube evenly is shifted by other numbers in every leaf.
     """
-    from scipy.stats import qmc  # it loads slowly, and who checks a study does not need it
-
     count = leaves.centre.shape[1]
     if each == 1:
         return np.zeros((len(leaves), count)), np.arange(len(leaves))
     random = np.random.default_rng(0)
-    even = qmc.Sobol(count, seed=0).random(1 << int(np.ceil(np.log2(each))))[:each]
+    even = scipy.stats.qmc.Sobol(count, seed=0).random(1 << int(np.ceil(np.log2(each))))[:each]
     shift = random.random((len(leaves), 1, count))
     share = (even + shift) % 1.0 - 0.5
     share = share * leaves.width[:, np.newaxis, np.newaxis]
@@ -278,8 +277,6 @@ def heaps_of(posterior: Posterior, axes: Sequence[Array]) -> list[Heap]:
 
     All points belong to one: those between the heaps to the one that they rise to.
     """
-    from scipy import ndimage
-
     count = len(axes)
     places = np.stack(
         [
@@ -298,13 +295,13 @@ def heaps_of(posterior: Posterior, axes: Sequence[Array]) -> list[Heap]:
     for share in HIGHEST:
         high = np.zeros(mass.size, dtype=bool)
         high[order[: int(np.searchsorted(below, share)) + 1]] = True
-        wide = ndimage.binary_dilation(high.reshape(shape), around)
-        found = _heaviest(np.asarray(ndimage.label(wide, around)[0]), mass)
+        wide = scipy.ndimage.binary_dilation(high.reshape(shape), around)
+        found = _heaviest(np.asarray(scipy.ndimage.label(wide, around)[0]), mass)
         best = found if found.max() > best.max() else best
     depth = np.full(mass.size, DEEPEST)
     np.minimum.at(depth, flat, posterior.log.max() - posterior.log)
     steps = (np.iinfo(np.uint16).max / DEEPEST * depth.reshape(shape)).astype(np.uint16)
-    return _heaps(posterior, ndimage.watershed_ift(steps, best, around).ravel()[flat])
+    return _heaps(posterior, scipy.ndimage.watershed_ift(steps, best, around).ravel()[flat])
 
 
 def _heaviest(labels: NDArray[np.integer[Any]], mass: Array) -> NDArray[np.int16]:

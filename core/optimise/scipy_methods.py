@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+import scipy
 
 from core.mechanics.arrays import Array
 from core.optimise.codes import STATUS
@@ -97,13 +98,11 @@ def _best(single: Single, points: list[Array], tolerance: float) -> Array:
 
 def slsqp(single: Single) -> tuple[Array, str]:
     """Return the best end of SLSQP from several starts, |other| as two smooth limits."""
-    from scipy import optimize
-
     smooth = _Smooth(single)
     constraints = {"type": "ineq", "fun": smooth.kept, "jac": smooth.kept_slope}
     ends, said = [], []
     for start in _starts(single):
-        answer = optimize.minimize(
+        answer = scipy.optimize.minimize(
             smooth.value,
             smooth.start(start),
             jac=smooth.slope,
@@ -119,15 +118,13 @@ def slsqp(single: Single) -> tuple[Array, str]:
 
 def trust_constr(single: Single) -> tuple[Array, str]:
     """Return the best end of the trust region's interior point method from several starts."""
-    from scipy import optimize
-
     smooth = _Smooth(single)
     constraints: list[Any] = []
     if smooth.constrained:
         constraints = [
-            optimize.NonlinearConstraint(smooth.kept, 0.0, np.inf, jac=smooth.kept_slope)
+            scipy.optimize.NonlinearConstraint(smooth.kept, 0.0, np.inf, jac=smooth.kept_slope)
         ]
-    bounds = optimize.Bounds(
+    bounds = scipy.optimize.Bounds(
         [0.0] * (single.variables + smooth.extra),
         [1.0] * single.variables + [np.inf] * smooth.extra,
     )
@@ -137,7 +134,7 @@ def trust_constr(single: Single) -> tuple[Array, str]:
         warnings.simplefilter("ignore")  # of flat steps, which are no harm
         for start in _starts(single, 4):
             try:
-                answer = optimize.minimize(
+                answer = scipy.optimize.minimize(
                     smooth.value,
                     smooth.start(start),
                     jac=smooth.slope,
@@ -157,8 +154,6 @@ def trust_constr(single: Single) -> tuple[Array, str]:
 
 def differential_evolution(single: Single) -> tuple[Array, str]:
     """Return the end of differential evolution, whole populations at a time."""
-    from scipy import optimize
-
     constraints: Any = ()
     if single.problem.kept:
 
@@ -166,8 +161,8 @@ def differential_evolution(single: Single) -> tuple[Array, str]:
             rows = single.rows(np.ascontiguousarray(unit))[2:]
             return rows if np.ndim(unit) > 1 else rows[:, 0]
 
-        constraints = optimize.NonlinearConstraint(kept, 0.0, np.inf)
-    answer = optimize.differential_evolution(
+        constraints = scipy.optimize.NonlinearConstraint(kept, 0.0, np.inf)
+    answer = scipy.optimize.differential_evolution(
         single.lost,
         [(0.0, 1.0)] * single.variables,
         constraints=constraints,
@@ -213,10 +208,8 @@ def search(single: Single, budget: int | None = None) -> tuple[Array, str]:
 
 def shgo(single: Single) -> tuple[Array, str]:
     """Return the best end of the simplicial homology search."""
-    from scipy import optimize
-
     # Its local searches need numbers; its sampling leaves out what the constraints refuse.
-    answer = optimize.shgo(
+    answer = scipy.optimize.shgo(
         lambda unit: float(single.penalised(unit)),
         [(0.0, 1.0)] * single.variables,
         constraints=(
@@ -235,9 +228,7 @@ def shgo(single: Single) -> tuple[Array, str]:
 
 def direct(single: Single) -> tuple[Array, str]:
     """Return the end of dividing rectangles, with a price on violations."""
-    from scipy import optimize
-
-    answer = optimize.direct(
+    answer = scipy.optimize.direct(
         lambda unit: float(single.penalised(unit)),
         [(0.0, 1.0)] * single.variables,
         maxfun=MOST_DIRECT,
@@ -250,14 +241,12 @@ def direct(single: Single) -> tuple[Array, str]:
 
 def minimize_scalar(single: Single) -> tuple[Array, str]:
     """Return the best of bounded searches around the deepest dips of a grid."""
-    from scipy import optimize
-
     points = np.linspace(0.0, 1.0, DENSE)
     values = single.penalised(points[None, :])
     ends = [points[[values.argmin()]]]
     for place in np.argsort(values)[:3]:
         bracket = points[max(place - 1, 0)], points[min(place + 1, DENSE - 1)]
-        answer = optimize.minimize_scalar(
+        answer = scipy.optimize.minimize_scalar(
             lambda unit: float(single.penalised(np.array([unit]))),
             bounds=bracket,
             method="bounded",

@@ -18,6 +18,7 @@ from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
 
 from core.mechanics.arrays import Array
@@ -208,7 +209,6 @@ def _around(point: Array, random: np.random.Generator) -> Array:
 
 def _evolve(search: _Search, budget: int, tolerance: float, seed: int) -> SearchStatus:
     """Let populations evolve, one after the other, until the evaluations are spent."""
-    from scipy import optimize
 
     def lost(wide: Array) -> Array:
         if search.used + wide.shape[1] > budget:
@@ -228,7 +228,7 @@ def _evolve(search: _Search, budget: int, tolerance: float, seed: int) -> Search
         while True:
             begun = search.used
             last = each < budget and budget - begun <= 1.5 * each
-            ended = optimize.differential_evolution(
+            ended = scipy.optimize.differential_evolution(
                 lost,
                 [(-BEYOND, 1 + BEYOND)] * search.free.size,
                 strategy="best1bin",

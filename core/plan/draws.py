@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+import scipy
 
 from core.mechanics.arrays import Array
 from core.plan.grid import parameter_to_si
@@ -37,11 +38,9 @@ def points(dimensions: int, count: int, seed: int, replicates: int = 1) -> Array
     ndarray, shape (dimensions, replicates, count)
         Above 0 and below 1.
     """
-    from scipy.stats import qmc  # takes a quarter of a second to load
-
     random = np.random.default_rng(seed)
     sets = [
-        qmc.Sobol(dimensions, scramble=True, bits=BITS, rng=random).random(count)
+        scipy.stats.qmc.Sobol(dimensions, scramble=True, bits=BITS, rng=random).random(count)
         for _ in range(replicates)
     ]
     return np.ascontiguousarray(np.moveaxis(np.stack(sets), 2, 0)) + 0.5 ** (BITS + 1)

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from functools import cache
 
 import numpy as np
+import scipy
 
 from core.mechanics.arrays import Array
 
@@ -22,9 +23,7 @@ CONFIDENCE = 0.95
 @cache
 def wide(replicates: int = REPLICATES) -> float:
     """Return the errors of a mean of so many replicates that make half an interval (Student's)."""
-    from scipy.stats import t
-
-    return float(t.ppf((1 + CONFIDENCE) / 2, replicates - 1))
+    return float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, replicates - 1))
 
 
 def jackknife(sums: Array, estimate: Callable[[Array], Array]) -> tuple[Array, Array]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 from core.accuracy import textbook as forms
 from core.accuracy.hard_cases.case import HardCase
@@ -23,6 +24,7 @@ from core.accuracy.hard_cases.studies import (
     track,
 )
 from core.accuracy.textbook import EPSILON, Answer, exact
+from core.motion.methods.regularised.laws import Cell, laws
 
 
 def little_and_much_friction() -> list[HardCase]:
@@ -187,10 +189,6 @@ def stiff_friction() -> list[HardCase]:
 
 def _explicit_crawls() -> tuple[float, float, str]:
     """Return how far RK45 falls short of needing 1,000 times Radau's evaluations a period."""
-    from scipy.integrate import solve_ivp
-
-    from core.motion.methods.regularised.laws import Cell, laws
-
     slip, span = 1e-9, 1e-5
     drive = 24e-6 * (2 * math.pi * 60) ** 2 / 9.8
     angle = math.radians(20)

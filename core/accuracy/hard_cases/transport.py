@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from mpmath import mp
+
 from core.accuracy import textbook as forms
 from core.accuracy.hard_cases.case import HardCase
 from core.accuracy.hard_cases.studies import (
@@ -77,8 +79,6 @@ def _corner_force(given: Mapping[str, float]) -> Callable[[], Answer]:
     names = ("mass", "length", "width", "radius", *K_INPUTS)
 
     def force(*, mass: Any, length: Any, width: Any, radius: Any, friction: Any, **p: Any) -> Any:
-        from mpmath import mp
-
         rad = {name: p[name] * mp.pi / 180 for name in ("alpha", "beta", "gamma", "delta")}
         P = forms.drive(frequency=p["frequency"], amplitude=p["amplitude"])
         across = p["gravity"] * mp.cos(rad["gamma"]) * mp.sin(rad["delta"])

@@ -13,6 +13,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
 
 from core.errors import StoppedError
@@ -160,12 +161,10 @@ def _scatter(means: Array, most: float) -> float:
     time. Where the halves differ by more than the scatter from one stretch to the next explains, a
     transient goes on, to where nobody knows.
     """
-    from scipy.special import stdtrit
-
     if means.size < 2:
         return most
     stretches = np.array([np.mean(some) for some in np.array_split(means, min(8, means.size))])
-    likely = float(stdtrit(stretches.size - 1, 0.9995)) / math.sqrt(stretches.size)
+    likely = float(scipy.special.stdtrit(stretches.size - 1, 0.9995)) / math.sqrt(stretches.size)
     first, second = (float(np.mean(some)) for some in np.array_split(means, 2))
     strays = float(np.abs(np.cumsum(means - np.mean(means))).max()) / means.size
     error = likely * float(np.std(stretches, ddof=1)) + abs(second - first) + strays

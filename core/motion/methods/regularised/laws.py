@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy
 
 from core.mechanics.arrays import Array
 from core.motion.pieces import Piece, pieces_of
@@ -110,8 +111,6 @@ def damping_ratio(restitution: float, stiffness: float) -> float:
     if restitution >= 1:
         return 0.0
 
-    from scipy.optimize import brentq
-
     def exponent(ratio: float) -> float:
         if ratio < 1:
             angle = math.asin(ratio)
@@ -121,7 +120,9 @@ def damping_ratio(restitution: float, stiffness: float) -> float:
 
     if restitution <= math.exp(-exponent(most)):
         return most
-    return brentq(lambda ratio: exponent(ratio) + math.log(restitution), 0.0, most, xtol=1e-14)
+    return scipy.optimize.brentq(
+        lambda ratio: exponent(ratio) + math.log(restitution), 0.0, most, xtol=1e-14
+    )
 
 
 def laws(

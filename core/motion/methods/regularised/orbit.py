@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import scipy
 
 from core.mechanics.arrays import Array
 from core.motion.methods.regularised.laws import PEAK, Cell
@@ -130,15 +131,16 @@ class Run:
 
     def _from(self, cell: Cell, phase: float, end: float, start: Array) -> Any:
         """Return scipy's solution from a phase to another, or to where it ends."""
-        from scipy.integrate import solve_ivp
-
-        from core.motion.methods.regularised.linear import INTEGRATORS
 
         def rate(since: float, state: Array) -> list[float]:
             return self.rate(cell, phase + since, state)
 
+        from core.motion.methods.regularised.linear import INTEGRATORS  # scipy's, which load slowly
+
         integrator = INTEGRATORS[self.solver]
-        return solve_ivp(rate, (0.0, end - phase), start, method=integrator, **self.options)
+        return scipy.integrate.solve_ivp(
+            rate, (0.0, end - phase), start, method=integrator, **self.options
+        )
 
 
 @dataclass
@@ -215,14 +217,13 @@ def _crossings(
 
     scipy's own search for events fails where an interpolant misses the end of a step by rounding.
     """
-    from scipy.optimize import brentq
 
     def value(phase: float) -> float:
         return function(state_at(phase))
 
     values = [value(phase) for phase in phases]
     return [
-        brentq(value, start, end, xtol=1e-12) if before else start
+        scipy.optimize.brentq(value, start, end, xtol=1e-12) if before else start
         for (start, end), (before, after) in zip(pairwise(phases), pairwise(values), strict=True)
         if (before < 0) != (after < 0)
     ]
