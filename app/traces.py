@@ -9,41 +9,22 @@ from __future__ import annotations
 
 import importlib.util
 import os
-import threading
-import time
-from collections import OrderedDict
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from app import logs
-
 if TYPE_CHECKING:
-    from opentelemetry.sdk.trace import TracerProvider
-    from opentelemetry.trace import Span, SpanContext
-
-    from app.jobs.entries import Work
+    from app.spans import Traces
 
 ENDPOINTS = ("OTEL_EXPORTER_OTLP_ENDPOINT", "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT")
-MOST_POSTED = 10_000  # studies whose request is remembered until they are taken up
-FLUSH = 1.0  # s that the last spans may take to leave
 
 
 def configured(environment: Mapping[str, str] = os.environ) -> Traces | None:
     """Return what makes spans and sends them; None if nobody asks, or it cannot be."""
     if not _is_wanted(environment) or not _is_installed():
         return None
-    from opentelemetry.exporter.otlp.proto.http.trace_exporter import OTLPSpanExporter
-    from opentelemetry.sdk.resources import Resource
-    from opentelemetry.sdk.trace import TracerProvider
-    from opentelemetry.sdk.trace.export import BatchSpanProcessor
+    from app.spans import sent_as  # OpenTelemetry, which few have
 
-    name = environment.get("OTEL_SERVICE_NAME", "vibrafeed")
-    provider = TracerProvider(
-        resource=Resource.create({"service.name": name}), shutdown_on_exit=False
-    )
-    provider.add_span_processor(BatchSpanProcessor(OTLPSpanExporter()))
-    return Traces(provider)
+    return sent_as(environment.get("OTEL_SERVICE_NAME", "vibrafeed"))
 
 
 def wrong(environment: Mapping[str, str] = os.environ) -> str | None:
@@ -62,86 +43,3 @@ def _is_installed() -> bool:
         return importlib.util.find_spec("opentelemetry.exporter.otlp.proto.http") is not None
     except ModuleNotFoundError:  # one of the packages above it
         return False
-
-
-class Traces:
-    """Makes spans of requests, of the work that they posted, and of its blocks.
-
-    Parameters
-    ----------
-    provider : TracerProvider
-        Where they go.
-    """
-
-    def __init__(self, provider: TracerProvider):
-        import core
-
-        self._provider = provider
-        self._tracer = provider.get_tracer("vibrafeed", core.__version__)
-        self._posted: OrderedDict[str, SpanContext] = OrderedDict()  # by study: who asked for it
-        self._working: dict[str, Span] = {}  # by claim
-
-    @contextmanager
-    def request(self, headers: Mapping[str, str]) -> Iterator[Span]:
-        """Make the span of a request, within the trace that its `traceparent` names."""
-        from opentelemetry.trace import SpanKind, format_trace_id
-        from opentelemetry.trace.propagation.tracecontext import TraceContextTextMapPropagator
-
-        context = TraceContextTextMapPropagator().extract(headers)
-        # What fails is in the log; its text may hold what is no span's business.
-        with self._tracer.start_as_current_span(
-            "request", context, SpanKind.SERVER, record_exception=False
-        ) as span:
-            logs.bind(trace_id=format_trace_id(span.get_span_context().trace_id))
-            yield span
-
-    @staticmethod
-    def answered(span: Span, method: str, route: str, status: int) -> None:
-        """Note on the span of a request what it was and how it was answered."""
-        span.update_name(f"{method} {route}")
-        span.set_attributes(
-            {"http.request.method": method, "http.route": route,
-             "http.response.status_code": status}
-        )  # fmt: skip
-
-    def posted(self, key: str) -> None:
-        """Note that the request under way has posted a job for a study."""
-        from opentelemetry.trace import get_current_span
-
-        self._posted.setdefault(key, get_current_span().get_span_context())
-        while len(self._posted) > MOST_POSTED:
-            self._posted.popitem(last=False)
-
-    def began(self, item: Work) -> dict[str, str]:
-        """Begin the span of an item of work, in the trace of the first request that posted it."""
-        from opentelemetry.trace import NonRecordingSpan, format_trace_id, set_span_in_context
-
-        asked = self._posted.pop(item.key, None)  # None: another server's, or before a restart
-        context = None if asked is None else set_span_in_context(NonRecordingSpan(asked))
-        about: dict[str, str | int] = {"vibrafeed.study": item.key, "vibrafeed.blocks": item.blocks}
-        span = self._tracer.start_span(f"work {item.process}", context, attributes=about)
-        self._working[item.owner] = span
-        return {"trace_id": format_trace_id(span.get_span_context().trace_id)}
-
-    def computed(self, item: Work, seconds: Sequence[float]) -> None:
-        """Make spans of blocks that have just been done."""
-        from opentelemetry.trace import set_span_in_context
-
-        if item.owner not in self._working:
-            return
-        context, now = set_span_in_context(self._working[item.owner]), time.time_ns()
-        for one in seconds:
-            self._tracer.start_span("block", context, start_time=now - int(one * 1e9)).end(now)
-
-    def ended(self, item: Work, outcome: str, seconds: float) -> None:
-        """End the span of an item of work."""
-        span = self._working.pop(item.owner, None)
-        if span is not None:
-            span.set_attribute("vibrafeed.outcome", outcome)
-            span.end()
-
-    def close(self) -> None:
-        """Send what has not been sent, for a moment; a receiver that is deaf is not waited for."""
-        closing = threading.Thread(target=self._provider.shutdown, daemon=True)
-        closing.start()
-        closing.join(FLUSH)

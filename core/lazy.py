@@ -11,7 +11,9 @@ from typing import Any, Generic, TypeVar
 Record = TypeVar("Record")
 
 
-def lazily(package: str, homes: Mapping[str, tuple[str, ...]]) -> Callable[[str], Any]:
+def lazily(
+    package: str, homes: Mapping[str, tuple[str, ...]], modules: tuple[str, ...] = ()
+) -> Callable[[str], Any]:
     """Return the `__getattr__` of a package (PEP 562).
 
     Parameters
@@ -20,13 +22,17 @@ def lazily(package: str, homes: Mapping[str, tuple[str, ...]]) -> Callable[[str]
         Its name.
     homes : mapping of str to tuple of str
         Modules of the package, and the names that it hands on from each.
+    modules : tuple of str
+        Modules that it hands on as they are.
     """
-    modules = {name: module for module, names in homes.items() for name in names}
+    places = {name: module for module, names in homes.items() for name in names}
 
     def attribute(name: str) -> Any:
-        if name not in modules:
+        if name in modules:
+            return import_module(f"{package}.{name}")
+        if name not in places:
             raise AttributeError(f"module '{package}' has no attribute '{name}'")
-        value = getattr(import_module(f"{package}.{modules[name]}"), name)
+        value = getattr(import_module(f"{package}.{places[name]}"), name)
         setattr(sys.modules[package], name, value)
         return value
 

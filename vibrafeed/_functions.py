@@ -6,6 +6,8 @@ keywords of its studies in its signature and in its docstring. It calls the one 
 
 from __future__ import annotations
 
+from core import intake, kinds  # which load the models of studies when they are used
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -44,10 +46,8 @@ def study(given: Given | None = None, /, **keywords: Any) -> Study:
     >>> dict(vibrafeed.sweep(drive, beta=20).sizes)
     {'frequency': 101}
     """
-    from core.intake import gather, study_of  # loads the models of studies
-
-    found = gather(given, keywords)
-    return study_of(found) if isinstance(found, dict) else found
+    found = intake.gather(given, keywords)
+    return intake.study_of(found) if isinstance(found, dict) else found
 
 
 def sweep(study: Given | None = None, /, **keywords: Any) -> xarray.Dataset:
@@ -329,11 +329,10 @@ def drive_error(
     """
     import numpy as np  # a library
 
-    from core.intake import gather, study_and_fit  # loads the models of studies
     from core.motion.drive_error import drive_error
 
-    found = gather(study, keywords, "simulate")
-    asked, fit = study_and_fit(found if isinstance(found, dict) else found.content())
+    found = intake.gather(study, keywords, "simulate")
+    asked, fit = intake.study_and_fit(found if isinstance(found, dict) else found.content())
     return drive_error(asked, fit, draws, np.random.default_rng(seed))
 
 
@@ -348,19 +347,16 @@ def said(given: Mapping[str, Any]) -> dict[str, Any]:
 
 def _prepared(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> Any:
     """Return a study of one kind, ready to be carried out."""
-    from core.intake import gather, prepare_content  # loads the models of studies
-    from core.kinds import prepare
-
-    found = gather(given, keywords, kind)
-    return prepare_content(found, files=True) if isinstance(found, dict) else prepare(found)
+    found = intake.gather(given, keywords, kind)
+    if isinstance(found, dict):
+        return intake.prepare_content(found, files=True)
+    return kinds.prepare(found)
 
 
 def _carry_out(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> xarray.Dataset:
-    from core.kinds import tabulate  # loads the models of studies
-
     prepared = _prepared(kind, given, keywords)
     _import_accessor()
-    return tabulate(prepared).to_xarray()
+    return kinds.tabulate(prepared).to_xarray()
 
 
 def of_kind(kind: str) -> Callable[..., xarray.Dataset]:

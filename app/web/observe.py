@@ -7,15 +7,18 @@ import re
 import time
 import uuid
 from contextlib import nullcontext
+from typing import TYPE_CHECKING
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app import logs
-from app.traces import Traces
 from app.web.metrics import Metrics
 from app.web.problems import unforeseen
+
+if TYPE_CHECKING:
+    from app.spans import Traces
 
 logger = logging.getLogger("vibrafeed.requests")
 

@@ -16,8 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
+from core.motion import kernels, planar
 from core.motion.cells import run_cells
 from core.motion.groups import Contacts, Groups, cells_of, in_plane
+from core.motion.kernels.planar.slope_tables import DERIVED_BY, TOLD
 from core.motion.result import COLUMNS, Energy, Motion, motion_of
 from core.motion.result import STATUS as MOTION_STATUS
 from core.motion.systems import CONTACTS
@@ -82,8 +84,6 @@ class PlanarRules:
 
     def motion(self, given: Mapping[str, Any]) -> Ruled:
         """Return the motion with its derivative, and how that was found."""
-        from core.motion.kernels.planar.slope_tables import DERIVED_BY, TOLD
-
         groups: Groups = given["groups"]
         table, status = self._followed(groups, given["tolerance"], given["most_periods"])
         motion = motion_of(table[:, :COLUMNS], status, (len(status),))
@@ -99,16 +99,13 @@ class PlanarRules:
 
     def spent(self, given: Mapping[str, Any]) -> Ruled:
         """Return the energies with their derivative; the motion tells how they were found."""
-        from core.motion.kernels.planar.slope_tables import DERIVED_BY, TOLD
-        from core.motion.planar import spend_cells
-
         groups: Groups = given["groups"]
         settings = (given["tolerance"], given["most_periods"])
         table, _ = self._followed(groups, *settings)
         slopes = table[:, COLUMNS:-1].reshape(-1, len(TOLD), DERIVED_BY)[:, len(DERIVED) :]
         if self._spent is None or self._spent[0] is not table:
             cells, width = self._cells(groups, *settings), len(Energy._fields)
-            found, _ = run_cells(spend_cells, cells, columns=width, watch=self._silent)
+            found, _ = run_cells(planar.spend_cells, cells, columns=width, watch=self._silent)
             self._spent = table, found
         by = [np.asarray(slope_of(getattr(groups, name))) for name in BY]
         fields: list[Any] = [
@@ -132,24 +129,21 @@ class PlanarRules:
         self, groups: Groups, tolerance: Any, most_periods: Any
     ) -> tuple[NDArray[np.float64], NDArray[np.int8]]:
         """Return table and status as `derive_cells` fills them."""
-        from core.motion.kernels.planar.derive import DERIVED_COLUMNS
-        from core.motion.planar import derive_cells
-
         cells = self._cells(groups, tolerance, most_periods)
         if self._known is None or not np.array_equal(self._known[0], cells):
 
             def derive(piece: Any, rows: Any, status: Any, stop: Any) -> None:
-                derive_cells(self.energy, piece, rows, status, stop)
+                planar.derive_cells(self.energy, piece, rows, status, stop)
 
-            found = run_cells(derive, cells, columns=DERIVED_COLUMNS, watch=self._silent)
+            found = run_cells(
+                derive, cells, columns=kernels.planar.derive.DERIVED_COLUMNS, watch=self._silent
+            )
             self._known = (cells, *found)
         return self._known[1:]
 
     def _status(self, groups: Groups, motion: Motion, margin: Array) -> Any:
         """Return how the derivative of each cell was found."""
-        from core.motion.kernels.planar.derive import KINK
-
-        status = np.where(margin > KINK, STATUS["exact"], STATUS["kink"])
+        status = np.where(margin > kernels.planar.derive.KINK, STATUS["exact"], STATUS["kink"])
         if self.contacts.wall:  # a push across presses the part to the wall, or off it
             pushed = [np.asarray(slope_of(getattr(groups, name))) != 0 for name in ACROSS]
             status = np.where(reduce(np.logical_or, pushed), STATUS["kink"], status)

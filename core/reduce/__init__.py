@@ -1,1 +1,14 @@
 """Answers over some axes of a grid of closed forms, box by box: no grid is ever stored."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from core.lazy import lazily
+
+__all__ = ["answers", "run"]
+
+if TYPE_CHECKING:
+    from core.reduce import answers, run
+else:  # they load numba
+    __getattr__ = lazily(__name__, {}, ("answers", "run"))

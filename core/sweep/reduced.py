@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from core import reduce
 from core.dataset.netcdf import write_netcdf
 from core.dataset.table import Table, Variable, quantity_attributes
 from core.errors import Problem
@@ -63,16 +64,12 @@ class ReducedSweep(Prepared):
     @cached_property
     def work(self) -> Units:
         """The boxes that it is carried out in."""
-        from core.reduce.run import Units  # numba, for those who reduce
-
-        return Units(self.plan, self.grid, self.asked)
+        return reduce.run.Units(self.plan, self.grid, self.asked)
 
     @cached_property
     def dims(self) -> dict[str, tuple[str, ...]]:
         """The dimensions of each answer."""
-        from core.reduce.answers import dims_of
-
-        return dims_of(self.work, self.asked)
+        return reduce.answers.dims_of(self.work, self.asked)
 
     @cached_property
     def units(self) -> dict[str, str]:
@@ -136,9 +133,7 @@ class ReducedSweep(Prepared):
 
     def joined(self, states: Iterable[tuple[int, int, State]]) -> Computed:
         """Return the answers from what is known of all blocks."""
-        from core.reduce.answers import answers  # numba, for those who reduce
-
-        return Computed(answers(self.work, self.grid, self.asked, states))
+        return Computed(reduce.answers.answers(self.work, self.grid, self.asked, states))
 
     def label(self, computed: Computed, watch: Watch) -> Table:
         """Return the answers, labelled; `watch` may stop verifying."""
@@ -175,9 +170,7 @@ class ReducedSweep(Prepared):
 
     def seconds_in_parts(self) -> float:
         """As in `Prepared`."""
-        from core.reduce.run import cores  # numba, for those who reduce
-
-        return self.seconds_here * cores()
+        return self.seconds_here * reduce.run.cores()
 
     @property
     def seconds_here(self) -> float:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.arrays import Array
+from core.motion import kernels, planar
 from core.motion.cells import run_cells
 from core.motion.course import Course, CourseAsked
 from core.motion.groups import Contacts, Groups, cells_of, groups_of, in_plane
@@ -61,12 +62,10 @@ def planar_motion(
     the drive; `most_periods` bounds how long an aperiodic motion is followed. Equal cells are
     computed once; restitution plays no part in a cell that never lifts off.
     """
-    from core.motion.planar import solve_cells
-
     lifts = np.abs(groups.drive_number_normal) > groups.gravity_number_normal
     plain = groups.flat()._replace(restitution=np.where(lifts, groups.restitution, 0.0))
     cells, shape = cells_of(plain, tolerance=tolerance, most_periods=most_periods)
-    return motion_of(*run_cells(solve_cells, cells, watch=watch), shape)
+    return motion_of(*run_cells(planar.solve_cells, cells, watch=watch), shape)
 
 
 def planar_path(
@@ -92,12 +91,10 @@ def planar_path(
     watch : Watch, optional
         May stop it; all is NaN then.
     """
-    from core.motion.planar import follow, sample
-
     (cell,), _ = cells_of(groups, tolerance=tolerance, most_periods=most_periods)
     with (watch or Watch()).flag() as stop:
-        pieces, shift, way, repeats = follow(cell, stop)
-    samples = sample(pieces, cell, shift, phases, repeats)
+        pieces, shift, way, repeats = planar.follow(cell, stop)
+    samples = planar.sample(pieces, cell, shift, phases, repeats)
     return Path(
         phases,
         way * samples[:, 0],
@@ -148,9 +145,9 @@ def motion_by_events(
             else spatial_motion(some, contacts, **given, watch=watch)
         )
     fields = []
-    for planar, spatial in zip(*found, strict=True):
-        field = np.empty(where.size, dtype=planar.dtype)
-        field[where], field[~where] = planar, spatial
+    for flat, spatial in zip(*found, strict=True):
+        field = np.empty(where.size, dtype=flat.dtype)
+        field[where], field[~where] = flat, spatial
         fields.append(field.reshape(shape))
     return Motion._make(fields)
 
@@ -169,8 +166,6 @@ def energy_by_events(
     `motion` is that of the same groups and settings. Its cycle is followed once more: in the plane
     exactly, in space to some 1e-10 of the drive's work.
     """
-    from core.motion import planar
-    from core.motion.kernels import track
 
     def in_space(
         piece: NDArray[np.float64],
@@ -178,7 +173,7 @@ def energy_by_events(
         status: NDArray[np.int8],
         stop: NDArray[np.int8],
     ) -> None:
-        track.spend_cells(contacts.wall, float(contacts.rolling), piece, rows, status, stop)
+        kernels.track.spend_cells(contacts.wall, float(contacts.rolling), piece, rows, status, stop)
 
     settings = {"tolerance": tolerance, "most_periods": most_periods}
     plane = in_plane(groups, contacts)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.arrays import Array
+from core.motion import kernels
 from core.motion.cells import run_cells
 from core.motion.course import Course, CourseAsked
 from core.motion.groups import Contacts, Groups, cells_of
@@ -48,8 +49,6 @@ def spatial_motion(
     watch : Watch, optional
         May stop it.
     """
-    from core.motion.kernels.track import solve_cells
-
     cells, shape = cells_of(groups, tolerance=tolerance, most_periods=most_periods)
 
     def kernel(
@@ -58,7 +57,7 @@ def spatial_motion(
         status: NDArray[np.int8],
         stop: NDArray[np.int8],
     ) -> None:
-        solve_cells(contacts.wall, float(contacts.rolling), piece, rows, status, stop)
+        kernels.track.solve_cells(contacts.wall, float(contacts.rolling), piece, rows, status, stop)
 
     return motion_of(*run_cells(kernel, cells, piece=32, watch=watch), shape)
 
@@ -82,15 +81,13 @@ def spatial_path(
     ValueError
         If phases are negative, do not ascend, or are beyond `MOST_TURNS` periods.
     """
-    from core.motion.kernels.track import follow
-
     if phases.size and (phases[0] < 0.0 or np.any(np.diff(phases) < 0.0)):
         raise ValueError("phases must be at least 0, and ascend")
     if phases.size and phases[-1] > MOST_TURNS * 2 * np.pi:
         raise ValueError(f"phases reach beyond {MOST_TURNS:,} periods")
     (cell,), _ = cells_of(groups, tolerance=tolerance, most_periods=most_periods)
     with (watch or Watch()).flag() as stop:
-        samples = follow(contacts.wall, float(contacts.rolling), cell, phases, stop)
+        samples = kernels.track.follow(contacts.wall, float(contacts.rolling), cell, phases, stop)
     return Path(phases, samples[:, :3], samples[:, 3:6]), samples[:, 6].astype(np.int8)
 
 

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.arrays import Array
+from core.motion import kernels
 from core.motion.cells import run_cells
 from core.motion.course import Course, CourseAsked
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, cells_of
@@ -111,17 +112,18 @@ def stepped_motion(
     ValueError
         If a count is out of its range.
     """
-    from core.motion.kernels.stepping import FLOOR, GROUPS, PLANAR, WALL, step_cells
-
     _check(steps_per_period, most_periods, tolerance, contacts)
     cells, shape = cells_of(groups, tolerance=tolerance, most_periods=most_periods)
     fine = 2 * steps_per_period + 1  # odd, so that no middle of a step is one of both
     grids = ((steps_per_period, 0.0), (steps_per_period, -0.5), (fine, 0.0))
     sines = [sines_at(*grid) for grid in grids]
     if planar:
-        scene, rolling, absolute_speed = PLANAR, 0.0, False
+        scene, rolling, absolute_speed = kernels.stepping.PLANAR, 0.0, False
     else:
-        scene, rolling = WALL if contacts.wall else FLOOR, float(contacts.rolling)
+        scene, rolling = (
+            kernels.stepping.WALL if contacts.wall else kernels.stepping.FLOOR,
+            float(contacts.rolling),
+        )
 
     def kernel(
         piece: NDArray[np.float64],
@@ -129,12 +131,12 @@ def stepped_motion(
         status: NDArray[np.int8],
         stop: NDArray[np.int8],
     ) -> None:
-        numbers, columns = np.split(piece, [GROUPS], axis=1)
+        numbers, columns = np.split(piece, [kernels.stepping.GROUPS], axis=1)
         coarse, shifted, finer = sines
         if columns.size:
             wave = of_columns(columns)
             coarse, shifted, finer = (drives_of(wave, n, TURN / n * shift) for n, shift in grids)
-        step_cells(
+        kernels.stepping.step_cells(
             scene, rolling, absolute_speed, steps_per_period, coarse, shifted, finer,
             np.ascontiguousarray(numbers), rows, status, stop,
         )  # fmt: skip
@@ -199,8 +201,6 @@ def stepped_path(
     ValueError
         If phases are not finite and ascending, or need more than `MOST_STEPS` steps.
     """
-    from core.motion.kernels.stepping import GROUPS, path
-
     asked = np.atleast_1d(np.asarray(phases, dtype=np.float64))
     if asked.ndim != 1 or asked.size == 0 or not np.all(np.isfinite(asked)):
         raise ValueError("phases must be a row of finite numbers")
@@ -212,7 +212,7 @@ def stepped_path(
     if steps > MOST_STEPS:
         raise ValueError(f"phases need {steps:.3g} steps; the limit is {MOST_STEPS:,}")
     (row,), _ = cells_of(groups, tolerance=0.0, most_periods=0.0)
-    cell, columns = np.split(row, [GROUPS])
+    cell, columns = np.split(row, [kernels.stepping.GROUPS])
     start = np.array([*position, *velocity, spin], dtype=np.float64)
     if start.size != 7 or not (np.all(np.isfinite(row)) and np.all(np.isfinite(start))):
         raise ValueError("groups, position (3) and velocity (3) must be finite")
@@ -222,7 +222,7 @@ def stepped_path(
         most += math.ceil(most / steps_per_period) * (wave.shape[1] - steps_per_period)
     places, speeds = np.full((asked.size, 3), np.nan), np.full((asked.size, 3), np.nan)
     with (watch or Watch()).flag() as stop:
-        path(
+        kernels.stepping.path(
             contacts.wall, float(contacts.rolling), absolute_speed, cell, asked, step,
             most, start, wave, places, speeds, stop,
         )  # fmt: skip

@@ -31,6 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask
+from core.motion import kernels
 from core.motion.bodies import Part
 from core.motion.cells import run_cells
 from core.motion.course import Course, CourseAsked
@@ -197,12 +198,10 @@ def tumbling_motion(throw: Throw, *, method: Way = "events", watch: Watch | None
     watch : Watch, optional
         May stop it.
     """
-    from core.motion.kernels import tumbling as kernel
-
     cells, shape = _cells(throw)
     _check(method, throw.law)
     events = method == "events"
-    run = kernel.tumble_events if events else kernel.tumble_steps
+    run = kernels.tumbling.tumble_events if events else kernels.tumbling.tumble_steps
     columns_of_all = len(Tumble._fields) - 1
     table = np.full((len(cells), columns_of_all), np.nan)
     status = np.full(len(cells), STATUS["limit_reached"], dtype=np.int8)
@@ -224,8 +223,6 @@ def tumbling_path(
     ``"stepping"`` those of the first step that reaches each. What a watch did not let it reach is
     NaN.
     """
-    from core.motion.kernels import tumbling as kernel
-
     moments = np.atleast_1d(np.asarray(times, dtype=float))
     if moments.ndim != 1 or not moments.size or moments[0] < 0 or np.any(np.diff(moments) < 0):
         raise ValueError("times have to ascend from 0 or later")
@@ -234,8 +231,8 @@ def tumbling_path(
     if shape != ():
         raise ValueError("a path is that of one part: every argument has to be a single value")
     _check(method, throw.law)
-    run = kernel.path_events if method == "events" else kernel.path_steps
-    rows = np.full((moments.size, kernel.PATH_COLUMNS), np.nan)
+    run = kernels.tumbling.path_events if method == "events" else kernels.tumbling.path_steps
+    rows = np.full((moments.size, kernels.tumbling.PATH_COLUMNS), np.nan)
     if _can_be_followed(cells)[0]:
         with (watch or Watch()).flag() as stop:
             run(cells[0], moments, rows, stop)
@@ -260,12 +257,13 @@ def _step_of(throw: Throw) -> ArrayLike:
 
 def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
     """Return the kernel's rows and the shape of the fields broadcast."""
-    from core.motion.kernels import tumbling as kernel
-
     for name, values in {"duration": throw.duration, "gravity": throw.gravity}.items():
         if not np.all(np.asarray(values) > 0):
             raise ValueError(f"{name} has to be positive")
-    laws = {"pfeiffer_glocker": kernel.PFEIFFER_GLOCKER, "moreau": kernel.MOREAU}
+    laws = {
+        "pfeiffer_glocker": kernels.tumbling.PFEIFFER_GLOCKER,
+        "moreau": kernels.tumbling.MOREAU,
+    }
     body = throw.part.body()
     circular_frequency = 2 * np.pi * np.asarray(throw.frequency, dtype=float)
     acceleration = np.asarray(throw.amplitude, dtype=float) * circular_frequency**2
@@ -284,9 +282,9 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
         "time_step": _step_of(throw),
         "law": laws[throw.law],
     }
-    rows, shape = table(given[name] for name in kernel.Cell._fields)
-    named = dict(zip(kernel.Cell._fields, rows.T, strict=True))
-    given_themselves = [name for name in kernel.Cell._fields if name not in _DERIVED]
+    rows, shape = table(given[name] for name in kernels.tumbling.Cell._fields)
+    named = dict(zip(kernels.tumbling.Cell._fields, rows.T, strict=True))
+    given_themselves = [name for name in kernels.tumbling.Cell._fields if name not in _DERIVED]
     if not all(np.all(np.isfinite(named[name])) for name in given_themselves):
         raise ValueError("every argument has to be finite")
     for name in ("gap_normal", "friction_kinetic", "restitution"):
@@ -301,9 +299,7 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
 
 def _can_be_followed(rows: NDArray[np.float64]) -> Mask:
     """Return for which rows nothing has overflowed, or vanished, that was computed of arguments."""
-    from core.motion.kernels import tumbling as kernel
-
-    named = dict(zip(kernel.Cell._fields, rows.T, strict=True))
+    named = dict(zip(kernels.tumbling.Cell._fields, rows.T, strict=True))
     sound: Mask = np.asarray(np.isfinite(rows).all(axis=1))
     for name in ("half_diagonal", "pull_normal", "time_step"):
         sound &= named[name] > 0
