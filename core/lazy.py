@@ -12,7 +12,9 @@ Record = TypeVar("Record")
 
 
 def lazily(
-    package: str, homes: Mapping[str, tuple[str, ...]], modules: tuple[str, ...] = ()
+    package: str,
+    homes: Mapping[str, tuple[str, ...]],
+    modules: Mapping[str, str] = MappingProxyType({}),
 ) -> Callable[[str], Any]:
     """Return the `__getattr__` of a package (PEP 562).
 
@@ -22,14 +24,14 @@ def lazily(
         Its name.
     homes : mapping of str to tuple of str
         Modules of the package, and the names that it hands on from each.
-    modules : tuple of str
-        Modules that it hands on as they are.
+    modules : mapping of str to str
+        Names of modules that it hands on as they are, and where in the package they are.
     """
     places = {name: module for module, names in homes.items() for name in names}
 
     def attribute(name: str) -> Any:
         if name in modules:
-            return import_module(f"{package}.{name}")
+            return import_module(f"{package}.{modules[name]}")
         if name not in places:
             raise AttributeError(f"module '{package}' has no attribute '{name}'")
         value = getattr(import_module(f"{package}.{places[name]}"), name)

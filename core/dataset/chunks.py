@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Self
 
 import numpy as np
+from deflate import crc32, zlib_compress  # crc32: ten times as fast as zlib's
 from numpy.typing import NDArray
 
 from core.dataset.layout import Box, Tile
@@ -57,8 +58,6 @@ class ChunkFile:
 
     def write(self, tile: Tile, arrays: Mapping[str, NDArray[Any]]) -> tuple[list[int], int]:
         """Write the arrays of a tile; return the lengths of its chunks, and a checksum of them."""
-        from deflate import crc32
-
         lengths, checksum = [], 0
         for name, chunks in self._encoded(tile, arrays).items():
             target = self._file[name].id
@@ -150,7 +149,6 @@ def encoder(filters: Sequence[int]) -> Encode:
         return lambda values, box, room: chunk_of(values, box, room).data.cast("B")
     if filters not in (DEFLATED, DEFLATED[1:]):
         raise NotImplementedError(f"HDF5 filters {filters}")
-    from deflate import zlib_compress
 
     def deflated(values: NDArray[Any], box: Box, room: NDArray[Any]) -> Any:
         chunk = chunk_of(values, box, room)
@@ -215,8 +213,6 @@ class _Disk:
         if not self.is_open:
             return length
         if self._is_passed(data):
-            from deflate import crc32  # ten times as fast as zlib's
-
             self.checksum = crc32(os.pread(self.descriptor, length, self._at), self.checksum)
             return length
         try:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.motion import kernels, planar
+from core.motion import compiled, planar
 from core.motion.cells import run_cells
 from core.motion.groups import Contacts, Groups, cells_of, in_plane
 from core.motion.kernels.planar.slope_tables import DERIVED_BY, TOLD
@@ -136,14 +136,14 @@ class PlanarRules:
                 planar.derive_cells(self.energy, piece, rows, status, stop)
 
             found = run_cells(
-                derive, cells, columns=kernels.planar.derive.DERIVED_COLUMNS, watch=self._silent
+                derive, cells, columns=compiled.derive.DERIVED_COLUMNS, watch=self._silent
             )
             self._known = (cells, *found)
         return self._known[1:]
 
     def _status(self, groups: Groups, motion: Motion, margin: Array) -> Any:
         """Return how the derivative of each cell was found."""
-        status = np.where(margin > kernels.planar.derive.KINK, STATUS["exact"], STATUS["kink"])
+        status = np.where(margin > compiled.derive.KINK, STATUS["exact"], STATUS["kink"])
         if self.contacts.wall:  # a push across presses the part to the wall, or off it
             pushed = [np.asarray(slope_of(getattr(groups, name))) != 0 for name in ACROSS]
             status = np.where(reduce(np.logical_or, pushed), STATUS["kink"], status)

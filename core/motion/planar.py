@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from core.motion import kernels
+from core.motion import compiled
 from core.motion.kernels.results import RESULTS
 from core.quantities import MOTION_STATUSES
 
@@ -24,45 +24,45 @@ NOT_COMPUTED = MOTION_STATUSES["not_computed"].value
 
 def solve_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill table and status of cells; a row of `groups` holds the fields of `Cell`, and a wave."""
-    kernels.planar.solve.solve_cells(groups, waves_of(groups), table, status, stop)
+    compiled.solve.solve_cells(groups, waves_of(groups), table, status, stop)
     _average(groups, table, status, stop)
 
 
 def derive_cells(spent: bool, groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill table and status of cells under a sine, and derivatives: `kernels.planar.derive`."""
-    kernels.planar.derive.derive_cells(spent, groups, table, status, stop)
+    compiled.derive.derive_cells(spent, groups, table, status, stop)
     _average(groups, table, status, stop)
 
 
 def spend_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill what a cycle of cells spends: `kernels.planar.again`; NaN where there is none."""
-    kernels.planar.again.spend_cells(groups, waves_of(groups), table, status, stop)
+    compiled.again.spend_cells(groups, waves_of(groups), table, status, stop)
 
 
 def follow(row: Floats, stop: Stop) -> tuple[Floats, float, float, bool]:
     """Return the pieces of the motion of one cell: `kernels.planar.again`."""
     table, status = np.empty((1, RESULTS)), np.full(1, NOT_COMPUTED, dtype=np.int8)
     solve_cells(row[np.newaxis], table, status, stop)
-    return kernels.planar.again.follow(row, waves_of(row), int(status[0]), stop)
+    return compiled.again.follow(row, waves_of(row), int(status[0]), stop)
 
 
 def sample(pieces: Floats, row: Floats, shift: float, phases: Floats, repeats: bool) -> Floats:
     """Return a motion at phases since the start of its cycle: `kernels.planar.again`."""
-    return kernels.planar.again.sample(pieces, row, waves_of(row), shift, phases, repeats)
+    return compiled.again.sample(pieces, row, waves_of(row), shift, phases, repeats)
 
 
 def waves_of(groups: Floats) -> Waves:
     """Return room for the wave behind each cell, if there is one."""
-    if groups.shape[-1] > kernels.cells.GROUPS:
-        return kernels.planar.wave.WaveTable(np.zeros(kernels.planar.wave.TABLE))
-    return kernels.planar.flow.NO_WAVES
+    if groups.shape[-1] > compiled.cells.GROUPS:
+        return compiled.wave.WaveTable(np.zeros(compiled.wave.TABLE))
+    return compiled.flow.NO_WAVES
 
 
 def _average(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
     """Fill the first columns of the table, and the status, of cells that do not repeat."""
-    (cells,) = np.nonzero(status == kernels.planar.solve.UNREPEATED)
+    (cells,) = np.nonzero(status == compiled.solve.UNREPEATED)
     if cells.size:
         means = np.full((cells.size, RESULTS), np.nan)
         found = np.full(cells.size, NOT_COMPUTED, dtype=np.int8)
-        kernels.planar.unrepeated.average_cells(groups[cells], waves_of(groups), means, found, stop)
+        compiled.unrepeated.average_cells(groups[cells], waves_of(groups), means, found, stop)
         table[cells, :RESULTS], status[cells] = means, found

@@ -11,4 +11,4 @@ __all__ = ["answers", "run"]
 if TYPE_CHECKING:
     from core.reduce import answers, run
 else:  # they load numba
-    __getattr__ = lazily(__name__, {}, ("answers", "run"))
+    __getattr__ = lazily(__name__, {}, {"answers": "answers", "run": "run"})

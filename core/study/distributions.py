@@ -6,10 +6,13 @@ is the whole: nothing that is drawn is impossible. Numbers are in the unit of st
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, Final
+
+import numpy as np
 
 from core.quantities import QUANTITIES, Quantity
 from core.study.units import UnitError, read_number
@@ -212,8 +215,6 @@ def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArr
     ndarray
         In the unit of studies, of the shape of `shares`.
     """
-    import numpy as np
-
     shares = np.asarray(shares, dtype=np.float64)
     if isinstance(distribution, Between):
         lower, upper = distribution.lower, distribution.upper
@@ -231,22 +232,18 @@ def quantiles(name: str, distribution: Distribution, shares: ArrayLike) -> NDArr
 
 def _law(distribution: Normal | Triangular | Lognormal) -> Any:
     """Return what scipy knows of a distribution, not cut."""
-    import math
-
-    from scipy import stats
+    import scipy  # who draws no numbers does not load it
 
     if isinstance(distribution, Normal):
-        return stats.norm(distribution.mean, distribution.deviation)
+        return scipy.stats.norm(distribution.mean, distribution.deviation)
     if isinstance(distribution, Lognormal):
-        return stats.lognorm(math.log(distribution.factor), scale=distribution.median)
+        return scipy.stats.lognorm(math.log(distribution.factor), scale=distribution.median)
     lower, likely, upper = distribution.lower, distribution.most_likely, distribution.upper
-    return stats.triang((likely - lower) / (upper - lower), loc=lower, scale=upper - lower)
+    return scipy.stats.triang((likely - lower) / (upper - lower), loc=lower, scale=upper - lower)
 
 
 def _quantiles_of_table(table: Tabulated, shares: NDArray[Any]) -> NDArray[Any]:
     """Return quantiles of a density that is linear in each piece."""
-    import numpy as np
-
     x, density = np.array(table.values), np.array(table.densities)
     width = np.diff(x)
     whole = np.concatenate([[0.0], np.cumsum(width * (density[1:] + density[:-1]) / 2)])
@@ -292,8 +289,6 @@ def tolerance(name: str, distribution: Distribution) -> tuple[float, float]:
 
 def deviation(name: str, distribution: Distribution) -> float:
     """Return the standard deviation of a distribution, in the unit of studies."""
-    import numpy as np
-
     nodes, weights = np.polynomial.legendre.leggauss(64)
     # In the quantile of a quantile tails count as they weigh: smooth, and finite at the ends.
     angle = np.pi * (nodes + 1) / 2

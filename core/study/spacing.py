@@ -13,6 +13,8 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -55,8 +57,6 @@ def evenly(
     ndarray
         Shape (stop - start,); a part has the bits of the whole.
     """
-    import numpy as np
-
     stop = size if stop is None else stop
     offset, stride, divisor = _steps(first, last, size)
     if divisor <= EXACT and max(abs(offset), abs(offset + (size - 1) * stride)) <= EXACT:
@@ -74,8 +74,6 @@ def geometrically(
     first: float, last: float, size: int, start: int = 0, stop: int | None = None
 ) -> NDArray[np.float64]:
     """Return what numpy's geomspace does, or a part of it; parameters are those of `evenly`."""
-    import numpy as np
-
     stop = size if stop is None else stop
     ends = float(np.log10(first)), float(np.log10(last))
     values = np.power(10.0, _approximately(*ends, size, start, stop))
@@ -101,8 +99,6 @@ def _approximately(
     first: float, last: float, size: int, start: int, stop: int
 ) -> NDArray[np.float64]:
     """Return what numpy's linspace does, some of it: an axis may have a hundred million values."""
-    import numpy as np
-
     values = np.arange(start, stop, dtype=np.float64)
     step = (last - first) / (size - 1)
     values = values * step if step else values / (size - 1) * (last - first)

@@ -14,6 +14,8 @@ from itertools import pairwise
 from operator import gt, lt
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from core.quantities import QUANTITIES, Quantity
 from core.study.shown import Shown, ShownUnits
 from core.study.spacing import as_typed, evenly, geometrically
@@ -52,8 +54,6 @@ class Points:
 
     def array(self, start: int = 0, stop: int | None = None) -> NDArray[np.float64]:
         """Return the values from position `start` to before `stop`; all if left out."""
-        import numpy as np
-
         return np.array(self.values[start:stop])
 
     def canonical(self) -> Any:
@@ -160,8 +160,6 @@ def position_on_axis(
     UnitError
         If the axis does not have it; the nearest values are named.
     """
-    import numpy as np
-
     if not math.isfinite(wanted):
         raise UnitError(f"{wanted} is not a value of {name}", "Give a finite number")
     away = np.abs(values - wanted)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.arrays import Array
-from core.motion import kernels, planar
+from core.motion import compiled, planar
 from core.motion.cells import run_cells
 from core.motion.course import Course, CourseAsked
 from core.motion.groups import Contacts, Groups, cells_of, groups_of, in_plane
@@ -173,7 +173,9 @@ def energy_by_events(
         status: NDArray[np.int8],
         stop: NDArray[np.int8],
     ) -> None:
-        kernels.track.spend_cells(contacts.wall, float(contacts.rolling), piece, rows, status, stop)
+        compiled.track.spend_cells(
+            contacts.wall, float(contacts.rolling), piece, rows, status, stop
+        )
 
     settings = {"tolerance": tolerance, "most_periods": most_periods}
     plane = in_plane(groups, contacts)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.arrays import Array
-from core.motion import kernels
+from core.motion import compiled
 from core.motion.cells import run_cells
 from core.motion.course import Course, CourseAsked
 from core.motion.groups import Contacts, Groups, cells_of
@@ -57,7 +57,9 @@ def spatial_motion(
         status: NDArray[np.int8],
         stop: NDArray[np.int8],
     ) -> None:
-        kernels.track.solve_cells(contacts.wall, float(contacts.rolling), piece, rows, status, stop)
+        compiled.track.solve_cells(
+            contacts.wall, float(contacts.rolling), piece, rows, status, stop
+        )
 
     return motion_of(*run_cells(kernel, cells, piece=32, watch=watch), shape)
 
@@ -87,7 +89,7 @@ def spatial_path(
         raise ValueError(f"phases reach beyond {MOST_TURNS:,} periods")
     (cell,), _ = cells_of(groups, tolerance=tolerance, most_periods=most_periods)
     with (watch or Watch()).flag() as stop:
-        samples = kernels.track.follow(contacts.wall, float(contacts.rolling), cell, phases, stop)
+        samples = compiled.track.follow(contacts.wall, float(contacts.rolling), cell, phases, stop)
     return Path(phases, samples[:, :3], samples[:, 3:6]), samples[:, 6].astype(np.int8)
 
 

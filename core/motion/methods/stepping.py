@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.arrays import Array
-from core.motion import kernels
+from core.motion import compiled
 from core.motion.cells import run_cells
 from core.motion.course import Course, CourseAsked
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, cells_of
@@ -118,10 +118,10 @@ def stepped_motion(
     grids = ((steps_per_period, 0.0), (steps_per_period, -0.5), (fine, 0.0))
     sines = [sines_at(*grid) for grid in grids]
     if planar:
-        scene, rolling, absolute_speed = kernels.stepping.PLANAR, 0.0, False
+        scene, rolling, absolute_speed = compiled.stepping.PLANAR, 0.0, False
     else:
         scene, rolling = (
-            kernels.stepping.WALL if contacts.wall else kernels.stepping.FLOOR,
+            compiled.stepping.WALL if contacts.wall else compiled.stepping.FLOOR,
             float(contacts.rolling),
         )
 
@@ -131,12 +131,12 @@ def stepped_motion(
         status: NDArray[np.int8],
         stop: NDArray[np.int8],
     ) -> None:
-        numbers, columns = np.split(piece, [kernels.stepping.GROUPS], axis=1)
+        numbers, columns = np.split(piece, [compiled.stepping.GROUPS], axis=1)
         coarse, shifted, finer = sines
         if columns.size:
             wave = of_columns(columns)
             coarse, shifted, finer = (drives_of(wave, n, TURN / n * shift) for n, shift in grids)
-        kernels.stepping.step_cells(
+        compiled.stepping.step_cells(
             scene, rolling, absolute_speed, steps_per_period, coarse, shifted, finer,
             np.ascontiguousarray(numbers), rows, status, stop,
         )  # fmt: skip
@@ -212,7 +212,7 @@ def stepped_path(
     if steps > MOST_STEPS:
         raise ValueError(f"phases need {steps:.3g} steps; the limit is {MOST_STEPS:,}")
     (row,), _ = cells_of(groups, tolerance=0.0, most_periods=0.0)
-    cell, columns = np.split(row, [kernels.stepping.GROUPS])
+    cell, columns = np.split(row, [compiled.stepping.GROUPS])
     start = np.array([*position, *velocity, spin], dtype=np.float64)
     if start.size != 7 or not (np.all(np.isfinite(row)) and np.all(np.isfinite(start))):
         raise ValueError("groups, position (3) and velocity (3) must be finite")
@@ -222,7 +222,7 @@ def stepped_path(
         most += math.ceil(most / steps_per_period) * (wave.shape[1] - steps_per_period)
     places, speeds = np.full((asked.size, 3), np.nan), np.full((asked.size, 3), np.nan)
     with (watch or Watch()).flag() as stop:
-        kernels.stepping.path(
+        compiled.stepping.path(
             contacts.wall, float(contacts.rolling), absolute_speed, cell, asked, step,
             most, start, wave, places, speeds, stop,
         )  # fmt: skip

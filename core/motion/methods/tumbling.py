@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask
-from core.motion import kernels
+from core.motion import compiled
 from core.motion.bodies import Part
 from core.motion.cells import run_cells
 from core.motion.course import Course, CourseAsked
@@ -201,7 +201,7 @@ def tumbling_motion(throw: Throw, *, method: Way = "events", watch: Watch | None
     cells, shape = _cells(throw)
     _check(method, throw.law)
     events = method == "events"
-    run = kernels.tumbling.tumble_events if events else kernels.tumbling.tumble_steps
+    run = compiled.tumbling.tumble_events if events else compiled.tumbling.tumble_steps
     columns_of_all = len(Tumble._fields) - 1
     table = np.full((len(cells), columns_of_all), np.nan)
     status = np.full(len(cells), STATUS["limit_reached"], dtype=np.int8)
@@ -231,8 +231,8 @@ def tumbling_path(
     if shape != ():
         raise ValueError("a path is that of one part: every argument has to be a single value")
     _check(method, throw.law)
-    run = kernels.tumbling.path_events if method == "events" else kernels.tumbling.path_steps
-    rows = np.full((moments.size, kernels.tumbling.PATH_COLUMNS), np.nan)
+    run = compiled.tumbling.path_events if method == "events" else compiled.tumbling.path_steps
+    rows = np.full((moments.size, compiled.tumbling.PATH_COLUMNS), np.nan)
     if _can_be_followed(cells)[0]:
         with (watch or Watch()).flag() as stop:
             run(cells[0], moments, rows, stop)
@@ -261,8 +261,8 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
         if not np.all(np.asarray(values) > 0):
             raise ValueError(f"{name} has to be positive")
     laws = {
-        "pfeiffer_glocker": kernels.tumbling.PFEIFFER_GLOCKER,
-        "moreau": kernels.tumbling.MOREAU,
+        "pfeiffer_glocker": compiled.tumbling.PFEIFFER_GLOCKER,
+        "moreau": compiled.tumbling.MOREAU,
     }
     body = throw.part.body()
     circular_frequency = 2 * np.pi * np.asarray(throw.frequency, dtype=float)
@@ -282,9 +282,9 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
         "time_step": _step_of(throw),
         "law": laws[throw.law],
     }
-    rows, shape = table(given[name] for name in kernels.tumbling.Cell._fields)
-    named = dict(zip(kernels.tumbling.Cell._fields, rows.T, strict=True))
-    given_themselves = [name for name in kernels.tumbling.Cell._fields if name not in _DERIVED]
+    rows, shape = table(given[name] for name in compiled.tumbling.Cell._fields)
+    named = dict(zip(compiled.tumbling.Cell._fields, rows.T, strict=True))
+    given_themselves = [name for name in compiled.tumbling.Cell._fields if name not in _DERIVED]
     if not all(np.all(np.isfinite(named[name])) for name in given_themselves):
         raise ValueError("every argument has to be finite")
     for name in ("gap_normal", "friction_kinetic", "restitution"):
@@ -299,7 +299,7 @@ def _cells(throw: Throw) -> tuple[NDArray[np.float64], tuple[int, ...]]:
 
 def _can_be_followed(rows: NDArray[np.float64]) -> Mask:
     """Return for which rows nothing has overflowed, or vanished, that was computed of arguments."""
-    named = dict(zip(kernels.tumbling.Cell._fields, rows.T, strict=True))
+    named = dict(zip(compiled.tumbling.Cell._fields, rows.T, strict=True))
     sound: Mask = np.asarray(np.isfinite(rows).all(axis=1))
     for name in ("half_diagonal", "pull_normal", "time_step"):
         sound &= named[name] > 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -280,11 +281,12 @@ def needed(system, method) -> set[str]:
 
 class TestStopping:
     def test_what_is_finished_is_kept(self):
-        calls = iter(range(1000))
+        begun = threading.Event()
         prepared = prepare_content(study(parameters={
             "friction": {"start": 0.2, "stop": 0.9, "num": 3000},
         }))  # fmt: skip
-        table = tabulate(prepared, Watch(stop=lambda: next(calls) >= 3))
+        watch = Watch(lambda share: begun.set(), begun.is_set, threads=1)
+        table = tabulate(prepared, watch)
         status = table.variables["motion_status"].values
         left = status == MOTION_STATUSES["not_computed"].value
         assert 0 < left.sum() < status.size

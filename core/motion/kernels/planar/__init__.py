@@ -22,19 +22,4 @@ calls. Each is compiled for a sine and for other waves, which the type of `waves
 A sine is the wave of one harmonic, and has forms of its own: with them a cell takes 5.0 us where it
 slides and 6.6 us where it hops, as a wave of one harmonic 5.5 and 7.3 us, with rebounds 18 for 21
 us (the least of 15 rounds over 1,070 random cells). The derivatives stand on them, too.
-
-A module is loaded, and numba with it, when its name is first asked for.
 """
-
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-from core.lazy import lazily
-
-__all__ = ["again", "derive", "flow", "solve", "unrepeated", "wave"]
-
-if TYPE_CHECKING:
-    from core.motion.kernels.planar import again, derive, flow, solve, unrepeated, wave
-else:
-    __getattr__ = lazily(__name__, {}, ("again", "derive", "flow", "solve", "unrepeated", "wave"))

@@ -1,0 +1,36 @@
+"""The kernels that Python calls; each is loaded, and numba with it, when it is first asked for.
+
+It stands outside of `kernels`: what is compiled there is kept for as long as what it imports stays
+the same, and it imports none of this.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from core.lazy import lazily
+
+__all__ = [
+    "again",
+    "cells",
+    "derive",
+    "flow",
+    "solve",
+    "stepping",
+    "track",
+    "tumbling",
+    "unrepeated",
+    "wave",
+]
+
+if TYPE_CHECKING:
+    from core.motion.kernels import cells, stepping, track, tumbling
+    from core.motion.kernels.planar import again, derive, flow, solve, unrepeated, wave
+else:
+    _ONE_PACKAGE = ("cells", "stepping", "track", "tumbling")
+    _PLANAR = ("again", "derive", "flow", "solve", "unrepeated", "wave")
+    __getattr__ = lazily(
+        f"{__package__}.kernels",
+        {},
+        {name: name for name in _ONE_PACKAGE} | {name: f"planar.{name}" for name in _PLANAR},
+    )
