@@ -201,9 +201,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     >>> study.kind, study.scene
     ('sweep', 'cylinder-on-plane')
     """
-    from core.intake import load_study
-
-    return load_study(path)
+    return import_module("core.intake").load_study(path)
 
 
 def plot(
@@ -267,13 +265,11 @@ def plot(
     >>> figure.get_suptitle()
     'Acceleration along the track'
     """
-    from core.plots import draw
-    from core.plots.fixed import read_fixed
-
+    plots = import_module("core.plots")
     dims = (axes,) if isinstance(axes, str) else axes
-    return draw(
-        dataset, variable=variable, axes=dims, at=read_fixed(at or {}), kind=kind, title=title,
-        units=units, nearest=nearest, dark=dark, small=small,
+    return plots.draw(
+        dataset, variable=variable, axes=dims, at=plots.read_fixed(at or {}), kind=kind,
+        title=title, units=units, nearest=nearest, dark=dark, small=small,
     )  # fmt: skip
 
 
@@ -354,9 +350,12 @@ def scenes(
     >>> vibrafeed.scenes("rectangle-on-plane")["parameters"][0]["name"]
     'frequency'
     """
-    from core.catalogue import describe, describe_all
-
-    return describe_all() if name is None else describe(name, variant, method=method)
+    catalogue = import_module("core.catalogue")
+    return (
+        catalogue.describe_all()
+        if name is None
+        else catalogue.describe(name, variant, method=method)
+    )
 
 
 if "xarray" in _sys.modules:  # files that are read from now on have `.vf` too, at no cost

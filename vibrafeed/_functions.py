@@ -6,7 +6,7 @@ keywords of its studies in its signature and in its docstring. It calls the one 
 
 from __future__ import annotations
 
-from core import intake, kinds  # which load the models of studies when they are used
+from importlib import import_module
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -46,6 +46,7 @@ def study(given: Given | None = None, /, **keywords: Any) -> Study:
     >>> dict(vibrafeed.sweep(drive, beta=20).sizes)
     {'frequency': 101}
     """
+    intake = import_module("core.intake")
     found = intake.gather(given, keywords)
     return intake.study_of(found) if isinstance(found, dict) else found
 
@@ -331,6 +332,7 @@ def drive_error(
 
     from core.motion.drive_error import drive_error
 
+    intake = import_module("core.intake")
     found = intake.gather(study, keywords, "simulate")
     asked, fit = intake.study_and_fit(found if isinstance(found, dict) else found.content())
     return drive_error(asked, fit, draws, np.random.default_rng(seed))
@@ -347,16 +349,17 @@ def said(given: Mapping[str, Any]) -> dict[str, Any]:
 
 def _prepared(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> Any:
     """Return a study of one kind, ready to be carried out."""
+    intake = import_module("core.intake")
     found = intake.gather(given, keywords, kind)
     if isinstance(found, dict):
         return intake.prepare_content(found, files=True)
-    return kinds.prepare(found)
+    return import_module("core.kinds").prepare(found)
 
 
 def _carry_out(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> xarray.Dataset:
     prepared = _prepared(kind, given, keywords)
     _import_accessor()
-    return kinds.tabulate(prepared).to_xarray()
+    return import_module("core.kinds").tabulate(prepared).to_xarray()
 
 
 def of_kind(kind: str) -> Callable[..., xarray.Dataset]:

@@ -16,6 +16,7 @@ from core import plots
 from core.errors import Problem, StudyError
 from core.extras import installing
 from core.measured import Recording, fit_drive
+from core.plots.problem import PlotError
 
 if TYPE_CHECKING:
     from core.measured import Fit, Recording
@@ -132,7 +133,6 @@ def _wrong_picture(plot: Path | None) -> list[Problem]:
         return []
     try:
         from core.plots.files import check_format
-        from core.plots.problem import PlotError
     except ModuleNotFoundError as error:
         console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
         raise typer.Exit(FAILED) from None

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 import typer
 from pydantic import ValidationError
 
+from app import logs
 from app.cli import console
 from app.cli.options import WRONG_INPUT
 from app.cli.studies import refuse
@@ -49,7 +50,6 @@ def serve(
         return
     _check_keys(settings, host)
     # Settings are shown, and keys kept, without what serves.
-    from app import logs
     from app.main import create_app
     from app.web.connections import most_requests, raise_open_files
     from app.web.server import serve_until_stopped

@@ -141,7 +141,6 @@ def check_rows(sizes: Mapping[str, int], most: int | None) -> None:
 def pyarrow() -> Any:
     """Return pyarrow with its Parquet; raise `MissingPackageError` if it is not installed."""
     try:
-        import pyarrow
         import pyarrow.parquet
     except ImportError:
         raise MissingPackageError("Parquet", "pyarrow", installing("pyarrow", "tables")) from None

@@ -76,9 +76,10 @@ def read_zarr(where: str, *, most_bytes: int | None = None) -> Table:
         If it cannot be read.
     """
     import zarr
-    from zarr.storage import ObjectStore
 
-    store = ObjectStore(open_store(where if "://" in where else Path(where)), read_only=True)
+    store = zarr.storage.ObjectStore(
+        open_store(where if "://" in where else Path(where)), read_only=True
+    )
     with told_plainly():
         group = zarr.open_group(store, mode="r")
         arrays = dict(group.arrays())

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from google_crc32c import value as crc32c
 from numpy.typing import NDArray
 
 from core.dataset.layout import Layout, Tile
@@ -24,10 +25,9 @@ def pack(document: Mapping[str, Any], tile: Tile, values: NDArray[Any], key: str
     """Return the shard with a tile of an array, by the array's document and the shard's key."""
     import zarr
     from zarr.buffer.cpu import Buffer
-    from zarr.storage import MemoryStore
 
     held: dict[str, Any] = {"zarr.json": Buffer.from_bytes(json.dumps(document).encode())}
-    array = zarr.open_array(MemoryStore(held), mode="r+", zarr_format=3)
+    array = zarr.open_array(zarr.storage.MemoryStore(held), mode="r+", zarr_format=3)
     # A shard of fill values alone is there, too: what is missing is not written yet.
     array = array.with_config({"write_empty_chunks": True})
     array[tuple(slice(*ends) for ends in tile.box)] = values
@@ -42,8 +42,6 @@ def index_length(layout: Layout) -> int:
 
 def is_whole(index: bytes, size: int) -> bool:
     """Return whether the index of a shard is sound, and tells of all its bytes."""
-    from google_crc32c import value as crc32c
-
     if int(crc32c(index[:-4])).to_bytes(4, "little") != index[-4:]:
         return False
     places = np.frombuffer(index[:-4], "<u8").reshape(-1, 2)

@@ -187,13 +187,12 @@ class GrowingZarr:
     def _write_untiled(self) -> None:
         """Write what is in no tile: coordinates, texts, and arrays without dimension."""
         import zarr
-        from zarr.storage import ObjectStore
 
         table = self._table
         tiled = {name for field in self.tiles.fields for name in field.names}
         for name, one in {**table.coordinates, **table.variables}.items():
             if name not in tiled:
-                array = zarr.open_array(ObjectStore(self._store), path=name, mode="r+")
+                array = zarr.open_array(zarr.storage.ObjectStore(self._store), path=name, mode="r+")
                 array.with_config({"write_empty_chunks": True})[...] = one.values
 
     def flush(self) -> None:

@@ -123,12 +123,10 @@ def _add_study(book: Any, frame: Frame) -> None:
 
 def _sheet(book: Any, title: str, widths: list[int]) -> Any:
     """Add a sheet whose headings stay in sight."""
-    from openpyxl.utils import get_column_letter
-
     sheet = book.create_sheet(title)
     sheet.freeze_panes = "A2"
     for number, width in enumerate(widths, 1):
-        sheet.column_dimensions[get_column_letter(number)].width = width
+        sheet.column_dimensions[openpyxl().utils.get_column_letter(number)].width = width
     return sheet
 
 
@@ -158,9 +156,7 @@ def _text(sheet: Any, text: str) -> Any:
 
 
 def _cell(sheet: Any, text: str, kind: str) -> Any:
-    from openpyxl.cell import WriteOnlyCell
-
-    cell = WriteOnlyCell(sheet, value=text)
+    cell = openpyxl().cell.WriteOnlyCell(sheet, value=text)
     cell.data_type = kind
     return cell
 

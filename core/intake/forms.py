@@ -36,7 +36,7 @@ def to_toml(content: Mapping[str, Any]) -> str:
         if name in SECTIONS and SECTIONS[name].by_parameter:
             table = tomlkit.table()
             for parameter, written in value.items():
-                table.add(parameter, _in_line(written))
+                table.add(parameter, _in_line(tomlkit, written))
             document.add(name, table)
         else:
             document.add(name, tomlkit.item(_without_none(value)))
@@ -132,9 +132,7 @@ def _depth(value: object) -> int:
     return 2 if in_tables else 0
 
 
-def _in_line(value: Any) -> Any:
-    import tomlkit
-
+def _in_line(tomlkit: Any, value: Any) -> Any:
     if not isinstance(value, Mapping):
         return tomlkit.item(value)
     table = tomlkit.inline_table()

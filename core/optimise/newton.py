@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from core.mechanics.arrays import Array
 from core.optimise.codes import ANGLE_PROBLEMS, AngleProblem, Flags, Statuses
+from core.optimise.kernels.columns import COLUMNS
 
 PIECE = 1024  # designs of one call of the kernel
 
@@ -109,7 +110,6 @@ def fastest(
     threads : int, optional
         At most as many; the number of cores by default. Results do not depend on it.
     """
-    from core.optimise.kernels.columns import COLUMNS
     from core.optimise.kernels.newton import solve
 
     parts = np.broadcast_arrays(

@@ -13,6 +13,7 @@ from core.lazy import lazily
 if TYPE_CHECKING:
     from core.plots.drawing import draw
     from core.plots.files import draw_file, save
+    from core.plots.fixed import read_fixed
     from core.plots.measured import draw_fit
     from core.plots.problem import PlotError
 else:  # the table of pictures is read without matplotlib
@@ -21,9 +22,10 @@ else:  # the table of pictures is read without matplotlib
         {
             "drawing": ("draw",),
             "files": ("draw_file", "save"),
+            "fixed": ("read_fixed",),
             "measured": ("draw_fit",),
             "problem": ("PlotError",),
         },
     )
 
-__all__ = ["PlotError", "draw", "draw_file", "draw_fit", "save"]
+__all__ = ["PlotError", "draw", "draw_file", "draw_fit", "read_fixed", "save"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from core.dataset.table import Table, Variable, regime_attributes
 from core.mechanics.arrays import Array
+from core.plan.derivatives import derivatives
 from core.plan.derived import cells_of
 from core.plan.evaluate import evaluate
 from core.plan.labels import coordinates_of, global_attributes, outputs_of
@@ -19,8 +20,6 @@ def compute(prepared: Prepared, watch: Watch) -> Computed:
     plan, grid, asked = prepared.plan, prepared.grid, prepared.derived
     arrays = evaluate(plan, grid, threads=watch.threads, progress=watch.advance)
     if asked is not None:
-        from core.plan.derivatives import derivatives
-
         part = plan.part(asked.outputs, ())
         found = derivatives(part, cells_of(part, grid), asked.parameters)
         arrays = {**arrays, **asked.arrays(plan, grid, prepared.dims, found)}
