@@ -194,6 +194,49 @@ def test_adding_a_kind(tree: Path, tmp_path: Path) -> None:
     assert "## mean" in said
 
 
+def test_adding_an_output(tree: Path) -> None:
+    """A flag, in two places: what it is, and what gives it."""
+    page = (ROOT / "docs" / "adding-an-output.md").read_text(encoding="utf-8")
+    assert carry_out(page, tree) == ["core/quantities/motion.py", "core/motion/feeding.py"]
+    study = tree / "gait.toml"
+    study.write_text(
+        'kind = "simulate"\nscene = "rectangle-on-plane"\noutputs = ["gait"]\n[parameters]\n'
+        'frequency = 50\namplitude = ["1 um", "0.2 mm", "0.6 mm"]\nbeta = 20\nfriction = 0.4\n'
+    )
+    said = run(tree, "-m", "vibrafeed", "run", str(study))
+    assert re.search(r"gait: rests 33.*slides 33.*hops 33", said), said
+    run(
+        tree,
+        "-c",
+        "import vibrafeed\n"
+        "from core.catalogue import describe, study_schema\n"
+        "from core.errors import StudyError\n"
+        "from core.quantities import FLAGS\n"
+        f"found = vibrafeed.simulate({str(study)!r})\n"
+        "assert found.gait.values.tolist() == [0, 1, 2] and found.gait.dtype == 'int8'\n"
+        "assert found.gait.attrs['flag_meanings'] == 'rests slides hops unknown'\n"
+        "assert [*FLAGS['gait']] == found.gait.attrs['flag_meanings'].split()\n"
+        "assert '\"gait\"' in __import__('json').dumps(study_schema())\n"
+        "told = describe('rectangle-on-plane', method='events')['outputs']\n"
+        "assert 'gait' in [output['name'] for output in told]\n"
+        f"derived = vibrafeed.simulate({str(study)!r}, sensitivities=['friction'],\n"
+        "    outputs=['gait', 'conveying_velocity'])\n"
+        "assert [name for name in derived if '_by_friction' in name] == [\n"
+        "    'derivative_conveying_velocity_by_friction'], [*derived]\n"
+        "try:\n"
+        "    vibrafeed.optimise(scene='rectangle-on-plane', criterion={'kind': 'maximise', 'output': 'gait'},\n"
+        "        frequency=50, amplitude='0.2 mm', friction=0.4,\n"
+        "        variables={'beta': {'lower': 0, 'upper': 40}})\n"
+        "except StudyError as refused:\n"
+        "    assert 'gait' in str(refused), refused\n"
+        "else:\n"
+        "    raise AssertionError('a flag has no best value')\n",
+    )
+    assert "gait" in run(
+        tree, "-m", "vibrafeed", "scenes", "rectangle-on-plane", "--method", "events"
+    )
+
+
 def test_adding_a_picture(tree: Path) -> None:
     page = (ROOT / "docs" / "adding-a-picture.md").read_text(encoding="utf-8")
     assert carry_out(page, tree) == ["core/plots/histogram.py", "core/plots/pictures.py"]
