@@ -13,7 +13,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.web.accept import takes_gzip
 from app.web.documents import NETCDF_TYPE
-from app.web.tables import TABLES, XLSX
+from app.web.tables import PACKED
 
 SMALL = 1400  # bytes: with its head, such a reply fills one packet
 LEVEL = 1  # digits hardly compress further at higher ones, which take several times as long
@@ -22,8 +22,7 @@ PLAIN = (
     *DEFAULT_EXCLUDED_CONTENT_TYPES,
     "application/octet-stream",
     NETCDF_TYPE,
-    TABLES["parquet"],
-    XLSX,
+    *PACKED,
 )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Iterator
 from importlib.metadata import version
 from importlib.util import find_spec
-from typing import Final
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
 from anyio import CapacityLimiter, to_thread
 from fastapi import Request
@@ -18,10 +18,15 @@ from core.dataset.frame import Frame
 from core.extras import installing
 
 NOTE: Final = "Vibrafeed-Note"
-XLSX: Final = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
-TABLES: Final = {"csv": "text/csv", "parquet": "application/vnd.apache.parquet", "xlsx": XLSX}
-PACKAGES: Final = {"parquet": ("pyarrow", "tables"), "xlsx": ("openpyxl", None)}
-"""What writes a form, and the extra that it belongs to."""
+TABLES: Final = {suffix[1:]: one.media for suffix, one in FORMATS.items() if one.media}
+PACKAGES: Final = {form: one.package for form in TABLES if (one := FORMATS[f".{form}"]).package}
+PACKED: Final = tuple(media for form, media in TABLES.items() if not FORMATS[f".{form}"].text)
+if TYPE_CHECKING:
+    ResultForm: TypeAlias = str
+    SliceForm: TypeAlias = str
+else:
+    ResultForm = Literal[("netcdf", "json", *TABLES)]
+    SliceForm = Literal[("json", "binary", *TABLES)]
 IN_WORK: Final = 16_000_000  # bytes of the pieces that are written while others are sent
 
 

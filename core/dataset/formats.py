@@ -49,6 +49,13 @@ class Format:
         Yields the bytes of the rows of a table, if it is a format of rows.
     needs : callable
         Raises `MissingPackageError` if a package is missing.
+    media : str, optional
+        Media type of a format of rows, which is sent over HTTP under the suffix without its dot.
+    package : tuple of str and str or None, optional
+        What has to be installed besides, on whose version the bytes depend, and the extra that it
+        belongs to.
+    text : bool
+        Whether compressing it on its way is worth while.
     check : callable
         Takes a number of rows and of bytes; raises `LimitError` if the format cannot hold them.
     """
@@ -58,6 +65,9 @@ class Format:
     pieces: Callable[[Frame], Iterator[bytes]] | None = None
     needs: Callable[[], object] = _nothing
     check: Callable[[int, int], None] = _everything
+    media: str | None = None
+    package: tuple[str, str | None] | None = None
+    text: bool = False
 
 
 def suffix_of(where: str) -> str:
@@ -166,11 +176,16 @@ def _write_mat(table: Table, where: str, history: str, compression: bool) -> Non
 FORMATS: Final[Mapping[str, Format]] = {
     NETCDF: Format("NetCDF", _write_netcdf),
     ZARR: Format("Zarr", _write_zarr, needs=needed_for_zarr),
-    ".csv": Format("CSV", _write_csv, Frame.csv),
-    ".parquet": Format("Parquet", _write_parquet, Frame.parquet, pyarrow),
+    ".csv": Format("CSV", _write_csv, Frame.csv, media="text/csv", text=True),
+    ".parquet": Format(
+        "Parquet", _write_parquet, Frame.parquet, pyarrow,
+        media="application/vnd.apache.parquet", package=("pyarrow", "tables"),
+    ),
     ".xlsx": Format(
         "Excel", _write_xlsx, workbook.xlsx, workbook.openpyxl,
         lambda rows, size: workbook.check_rows_of_sheet(rows),
+        media="application/vnd.openxmlformats-officedocument.spreadsheetml.sheet",
+        package=("openpyxl", None),
     ),
     ".mat": Format("MATLAB", _write_mat, check=lambda rows, size: matlab.check_bytes(size)),
 }  # fmt: skip

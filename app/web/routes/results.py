@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 from anyio import to_thread
 from fastapi import APIRouter, Query, Request
@@ -22,7 +22,15 @@ from app.web.downloads import ASK_AGAIN, etag_of, file_reply, not_modified
 from app.web.outcomes import check_of, find_job, lost, manifest_of, results_reply
 from app.web.replies import BINARY, OBJECT, kept, problems, without_length
 from app.web.routes.zarr import ZarrKey
-from app.web.tables import TABLES, missing, most_rows, table_reply, tables_there, written_by
+from app.web.tables import (
+    TABLES,
+    ResultForm,
+    missing,
+    most_rows,
+    table_reply,
+    tables_there,
+    written_by,
+)
 from core.dataset.frame import Frame
 from core.dataset.read import read_netcdf
 
@@ -75,7 +83,7 @@ async def get_dataset(
     desk: DeskOf,
     settings: SettingsOf,
     form: Annotated[
-        Literal["netcdf", "json", "csv", "parquet", "xlsx"] | None,
+        ResultForm | None,
         Query(
             alias="format",
             description="What `Accept` asks for if left out; else NetCDF. JSON is there of small "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 import orjson
@@ -26,7 +26,15 @@ from app.web.outgoing import expect
 from app.web.replies import BINARY, component, json_reply, kept, problems, without_length
 from app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
 from app.web.sweep_document import SweepDescription, description
-from app.web.tables import TABLES, missing, most_rows, table_reply, tables_there, written_by
+from app.web.tables import (
+    TABLES,
+    SliceForm,
+    missing,
+    most_rows,
+    table_reply,
+    tables_there,
+    written_by,
+)
 from core.dataset.frame import Frame
 from core.errors import LimitError
 from core.intake import prepare_content, read_json
@@ -168,7 +176,7 @@ async def get_slice(
         str, Query(description="One or two free axes, as in `beta,alpha`.", max_length=200)
     ],
     form: Annotated[
-        Literal["json", "binary", "csv", "parquet", "xlsx"] | None,
+        SliceForm | None,
         Query(alias="format", description="What `Accept` asks for if left out; else JSON."),
     ] = None,
 ) -> Response:
