@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.kinds import KINDS
 from core.motion.systems import CONTACTS, SYSTEMS
 from core.plan.plan import find_scene, scene_parameters
 from core.quantities import QUANTITIES, REGIMES
@@ -121,32 +120,6 @@ def asked_parameters(
     met = behind(wanted, lambda name: None if name in known else produced.get(name))
     found = {name for name, equation in met.items() if equation is None} - known
     return tuple(name for name in QUANTITIES if name in found)
-
-
-def study_schema() -> dict[str, Any]:
-    """Return the JSON Schema of a study of any kind."""
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "oneOf": [kind_schema(kind) for kind in KINDS],
-    }
-
-
-def kind_schema(name: str) -> dict[str, Any]:
-    """Return the JSON Schema of one kind, with the names of scenes, variants and outputs."""
-    kind = KINDS[name]
-    schema = kind.model.model_json_schema()
-    first, properties = kind.scenes[0], schema["properties"]
-    giving = [scene for scenes in kind.scenes for scene in scenes.values()]
-    outputs = {name for scene in giving for v in scene.variants for name in scene.outputs(v)}
-    variants = sorted({variant for scene in first.values() for variant in scene.variants})
-    choice = next(iter(first.values())).choice
-    properties["scene"] |= {"enum": list(first)}
-    if "outputs" in properties:
-        properties["outputs"]["items"] = {"enum": [name for name in QUANTITIES if name in outputs]}
-    for key, values in {choice: variants, **kind.choices}.items():
-        said = properties[key]["description"]
-        properties[key] = {"enum": [*values, None], "default": None, "description": said}
-    return schema
 
 
 def _describe_parameter(scene: Scene, variant: str, name: str) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import json
 
 import typer
 
-from core.catalogue import study_schema
+from core.schema import study_schema
 
 
 def schema() -> None:

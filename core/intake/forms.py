@@ -39,7 +39,7 @@ def to_toml(content: Mapping[str, Any]) -> str:
                 table.add(parameter, _in_line(tomlkit, written))
             document.add(name, table)
         else:
-            document.add(name, tomlkit.item(_without_none(value)))
+            document.add(name, tomlkit.item(_writable(tomlkit, value)))
     return tomlkit.dumps(document)
 
 
@@ -134,16 +134,24 @@ def _depth(value: object) -> int:
 
 def _in_line(tomlkit: Any, value: Any) -> Any:
     if not isinstance(value, Mapping):
-        return tomlkit.item(value)
+        return tomlkit.item(_writable(tomlkit, value))
     table = tomlkit.inline_table()
-    table.update(value)
+    table.update({name: _writable(tomlkit, one) for name, one in value.items()})
     return table
 
 
-def _without_none(value: Any) -> Any:
+def _writable(tomlkit: Any, value: Any) -> Any:
+    """Return a value without what is None, and with arrays as tomlkit reads them.
+
+    What it reads takes as long as it is; an array that it puts together itself, the square of that.
+    """
     if isinstance(value, Mapping):
-        return {name: _without_none(one) for name, one in value.items() if one is not None}
-    return [_without_none(one) for one in value] if isinstance(value, list) else value
+        return {n: _writable(tomlkit, one) for n, one in value.items() if one is not None}
+    if not isinstance(value, list):
+        return value
+    if any(isinstance(one, Mapping | list) for one in value):
+        return [_writable(tomlkit, one) for one in value]
+    return tomlkit.value(f"[{', '.join(tomlkit.item(one).as_string() for one in value)}]")
 
 
 def _literal(value: Any, column: int) -> str:

@@ -209,7 +209,8 @@ def test_adding_an_output(tree: Path) -> None:
         tree,
         "-c",
         "import vibrafeed\n"
-        "from core.catalogue import describe, study_schema\n"
+        "from core.catalogue import describe\n"
+        "from core.schema import study_schema\n"
         "from core.errors import StudyError\n"
         "from core.quantities import FLAGS\n"
         f"found = vibrafeed.simulate({str(study)!r})\n"

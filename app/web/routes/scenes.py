@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Path, Query
+import orjson
+from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response
 from pydantic import BaseModel
 
 from app.jobs.errors import NotFoundError
-from app.web.replies import json_reply, problems
-from core.catalogue import describe, describe_all, study_schema
+from app.web.downloads import ASK_AGAIN, etag_of, not_modified
+from app.web.replies import OBJECT, json_reply, kept, problems
+from core.catalogue import describe, describe_all
 from core.scenes import SCENES
+from core.schema import study_schema
 
 router = APIRouter(tags=["scenes"])
 
@@ -54,7 +58,27 @@ def describe_scene(
     return json_reply(describe(name, variant, method=method))
 
 
-@router.get("/schema", summary="JSON Schema of a study", response_model=dict[str, Any])
-def schema() -> Response:
+@router.get(
+    "/schema",
+    summary="JSON Schema of a study",
+    response_model=None,
+    responses=kept("The schema", {"application/json": OBJECT}),
+)
+def schema(request: Request) -> Response:
     """Return the JSON Schema of a study, as `vibrafeed schema` prints it."""
-    return json_reply(study_schema())
+    content, etag = _schema()
+    there = not_modified(request, etag, ASK_AGAIN)
+    if there is not None:
+        return there
+    return Response(
+        content,
+        media_type="application/json",
+        headers={"ETag": etag, "Cache-Control": ASK_AGAIN},
+    )
+
+
+@cache
+def _schema() -> tuple[bytes, str]:
+    """Return the schema as it is sent, and its ETag; it is made once."""
+    content = orjson.dumps(study_schema())
+    return content, etag_of(content.decode())

@@ -17,6 +17,7 @@ import xarray
 from typer.testing import CliRunner
 
 from app.cli import app
+from schemas import expanded
 from waiting import PATIENCE, wait_for
 
 STUDY = """
@@ -200,7 +201,8 @@ def test_schema_is_json_that_accepts_the_example():
         ("sweep", "simulate", "optimise", "sensitivity", "calibrate"), schema["oneOf"], strict=True
     ):
         assert part["properties"]["kind"]["const"] == kind
-        assert "frequency" in part["$defs"]["Parameters"]["properties"]
+        properties = expanded(part["properties"]["parameters"], schema)["properties"]
+        assert "frequency" in properties
 
 
 def test_settings_come_from_the_environment(monkeypatch):

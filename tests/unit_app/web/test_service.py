@@ -56,6 +56,16 @@ def test_health(client):
         assert head.headers["content-type"] == client.get(path).headers["content-type"]
 
 
+def test_the_schema_is_made_once_and_sent_to_whom_has_it_not(client, monkeypatch):
+    first = client.get("/schema")
+    assert len(first.content) <= 300_000
+    monkeypatch.setattr("app.web.routes.scenes.study_schema", None)  # it is not made again
+    again = client.get("/schema", headers={"If-None-Match": first.headers["etag"]})
+    assert (again.status_code, again.content) == (304, b"")
+    other = client.get("/schema", headers={"If-None-Match": '"another"'})
+    assert (other.status_code, other.content) == (200, first.content)
+
+
 def test_the_catalogue_lists_and_describes_every_scene(client):
     assert [line["name"] for line in client.get("/scenes").json()] == list(SCENES)
     for name, scene in SCENES.items():

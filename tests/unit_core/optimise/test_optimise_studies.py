@@ -13,14 +13,15 @@ from typer.testing import CliRunner
 from app.cli import app
 from app.main import create_app
 from app.settings import Settings
-from core.catalogue import kind_schema
 from core.errors import StudyError
 from core.intake import load_study, parse_json, parse_study, prepare_content
-from core.kinds import run_study
+from core.kinds import KINDS, run_study
 from core.optimise import METHODS
 from core.optimise.codes import STATUS
 from core.quantities import REGIMES
+from core.schema import study_schema
 from local_client import local_client
+from schemas import expanded
 
 CONFIGS = sorted((Path(__file__).parents[3] / "configs").glob("optimise-*.toml"))
 # The data of figure 5.1 of the source, less strong: below lift-off at the best angles.
@@ -162,7 +163,8 @@ def test_equal_studies_share_one_key_and_come_back_from_their_canonical_form():
 
 
 def test_the_schema_tells_criteria_apart_and_names_the_methods():
-    schema = kind_schema("optimise")
+    whole = study_schema()
+    schema = expanded(whole["oneOf"][[*KINDS].index("optimise")], whole)
     assert set(schema["properties"]["criterion"]["discriminator"]["mapping"]) == {
         "weighted", "limit", "pareto", "maximise", "minimise",
     }  # fmt: skip

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.catalogue import describe, study_schema
+from core.catalogue import describe
 from core.errors import LimitError, Problem, SceneError, StudyError
 from core.intake import load_study, parse_study, prepare_content
 from core.kinds import KINDS, run_study
@@ -20,7 +20,9 @@ from core.quantities import FAMILIES, QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE as NUMBERS_OF_DRIVES
 from core.scenes import ALIASES, SCENES, Condition, Equation
 from core.scenes.scene import Scene
+from core.schema import study_schema
 from core.sweep.prepare import prepare
+from schemas import expanded
 
 READABLE = re.compile(r"[A-Z][a-z']+,? (?! )[^`\[\]]*(?<! )\.")
 """A description: it begins with a word, and has no marks of code and no units in brackets."""
@@ -373,10 +375,11 @@ class TestScenes:
 
 
 def test_the_schema_knows_every_scene_output_and_parameter():
-    kinds = study_schema()["oneOf"]
+    whole = study_schema()
+    kinds = expanded(whole["oneOf"], whole)
     assert [kind["properties"]["kind"]["const"] for kind in kinds] == list(KINDS)
     for schema in kinds:
-        properties = schema["$defs"]["Parameters"]["properties"]
+        properties = schema["properties"]["parameters"]["properties"]
         assert set(properties) == {n for n, q in QUANTITIES.items() if q.parameter}
     assert kinds[0]["properties"]["scene"]["enum"] == list(SCENES)
     assert kinds[1]["properties"]["scene"]["enum"] == list(SYSTEMS)

@@ -16,13 +16,13 @@ import xarray
 
 from app.jobs.store import Store
 from app.jobs.work import compute_block, write_result
-from core.catalogue import study_schema
 from core.errors import StudyError
 from core.intake import prepare_content
 from core.kinds import KINDS, tabulate
 from core.motion.methods import METHODS
 from core.plan.pieces import Computed, Cut, carry_out, join
 from core.plan.sample import chosen_places
+from core.schema import study_schema
 from core.watch import Watch
 from verified_studies import BEST, BOUND, DRIVE, MOTION, PAIR, STUDIES, SWEEP, number, told
 

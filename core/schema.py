@@ -1,0 +1,123 @@
+"""The JSON Schema of studies, for editors and for programs that write them."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Final
+
+from pydantic.json_schema import models_json_schema
+
+from core.kinds import KINDS
+from core.plan.kind import Kind
+from core.quantities import QUANTITIES
+
+DIALECT: Final = "https://json-schema.org/draft/2020-12/schema"
+NOTES: Final = ("title", "description", "default", "examples")
+"""What is said of a value beside what it has to be; it may stand beside a reference."""
+BY_NAME: Final = ("properties", "$defs")
+BELOW: Final = ("items", "anyOf", "oneOf", "allOf", "additionalProperties")
+SHORT: Final = 70
+"""Characters up to which a schema is written again: a reference is hardly shorter."""
+
+Schema = dict[str, Any]
+
+
+def study_schema() -> Schema:
+    """Return the JSON Schema of a study of any kind; what is said twice stands under `$defs`."""
+    models = {kind.model: kind for kind in KINDS.values()}
+    references, found = models_json_schema([(model, "validation") for model in models])
+    named = found["$defs"]
+    whole = []
+    for model, kind in models.items():
+        schema = named.pop(references[model, "validation"]["$ref"].rpartition("/")[2])
+        whole.append(_with_names(schema, kind))
+    return by_reference(whole, named)
+
+
+def _with_names(schema: Schema, kind: Kind) -> Schema:
+    """Return the schema of a kind with the names of its scenes, variants and outputs."""
+    first, properties = kind.scenes[0], {**schema["properties"]}
+    giving = [scene for scenes in kind.scenes for scene in scenes.values()]
+    outputs = {name for scene in giving for v in scene.variants for name in scene.outputs(v)}
+    variants = sorted({variant for scene in first.values() for variant in scene.variants})
+    choice = next(iter(first.values())).choice
+    properties["scene"] |= {"enum": list(first)}
+    if "outputs" in properties:
+        properties["outputs"]["items"] = {"enum": [name for name in QUANTITIES if name in outputs]}
+    for key, values in {choice: variants, **kind.choices}.items():
+        said = properties[key]["description"]
+        properties[key] = {"enum": [*values, None], "default": None, "description": said}
+    return {**schema, "properties": properties}
+
+
+def by_reference(kinds: Sequence[Schema], named: Mapping[str, Schema]) -> Schema:
+    """Return a schema that is one of several, each part of which is written once.
+
+    A part that occurs twice or more, such as the values that an angle may have, becomes a
+    definition of its own; its title and description stay where it is referred to.
+
+    Parameters
+    ----------
+    kinds : sequence of dict
+        The schemas.
+    named : mapping of str to dict
+        Definitions that they refer to.
+    """
+    counts = Counter(_text(part) for one in (*kinds, *named.values()) for part in _below(one))
+    names: dict[str, str] = {}
+    shared: dict[str, Schema] = {}
+
+    def short(schema: Any) -> Any:
+        """Return a schema with references in the place of what is shared."""
+        if not isinstance(schema, dict) or len(text := _text(schema)) <= SHORT or counts[text] < 2:
+            return _mapped(schema, short)
+        if text not in names:
+            names[text] = f"shared-{len(names) + 1}"
+            shared[names[text]] = _mapped(_plain(schema), short)
+        notes = {key: schema[key] for key in NOTES if key in schema}
+        return {"$ref": f"#/$defs/{names[text]}", **notes}
+
+    whole = [_mapped(one, short) for one in kinds]
+    definitions = {name: _mapped(one, short) for name, one in named.items()}
+    return {"$schema": DIALECT, "oneOf": whole, "$defs": definitions | shared}
+
+
+def _plain(schema: Mapping[str, Any]) -> Schema:
+    return {key: value for key, value in schema.items() if key not in NOTES}
+
+
+def _text(schema: Mapping[str, Any]) -> str:
+    return json.dumps(_plain(schema), sort_keys=True)
+
+
+def _children(schema: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    """Yield each key below which schemas stand, and what stands there."""
+    return ((key, value) for key, value in schema.items() if key in (*BY_NAME, *BELOW))
+
+
+def _below(schema: Any) -> Iterator[Schema]:
+    """Yield all schemas below one."""
+    if not isinstance(schema, dict):
+        return
+    for key, value in _children(schema):
+        many = value.values() if key in BY_NAME else value if isinstance(value, list) else [value]
+        for one in many:
+            if isinstance(one, dict):
+                yield one
+                yield from _below(one)
+
+
+def _mapped(schema: Any, change: Any) -> Any:
+    """Return a schema whose direct children are changed."""
+    if not isinstance(schema, dict):
+        return schema
+    changed: Schema = {}
+    for key, value in _children(schema):
+        if key in BY_NAME:
+            changed[key] = {name: change(one) for name, one in value.items()}
+        else:
+            many = isinstance(value, list)
+            changed[key] = [change(one) for one in value] if many else change(value)
+    return {**schema, **changed}
