@@ -12,13 +12,13 @@ from typing import Any, Final, NoReturn
 from core.errors import Problem, StudyError
 from core.extras import installing
 from core.intake.section import Content, Resolved, Section, Stranger, dotted
+from core.measured.read import name_and_unit
 from core.study.grid_study import PARAMETERS
 from core.study.observations import MOST_RUNS, OBSERVED
 
 SUFFIXES = (".csv", ".xlsx")
 OWN: Final = (*OBSERVED, "error", "regime")
 """Columns that are no parameters."""
-_HEADING = re.compile(r"\s*(.*?)\s*(?:[\[(]\s*(.*?)\s*[\])])?\s*")
 _NUMBER = re.compile(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?")
 HEADING = (
     "Begin it with a line of names and units, such as amplitude [mm], conveying_velocity [mm/s]"
@@ -79,9 +79,9 @@ def read_rows(path: Path) -> list[dict[str, Any]]:
 def _headings(cells: Iterable[Any], path: Path) -> tuple[list[str], list[str]]:
     names, units = [], []
     for cell in cells:
-        found = _HEADING.fullmatch(str(cell))
-        names.append(found[1] if found else str(cell))
-        units.append((found[2] or "") if found else "")
+        name, unit = name_and_unit(str(cell))
+        names.append(name)
+        units.append(unit)
     twice = [name for k, name in enumerate(names) if name and name in names[:k]]
     if twice:
         _fail(f"{path.name} has two columns named {twice[0][:60]}", "Name each column once")

@@ -27,8 +27,8 @@ MOST_COLUMNS = 256
 MOST_LETTERS = 20_000  # of a line
 SHOWN = 3  # faults of a column that are told one by one
 
-_UNIT = re.compile(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*")
-_UNITS_ONLY = re.compile(r"\s*([\[(][^\[\]]*[\])])?\s*")
+_IN_BRACKETS = re.compile(r"[\[(][^\[\]()]*[\])]\Z")
+_UNITS_ONLY = re.compile(r"([\[(][^\[\]]*[\])])?")
 _ENCODINGS = ("utf-8-sig", "cp1252")  # the second is what a spreadsheet in Europe writes
 
 
@@ -116,7 +116,7 @@ def read_table(source: str | Path) -> Table:
         raise _refused("its first row holds numbers", "Put a row with the names of columns on top")
     names, units = _names(header)
     body = list(islice(rows, MOST_ROWS + 2))
-    if body and all(_UNITS_ONLY.fullmatch(cell) for cell in body[0][1]):
+    if body and all(_UNITS_ONLY.fullmatch(cell.strip()) for cell in body[0][1]):
         below = (cell.strip(" []()") for cell in body.pop(0)[1])
         units = [unit or other for unit, other in zip(units, below, strict=False)]
     if not body:
@@ -183,13 +183,26 @@ def _names(header: Sequence[str]) -> tuple[list[str], list[str]]:
     """Return names and units of the columns."""
     names, units = [], []
     for cell in header:
-        match = _UNIT.fullmatch(cell)
-        names.append(match[1].strip() if match and match[1].strip() else cell.strip())
-        units.append(match[2].strip() if match and match[1].strip() else "")
+        name, unit = name_and_unit(cell)
+        names.append(name)
+        units.append(unit)
     twice = sorted({name for name in names if names.count(name) > 1 and name})
     if twice:
         raise _refused(f"two columns have the name '{twice[0]}'", "Rename one")
     return names, units
+
+
+def name_and_unit(heading: str) -> tuple[str, str]:
+    """Return what stands before the last brackets of a heading, and in them: a name and its unit.
+
+    The time it takes is that of reading the heading, whatever it holds.
+    """
+    heading = heading.strip()
+    start = max(heading.rfind("["), heading.rfind("("))
+    name = heading[: max(start, 0)].strip()
+    if name and _IN_BRACKETS.match(heading, start):
+        return name, heading[start + 1 : -1].strip()
+    return heading, ""
 
 
 def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str]) -> None:

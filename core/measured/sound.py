@@ -19,6 +19,10 @@ from core.measured.harmonics import Samples, Solution, solved
 from core.measured.noise import Noise
 from core.measured.recording import LEAST_SAMPLES, Signal
 
+STEPS = 1e-9, 1e3
+"""Seconds from one sample to the next: what is outside is a slip of the rate or of a unit."""
+ACCELERATIONS = 1e-9, 1e9
+"""Range of the values of a recording [m s-2]: squares of them are numbers still."""
 MOST_CHANGE = 0.05  # of the drive's rms, from the first third of a recording to the last
 CHANGE_ERRORS = 4.0  # standard errors that the change must exceed as well
 MOST_CLOCK = 0.05
@@ -42,6 +46,7 @@ def check_before(signal: Signal) -> None:
     if count < LEAST_SAMPLES:
         fix = f"Record {LEAST_SAMPLES} at least, over {LEAST_PERIODS} periods or more"
         raise StudyError([*problems, Problem("recording", f"it has {count} samples", fix)])
+    problems += _out_of_range(signal)
     if not np.ptp(signal.accelerations, axis=1).any():
         fix = "Look whether the sensor was connected"
         problems.append(Problem("recording", "all its channels are constant", fix))
@@ -63,6 +68,23 @@ def check_before(signal: Signal) -> None:
             )
     if problems:
         raise StudyError(problems)
+
+
+def _out_of_range(signal: Signal) -> list[Problem]:
+    """Return a problem for times and for values that no recorder of drives writes."""
+    problems = []
+    with np.errstate(over="ignore"):
+        step = float(np.ptp(signal.times)) / (signal.times.size - 1)
+        size = float(np.ptp(signal.accelerations, axis=1).max())
+    least, most = STEPS
+    if np.isfinite(signal.times).all() and not least <= step <= most:
+        fix = "Give the samples a second, or the unit of the column of times"
+        problems.append(Problem("recording", f"it has a sample every {step:.3g} s", fix))
+    least, most = ACCELERATIONS
+    if np.isfinite(signal.accelerations).all() and size and not least <= size <= most:
+        fix = "Give the unit of its columns, or record again"
+        problems.append(Problem("recording", f"its values range over {size:.3g} m s-2", fix))
+    return problems
 
 
 def check_orders(signal: Signal, samples: Samples, frequency: float) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,7 +12,9 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from core.errors import StudyError
-from core.measured import Recording, fit_drive, read_signal, read_table
+from core.intake import prepare_content
+from core.measured import Recording, fit_drive, read, read_signal, read_table
+from core.measured.read import name_and_unit
 from recordings import DRIVE, csv_of, signal_of
 
 PLAIN = "time [s],ax [g],ay\n0,1,2\n0.1,3,-4e-1\n"
@@ -373,3 +378,46 @@ def test_a_channel_without_a_unit_is_told_where_to_write_it():
 def test_mountings_that_are_none(mounting, message):
     three = Recording(sensor=("ax", "az", "-ax"), mounting=mounting)
     assert refused(TEXT, three)[0].startswith(f"mounting: {message}")
+
+
+@pytest.mark.parametrize(
+    ("heading", "name", "unit"),
+    [
+        ("ax", "ax", ""), (" ax [m/s2] ", "ax", "m/s2"), ("ax (g)", "ax", "g"),
+        ("speed (x) [mm/s]", "speed (x)", "mm/s"), ("[g]", "[g]", ""), ("a]", "a]", ""),
+        ("a [b] c", "a [b] c", ""), ("a [b", "a [b", ""), ("a []", "a", ""), ("", "", ""),
+        ("a [b)", "a", "b"), ("a (b (c))", "a (b (c))", ""),
+    ],
+)  # fmt: skip
+def test_a_heading_has_a_name_and_perhaps_a_unit(heading, name, unit):
+    assert name_and_unit(heading) == (name, unit)
+
+
+def test_no_pattern_of_headings_tries_one_place_after_the_other():
+    """Blanks between name and bracket, 20,000 of them, held the interpreter for seconds."""
+    source = Path(read.__file__).read_text()
+    patterns = re.findall(r're\.compile\(r"(.*?)"\)', source)
+    assert patterns
+    for pattern in patterns:
+        assert ".*?" not in pattern, pattern
+        assert r"\s*" not in pattern, pattern
+    assert name_and_unit("a" + " " * 100_000 + "[" * 100_000) == (
+        "a" + " " * 100_000 + "[" * 100_000, "",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e-12, 1e300])
+@pytest.mark.parametrize("what", ["rate", "values"])
+def test_times_and_values_that_no_recorder_writes_are_refused(what, size):
+    """A rate of 1e-300 ended as an error of the program, not of the study."""
+    phases = 0.3 * np.arange(400)
+    values = np.stack([np.sin(phases), np.cos(phases)], axis=1) * (size if what == "values" else 1)
+    text = "ax [m/s2],az [m/s2]\n" + "\n".join(f"{a!r},{b!r}" for a, b in values.tolist())
+    drive = {"data": text, "along": "ax", "normal": "az"}
+    drive["rate"] = size if what == "rate" else 1000
+    study = {"kind": "simulate", "scene": "rectangle-on-plane", "parameters": {"friction": 0.4}}
+    with np.errstate(all="raise"), pytest.raises(StudyError) as refused:
+        prepare_content({**study, "drive": drive})
+    (problem,) = refused.value.problems
+    assert problem.place == "drive.data"
+    assert ("a sample every" if what == "rate" else "its values range over") in problem.message
