@@ -12,6 +12,8 @@ FIGURE := fig-5-1
 .PHONY: run test night quick check docs serve clean
 
 run: $(RUNNING)
+	$(BIN)/vibrafeed run configs/nut.toml -o results/nut.nc --force
+	$(BIN)/vibrafeed plot results/nut.nc -o results/nut.png
 	$(BIN)/vibrafeed run configs/figures/$(FIGURE).toml -o results/$(FIGURE).nc --force
 	$(BIN)/vibrafeed plot results/$(FIGURE).nc -o results/$(FIGURE).png
 

@@ -57,3 +57,19 @@ class Stopwatch:
 
 stopwatch = Stopwatch()
 """That of this process."""
+
+ONCE = "compiling once, some seconds; it is kept"
+"""What is said to who waits; docs/performance.md has the seconds."""
+
+
+@contextmanager
+def announced(write: Callable[[str], object]) -> Iterator[None]:
+    """Say, the first time that something is compiled within the block, that it is."""
+    waiting = [ONCE]
+
+    def tell(compiles: bool) -> None:
+        if compiles and waiting:
+            write(waiting.pop())
+
+    with stopwatch.telling(tell):
+        yield

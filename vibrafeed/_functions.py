@@ -6,6 +6,7 @@ keywords of its studies in its signature and in its docstring. It calls the one 
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
 
 TYPE_CHECKING = False
@@ -359,7 +360,13 @@ def _prepared(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> An
 def _carry_out(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> xarray.Dataset:
     prepared = _prepared(kind, given, keywords)
     _import_accessor()
-    return import_module("core.kinds").tabulate(prepared).to_xarray()
+    with import_module("core.compiling").announced(_say):
+        return import_module("core.kinds").tabulate(prepared).to_xarray()
+
+
+def _say(words: str) -> None:
+    """Write a line on the error stream, which a notebook shows, too."""
+    sys.stderr.write(f"vibrafeed: {words}\n")
 
 
 def of_kind(kind: str) -> Callable[..., xarray.Dataset]:

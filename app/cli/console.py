@@ -14,7 +14,7 @@ from rich.table import Table as Grid
 from rich.text import Text
 
 from app.cli.layout import Rows, block_lines, folded, least_widths, plain_lines
-from core.compiling import stopwatch
+from core.compiling import ONCE, stopwatch
 
 stdout = Console(highlight=False)
 stderr = Console(stderr=True, highlight=False)
@@ -130,7 +130,7 @@ def progress(label: str, size: int | None = None) -> Iterator[Callable[[float], 
             bar.update(task, description=f"{label}{more}")
             if compiles and bar.disable and not told:  # nobody sees the bar
                 told = True
-                stderr.print(f"{label}: compiling once, some seconds; it is kept", markup=False)
+                stderr.print(f"{label}: {ONCE}", markup=False)
 
         with stopwatch.telling(tell):
             yield lambda done: bar.advance(task, done * (size or 1.0))
