@@ -142,7 +142,10 @@ class Settings(BaseSettings):
         description="What a block of a job takes, roughly: what a kill or a dismissal loses.",
     )
     max_queue: int = Field(
-        default=100, gt=0, description="Most different studies that are computed or wait for it."
+        default=100,
+        gt=0,
+        description="Most different studies that are computed or wait for it. Of n keys that have "
+        "some, each has 1/(n + 1) of the places.",
     )
     concurrent_jobs: int = Field(
         default=4,

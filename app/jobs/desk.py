@@ -93,7 +93,7 @@ class Desk:
             is_under_way = key in self.ledger.promised()
             is_there = manifest is not None or is_under_way
             if not (is_own and is_there):  # else others' work would be told by it
-                self.ledger.check_queue(self._settings.max_queue)
+                self.ledger.check_queue(self._settings.max_queue, who.name)
                 self._room.make(key, needed, who, is_there=is_there)
             if not is_there:
                 self.store.add(prepared.study, process)

@@ -85,8 +85,23 @@ class Ledger:
 
     # --- what clients do
 
-    def check_queue(self, most: int) -> None:
-        """Raise `QueueFullError` if there are so many items of work."""
+    def check_queue(self, most: int, owner: str = "") -> None:
+        """Raise `QueueFullError` if there are so many items of work, or an owner has his share.
+
+        Of n owners who have work, the asking one among them, each has most/(n + 1) places, one at
+        least: who comes next finds room.
+        """
+        if owner:
+            active = select(JOBS.c.owner, JOBS.c.key).where(JOBS.c.state.in_(ACTIVE)).distinct()
+            rows = self._read(active)
+            own = sum(row.owner == owner for row in rows)
+            owners = len({row.owner for row in rows} | {owner})
+            share = max(1, most // (owners + 1))
+            if own >= share:
+                raise QueueFullError(
+                    f"Your key has {own:,} of the {most:,} places for studies that are carried out "
+                    f"or wait, and {share:,} are its share; no more are taken before one is done."
+                )
         [(waiting,)] = self._read(select(func.count()).select_from(WORK))
         if waiting >= most:
             raise QueueFullError(

@@ -28,7 +28,7 @@ def ledgers(request, tmp_path):
         ledger.close()
 
 
-def post(ledger, key="k", *, seconds=None):
+def post(ledger, key="k", *, seconds=None, owner=""):
     return ledger.post(
         key,
         "simulate",
@@ -37,6 +37,7 @@ def post(ledger, key="k", *, seconds=None):
         blocks=10,
         bytes_=1000,
         finished_seconds=seconds,
+        owner=owner,
     )
 
 
@@ -177,6 +178,23 @@ def test_the_queue_is_bounded_by_different_studies(ledgers):
     with pytest.raises(QueueFullError, match="2 studies"):
         there.check_queue(2)
     assert here.promised() == {"k": 1000, "l": 1000}
+
+
+def test_an_owner_leaves_room_for_the_next_one(ledgers):
+    here, there = ledgers
+    for number in range(5):
+        here.check_queue(10, "a")  # one owner has 10/2
+        post(here, f"a{number}", owner="a")
+    with pytest.raises(QueueFullError, match="5 of the 10 places"):
+        there.check_queue(10, "a")
+    post(here, "a0", owner="a")  # the same study takes no other place
+    for number in range(3):
+        there.check_queue(10, "b")  # each of two has 10/3
+        post(there, f"b{number}", owner="b")
+    with pytest.raises(QueueFullError, match="3 are its share"):
+        here.check_queue(10, "b")
+    here.check_queue(10, "c")
+    here.check_queue(10)  # where no keys are, all is one owner's
 
 
 def test_inside_a_transaction_nobody_else_changes_anything(ledgers):
