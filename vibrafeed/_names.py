@@ -19,6 +19,8 @@ SweptScene: TypeAlias = (
         "cylinder-on-plane",
         "cylinder-pair-impact",
         "cylinder-rolling",
+        "linear-drive-unit",
+        "bowl-drive-unit",
     ]
     | str
 )
@@ -174,6 +176,26 @@ SweptOutput: TypeAlias = (
         "momentum_residual_x",
         "momentum_residual_y",
         "angular_momentum_residual",
+        "circular_frequency",
+        "generalised_mass",
+        "loaded_mass",
+        "loaded_inertia",
+        "bowl_mass",
+        "damping",
+        "natural_frequency",
+        "foot_frequency",
+        "stroke",
+        "phase",
+        "amplification",
+        "track_amplitude",
+        "vibration_angle",
+        "bowl_turn",
+        "bowl_lift",
+        "spring_stress",
+        "stress_margin",
+        "air_gap_margin",
+        "foot_force",
+        "drive_unit_power",
     ]
     | str
 )

@@ -120,6 +120,28 @@ def study(
     occupancy: Values | None = None,
     duration: Values | None = None,
     drop_height: Values | None = None,
+    moving_mass: Values | None = None,
+    base_mass: Values | None = None,
+    load_mass: Values | None = None,
+    moving_inertia: Values | None = None,
+    base_inertia: Values | None = None,
+    spring_radius: Values | None = None,
+    spring_angle: Values | None = None,
+    spring_count: Values | None = None,
+    spring_width: Values | None = None,
+    spring_thickness: Values | None = None,
+    spring_length: Values | None = None,
+    elastic_modulus: Values | None = None,
+    clamp_factor: Values | None = None,
+    allowable_stress: Values | None = None,
+    ring_down_frequency: Values | None = None,
+    damping_ratio: Values | None = None,
+    drive_force: Values | None = None,
+    unbalance: Values | None = None,
+    air_gap: Values | None = None,
+    foot_stiffness: Values | None = None,
+    foot_damping: Values | None = None,
+    spring_stiffness: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
     demands: Sequence[Mapping[str, Any]] | None = None,
@@ -256,6 +278,28 @@ def sweep(
     width_2: Values | None = None,
     mass_2: Values | None = None,
     contact_tolerance: Values | None = None,
+    moving_mass: Values | None = None,
+    base_mass: Values | None = None,
+    load_mass: Values | None = None,
+    moving_inertia: Values | None = None,
+    base_inertia: Values | None = None,
+    spring_radius: Values | None = None,
+    spring_angle: Values | None = None,
+    spring_count: Values | None = None,
+    spring_width: Values | None = None,
+    spring_thickness: Values | None = None,
+    spring_length: Values | None = None,
+    elastic_modulus: Values | None = None,
+    clamp_factor: Values | None = None,
+    allowable_stress: Values | None = None,
+    ring_down_frequency: Values | None = None,
+    damping_ratio: Values | None = None,
+    drive_force: Values | None = None,
+    unbalance: Values | None = None,
+    air_gap: Values | None = None,
+    foot_stiffness: Values | None = None,
+    foot_damping: Values | None = None,
+    spring_stiffness: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,
@@ -437,6 +481,54 @@ def sweep(
         Largest gap or overlap that counts as touching, as a share of the bodies' size, the sum of
         their half diagonals. 1 lets the impact happen as the bodies are placed. 0 or more, for
         example "1e-6".
+    moving_mass : values, optional
+        Mass of trough or bowl, with what is fixed to it. In kg, above 0, for example "10 kg".
+    base_mass : values, optional
+        Mass of the base, or counter-mass. In kg, above 0, for example "30 kg".
+    load_mass : values, optional
+        Mass of parts that lie still on the track. In kg, 0 or more, for example "0.5 kg".
+    moving_inertia : values, optional
+        Moment of inertia of the bowl about its axis. In kg m2, above 0, for example "0.25 kg m^2".
+    base_inertia : values, optional
+        Moment of inertia of the base about the same axis. In kg m2, above 0, for example "0.9 kg
+        m^2".
+    spring_radius : values, optional
+        Radius that the leaves stand at. In m, above 0, for example "150 mm".
+    spring_angle : values, optional
+        Tilt of the leaves from the vertical: the line of a linear unit is as steep. In degrees,
+        from -89 to 89, for example "20 deg".
+    spring_count : values, optional
+        Leaves side by side, with spacers between. Above 0, for example 8.
+    spring_width : values, optional
+        Width of a leaf spring. In m, above 0, for example "40 mm".
+    spring_thickness : values, optional
+        Thickness of a leaf spring. In m, above 0, for example "3 mm".
+    spring_length : values, optional
+        Length of a leaf spring between its clamps. In m, above 0, for example "100 mm".
+    elastic_modulus : values, optional
+        Of the leaves: 206 GPa of spring steel. In Pa, above 0, for example "206 GPa".
+    clamp_factor : values, optional
+        Stiffness of the leaves over that with rigid clamps. Above 0, for example 0.9.
+    allowable_stress : values, optional
+        Bending stress that the leaves bear for ever. In Pa, above 0, for example "250 MPa".
+    ring_down_frequency : values, optional
+        Frequency in which the empty unit rings after a knock. In Hz, above 0, for example "53 Hz".
+    damping_ratio : values, optional
+        Logarithmic decrement of the ring-down over 2 pi. Above 0, for example 0.02.
+    drive_force : values, optional
+        Amplitude of the force between both masses, along the stroke, at the drive's frequency. In
+        N, above 0, for example "100 N".
+    unbalance : values, optional
+        Mass of an unbalance times its radius. In kg m, above 0, for example "0.002 kg m".
+    air_gap : values, optional
+        Air gap of the magnet at rest, along the stroke. In m, above 0, for example "2 mm".
+    foot_stiffness : values, optional
+        Of all feet together; 0 if the base is free. In N m-1, 0 or more, for example "50000 N/m".
+    foot_damping : values, optional
+        Of all feet together. In N s m-1, 0 or more, for example "100 N s/m".
+    spring_stiffness : values, optional
+        Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
+        above 0, for example "1000 N/mm".
     sensitivities : bool or sequence of str, optional
         Also give the derivative of each output by these parameters, and its elasticity d
         ln(output)/d ln(parameter): true for all that the study gives, or a list of names.
@@ -800,6 +892,28 @@ def optimise(
     occupancy: Values | None = None,
     duration: Values | None = None,
     drop_height: Values | None = None,
+    moving_mass: Values | None = None,
+    base_mass: Values | None = None,
+    load_mass: Values | None = None,
+    moving_inertia: Values | None = None,
+    base_inertia: Values | None = None,
+    spring_radius: Values | None = None,
+    spring_angle: Values | None = None,
+    spring_count: Values | None = None,
+    spring_width: Values | None = None,
+    spring_thickness: Values | None = None,
+    spring_length: Values | None = None,
+    elastic_modulus: Values | None = None,
+    clamp_factor: Values | None = None,
+    allowable_stress: Values | None = None,
+    ring_down_frequency: Values | None = None,
+    damping_ratio: Values | None = None,
+    drive_force: Values | None = None,
+    unbalance: Values | None = None,
+    air_gap: Values | None = None,
+    foot_stiffness: Values | None = None,
+    foot_damping: Values | None = None,
+    spring_stiffness: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     robust: Literal["worst", "mean", "quantile"] | None = None,
     quantile: float | None = None,
@@ -1018,6 +1132,54 @@ def optimise(
     drop_height : values, optional
         Height of the part's lowest corner above the plane at the start. In m, 0 or more, for
         example "10 mm".
+    moving_mass : values, optional
+        Mass of trough or bowl, with what is fixed to it. In kg, above 0, for example "10 kg".
+    base_mass : values, optional
+        Mass of the base, or counter-mass. In kg, above 0, for example "30 kg".
+    load_mass : values, optional
+        Mass of parts that lie still on the track. In kg, 0 or more, for example "0.5 kg".
+    moving_inertia : values, optional
+        Moment of inertia of the bowl about its axis. In kg m2, above 0, for example "0.25 kg m^2".
+    base_inertia : values, optional
+        Moment of inertia of the base about the same axis. In kg m2, above 0, for example "0.9 kg
+        m^2".
+    spring_radius : values, optional
+        Radius that the leaves stand at. In m, above 0, for example "150 mm".
+    spring_angle : values, optional
+        Tilt of the leaves from the vertical: the line of a linear unit is as steep. In degrees,
+        from -89 to 89, for example "20 deg".
+    spring_count : values, optional
+        Leaves side by side, with spacers between. Above 0, for example 8.
+    spring_width : values, optional
+        Width of a leaf spring. In m, above 0, for example "40 mm".
+    spring_thickness : values, optional
+        Thickness of a leaf spring. In m, above 0, for example "3 mm".
+    spring_length : values, optional
+        Length of a leaf spring between its clamps. In m, above 0, for example "100 mm".
+    elastic_modulus : values, optional
+        Of the leaves: 206 GPa of spring steel. In Pa, above 0, for example "206 GPa".
+    clamp_factor : values, optional
+        Stiffness of the leaves over that with rigid clamps. Above 0, for example 0.9.
+    allowable_stress : values, optional
+        Bending stress that the leaves bear for ever. In Pa, above 0, for example "250 MPa".
+    ring_down_frequency : values, optional
+        Frequency in which the empty unit rings after a knock. In Hz, above 0, for example "53 Hz".
+    damping_ratio : values, optional
+        Logarithmic decrement of the ring-down over 2 pi. Above 0, for example 0.02.
+    drive_force : values, optional
+        Amplitude of the force between both masses, along the stroke, at the drive's frequency. In
+        N, above 0, for example "100 N".
+    unbalance : values, optional
+        Mass of an unbalance times its radius. In kg m, above 0, for example "0.002 kg m".
+    air_gap : values, optional
+        Air gap of the magnet at rest, along the stroke. In m, above 0, for example "2 mm".
+    foot_stiffness : values, optional
+        Of all feet together; 0 if the base is free. In N m-1, 0 or more, for example "50000 N/m".
+    foot_damping : values, optional
+        Of all feet together. In N s m-1, 0 or more, for example "100 N s/m".
+    spring_stiffness : values, optional
+        Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
+        above 0, for example "1000 N/mm".
     uncertain : mapping of str to mapping, optional
         Parameters that are not known exactly, such as friction: their bounds, or their
         distributions.
@@ -1189,6 +1351,28 @@ def sensitivity(
     occupancy: Values | None = None,
     duration: Values | None = None,
     drop_height: Values | None = None,
+    moving_mass: Values | None = None,
+    base_mass: Values | None = None,
+    load_mass: Values | None = None,
+    moving_inertia: Values | None = None,
+    base_inertia: Values | None = None,
+    spring_radius: Values | None = None,
+    spring_angle: Values | None = None,
+    spring_count: Values | None = None,
+    spring_width: Values | None = None,
+    spring_thickness: Values | None = None,
+    spring_length: Values | None = None,
+    elastic_modulus: Values | None = None,
+    clamp_factor: Values | None = None,
+    allowable_stress: Values | None = None,
+    ring_down_frequency: Values | None = None,
+    damping_ratio: Values | None = None,
+    drive_force: Values | None = None,
+    unbalance: Values | None = None,
+    air_gap: Values | None = None,
+    foot_stiffness: Values | None = None,
+    foot_damping: Values | None = None,
+    spring_stiffness: Values | None = None,
     uncertain: Mapping[str, Mapping[str, Any]] | None = None,
     analyses: Sequence[Literal["distribution", "sobol", "morris", "budget"]] | None = None,
     demands: Sequence[Mapping[str, Any]] | None = None,
@@ -1399,6 +1583,54 @@ def sensitivity(
     drop_height : values, optional
         Height of the part's lowest corner above the plane at the start. In m, 0 or more, for
         example "10 mm".
+    moving_mass : values, optional
+        Mass of trough or bowl, with what is fixed to it. In kg, above 0, for example "10 kg".
+    base_mass : values, optional
+        Mass of the base, or counter-mass. In kg, above 0, for example "30 kg".
+    load_mass : values, optional
+        Mass of parts that lie still on the track. In kg, 0 or more, for example "0.5 kg".
+    moving_inertia : values, optional
+        Moment of inertia of the bowl about its axis. In kg m2, above 0, for example "0.25 kg m^2".
+    base_inertia : values, optional
+        Moment of inertia of the base about the same axis. In kg m2, above 0, for example "0.9 kg
+        m^2".
+    spring_radius : values, optional
+        Radius that the leaves stand at. In m, above 0, for example "150 mm".
+    spring_angle : values, optional
+        Tilt of the leaves from the vertical: the line of a linear unit is as steep. In degrees,
+        from -89 to 89, for example "20 deg".
+    spring_count : values, optional
+        Leaves side by side, with spacers between. Above 0, for example 8.
+    spring_width : values, optional
+        Width of a leaf spring. In m, above 0, for example "40 mm".
+    spring_thickness : values, optional
+        Thickness of a leaf spring. In m, above 0, for example "3 mm".
+    spring_length : values, optional
+        Length of a leaf spring between its clamps. In m, above 0, for example "100 mm".
+    elastic_modulus : values, optional
+        Of the leaves: 206 GPa of spring steel. In Pa, above 0, for example "206 GPa".
+    clamp_factor : values, optional
+        Stiffness of the leaves over that with rigid clamps. Above 0, for example 0.9.
+    allowable_stress : values, optional
+        Bending stress that the leaves bear for ever. In Pa, above 0, for example "250 MPa".
+    ring_down_frequency : values, optional
+        Frequency in which the empty unit rings after a knock. In Hz, above 0, for example "53 Hz".
+    damping_ratio : values, optional
+        Logarithmic decrement of the ring-down over 2 pi. Above 0, for example 0.02.
+    drive_force : values, optional
+        Amplitude of the force between both masses, along the stroke, at the drive's frequency. In
+        N, above 0, for example "100 N".
+    unbalance : values, optional
+        Mass of an unbalance times its radius. In kg m, above 0, for example "0.002 kg m".
+    air_gap : values, optional
+        Air gap of the magnet at rest, along the stroke. In m, above 0, for example "2 mm".
+    foot_stiffness : values, optional
+        Of all feet together; 0 if the base is free. In N m-1, 0 or more, for example "50000 N/m".
+    foot_damping : values, optional
+        Of all feet together. In N s m-1, 0 or more, for example "100 N s/m".
+    spring_stiffness : values, optional
+        Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
+        above 0, for example "1000 N/mm".
     uncertain : mapping of str to mapping, optional
         Parameters that are not known exactly, and their distributions.
     analyses : sequence of Literal["distribution", "sobol", "morris", "budget"], optional
@@ -1820,6 +2052,28 @@ def open_lazily(
     width_2: Values | None = None,
     mass_2: Values | None = None,
     contact_tolerance: Values | None = None,
+    moving_mass: Values | None = None,
+    base_mass: Values | None = None,
+    load_mass: Values | None = None,
+    moving_inertia: Values | None = None,
+    base_inertia: Values | None = None,
+    spring_radius: Values | None = None,
+    spring_angle: Values | None = None,
+    spring_count: Values | None = None,
+    spring_width: Values | None = None,
+    spring_thickness: Values | None = None,
+    spring_length: Values | None = None,
+    elastic_modulus: Values | None = None,
+    clamp_factor: Values | None = None,
+    allowable_stress: Values | None = None,
+    ring_down_frequency: Values | None = None,
+    damping_ratio: Values | None = None,
+    drive_force: Values | None = None,
+    unbalance: Values | None = None,
+    air_gap: Values | None = None,
+    foot_stiffness: Values | None = None,
+    foot_damping: Values | None = None,
+    spring_stiffness: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     precision: Literal["double", "single"] | None = None,
     reduce: Mapping[str, Any] | None = None,

@@ -27,7 +27,8 @@ def show_scenes(lines: Sequence[Mapping[str, Any]]) -> None:
 
 def show_scene(scene: Mapping[str, Any], units: ShownUnits) -> None:
     """Print everything about one scene."""
-    say(f"{scene['name']}: {scene['title']} (source: {scene['source']})")
+    source = f" (section {scene['source']} of the thesis)" if scene["source"] else ""
+    say(f"{scene['name']}: {scene['title']}{source}")
     if "method" in scene:
         say(f"motion in time, method {scene['method']} of {', '.join(scene['methods'])}")
     else:

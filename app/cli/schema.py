@@ -11,4 +11,4 @@ from core.schema import study_schema
 
 def schema() -> None:
     """Print the JSON Schema of studies, for editors."""
-    typer.echo(json.dumps(study_schema(), indent=2))
+    typer.echo(json.dumps(study_schema(), indent=1))

@@ -69,6 +69,13 @@ LOOKS = {
         ("unresolved", "---", 1.3),
         ("rests", "", 1.8),
         ("tumbles", "/", 1.8),
+        # --- drive units
+        ("resonance", "", 1.8),
+        ("tuned_stiff", "..", 0.9),
+        ("tuned_soft", "/", 1.8),
+        ("hits_magnet", "xxx", 1.3),
+        ("overstressed", "///", 1.3),
+        ("isolation_poor", "\\", 1.8),
     )
 }
 PLAIN = ("", "#8a8a8a", 1.8)

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 
 from core.quantities.directions import DIRECTIONS
 from core.quantities.drive import DRIVE
+from core.quantities.drive_unit import DRIVE_UNIT
 from core.quantities.flags import (
     MOTION_MODES,
     MOTION_STATUSES,
@@ -40,7 +41,7 @@ __all__ = [
 ]
 
 # In the order in which documents list them; those of one study share axes in this order.
-FAMILIES = (TRACK, DRIVE, ROLLING, ISOLATED, IMPACTS, MOTION, OPTIMUM)
+FAMILIES = (TRACK, DRIVE, ROLLING, ISOLATED, IMPACTS, MOTION, OPTIMUM, DRIVE_UNIT)
 QUANTITIES: dict[str, Quantity] = {
     name: quantity for family in FAMILIES for name, quantity in family.items()
 }

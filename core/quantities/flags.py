@@ -70,6 +70,15 @@ REGIMES: dict[str, Flag] = {
     ),
     "rests": Flag(34, "the part has come to rest on a side"),
     "tumbles": Flag(35, "the part still moves at the end of the duration"),
+    # --- drive units
+    "resonance": Flag(36, "the drive is at the natural frequency: a little more moves much"),
+    "tuned_stiff": Flag(37, "tuned above the drive: load raises the amplitude, springs lower it"),
+    "tuned_soft": Flag(38, "tuned below the drive: load lowers the amplitude, springs raise it"),
+    "hits_magnet": Flag(39, "the stroke closes the air gap of the magnet", valid=False),
+    "overstressed": Flag(40, "the leaves bend by more than they bear", valid=False),
+    "isolation_poor": Flag(
+        41, "the unit rocks on its feet at more than a third of the drive's frequency"
+    ),
 }  # fmt: skip
 
 MOTION_STATUSES: dict[str, Flag] = {

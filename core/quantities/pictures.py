@@ -42,6 +42,12 @@ INKS = {
     "unresolved": "#4a4a4a",
     "rests": "#2166ac",
     "tumbles": "#b3560f",
+    "resonance": "#a8325e",
+    "tuned_stiff": "#2166ac",
+    "tuned_soft": "#8a7a1f",
+    "hits_magnet": "#8b1a1a",
+    "overstressed": "#5e2d91",
+    "isolation_poor": "#b3560f",
 }
 """The colour of hatches, borders and lines of a regime."""
 
@@ -71,6 +77,10 @@ FILLS = {
     "apart": "#d6d6d6",
     "not_assessed": "#dddddd",
     "unbounded": "#d6d6d6",
+    "resonance": "#ee7fa6",
+    "tuned_stiff": "#9ccbff",
+    "tuned_soft": "#ffd98f",
+    "isolation_poor": "#c66a2c",
 }
 """The colour of an area, or of a mark, of a regime where values hold."""
 

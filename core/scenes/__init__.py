@@ -1,10 +1,12 @@
 """The systems of the source, one file each."""
 
 from core.scenes import (
+    bowl_drive_unit,
     cylinder_isolated,
     cylinder_on_plane,
     cylinder_pair_impact,
     cylinder_rolling,
+    linear_drive_unit,
     rectangle_isolated,
     rectangle_on_plane,
     rectangle_on_track,
@@ -21,6 +23,8 @@ SCENES: dict[str, Scene] = {
     "cylinder-on-plane": cylinder_on_plane.SCENE,
     "cylinder-pair-impact": cylinder_pair_impact.SCENE,
     "cylinder-rolling": cylinder_rolling.SCENE,
+    "linear-drive-unit": linear_drive_unit.SCENE,
+    "bowl-drive-unit": bowl_drive_unit.SCENE,
 }
 
 __all__ = ["ALIASES", "EXACT", "SCENES", "Condition", "Constraint", "Equation", "Scene"]

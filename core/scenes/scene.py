@@ -208,7 +208,7 @@ class Scene:
     Attributes
     ----------
     name, title, source, validity : str
-        Name in studies, one line for people, section of the source, and what the model leaves out.
+        Name in studies, one line for people, section of the thesis, and what the model leaves out.
     variants : mapping of str to tuple of Equation
         The equations of each variant, all of them.
     default_variant : str

@@ -26,6 +26,8 @@ SI: Final[Mapping[str, str]] = MappingProxyType(
         "rad s-2": "rad/s²",
         "N m": "N m",
         "N s": "N s",
+        "N m-1": "N/m",
+        "N s m-1": "N s/m",
         "kg m2": "kg m²",
         "kg m2 s-1": "kg m²/s",
         "kg-1": "1/kg",

@@ -29,7 +29,7 @@ _UNIT = re.compile(r"(?:1/)?[A-Za-zµμ°'\"_][A-Za-z0-9_²³ µμ°*/^().'\"-]{
 _POWER = re.compile(r"(?<![)\s])\s?(?:(?:\*\*|\^)\s?-?\d|[²³])(?![\w.]|\s?(?:\*\*|\^))")
 _HIGH_POWER = re.compile(r"\*\*|\^|[\d.][eE]|[²³]")
 _COMMA = re.compile(r",\d")
-_PINT_NAMES = {"1": "dimensionless", "m s-2": "m/s**2", "m s-1": "m/s", "rad s-1": "rad/s"}
+_FACTOR = re.compile(r"([A-Za-z]+)(-?\d*)")  # of the unit of a quantity, as in "kg m2 s-1"
 
 
 class UnitError(ValueError):
@@ -139,10 +139,16 @@ def unit_factor(name: str, quantity: Quantity, unit: str) -> Fraction:
     if (quantity.is_angle or quantity.unit.startswith("rad")) != is_angular:
         raise UnitError(f"'{unit}' does not measure {quantity.label.lower()}", fix)
     try:
-        converted = one.to(_PINT_NAMES.get(quantity.unit, quantity.unit)).magnitude
+        converted = one.to(_pint_name(quantity.unit)).magnitude
     except Exception as error:
         raise UnitError(f"'{unit}' does not measure {quantity.label.lower()}", fix) from error
     return Fraction(converted)
+
+
+def _pint_name(unit: str) -> str:
+    """Return the unit of a quantity as pint reads it: "m s-2" as "m**1*s**-2"."""
+    factors = (f"{name}**{power or 1}" for name, power in _FACTOR.findall(unit))
+    return "*".join(factors) or "dimensionless"
 
 
 @functools.cache

@@ -23,7 +23,7 @@ def whole() -> dict[str, Any]:
 
 
 def test_it_is_small_and_every_reference_leads_somewhere(whole):
-    text = json.dumps(whole, indent=2, allow_nan=False)
+    text = json.dumps(whole, indent=1, allow_nan=False)
     assert len(text) <= MOST
     assert len(text) > 100_000  # nothing was lost on the way
     references = {part.partition('"')[0] for part in text.split('"$ref": "#/$defs/')[1:]}

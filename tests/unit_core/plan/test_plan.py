@@ -46,6 +46,13 @@ VALUES = {
     "spin_x_1": 1.0, "spin_y_1": 2.0, "spin_z_1": 3.0, "diameter_1": 0.02,
     "position_z_2": -0.0285, "azimuth_2": 20.0, "elevation_2": 0.0, "velocity_z_2": 0.2,
     "spin_x_2": -1.0, "spin_y_2": 2.0, "spin_z_2": 1.0, "diameter_2": 0.02,
+    # two masses on leaf springs
+    "moving_mass": 10.0, "base_mass": 30.0, "load_mass": 0.5, "moving_inertia": 0.25,
+    "base_inertia": 0.9, "spring_radius": 0.15, "spring_angle": 20.0, "spring_count": 8.0,
+    "spring_width": 0.04, "spring_thickness": 0.003, "spring_length": 0.1,
+    "elastic_modulus": 206e9, "clamp_factor": 0.9, "allowable_stress": 250e6,
+    "ring_down_frequency": 53.0, "damping_ratio": 0.02, "unbalance": 0.002, "air_gap": 0.003,
+    "foot_stiffness": 4e4, "foot_damping": 100.0,
 }  # fmt: skip
 
 

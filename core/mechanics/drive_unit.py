@@ -1,0 +1,289 @@
+"""Drive units: two masses on leaf springs, driven by a magnet or an unbalance (theory 15).
+
+A moving mass m1 (trough or bowl) and a base m2, joined by guided leaf springs of stiffness k; the
+base stands on feet. Small harmonic motion in its steady state, one harmonic, no resonance of leaf
+or bowl by itself. The relative stroke s runs along the line that the leaves guide; amplitudes are
+from zero to peak. Arrays broadcast; SI units, angles in radians.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanics.angles import cosine, sine
+from core.mechanics.arrays import Array, Mask, hypot
+
+
+def circular_frequency(*, frequency: Array) -> Array:
+    """Return the circular frequency of the drive, w = 2 pi f [rad s-1]."""
+    return 2 * np.pi * frequency
+
+
+def leaf_stiffness(
+    *, spring_count: Array, elastic_modulus: Array, spring_width: Array, spring_thickness: Array,
+    spring_length: Array, clamp_factor: Array,
+) -> Array:  # fmt: skip
+    """Return the stiffness of leaves whose ends stay parallel, k = c_k n E b (t/L)^3 [N m-1].
+
+    A leaf clamped at both ends is two cantilevers of L/2: 12 E I/L^3 with I = b t^3/12. The free
+    length L is that between the clamps; c_k tells how much real clamps give.
+    """
+    slenderness = spring_thickness / spring_length
+    cube = slenderness * slenderness * slenderness
+    return clamp_factor * spring_count * elastic_modulus * spring_width * cube
+
+
+def spring_stress(
+    *, elastic_modulus: Array, spring_thickness: Array, spring_length: Array, stroke: Array
+) -> Array:
+    """Return the bending stress at the clamps of a leaf, sigma = 3 E t s/L^2 [Pa]."""
+    return 3 * elastic_modulus * (spring_thickness / spring_length) * (stroke / spring_length)
+
+
+def stress_margin(*, allowable_stress: Array, spring_stress: Array) -> Array:
+    """Return what is left up to the allowable stress; below 0 it is exceeded [Pa]."""
+    return allowable_stress - spring_stress
+
+
+def air_gap_margin(*, air_gap: Array, stroke: Array) -> Array:
+    """Return what is left of the magnet's air gap at the end of the stroke [m]."""
+    return air_gap - stroke
+
+
+def unbalance_force(*, unbalance: Array, circular_frequency: Array) -> Array:
+    """Return the amplitude of the force of a turning unbalance, F = m_u r w^2 [N]."""
+    return unbalance * circular_frequency * circular_frequency
+
+
+def reduced_mass(*, moving_mass: Array, base_mass: Array) -> Array:
+    """Return the reduced mass of the empty unit, m_r = m1 m2/(m1 + m2) [kg]."""
+    return moving_mass * (base_mass / (moving_mass + base_mass))
+
+
+def loaded_mass(*, moving_mass: Array, load_mass: Array) -> Array:
+    """Return the moving mass with a load that keeps to the track, m1 + m_l [kg]."""
+    return moving_mass + load_mass
+
+
+def tuned_stiffness(*, ring_down_frequency: Array, generalised_mass: Array) -> Array:
+    """Return the stiffness by the frequency f_0 of a ring-down, k = (2 pi f_0)^2 m [N m-1].
+
+    The unit is empty. m is the mass that its stroke moves; the base stands free.
+    """
+    w = 2 * np.pi * ring_down_frequency
+    return w * w * generalised_mass
+
+
+def damping(*, damping_ratio: Array, spring_stiffness: Array, generalised_mass: Array) -> Array:
+    """Return the damper beside the springs, c = 2 zeta sqrt(k m), m of the empty unit [N s m-1]."""
+    return 2 * damping_ratio * np.sqrt(spring_stiffness * generalised_mass)
+
+
+def natural_frequency(
+    *, spring_stiffness: Array, foot_stiffness: Array, loaded_mass: Array, base_mass: Array
+) -> Array:
+    """Return the frequency of the mode that the springs make, without damping [Hz].
+
+    The higher root of m1 m2 w^4 - (k (m1 + m2) + k_f m1) w^2 + k k_f = 0; with free feet
+    w^2 = k (m1 + m2)/(m1 m2).
+    """
+    upper, _ = _squares(spring_stiffness, foot_stiffness, loaded_mass, base_mass)
+    return np.sqrt(upper) / (2 * np.pi)
+
+
+def foot_frequency(
+    *, spring_stiffness: Array, foot_stiffness: Array, loaded_mass: Array, base_mass: Array
+) -> Array:
+    """Return the frequency of the whole unit on its feet, the lower root; 0 with free feet [Hz]."""
+    _, lower = _squares(spring_stiffness, foot_stiffness, loaded_mass, base_mass)
+    return np.sqrt(lower) / (2 * np.pi)
+
+
+def _squares(k: Array, k_f: Array, m1: Array, m2: Array) -> tuple[Array, Array]:
+    """Return the squares w^2 of both modes; the lower one from the product of both, k k_f/(m1 m2)."""
+    half = (k * (m1 + m2) + k_f * m1) / 2
+    product = (m1 * m2) * (k * k_f)
+    # half^2 - product = (k (m1 + m2) - k_f m1)^2/4 + k k_f m1^2: never below 0.
+    apart = (k * (m1 + m2) - k_f * m1) / 2
+    root = hypot(apart, m1 * np.sqrt(k * k_f))
+    upper = (half + root) / (m1 * m2)
+    return upper, product / ((half + root) * (m1 * m2))
+
+
+def stroke_response(
+    *, drive_force: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
+    foot_stiffness: Array, foot_damping: Array, loaded_mass: Array, base_mass: Array,
+) -> tuple[Array, Array, Array, Array]:  # fmt: skip
+    """Return the strokes s (real and imaginary), X1 and X2 of both masses (sizes) [m].
+
+    Force and stroke are the real parts of F e^(iwt) and s e^(iwt). With Z = k + i w c of the
+    springs, Z_f = k_f + i w c_f of the feet, a = m1 w^2, b = m2 w^2, P = Z_f - b, Q = P - a:
+    s = F Q/D, X1 = F P/D, X2 = F a/D, D = Z Q - a P.
+    """
+    w = circular_frequency
+    a, b = loaded_mass * w * w, base_mass * w * w
+    p_real, p_imag = foot_stiffness - b, w * foot_damping
+    q_real, q_imag = p_real - a, p_imag
+    z_real, z_imag = spring_stiffness, w * damping
+    d_real = z_real * q_real - z_imag * q_imag - a * p_real
+    d_imag = z_real * q_imag + z_imag * q_real - a * p_imag
+    size = hypot(d_real, d_imag)
+    d_real, d_imag = d_real / size, d_imag / size
+    share = drive_force / size
+    return (
+        share * (q_real * d_real + q_imag * d_imag),
+        share * (q_imag * d_real - q_real * d_imag),
+        share * hypot(p_real, p_imag),
+        share * a,
+    )
+
+
+def stroke(*, stroke_response: tuple[Array, ...]) -> Array:
+    """Return the amplitude of the stroke between both masses, along the line of the leaves [m]."""
+    return hypot(stroke_response[0], stroke_response[1])
+
+
+def phase(*, stroke_response: tuple[Array, ...]) -> Array:
+    """Return the phase of the stroke behind the force, from 0 to -pi [rad]."""
+    return np.arctan2(stroke_response[1], stroke_response[0])
+
+
+def amplification(*, stroke: Array, spring_stiffness: Array, drive_force: Array) -> Array:
+    """Return the amplification, k s/F: the stroke over that of the same force at rest."""
+    return stroke * spring_stiffness / drive_force
+
+
+def floor_force(
+    *, stroke_response: tuple[Array, ...], circular_frequency: Array, foot_stiffness: Array,
+    foot_damping: Array,
+) -> Array:  # fmt: skip
+    """Return the amplitude of the force of the feet on the floor, |k_f + i w c_f| X2 [N]."""
+    return hypot(foot_stiffness, circular_frequency * foot_damping) * stroke_response[3]
+
+
+def drive_unit_power(
+    *, drive_force: Array, circular_frequency: Array, stroke_response: tuple[Array, ...]
+) -> Array:
+    """Return the mean power of the force, -F w Im(s)/2 [W]."""
+    return -drive_force * circular_frequency * stroke_response[1] / 2
+
+
+# --- linear: leaves tilted from the vertical by the angle of the line above the horizontal
+
+
+def linear_amplitude(*, stroke_response: tuple[Array, ...]) -> Array:
+    """Return the amplitude of the track, X1 [m]."""
+    return stroke_response[2]
+
+
+def linear_angle(*, spring_angle: Array, gamma: Array) -> Array:
+    """Return the angle of the vibration above the track, th - gamma [rad]."""
+    return spring_angle - gamma
+
+
+# --- bowl: leaves on a circle of radius r_s, tilted by th from the vertical
+
+
+def bowl_mass_empty(
+    *, moving_mass: Array, base_mass: Array, moving_inertia: Array, base_inertia: Array,
+    spring_radius: Array, spring_angle: Array,
+) -> Array:  # fmt: skip
+    """Return the mass of the stroke, I_r (cos th/r_s)^2 + m_r sin^2 th, of the empty unit [kg].
+
+    The bowl turns by Theta and lifts by r_s tan(th) Theta; its stroke at the leaves is
+    s = r_s Theta/cos(th). I_r and m_r are reduced, as of two masses.
+    """
+    return _bowl_mass(
+        moving_mass, base_mass, moving_inertia, base_inertia, spring_radius, spring_angle
+    )
+
+
+def bowl_mass(
+    *, loaded_mass: Array, base_mass: Array, loaded_inertia: Array, base_inertia: Array,
+    spring_radius: Array, spring_angle: Array,
+) -> Array:  # fmt: skip
+    """Return the mass of the stroke with the load, I_r (cos th/r_s)^2 + m_r sin^2 th [kg]."""
+    return _bowl_mass(
+        loaded_mass, base_mass, loaded_inertia, base_inertia, spring_radius, spring_angle
+    )
+
+
+def _bowl_mass(m1: Array, m2: Array, i1: Array, i2: Array, r_s: Array, th: Array) -> Array:
+    turning, lifting = i1 * (i2 / (i1 + i2)), m1 * (m2 / (m1 + m2))
+    return turning * np.square(cosine(th) / r_s) + lifting * np.square(sine(th))
+
+
+def loaded_inertia(*, moving_inertia: Array, load_mass: Array, radius: Array) -> Array:
+    """Return the inertia with a load that keeps to the track, I1 + m_l r^2 [kg m2]."""
+    return moving_inertia + load_mass * np.square(radius)
+
+
+def bowl_frequency(*, spring_stiffness: Array, bowl_mass: Array) -> Array:
+    """Return the natural frequency of the bowl, the base free, sqrt(k/m)/(2 pi) [Hz]."""
+    return np.sqrt(spring_stiffness / bowl_mass) / (2 * np.pi)
+
+
+def bowl_response(
+    *, drive_force: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
+    bowl_mass: Array,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Return the stroke s = F/(k - m w^2 + i w c) at the leaves, real and imaginary [m]."""
+    w = circular_frequency
+    real, imag = spring_stiffness - bowl_mass * w * w, w * damping
+    size = hypot(real, imag)
+    return drive_force / size * (real / size), -(drive_force / size) * (imag / size)
+
+
+def bowl_turn(
+    *, stroke: Array, spring_angle: Array, spring_radius: Array, loaded_inertia: Array,
+    base_inertia: Array,
+) -> Array:  # fmt: skip
+    """Return the amplitude of the bowl's own turning, s cos(th)/r_s I2/(I1 + I2) [rad]."""
+    share = base_inertia / (loaded_inertia + base_inertia)
+    return stroke * cosine(spring_angle) / spring_radius * share
+
+
+def bowl_lift(*, stroke: Array, spring_angle: Array, loaded_mass: Array, base_mass: Array) -> Array:
+    """Return the amplitude of the bowl's own lift, s sin(th) m2/(m1 + m2), at every radius [m]."""
+    return stroke * sine(spring_angle) * (base_mass / (loaded_mass + base_mass))
+
+
+def bowl_amplitude(*, radius: Array, bowl_turn: Array, bowl_lift: Array) -> Array:
+    """Return the amplitude of the track at its radius, hypot(r Theta_1, z_1) [m]."""
+    return hypot(radius * bowl_turn, bowl_lift)
+
+
+def bowl_angle(*, radius: Array, bowl_turn: Array, bowl_lift: Array, gamma: Array) -> Array:
+    """Return the angle of the vibration above the track, atan(z_1/(r Theta_1)) - gamma [rad].
+
+    tan = (r_s/r) tan(th) m2/(m1 + m2) (I1 + I2)/I2: that of the leaves only where the base is held.
+    """
+    return np.arctan2(bowl_lift, radius * bowl_turn) - gamma
+
+
+# --- where values hold
+
+
+def is_at_resonance(*, natural_frequency: Array, frequency: Array, damping_ratio: Array) -> Mask:
+    """Return where the drive is within the damping ratio of the natural frequency."""
+    return np.abs(natural_frequency / frequency - 1) < damping_ratio
+
+
+def is_tuned_stiff(*, natural_frequency: Array, frequency: Array) -> Mask:
+    """Return where the unit is tuned above its drive."""
+    return natural_frequency > frequency
+
+
+def hits_magnet(*, air_gap_margin: Array) -> Mask:
+    """Return where the stroke closes the air gap."""
+    return air_gap_margin <= 0
+
+
+def is_overstressed(*, stress_margin: Array) -> Mask:
+    """Return where the leaves bend by more than they may."""
+    return stress_margin < 0
+
+
+def is_poorly_isolated(*, foot_frequency: Array, frequency: Array) -> Mask:
+    """Return where the unit rocks on its feet at more than a third of the drive's frequency."""
+    return foot_frequency > frequency / 3

@@ -1,0 +1,148 @@
+"""Drive units: masses on leaf springs, what drives them, and what comes of it."""
+
+from __future__ import annotations
+
+from core.quantities.quantity import Quantity, angle, length, number
+
+
+def _given(
+    unit: str, symbol: str, label: str, says: str, example: str, *, strict: bool
+) -> Quantity:
+    """Return what a study gives, at least 0, or above it."""
+    return Quantity(
+        unit, symbol, label, says, 0.0, strict=strict, parameter=True, examples=(example,)
+    )
+
+
+DRIVE_UNIT: dict[str, Quantity] = {
+    "moving_mass": _given(
+        "kg", "m_1", "Moving mass", "Mass of trough or bowl, with what is fixed to it.", "10 kg",
+        strict=True,
+    ),
+    "base_mass": _given(
+        "kg", "m_2", "Base mass", "Mass of the base, or counter-mass.", "30 kg", strict=True
+    ),
+    "load_mass": _given(
+        "kg", "m_l", "Load", "Mass of parts that lie still on the track.", "0.5 kg", strict=False
+    ),
+    "moving_inertia": _given(
+        "kg m2", "I_1", "Inertia of the bowl", "Moment of inertia of the bowl about its axis.",
+        "0.25 kg m^2", strict=True,
+    ),
+    "base_inertia": _given(
+        "kg m2", "I_2", "Inertia of the base", "Moment of inertia of the base about the same axis.",
+        "0.9 kg m^2", strict=True,
+    ),
+    "spring_radius": length(
+        "r_s", "Radius of the springs", "Radius that the leaves stand at.", "150 mm"
+    ),
+    "spring_angle": angle(
+        "th", "Tilt of the springs",
+        "Tilt of the leaves from the vertical: the line of a linear unit is as steep.", 89.0,
+        "20 deg", (1.0, 60.0),
+    ),
+    "spring_count": _given(
+        "1", "n", "Number of leaves", "Leaves side by side, with spacers between.", "8", strict=True
+    ),
+    "spring_width": length("b", "Width of a leaf", "Width of a leaf spring.", "40 mm"),
+    "spring_thickness": length("t", "Thickness of a leaf", "Thickness of a leaf spring.", "3 mm"),
+    "spring_length": length(
+        "L", "Free length of a leaf", "Length of a leaf spring between its clamps.", "100 mm"
+    ),
+    "elastic_modulus": _given(
+        "Pa", "E", "Elastic modulus", "Of the leaves: 206 GPa of spring steel.", "206 GPa",
+        strict=True,
+    ),
+    "clamp_factor": _given(
+        "1", "c_k", "Clamp factor", "Stiffness of the leaves over that with rigid clamps.", "0.9",
+        strict=True,
+    ),
+    "allowable_stress": _given(
+        "Pa", "sigma_a", "Allowable stress", "Bending stress that the leaves bear for ever.",
+        "250 MPa", strict=True,
+    ),
+    "ring_down_frequency": _given(
+        "Hz", "f_0", "Measured natural frequency",
+        "Frequency in which the empty unit rings after a knock.", "53 Hz", strict=True,
+    ),
+    "damping_ratio": _given(
+        "1", "zeta", "Damping ratio", "Logarithmic decrement of the ring-down over 2 pi.", "0.02",
+        strict=True,
+    ),
+    "drive_force": _given(
+        "N", "F", "Force of the drive",
+        "Amplitude of the force between both masses, along the stroke, at the drive's frequency.",
+        "100 N", strict=True,
+    ),
+    "unbalance": _given(
+        "kg m", "m_u r", "Unbalance", "Mass of an unbalance times its radius.", "0.002 kg m",
+        strict=True,
+    ),
+    "air_gap": length("g_0", "Air gap", "Air gap of the magnet at rest, along the stroke.", "2 mm"),
+    "foot_stiffness": _given(
+        "N m-1", "k_f", "Stiffness of the feet", "Of all feet together; 0 if the base is free.",
+        "50000 N/m", strict=False,
+    ),
+    "foot_damping": _given(
+        "N s m-1", "c_f", "Damping of the feet", "Of all feet together.", "100 N s/m", strict=False
+    ),
+    "circular_frequency": Quantity(
+        "rad s-1", "w", "Circular frequency", "2 pi times the drive's frequency."
+    ),
+    "spring_stiffness": _given(
+        "N m-1", "k", "Stiffness of the springs",
+        "Of all leaves together along the stroke; follows from their sizes unless given.",
+        "1000 N/mm", strict=True,
+    ),
+    "generalised_mass": Quantity(
+        "kg", "m", "Mass of the stroke", "Mass that the stroke of the empty unit moves, base free."
+    ),
+    "loaded_mass": Quantity("kg", "m_1", "Moving mass with load", "Moving mass and load."),
+    "loaded_inertia": Quantity(
+        "kg m2", "I_1", "Inertia with load", "Inertia of the bowl and of the load on its track."
+    ),
+    "bowl_mass": Quantity(
+        "kg", "m", "Mass of the stroke with load", "Mass that the stroke moves, base free."
+    ),
+    "damping": Quantity("N s m-1", "c", "Damping of the springs", "Damper beside the springs."),
+    "stroke_response": Quantity("m", "", "Response", "Strokes with their phase.", bundle=True),
+    "natural_frequency": Quantity(
+        "Hz", "f_n", "Natural frequency", "Of the mode that the springs make, with the load."
+    ),
+    "foot_frequency": Quantity(
+        "Hz", "f_f", "Frequency on the feet", "Of the whole unit on its feet; 0 if it is free."
+    ),
+    "stroke": Quantity(
+        "m", "s", "Stroke between the masses",
+        "Amplitude of the relative stroke at the leaves, zero to peak.",
+    ),
+    "phase": Quantity(
+        "degree", "phi", "Phase", "Of the stroke behind the force: -90 at resonance."
+    ),
+    "amplification": number("k s/F", "Amplification", "Stroke over that of the force at rest."),
+    "track_amplitude": Quantity(
+        "m", "A_0", "Amplitude of the track",
+        "Amplitude of the track itself, zero to peak: what a study of motion takes as amplitude.",
+    ),
+    "vibration_angle": Quantity(
+        "degree", "beta", "Vibration angle",
+        "Angle of the vibration above the track: what a study of motion takes as beta.",
+    ),
+    "bowl_turn": Quantity("rad", "Theta_1", "Turn of the bowl", "Amplitude of the bowl's turning."),
+    "bowl_lift": Quantity("m", "z_1", "Lift of the bowl", "Amplitude of the bowl's lift."),
+    "spring_stress": Quantity(
+        "Pa", "sigma", "Stress of the leaves", "Bending stress at the clamps, zero to peak."
+    ),
+    "stress_margin": Quantity(
+        "Pa", "", "Margin of stress", "Allowable stress less that of the leaves."
+    ),
+    "air_gap_margin": Quantity(
+        "m", "", "Margin of the air gap", "What the stroke leaves of the air gap."
+    ),
+    "foot_force": Quantity(
+        "N", "F_f", "Force on the floor", "Amplitude of the force of all feet on the floor."
+    ),
+    "drive_unit_power": Quantity(
+        "W", "", "Power of the drive", "Mean power of the force, which the dampers take."
+    ),
+}  # fmt: skip

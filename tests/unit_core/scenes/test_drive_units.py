@@ -1,0 +1,206 @@
+"""Drive units: worked values, the linear system itself, the balance of power, and limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import vibrafeed
+from core.mechanics import drive_unit
+from core.quantities import REGIMES
+from night import count
+
+LINEAR = {
+    "scene": "linear-drive-unit", "moving_mass": 10, "base_mass": 30, "damping_ratio": 0.02,
+    "frequency": 50, "drive_force": 100,
+}  # fmt: skip
+RUNG = {**LINEAR, "variant": "measured", "ring_down_frequency": 53}
+LEAVES = {
+    "spring_count": 8, "spring_width": "40 mm", "spring_thickness": "3 mm",
+    "spring_length": "100 mm", "elastic_modulus": "206 GPa",
+}  # fmt: skip
+BOWL = {
+    "scene": "bowl-drive-unit", "moving_mass": 12, "base_mass": 40, "moving_inertia": 0.25,
+    "base_inertia": 0.9, "spring_radius": "150 mm", "spring_angle": 20, "spring_count": 4,
+    "spring_width": "50 mm", "spring_thickness": "4 mm", "spring_length": "120 mm",
+    "elastic_modulus": "206 GPa", "frequency": 50, "drive_force": 100, "damping_ratio": 0.02,
+}  # fmt: skip
+RANDOM = count(2_000, 100_000)
+ROUNDING = 1e-12
+"""Some hundred roundings, where nothing cancels but near a zero of the response."""
+
+
+def one(outputs, **given):
+    found = vibrafeed.sweep(**given, outputs=outputs)
+    return [float(found[name]) for name in outputs]
+
+
+# --- worked values, of the problem's own statement
+
+
+def test_leaves_and_their_natural_frequency():
+    # 8 leaves of 40 x 3 x 100 mm: 8 E b (t/L)^3 = 1 779 840 N/m; masses of 10 and 30 kg.
+    k = drive_unit.leaf_stiffness(
+        spring_count=8.0, elastic_modulus=206e9, spring_width=0.04, spring_thickness=0.003,
+        spring_length=0.1, clamp_factor=1.0,
+    )  # fmt: skip
+    assert k == pytest.approx(1_779_840, rel=1e-14)
+    f, _ = one(["natural_frequency", "stroke"], **LINEAR, **LEAVES)
+    assert f == pytest.approx(77.5318205, abs=5e-8)
+    held, _ = one(["natural_frequency", "stroke"], **{**LINEAR, "base_mass": 1e12}, **LEAVES)
+    assert held == pytest.approx(67.1445261, abs=5e-8)
+    stress = drive_unit.spring_stress(
+        elastic_modulus=206e9, spring_thickness=0.003, spring_length=0.1, stroke=5e-4
+    )
+    assert stress == pytest.approx(92.7e6, rel=1e-14)
+
+
+def test_the_response_of_a_tuned_unit():
+    names = ["stroke", "track_amplitude", "phase", "drive_unit_power", "amplification"]
+    s, x1, phase, power, _ = one(names, **RUNG)
+    assert s == pytest.approx(1.03386110e-3, abs=5e-12)
+    assert x1 == pytest.approx(0.77539583e-3, abs=5e-12)
+    assert phase == pytest.approx(-18.934125, abs=5e-7)
+    assert power == pytest.approx(5.2695209, abs=5e-8)
+
+
+def test_a_load_raises_the_amplitude_of_a_stiff_unit_and_lowers_that_of_a_soft_one():
+    (stiff,) = one(["track_amplitude"], **RUNG, load_mass=0.3)
+    assert stiff == pytest.approx(0.91603e-3, abs=5e-9)
+    # Tuned to 47 Hz by other springs, beside the same dampers.
+    soft = {**RUNG, "ring_down_frequency": 47, "damping_ratio": 0.02 * 53 / 47}
+    assert one(["track_amplitude"], **soft) == pytest.approx([0.81788543e-3], abs=5e-12)
+    assert one(["track_amplitude"], **soft, load_mass=0.3) == pytest.approx(
+        [0.69324416e-3], abs=5e-12
+    )
+
+
+def test_elasticities_are_derivatives_of_the_sweep():
+    asked = vibrafeed.sweep(
+        **RUNG, outputs=["stroke"], sensitivities=["ring_down_frequency", "drive_force"]
+    )
+    # To k -8.133483887 at constant c; c grows with the root of k, and k with f^2.
+    to_c = -((2 * np.pi * 50 * 99.90264638415542) ** 2) * (1.0338611024090685e-3 / 100) ** 2
+    assert float(asked.sensitivity_stroke_to_ring_down_frequency) == pytest.approx(
+        2 * (-8.133483887 + to_c / 2), abs=1e-8
+    )
+    assert float(asked.sensitivity_stroke_to_drive_force) == pytest.approx(1, rel=1e-13)
+
+
+def test_a_bowl_and_the_angle_of_its_vibration():
+    names = ["natural_frequency", "vibration_angle", "stroke"]
+    f, angle, _ = one(names, **BOWL, radius=0.25)
+    assert f == pytest.approx(66.4321356, abs=5e-8)
+    assert angle == pytest.approx(12.114663, abs=5e-7)
+    held = {**BOWL, "base_mass": 1e12, "base_inertia": 1e12, "radius": 0.25}
+    assert one(["vibration_angle"], **held) == pytest.approx([12.318971], abs=5e-7)
+
+
+# --- another method, and laws
+
+
+def units(seed: int) -> dict[str, np.ndarray]:
+    pick = np.random.default_rng(seed)
+    return {
+        "drive_force": pick.uniform(1, 500, RANDOM),
+        "circular_frequency": 2 * np.pi * pick.uniform(10, 120, RANDOM),
+        "spring_stiffness": 10 ** pick.uniform(4, 7, RANDOM),
+        "damping": 10 ** pick.uniform(0, 3, RANDOM),
+        "foot_stiffness": 10 ** pick.uniform(3, 6, RANDOM) * (pick.random(RANDOM) < 0.8),
+        "foot_damping": pick.uniform(0, 500, RANDOM),
+        "loaded_mass": 10 ** pick.uniform(-0.5, 2, RANDOM),
+        "base_mass": 10 ** pick.uniform(-0.5, 2.5, RANDOM),
+    }
+
+
+def test_strokes_solve_the_linear_system_and_power_is_that_of_the_dampers():
+    unit = units(37)
+    real, imag, x1, x2 = drive_unit.stroke_response(**unit)
+    w, c, c_f = unit["circular_frequency"], unit["damping"], unit["foot_damping"]
+    z = unit["spring_stiffness"] + 1j * w * c
+    feet = unit["foot_stiffness"] + 1j * w * c_f
+    system = np.empty((RANDOM, 2, 2), dtype=complex)
+    system[:, 0, 0], system[:, 0, 1] = z - unit["loaded_mass"] * w**2, -z
+    system[:, 1, 0], system[:, 1, 1] = -z, z + feet - unit["base_mass"] * w**2
+    force = np.stack([unit["drive_force"], -unit["drive_force"]], axis=1)[..., np.newaxis]
+    # Gauss loses what the condition of the system is; the closed form does not.
+    loss = np.linalg.cond(system) * 1e-15
+    right = np.linalg.solve(system, force)[..., 0]
+    s = right[:, 0] - right[:, 1]
+    size = np.abs(right).max(axis=1)
+    assert (np.abs(real + 1j * imag - s) <= (ROUNDING + loss) * size).all()
+    assert (np.abs(x1 - np.abs(right[:, 0])) <= (ROUNDING + loss) * size).all()
+    assert (np.abs(x2 - np.abs(right[:, 1])) <= (ROUNDING + loss) * size).all()
+    power = drive_unit.drive_unit_power(
+        drive_force=unit["drive_force"], circular_frequency=w, stroke_response=(real, imag, x1, x2)
+    )
+    lost = (c * (w * np.hypot(real, imag)) ** 2 + c_f * (w * x2) ** 2) / 2
+    # A weak damper turns the phase by little: its sine has the roundings of a far larger stroke.
+    near = ROUNDING * unit["drive_force"] * w * np.hypot(real, imag)
+    assert (np.abs(power - lost) <= ROUNDING * lost + near).all()
+
+
+def test_both_natural_frequencies_are_those_of_the_matrices():
+    unit = units(38)
+    names = ("spring_stiffness", "foot_stiffness", "loaded_mass", "base_mass")
+    k, k_f, m1, m2 = (unit[name] for name in names)
+    matrix = np.empty((RANDOM, 2, 2))
+    matrix[:, 0, 0], matrix[:, 1, 1] = k / m1, (k + k_f) / m2
+    matrix[:, 0, 1] = matrix[:, 1, 0] = -k / np.sqrt(m1 * m2)
+    low, high = np.linalg.eigvalsh(matrix).T
+    given = {name: unit[name] for name in names}
+    top = drive_unit.natural_frequency(**given)
+    assert (2 * np.pi * top) ** 2 == pytest.approx(high, rel=ROUNDING)
+    bottom = (2 * np.pi * drive_unit.foot_frequency(**given)) ** 2
+    # An eigenvalue of a symmetric matrix is known to the rounding of the largest.
+    assert (np.abs(bottom - low) <= ROUNDING * high).all()
+
+
+def test_a_bowl_is_a_linear_unit_where_its_leaves_stand_upright_or_lie_flat():
+    """Lying flat they lift only, as a linear unit's; the mass of the stroke is m_r then."""
+    flat = {**BOWL, "spring_angle": 89, "radius": 0.25}
+    lifted = one(["natural_frequency", "track_amplitude"], **flat)[0]
+    straight = {key: value for key, value in BOWL.items() if key in {*LINEAR, *LEAVES}}
+    linear = one(["natural_frequency", "stroke"], **{**straight, "scene": "linear-drive-unit"})[0]
+    assert lifted == pytest.approx(linear, rel=2e-2)
+    lifts = vibrafeed.sweep(**BOWL, outputs=["bowl_lift"], radius=[0.1, 0.2, 0.3])
+    assert np.ptp(lifts.bowl_lift.values) == 0, "the lift is the same at every radius"
+
+
+def test_amplitudes_scale_with_the_force_and_vanish_far_above_resonance():
+    forces = vibrafeed.sweep(**{**RUNG, "drive_force": [50, 100]}, outputs=["track_amplitude"])
+    less, more = forces.track_amplitude.values
+    assert more == pytest.approx(2 * less, rel=1e-14)
+    (at_rest,) = one(["amplification"], **{**RUNG, "frequency": 1e-3})
+    assert at_rest == pytest.approx(1, rel=1e-9)
+    (far,) = one(["amplification"], **{**RUNG, "frequency": 5300})
+    assert far == pytest.approx(1e-4, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("given", "outputs", "regime"),
+    [
+        ({}, ["stroke"], "tuned_stiff"),
+        ({"ring_down_frequency": 47}, ["stroke"], "tuned_soft"),
+        ({"ring_down_frequency": 50.5}, ["stroke"], "resonance"),
+        ({"air_gap": "1 mm"}, ["air_gap_margin"], "hits_magnet"),
+        ({"air_gap": "3 mm"}, ["air_gap_margin"], "tuned_stiff"),
+        ({"foot_stiffness": 1e6}, ["foot_force"], "isolation_poor"),
+        ({"foot_stiffness": 1e4}, ["foot_force"], "tuned_stiff"),
+        (
+            {"allowable_stress": 1e8, "elastic_modulus": "206 GPa", "spring_thickness": "3 mm",
+             "spring_length": "100 mm"},
+            ["stress_margin"], "overstressed",
+        ),
+    ],
+)  # fmt: skip
+def test_regimes_tell_the_side_of_the_tuning_and_what_does_not_last(given, outputs, regime):
+    found = vibrafeed.sweep(**{**RUNG, **given}, outputs=outputs)
+    assert int(found.regime) == REGIMES[regime].value
+
+
+def test_an_unbalance_drives_with_the_square_of_the_frequency():
+    driven = {key: value for key, value in RUNG.items() if key != "drive_force"}
+    (turned,) = one(["stroke"], **driven, unbalance="0.002 kg m")
+    force = 0.002 * (2 * np.pi * 50) ** 2
+    assert turned == pytest.approx(one(["stroke"], **{**RUNG, "drive_force": force})[0], rel=1e-13)
