@@ -263,6 +263,7 @@ SimulatedOutput: TypeAlias = (
         "part_friction_work",
         "part_impact_work",
         "part_drive_work",
+        "effective_mass_ratio",
         "motion_status",
         "feed_rate",
         "direction",

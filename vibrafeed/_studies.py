@@ -123,6 +123,7 @@ def study(
     moving_mass: Values | None = None,
     base_mass: Values | None = None,
     load_mass: Values | None = None,
+    load_damping: Values | None = None,
     moving_inertia: Values | None = None,
     base_inertia: Values | None = None,
     spring_radius: Values | None = None,
@@ -281,6 +282,7 @@ def sweep(
     moving_mass: Values | None = None,
     base_mass: Values | None = None,
     load_mass: Values | None = None,
+    load_damping: Values | None = None,
     moving_inertia: Values | None = None,
     base_inertia: Values | None = None,
     spring_radius: Values | None = None,
@@ -487,6 +489,9 @@ def sweep(
         Mass of the base, or counter-mass. In kg, above 0, for example "30 kg".
     load_mass : values, optional
         Mass of parts that lie still on the track. In kg, 0 or more, for example "0.5 kg".
+    load_damping : values, optional
+        Damper between track and ground: what parts take that slide and hop. In N s m-1, 0 or more,
+        for example "40 N s/m".
     moving_inertia : values, optional
         Moment of inertia of the bowl about its axis. In kg m2, above 0, for example "0.25 kg m^2".
     base_inertia : values, optional
@@ -895,6 +900,7 @@ def optimise(
     moving_mass: Values | None = None,
     base_mass: Values | None = None,
     load_mass: Values | None = None,
+    load_damping: Values | None = None,
     moving_inertia: Values | None = None,
     base_inertia: Values | None = None,
     spring_radius: Values | None = None,
@@ -1138,6 +1144,9 @@ def optimise(
         Mass of the base, or counter-mass. In kg, above 0, for example "30 kg".
     load_mass : values, optional
         Mass of parts that lie still on the track. In kg, 0 or more, for example "0.5 kg".
+    load_damping : values, optional
+        Damper between track and ground: what parts take that slide and hop. In N s m-1, 0 or more,
+        for example "40 N s/m".
     moving_inertia : values, optional
         Moment of inertia of the bowl about its axis. In kg m2, above 0, for example "0.25 kg m^2".
     base_inertia : values, optional
@@ -1354,6 +1363,7 @@ def sensitivity(
     moving_mass: Values | None = None,
     base_mass: Values | None = None,
     load_mass: Values | None = None,
+    load_damping: Values | None = None,
     moving_inertia: Values | None = None,
     base_inertia: Values | None = None,
     spring_radius: Values | None = None,
@@ -1589,6 +1599,9 @@ def sensitivity(
         Mass of the base, or counter-mass. In kg, above 0, for example "30 kg".
     load_mass : values, optional
         Mass of parts that lie still on the track. In kg, 0 or more, for example "0.5 kg".
+    load_damping : values, optional
+        Damper between track and ground: what parts take that slide and hop. In N s m-1, 0 or more,
+        for example "40 N s/m".
     moving_inertia : values, optional
         Moment of inertia of the bowl about its axis. In kg m2, above 0, for example "0.25 kg m^2".
     base_inertia : values, optional
@@ -2055,6 +2068,7 @@ def open_lazily(
     moving_mass: Values | None = None,
     base_mass: Values | None = None,
     load_mass: Values | None = None,
+    load_damping: Values | None = None,
     moving_inertia: Values | None = None,
     base_inertia: Values | None = None,
     spring_radius: Values | None = None,

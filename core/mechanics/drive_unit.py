@@ -100,7 +100,7 @@ def foot_frequency(
 
 
 def _squares(k: Array, k_f: Array, m1: Array, m2: Array) -> tuple[Array, Array]:
-    """Return the squares w^2 of both modes; the lower one from the product of both, k k_f/(m1 m2)."""
+    """Return the squares w^2 of both modes; the lower one from their product, k k_f/(m1 m2)."""
     half = (k * (m1 + m2) + k_f * m1) / 2
     product = (m1 * m2) * (k * k_f)
     # half^2 - product = (k (m1 + m2) - k_f m1)^2/4 + k k_f m1^2: never below 0.
@@ -112,21 +112,23 @@ def _squares(k: Array, k_f: Array, m1: Array, m2: Array) -> tuple[Array, Array]:
 
 def stroke_response(
     *, drive_force: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
-    foot_stiffness: Array, foot_damping: Array, loaded_mass: Array, base_mass: Array,
+    foot_stiffness: Array, foot_damping: Array, loaded_mass: Array, load_damping: Array,
+    base_mass: Array,
 ) -> tuple[Array, Array, Array, Array]:  # fmt: skip
     """Return the strokes s (real and imaginary), X1 and X2 of both masses (sizes) [m].
 
     Force and stroke are the real parts of F e^(iwt) and s e^(iwt). With Z = k + i w c of the
-    springs, Z_f = k_f + i w c_f of the feet, a = m1 w^2, b = m2 w^2, P = Z_f - b, Q = P - a:
+    springs, Z_f = k_f + i w c_f of the feet, a = m1 w^2 - i w c_l of the moving mass and of the
+    damper from it to the ground, b = m2 w^2, P = Z_f - b, Q = P - a:
     s = F Q/D, X1 = F P/D, X2 = F a/D, D = Z Q - a P.
     """
     w = circular_frequency
-    a, b = loaded_mass * w * w, base_mass * w * w
-    p_real, p_imag = foot_stiffness - b, w * foot_damping
-    q_real, q_imag = p_real - a, p_imag
+    a_real, a_imag = loaded_mass * w * w, -w * load_damping
+    p_real, p_imag = foot_stiffness - base_mass * w * w, w * foot_damping
+    q_real, q_imag = p_real - a_real, p_imag - a_imag
     z_real, z_imag = spring_stiffness, w * damping
-    d_real = z_real * q_real - z_imag * q_imag - a * p_real
-    d_imag = z_real * q_imag + z_imag * q_real - a * p_imag
+    d_real = z_real * q_real - z_imag * q_imag - (a_real * p_real - a_imag * p_imag)
+    d_imag = z_real * q_imag + z_imag * q_real - (a_real * p_imag + a_imag * p_real)
     size = hypot(d_real, d_imag)
     d_real, d_imag = d_real / size, d_imag / size
     share = drive_force / size
@@ -134,7 +136,7 @@ def stroke_response(
         share * (q_real * d_real + q_imag * d_imag),
         share * (q_imag * d_real - q_real * d_imag),
         share * hypot(p_real, p_imag),
-        share * a,
+        share * hypot(a_real, a_imag),
     )
 
 
@@ -225,27 +227,48 @@ def bowl_frequency(*, spring_stiffness: Array, bowl_mass: Array) -> Array:
 
 def bowl_response(
     *, drive_force: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
-    bowl_mass: Array,
-) -> tuple[Array, Array]:  # fmt: skip
-    """Return the stroke s = F/(k - m w^2 + i w c) at the leaves, real and imaginary [m]."""
+    loaded_mass: Array, base_mass: Array, loaded_inertia: Array, base_inertia: Array,
+    load_damping: Array, radius: Array, spring_radius: Array, spring_angle: Array,
+) -> tuple[Array, Array, Array, Array]:  # fmt: skip
+    """Return the stroke s (real, imaginary) and the bowl's share of turn and lift (sizes) [m, 1].
+
+    s = F/(k - m w^2 + i w c), m = I_r (cos th/r_s)^2 + m_r sin^2 th, as of two masses and inertias;
+    a damper c_l from the track to the ground makes m1 the mass m1 - i c_l/w, I1 the inertia
+    I1 - i c_l r^2/w. The shares are I2/(I1 + I2) and m2/(m1 + m2).
+    """
     w = circular_frequency
-    real, imag = spring_stiffness - bowl_mass * w * w, w * damping
+    lost = load_damping / w
+    turning, turning_lost, turn = _reduced(loaded_inertia, lost * np.square(radius), base_inertia)
+    lifting, lifting_lost, lift = _reduced(loaded_mass, lost, base_mass)
+    of_turn, of_lift = (
+        np.square(cosine(spring_angle) / spring_radius),
+        np.square(sine(spring_angle)),
+    )
+    real = spring_stiffness - (turning * of_turn + lifting * of_lift) * w * w
+    imag = w * damping + (turning_lost * of_turn + lifting_lost * of_lift) * w * w
     size = hypot(real, imag)
-    return drive_force / size * (real / size), -(drive_force / size) * (imag / size)
+    share = drive_force / size
+    return share * (real / size), -share * (imag / size), turn, lift
+
+
+def _reduced(one: Array, lost: Array, other: Array) -> tuple[Array, Array, Array]:
+    """Return m m2/(m + m2) of m = m1 - i lost (real part, minus the imaginary), m2/|m + m2|."""
+    total = one + other
+    size = hypot(total, lost)
+    share = other / size
+    return share * (one * (total / size) + lost * (lost / size)), share * share * lost, share
 
 
 def bowl_turn(
-    *, stroke: Array, spring_angle: Array, spring_radius: Array, loaded_inertia: Array,
-    base_inertia: Array,
-) -> Array:  # fmt: skip
+    *, stroke: Array, stroke_response: tuple[Array, ...], spring_angle: Array, spring_radius: Array
+) -> Array:
     """Return the amplitude of the bowl's own turning, s cos(th)/r_s I2/(I1 + I2) [rad]."""
-    share = base_inertia / (loaded_inertia + base_inertia)
-    return stroke * cosine(spring_angle) / spring_radius * share
+    return stroke * cosine(spring_angle) / spring_radius * stroke_response[2]
 
 
-def bowl_lift(*, stroke: Array, spring_angle: Array, loaded_mass: Array, base_mass: Array) -> Array:
+def bowl_lift(*, stroke: Array, stroke_response: tuple[Array, ...], spring_angle: Array) -> Array:
     """Return the amplitude of the bowl's own lift, s sin(th) m2/(m1 + m2), at every radius [m]."""
-    return stroke * sine(spring_angle) * (base_mass / (loaded_mass + base_mass))
+    return stroke * sine(spring_angle) * stroke_response[3]
 
 
 def bowl_amplitude(*, radius: Array, bowl_turn: Array, bowl_lift: Array) -> Array:

@@ -40,6 +40,8 @@ from core.watch import Watch
 HALVINGS = 12  # of the step of a difference
 LARGEST_STEP = 0.02  # relative
 TRUSTED = 1e-3  # relative error of a derivative of simulated motion that is still given
+BY_DIFFERENCES = ("effective_mass_ratio", "part_load")
+"""What has no exact derivative: plans with these are derived by differences."""
 COUNTS = ("period_multiple", "impacts_per_period")
 """What does not change inside a regime."""
 
@@ -51,6 +53,9 @@ BY = (
 ACROSS = ("drive_number_across", "gravity_number_across", "curvature_number")
 DERIVED = ("velocity", "stick", "forward", "backward", "flight", "landing_speed", "hop_height")
 """The fields of `Motion` that are derived, in the order of the kernel; those of `Energy` follow."""
+
+SLOPED = Energy._fields.index("swing")
+"""Fields of `Energy` before this one are derived in the kernel; it is not."""
 
 
 @dataclass
@@ -110,8 +115,9 @@ class PlanarRules:
         by = [np.asarray(slope_of(getattr(groups, name))) for name in BY]
         fields: list[Any] = [
             Dual(column, _chained(slopes[:, place], by), [])
-            for place, column in enumerate(self._spent[1].T)
+            for place, column in enumerate(self._spent[1].T[:SLOPED])
         ]
+        fields.append(Dual(self._spent[1].T[SLOPED], np.nan, []))
         return Energy(*fields), 0
 
     @property
@@ -164,7 +170,8 @@ def _chained(slopes: Array, by: list[Array]) -> Array:
 def is_exact(plan: Plan, groups: Groups) -> NDArray[np.bool_]:
     """Return which cells of a plan of motion have exact derivatives, by their groups."""
     contacts = CONTACTS.get(plan.scene.name)
-    if contacts is None or plan.variant != "events" or groups.wave is not None:
+    by_differences = any(equation.gives in BY_DIFFERENCES for equation in plan.equations)
+    if contacts is None or plan.variant != "events" or groups.wave is not None or by_differences:
         return np.zeros(1, dtype=bool)
     return np.atleast_1d(in_plane(groups, contacts))
 

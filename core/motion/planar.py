@@ -39,6 +39,11 @@ def spend_cells(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> 
     compiled.again.spend_cells(groups, waves_of(groups), table, status, stop)
 
 
+def average_spent(groups: Floats, table: Floats, status: Statuses, stop: Stop) -> None:
+    """Fill what cells that do not repeat spend, roughly: `kernels.planar.unrepeated`."""
+    compiled.unrepeated.average_spent(groups, waves_of(groups), table, status, stop)
+
+
 def follow(row: Floats, stop: Stop) -> tuple[Floats, float, float, bool]:
     """Return the pieces of the motion of one cell: `kernels.planar.again`."""
     table, status = np.empty((1, RESULTS)), np.full(1, NOT_COMPUTED, dtype=np.int8)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 
 from core.errors import Problem, StudyError
+from core.motion.drive_units import on_unit, unit_of
 from core.motion.driven import driven
 from core.motion.drives import shape_of, what_is_open
 from core.motion.groups import Contacts
@@ -113,7 +114,7 @@ def price_of(
 def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen:
     """Return a system with the drive that the given parameters tell, and the method in force.
 
-    The third is what is wrong with the method.
+    The drive is a sine, another wave, or a drive unit. The third is what is wrong with the method.
 
     Raises
     ------
@@ -121,9 +122,15 @@ def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen
         If there is no such system, or the parameters are those of two kinds of drive.
     """
     scene, method, problems = choose_scene(name, method, SYSTEMS)
-    shape, wrong = shape_of(given) if name in CONTACTS else (None, [])
-    if wrong:  # of which drive the others are missing, or too many, nobody knows
-        raise StudyError([*problems, *wrong])
+    if name not in CONTACTS:
+        return scene, method, problems
+    names = tuple(given)
+    unit, wrong = unit_of(names)
+    shape, more = shape_of(names) if unit is None else (None, [])
+    if wrong or more:  # of which drive the others are missing, or too many, nobody knows
+        raise StudyError([*problems, *wrong, *more])
+    if unit is not None:
+        return on_unit(scene, unit, CONTACTS[name]), method, problems
     return (driven(scene, shape) if shape else scene), method, problems
 
 

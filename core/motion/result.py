@@ -78,11 +78,15 @@ class Energy(NamedTuple):
         What impacts take, the friction in them included.
     drive : ndarray
         The work of the track: friction, impacts, and what lifts the part.
+    swing : ndarray
+        Mean of u.b', u the velocity relative to the track, b' the derivative of the push by the
+        phase: what of the part swings with the track. NaN under a drive that is no plain sine.
     """
 
     friction: Array
     impact: Array
     drive: Array
+    swing: Array
 
 
 STATUS: Mapping[str, int] = {name: flag.value for name, flag in MOTION_STATUSES.items()}

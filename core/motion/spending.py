@@ -47,6 +47,15 @@ def _a_metre(energy: Array, motion: Motion) -> Array:
         return ratio(energy, np.abs(motion.velocity), beyond)
 
 
+def effective_mass_ratio(*, energy: Energy, drive_number: Array) -> Array:
+    """Return the mass that the drive feels of a part, over its own, 1 + 2 <u.b'>/p^2 [1].
+
+    The first harmonic of the part's force on the track, in phase with the track's acceleration. 1
+    for a part that sticks; NaN under a drive that is no plain sine.
+    """
+    return 1.0 + ratio(2.0 * energy.swing, np.square(drive_number), 0.0)
+
+
 def part_drive_power(*, drive_power: Array, mass: Array) -> Array:
     """Return the work of the track on a part, mean over the cycle [W]."""
     return drive_power * mass
@@ -94,6 +103,7 @@ RESULTS = (
             part_friction_work,
             part_impact_work,
             part_drive_work,
+            effective_mass_ratio,
         )
     ),
 )

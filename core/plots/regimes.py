@@ -76,6 +76,8 @@ LOOKS = {
         ("hits_magnet", "xxx", 1.3),
         ("overstressed", "///", 1.3),
         ("isolation_poor", "\\", 1.8),
+        ("several_amplitudes", "", 1.8),
+        ("hunting", "x", 1.8),
     )
 }
 PLAIN = ("", "#8a8a8a", 1.8)

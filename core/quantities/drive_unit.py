@@ -25,6 +25,16 @@ DRIVE_UNIT: dict[str, Quantity] = {
     "load_mass": _given(
         "kg", "m_l", "Load", "Mass of parts that lie still on the track.", "0.5 kg", strict=False
     ),
+    "load_damping": _given(
+        "N s m-1", "c_l", "Damping by the load",
+        "Damper between track and ground: what parts take that slide and hop.", "40 N s/m",
+        strict=False,
+    ),
+    "conveyed_mass": _given(
+        "kg", "m_p", "Conveyed mass",
+        "Mass of all parts that travel on the track; amplitude and motion are found together.",
+        "0.5 kg", strict=False,
+    ),
     "moving_inertia": _given(
         "kg m2", "I_1", "Inertia of the bowl", "Moment of inertia of the bowl about its axis.",
         "0.25 kg m^2", strict=True,
@@ -130,6 +140,18 @@ DRIVE_UNIT: dict[str, Quantity] = {
     ),
     "bowl_turn": Quantity("rad", "Theta_1", "Turn of the bowl", "Amplitude of the bowl's turning."),
     "bowl_lift": Quantity("m", "z_1", "Lift of the bowl", "Amplitude of the bowl's lift."),
+    "part_load": Quantity("1", "", "Load by parts", "Mass and damper of parts.", bundle=True),
+    "effective_mass": Quantity(
+        "kg", "m_e", "Effective mass of the parts", "Mass that the drive feels of the parts."
+    ),
+    "effective_damping": Quantity(
+        "N s m-1", "c_e", "Effective damping by the parts",
+        "Damper between track and ground that the drive feels of the parts.",
+    ),
+    "largest_amplitude": Quantity(
+        "m", "A_0", "Largest amplitude",
+        "Largest amplitude at which drive and parts agree; the smallest is the one from rest.",
+    ),
     "spring_stress": Quantity(
         "Pa", "sigma", "Stress of the leaves", "Bending stress at the clamps, zero to peak."
     ),

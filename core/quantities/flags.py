@@ -79,6 +79,10 @@ REGIMES: dict[str, Flag] = {
     "isolation_poor": Flag(
         41, "the unit rocks on its feet at more than a third of the drive's frequency"
     ),
+    "several_amplitudes": Flag(42, "drive and parts agree at several amplitudes; the smallest"),
+    "hunting": Flag(
+        43, "where drive and parts would agree their motion changes: the amplitude is known to 3 %"
+    ),
 }  # fmt: skip
 
 MOTION_STATUSES: dict[str, Flag] = {

@@ -152,6 +152,10 @@ RESULTS: dict[str, Quantity] = {
         for name, (unit, label, says) in _SPENT_PER.items()
         for kind, (title, what) in _SPENT.items()
     },
+    "effective_mass_ratio": number(
+        "m_e/m", "Effective mass ratio",
+        "Mass that the drive feels of a part, over its own: 1 if it sticks, less if it hops.",
+    ),
     "motion_status": flag("Status of the motion", "How the motion ended.", MOTION_STATUSES),
 }  # fmt: skip
 FEEDING: dict[str, Quantity] = {

@@ -48,6 +48,8 @@ INKS = {
     "hits_magnet": "#8b1a1a",
     "overstressed": "#5e2d91",
     "isolation_poor": "#b3560f",
+    "several_amplitudes": "#4a4a4a",
+    "hunting": "#4a4a4a",
 }
 """The colour of hatches, borders and lines of a regime."""
 
@@ -81,6 +83,8 @@ FILLS = {
     "tuned_stiff": "#9ccbff",
     "tuned_soft": "#ffd98f",
     "isolation_poor": "#c66a2c",
+    "several_amplitudes": "#ffffff",
+    "hunting": "#d6d6d6",
 }
 """The colour of an area, or of a mark, of a regime where values hold."""
 

@@ -20,7 +20,7 @@ SHARED = (
     Equation("stress_margin", drive_unit.stress_margin, "theory 15.1"),
     Equation("air_gap_margin", drive_unit.air_gap_margin, "theory 15.2"),
 )
-DEFAULTS = {"load_mass": 0.0, "gamma": 0.0, "clamp_factor": 1.0}
+DEFAULTS = {"load_mass": 0.0, "load_damping": 0.0, "gamma": 0.0, "clamp_factor": 1.0}
 
 STROKES = frozenset(
     (

@@ -151,7 +151,7 @@ def test_a_quadrature_over_the_pieces_finds_the_same_and_balances_impulses(resti
     pieces, _, _, repeats = follow(cell, NEVER)
     assert repeats
     nodes, weights = np.polynomial.legendre.leggauss(40)
-    friction = drive = impact = floor = along = 0.0
+    friction = drive = swing = impact = floor = along = 0.0
     for piece, after in zip(pieces, np.roll(pieces, -1, axis=0), strict=True):
         tau, span, mode = piece[PIECE.phase], piece[PIECE.span], piece[PIECE.mode]
         d = np.append(span * (1 + nodes) / 2, span)
@@ -166,6 +166,7 @@ def test_a_quadrature_over_the_pieces_finds_the_same_and_balances_impulses(resti
         if mode == MODE.stick:
             continue
         drive += measure @ (pushed * u + s * np.sin(tau + d) * w)
+        swing += measure @ (np.cos(tau + d) * (c * u + s * w))
         friction += measure @ (mu * load * np.abs(u))
         if flies:
             floor += after[PIECE.normal] - w[-1]
@@ -173,7 +174,7 @@ def test_a_quadrature_over_the_pieces_finds_the_same_and_balances_impulses(resti
             impact += (u[-1] ** 2 + w[-1] ** 2) / 2
             impact -= (after[PIECE.along] ** 2 + after[PIECE.normal] ** 2) / 2
     cycle = float(motion.multiple) * TURN
-    for found, expected in zip(energy, (friction, impact, drive), strict=True):
+    for found, expected in zip(energy, (friction, impact, drive, swing), strict=True):
         assert float(found) == pytest.approx(expected / cycle, rel=1e-12)
     assert floor == pytest.approx(gn * cycle, rel=1e-12)
     assert along == pytest.approx(-gs * cycle, rel=1e-11)

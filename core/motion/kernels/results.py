@@ -17,7 +17,7 @@ The shares of the four modes stand in the order of the modes' own numbers.
 RESULTS = len(Columns._fields)
 COLUMN = Columns(*range(RESULTS))
 
-Spending = namedtuple("Spending", "friction impact drive")
+Spending = namedtuple("Spending", "friction impact drive swing")
 """One column a field of `Energy`, in its order."""
 
 SPENT = Spending(*range(len(Spending._fields)))

@@ -24,7 +24,7 @@ from core.motion.groups import Contacts, Groups, cells_of, groups_of, in_plane
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.methods.spatial_events import spatial_course, spatial_motion
 from core.motion.price import Price, Priced
-from core.motion.result import Energy, Motion, motion_of
+from core.motion.result import STATUS, Energy, Motion, motion_of
 from core.quantities import MOTION_MODES
 from core.watch import Watch
 
@@ -160,11 +160,13 @@ def energy_by_events(
     tolerance: ArrayLike,
     most_periods: ArrayLike,
     watch: Watch | None = None,
+    averages: bool = False,
 ) -> Energy:
     """Return what friction, impacts and the drive do in motions that repeat; NaN in others.
 
     `motion` is that of the same groups and settings. Its cycle is followed once more: in the plane
-    exactly, in space to some 1e-10 of the drive's work.
+    exactly, in space to some 1e-10 of the drive's work. With `averages` motions in the plane that
+    do not repeat have means over a long stretch, which scatter by some per cent.
     """
 
     def in_space(
@@ -179,15 +181,19 @@ def energy_by_events(
 
     settings = {"tolerance": tolerance, "most_periods": most_periods}
     plane = in_plane(groups, contacts)
-    rows, shape = cells_of(groups, **settings, plane=plane, repeats=motion.multiple > 0)
-    some, (*columns, plane, repeats) = groups_of(rows, groups.wave is not None, 4)
+    wanders = averages & np.isin(motion.status, [STATUS["aperiodic"], STATUS["sensitive"]])
+    rows, shape = cells_of(
+        groups, **settings, plane=plane, repeats=motion.multiple > 0, wanders=wanders
+    )
+    some, (*columns, plane, repeats, wanders) = groups_of(rows, groups.wave is not None, 5)
     table = np.full((len(rows), len(Energy._fields)), np.nan)
     given = dict(zip(settings, columns, strict=True))
     for part, kernel, piece, here in (
-        (some.flat(), planar.spend_cells, 256, plane),
-        (some, in_space, 32, 1.0 - plane),
+        (some.flat(), planar.spend_cells, 256, plane * repeats),
+        (some, in_space, 32, (1.0 - plane) * repeats),
+        (some.flat(), planar.average_spent, 4, plane * wanders * (1.0 - repeats)),
     ):
-        which = (here * repeats) > 0.0
+        which = here > 0.0
         if which.any():
             cells, _ = cells_of(part, **given)
             table[which], _ = run_cells(

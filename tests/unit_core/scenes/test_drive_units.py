@@ -109,6 +109,7 @@ def units(seed: int) -> dict[str, np.ndarray]:
         "foot_stiffness": 10 ** pick.uniform(3, 6, RANDOM) * (pick.random(RANDOM) < 0.8),
         "foot_damping": pick.uniform(0, 500, RANDOM),
         "loaded_mass": 10 ** pick.uniform(-0.5, 2, RANDOM),
+        "load_damping": pick.uniform(0, 200, RANDOM) * (pick.random(RANDOM) < 0.8),
         "base_mass": 10 ** pick.uniform(-0.5, 2.5, RANDOM),
     }
 
@@ -120,7 +121,8 @@ def test_strokes_solve_the_linear_system_and_power_is_that_of_the_dampers():
     z = unit["spring_stiffness"] + 1j * w * c
     feet = unit["foot_stiffness"] + 1j * w * c_f
     system = np.empty((RANDOM, 2, 2), dtype=complex)
-    system[:, 0, 0], system[:, 0, 1] = z - unit["loaded_mass"] * w**2, -z
+    c_l = unit["load_damping"]
+    system[:, 0, 0], system[:, 0, 1] = z - unit["loaded_mass"] * w**2 + 1j * w * c_l, -z
     system[:, 1, 0], system[:, 1, 1] = -z, z + feet - unit["base_mass"] * w**2
     force = np.stack([unit["drive_force"], -unit["drive_force"]], axis=1)[..., np.newaxis]
     # Gauss loses what the condition of the system is; the closed form does not.
@@ -134,7 +136,7 @@ def test_strokes_solve_the_linear_system_and_power_is_that_of_the_dampers():
     power = drive_unit.drive_unit_power(
         drive_force=unit["drive_force"], circular_frequency=w, stroke_response=(real, imag, x1, x2)
     )
-    lost = (c * (w * np.hypot(real, imag)) ** 2 + c_f * (w * x2) ** 2) / 2
+    lost = (c * (w * np.hypot(real, imag)) ** 2 + c_f * (w * x2) ** 2 + c_l * (w * x1) ** 2) / 2
     # A weak damper turns the phase by little: its sine has the roundings of a far larger stroke.
     near = ROUNDING * unit["drive_force"] * w * np.hypot(real, imag)
     assert (np.abs(power - lost) <= ROUNDING * lost + near).all()

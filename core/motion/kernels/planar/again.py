@@ -21,6 +21,7 @@ from core.motion.kernels.planar.drive import (
     fly,
     lifts,
     push,
+    push_slope,
     rise,
     slide,
     smooth_span,
@@ -150,7 +151,8 @@ def at_piece(piece: Floats, since: float, drive: Drive) -> tuple[float, float, f
 def spend_over_piece(drive: Drive, piece: Floats, spent: Floats) -> None:
     """Add what the drive and friction do over a piece of the log (theory 13.15).
 
-    The integrals of b.u and, while it slips, of mu_k N |u|, with N = n - b_z, by Gauss's rule.
+    The integrals of b.u, of b'.u (theory 13.15, the mass that the drive feels) and, while it slips,
+    of mu_k N |u|, with N = n - b_z, by Gauss's rule.
     """
     tau, span, flies = piece[PIECE.phase], piece[PIECE.span], piece[PIECE.mode] == MODE.flight
     if piece[PIECE.mode] == MODE.stick:
@@ -164,6 +166,8 @@ def spend_over_piece(drive: Drive, piece: Floats, spent: Floats) -> None:
                 _, _, u, w = at_piece(piece, since, drive)
                 along, normal = push(drive, tau + since)
                 spent[SPENT.drive] += half * weight * (along * u + normal * w)
+                slope, rising = push_slope(drive, tau + since)
+                spent[SPENT.swing] += half * weight * (slope * u + rising * w)
                 if not flies:
                     load = drive.gn - normal
                     spent[SPENT.friction] += half * weight * drive.mu_k * load * abs(u)

@@ -69,6 +69,12 @@ def push(drive: Drive, tau: float) -> tuple[float, float]:
     raise NotImplementedError
 
 
+@_by_drive(sine_flight.push_slope, wave_flight.push_slope)
+def push_slope(drive: Drive, tau: float) -> tuple[float, float]:
+    """Return the derivative of a sine's push by the phase, along and normal; NaN of a wave."""
+    raise NotImplementedError
+
+
 @_by_drive(sine_flight.smooth_span, wave_flight.smooth_span)
 def smooth_span(drive: Drive, tau: float) -> float:
     """Return a phase from tau on over which the push is a polynomial, but for rounding."""

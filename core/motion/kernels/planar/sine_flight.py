@@ -39,6 +39,13 @@ def push(drive: Sine, tau: float) -> tuple[float, float]:
 
 
 @compiled
+def push_slope(drive: Sine, tau: float) -> tuple[float, float]:
+    """Return the derivative of the push by the phase, along and normal to the floor."""
+    cosine = math.cos(tau)
+    return drive.c * cosine, drive.s * cosine
+
+
+@compiled
 def smooth_span(drive: Sine, tau: float) -> float:
     """Return a phase over which the push is nearly a polynomial."""
     return SMOOTH

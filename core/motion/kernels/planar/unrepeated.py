@@ -12,15 +12,23 @@ import numpy as np
 from core.compiled import compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.cells import Cell, cell_of
+from core.motion.kernels.planar.again import spend_over_cycle
 from core.motion.kernels.planar.chaos import from_phases
 from core.motion.kernels.planar.cycle import normal_cycle
 from core.motion.kernels.planar.drive import Drive, Waves, drive_of
+from core.motion.kernels.planar.flow import TURN
 from core.motion.kernels.planar.growth import LAST_DIGIT
 from core.motion.kernels.planar.repeating import repeating, velocity_at_start
+from core.motion.kernels.planar.slide import follow_cycle
 from core.motion.kernels.planar.solve import turn_round
 from core.motion.kernels.planar.tables import MOST_SEGMENTS, PIECE, SEGMENT, SUMS
 from core.motion.kernels.results import COLUMN, RESULTS
 from core.motion.kernels.statuses import STATUS
+
+FELT_PERIODS = 256
+"""Of the drive, over which a motion that does not repeat is felt: its means scatter by some 3 %."""
+LED_IN = 8
+"""A share of one in so many of a motion's segments leads in, and is not counted."""
 
 
 @compiled
@@ -68,3 +76,28 @@ def average_cells(
             result[:] = math.nan
             return
         status[number] = found
+
+
+@compiled
+def average_spent(
+    groups: Floats, waves: Waves, table: Floats, status: Statuses, stop: Stop
+) -> None:
+    """Fill table, columns as in `SPENT`, of cells that do not repeat: means over a long stretch."""
+    rows, sums = np.empty((MOST_SEGMENTS, len(SEGMENT))), np.empty(SUMS)
+    log = np.empty((4 * MOST_SEGMENTS, len(PIECE)))
+    for number in range(groups.shape[0]):
+        row, spent = groups[number], table[number]
+        cell = cell_of(row)
+        drive, phase, _ = drive_of(cell, row, waves)
+        spent[:] = math.nan
+        if raised(stop):
+            return
+        _, count, _ = normal_cycle(drive, phase, cell.restitution, FELT_PERIODS, math.inf, rows)
+        first = count // LED_IN
+        if count - first < LED_IN:
+            continue
+        u = velocity_at_start(drive, phase, rows, 0, count)
+        u = follow_cycle(rows, first, u, drive, sums, log[:0])[0]
+        periods = rows[first:count, SEGMENT.span].sum() / TURN
+        spend_over_cycle(drive, rows[first:], count - first, u, periods, sums, log, spent)
+        status[number] = STATUS.aperiodic

@@ -60,6 +60,12 @@ def push(drive: Wave, tau: float) -> tuple[float, float]:
 
 
 @borrowing
+def push_slope(drive: Wave, tau: float) -> tuple[float, float]:
+    """Return NaN: a step has no slope, and masses of several harmonics are no single one."""
+    return math.nan, math.nan
+
+
+@borrowing
 def smooth_span(drive: Wave, tau: float) -> float:
     """Return a phase over which the push is nearly a polynomial: of steps, that to the next one."""
     if drive.steps == 0:

@@ -87,7 +87,7 @@ def advance(
             at_once = 0
         for axis in range(3):
             fill_place(work, axis, state[STATE.x + axis], used)
-        spend(cell, span, used, contacts, slips, work, spent)
+        spend(cell, tau, span, used, contacts, slips, work, spent)
         while given < phases.size and phases[given] < tau + span:
             sample(phases[given] - tau, used, contacts, slips, work, samples[given])
             given += 1

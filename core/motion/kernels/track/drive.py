@@ -109,6 +109,13 @@ def size(work: Work) -> float:
 
 
 @borrowing
+def sine_slope(work: Work, tau: float) -> float:
+    """Return the derivative of the push by the phase over its size, cos(tau); NaN of a wave."""
+    is_wave = work[ROW.wave, ORDERS] > 0.0 or work[ROW.wave, STEPS] > 0.0
+    return math.nan if is_wave else math.cos(tau)
+
+
+@borrowing
 def fill_push(cell: Cell, tau: float, order: int, work: Work) -> None:
     """Fill the series at tau of the push per mass, and of the velocity of the track along itself.
 

@@ -9,6 +9,7 @@ from core.motion.kernels.arrays import Floats
 from core.motion.kernels.cells import Cell
 from core.motion.kernels.quadrature import PLACES, WEIGHTS
 from core.motion.kernels.results import SPENT
+from core.motion.kernels.track.drive import sine_slope
 from core.motion.kernels.track.polynomials import value
 from core.motion.kernels.track.tables import BOTH, FLOOR, FREE, ROW, STATE, Work
 
@@ -24,25 +25,38 @@ def kinetic(state: Floats, rolling: float) -> float:
 
 @borrowing
 def spend(
-    cell: Cell, span: float, order: int, contacts: int, slips: bool, work: Work, spent: Floats
+    cell: Cell,
+    tau: float,
+    span: float,
+    order: int,
+    contacts: int,
+    slips: bool,
+    work: Work,
+    spent: Floats,
 ) -> None:
-    """Add what the drive and friction do over a step whose series are filled up to an order.
+    """Add what the drive and friction do over a step from tau on, series filled up to an order.
 
-    Where `spent` has no columns nothing is asked. The accelerations without contacts hold gravity,
-    and what a curve does.
+    The integrals of b.u, of b'.u (NaN of a wave: `planar.drive.push_slope`) and of friction. Where
+    `spent` has no columns nothing is asked. The accelerations without contacts hold gravity, and
+    what a curve does.
     """
     if spent.size == 0:
         return
     gravity = (cell.gravity_number_along, cell.gravity_number_across, cell.gravity_number_normal)
+    pushes = (cell.drive_number_along, cell.drive_number_across, cell.drive_number_normal)
     half = 0.5 * span
     for number in range(PLACES.size):
         for side in (-PLACES[number], PLACES[number]):
             at = half * (1.0 + side)
-            power, weight = 0.0, half * WEIGHTS[number]
+            power, swing, weight = 0.0, 0.0, half * WEIGHTS[number]
+            slope = sine_slope(work, tau + at)
             for axis in range(3):
                 push = value(work, ROW.free + axis, order - 1, at) + gravity[axis]
-                power += push * value(work, ROW.velocity + axis, order, at)
+                velocity = value(work, ROW.velocity + axis, order, at)
+                power += push * velocity
+                swing += slope * pushes[axis] * velocity
             spent[SPENT.drive] += weight * power
+            spent[SPENT.swing] += weight * swing
             if slips and contacts != FREE:
                 spent[SPENT.friction] += weight * rubbing(cell, contacts, order, at, work)
 

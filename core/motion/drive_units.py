@@ -1,0 +1,180 @@
+"""A part on the track of a drive unit: its amplitude and angle follow from springs and masses.
+
+Which unit a study means, its parameters tell, as they tell the kind of drive. The unit's equations
+then stand before those of the part; what the parts do to the unit stands in `part_load`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from core.errors import Problem
+from core.mechanics import drive_unit
+from core.mechanics.arrays import Array, Mask
+from core.motion.drives import SINE
+from core.motion.groups import Contacts
+from core.motion.part_load import Load, part_load
+from core.quantities.drive import DRIVE
+from core.quantities.drive_unit import DRIVE_UNIT
+from core.scenes import SCENES, Condition, Equation, Scene
+from core.scenes.scene import fields
+
+SOURCE = "theory 15.5"
+GIVEN = frozenset(name for name, quantity in DRIVE_UNIT.items() if quantity.parameter)
+OF_BOWLS = ("spring_radius", "moving_inertia", "base_inertia")
+FOLLOWS = tuple(name for name in SINE if name != "alpha")
+"""Parameters of the plain sine that a drive unit gives."""
+SERIOUS = ("hits_magnet", "overstressed", "isolation_poor")
+"""Regimes of a drive unit that matter beside those of the part."""
+
+
+class Unit(NamedTuple):
+    """Which drive unit a study gives.
+
+    Attributes
+    ----------
+    scene : Scene
+    variant : str
+        By leaves or by a measured frequency.
+    loaded : bool
+        Whether parts that are conveyed act on it.
+    """
+
+    scene: Scene
+    variant: str
+    loaded: bool
+
+
+def unit_of(given: Iterable[str]) -> tuple[Unit | None, list[Problem]]:
+    """Return the drive unit that the names of a study's parameters give, None if they give none.
+
+    The second is what is wrong with them.
+    """
+    names = tuple(given)
+    told = [name for name in names if name in GIVEN]
+    if not told:
+        return None, []
+    name = "bowl-drive-unit" if {*OF_BOWLS} & {*told} else "linear-drive-unit"
+    variant = "measured" if "ring_down_frequency" in told else "springs"
+    loaded = "conveyed_mass" in told
+    problems = [
+        Problem(
+            f"parameters.{other}",
+            f"it follows from the drive unit that {told[0]} belongs to",
+            f"Remove it, or all of {', '.join(told)}",
+        )
+        for other in names
+        if other in FOLLOWS or other in DRIVE
+    ]
+    if loaded and "load_damping" in told:
+        message = "it follows from the motion of the parts, whose conveyed_mass is given"
+        problems.append(Problem("parameters.load_damping", message, "Give one of the two"))
+    return Unit(SCENES[name], variant, loaded), problems
+
+
+# --- equations
+
+
+def amplitude(*, track_amplitude: Array) -> Array:
+    """Return the amplitude of the track, as its drive unit gives it [m]."""
+    return track_amplitude
+
+
+def beta(*, vibration_angle: Array) -> Array:
+    """Return the angle of the vibration above the track, as its drive unit gives it [rad]."""
+    return vibration_angle
+
+
+def loaded_mass(*, moving_mass: Array, load_mass: Array, part_load: Load) -> Array:
+    """Return the moving mass with the load, and what it feels of the conveyed parts [kg]."""
+    return drive_unit.loaded_mass(moving_mass=moving_mass, load_mass=load_mass) + part_load.mass
+
+
+def loaded_inertia(
+    *, moving_inertia: Array, load_mass: Array, part_load: Load, radius: Array
+) -> Array:
+    """Return the inertia with the load, and what it feels of the conveyed parts [kg m2]."""
+    return drive_unit.loaded_inertia(
+        moving_inertia=moving_inertia, load_mass=load_mass + part_load.mass, radius=radius
+    )
+
+
+def load_damping(*, part_load: Load) -> Array:
+    """Return the damper against the ground that the conveyed parts are [N s m-1]."""
+    return part_load.damping
+
+
+def has_several_amplitudes(*, part_load: Load) -> Mask:
+    """Return where drive and parts agree at several amplitudes; the smallest is told."""
+    return part_load.several
+
+
+def hunts(*, part_load: Load) -> Mask:
+    """Return where the motion of the parts jumps at the amplitude at which both would agree."""
+    return part_load.hunts
+
+
+_LOADED = {
+    "loaded_mass": Equation("loaded_mass", loaded_mass, SOURCE),
+    "loaded_inertia": Equation("loaded_inertia", loaded_inertia, SOURCE),
+}
+_RESULTS = (
+    Equation("load_damping", load_damping, SOURCE),
+    *fields(
+        "part_load",
+        SOURCE,
+        effective_mass=("mass", "the mass that the drive feels of the conveyed parts [kg]"),
+        effective_damping=("damping", "the damper that the conveyed parts are [N s m-1]"),
+        largest_amplitude=("largest", "the largest amplitude at which drive and parts agree [m]"),
+    ),
+)
+_GIVES_WAY = (Equation("amplitude", amplitude, SOURCE), Equation("beta", beta, SOURCE))
+
+
+@dataclass(frozen=True)
+class _Spliced:
+    """The equations of a part on a drive unit."""
+
+    unit: Unit
+    contacts: Contacts
+
+    def equations(self, of_part: Collection[Equation]) -> tuple[Equation, ...]:
+        """Return those of the unit, then those of the part."""
+        of_unit = self.unit.scene.variants[self.unit.variant]
+        if not self.unit.loaded:
+            return (*of_unit, *_GIVES_WAY, *of_part)
+        of_unit = (*(_LOADED.get(one.gives, one) for one in of_unit), *_RESULTS)
+        load = part_load(of_unit, of_part, self.contacts)
+        return (Equation("part_load", load, SOURCE), *of_unit, *_GIVES_WAY, *of_part)
+
+    def conditions(self, of_part: tuple[Condition, ...]) -> tuple[Condition, ...]:
+        """Return those of the unit that matter, then those of the part."""
+        of_unit = self.unit.scene.conditions[self.unit.variant]
+        found = tuple(one for one in of_unit if one.regime in SERIOUS)
+        if not self.unit.loaded:
+            return (*found, *of_part)
+        any_result = frozenset().union(*(one.outputs for one in of_part))
+        unresolved, rest = of_part[:1], of_part[1:]
+        return (
+            *found,
+            *unresolved,
+            Condition("hunting", hunts, any_result),
+            Condition("several_amplitudes", has_several_amplitudes, any_result),
+            *rest,
+        )
+
+
+def on_unit(system: Scene, unit: Unit, contacts: Contacts) -> Scene:
+    """Return a system whose plain sine comes from a drive unit."""
+    spliced = _Spliced(unit, contacts)
+    follows = {equation.gives for equation in _RESULTS} if unit.loaded else set()
+    defaults = {n: v for n, v in unit.scene.defaults.items() if n not in follows}
+    return replace(
+        system,
+        validity=f"{system.validity} Drive unit: {unit.scene.validity}",
+        variants={name: spliced.equations(known) for name, known in system.variants.items()},
+        conditions={name: spliced.conditions(known) for name, known in system.conditions.items()},
+        defaults={**defaults, **system.defaults},
+    )

@@ -1,0 +1,248 @@
+"""What conveyed parts do to the unit that drives them, and the amplitude at which both agree.
+
+A part that moves in time with its track is felt as a mass and as a damper (theory 13.15), which
+hang on the amplitude, which hangs on them. A table over amplitudes brackets every agreement; each
+is then found to rounding, or, where the parts' motion does not repeat, in a straight line between
+two of the table, whose means scatter by some per cent.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import elementwise
+
+from core.mechanics.arrays import Array, Mask
+from core.motion.groups import Contacts, Groups
+from core.motion.methods.events import EVENTS, energy_by_events, motion_by_events
+from core.plan.equations import run
+from core.scenes.graph import behind
+from core.scenes.scene import Equation
+
+SETTINGS: dict[str, Any] = dict(EVENTS.defaults)
+"""Those of the method by which the parts' motion is followed, whatever the study's own method."""
+STEP = 0.03
+"""Of the logarithm of the amplitude, between two of the table."""
+WIDTH = 300.0
+"""The largest amplitude of the table over the smallest: what brakes more is no drive."""
+BEYOND = 1.1
+"""The largest amplitude of the table over that of any load which sticks or floats."""
+SHARES = np.linspace(-0.5, 1.5, 9)
+"""Shares of the parts' mass that bound what the drive feels."""
+PIECE = 500
+"""Cells whose tables are followed together: some 50 MB."""
+PASSES = 4
+"""Passes by which angle and load agree: a load turns the vibration by some 1e-2 of itself."""
+AGREES = 1e-6
+"""Of the amplitude: what is left between drive and parts is more where their motion jumps."""
+SCATTERED = 4
+"""Steps of the table within which scattering means make several agreements of one."""
+
+
+class Load(NamedTuple):
+    """What a unit feels of the parts that it conveys; arrays of one shape.
+
+    Attributes
+    ----------
+    mass, damping : ndarray
+        Mass that swings with the track [kg]; damper against the ground [N s/m].
+    largest : ndarray
+        The largest amplitude at which drive and parts agree [m]; mass and damping are those of the
+        smallest, which the unit meets first when it is switched on.
+    several : ndarray of bool
+        Whether there is more than one.
+    hunts : ndarray of bool
+        Whether the motion of the parts changes where drive and parts would agree.
+    """
+
+    mass: Array
+    damping: Array
+    largest: Array
+    several: Mask
+    hunts: Mask
+
+
+def part_load(
+    of_unit: Collection[Equation], of_part: Collection[Equation], contacts: Contacts
+) -> PartLoad:
+    """Return the function of the equation that gives the `Load` of parts on a unit."""
+    respond = between(of_unit, ("part_load",), ("track_amplitude", "vibration_angle"))
+    turn = between(of_part, ("amplitude", "beta"), ("groups",))
+    given = {"conveyed_mass", "circular_frequency"}
+    given |= {name for one in (*respond, *turn) for name in one.inputs}
+    given -= {one.gives for one in (*respond, *turn)} | {"part_load", "amplitude", "beta"}
+    if not any(one.gives == "vibration_angle" for one in respond):
+        given.add("vibration_angle")
+    return PartLoad(respond, turn, contacts, tuple(sorted(given)))
+
+
+def between(
+    equations: Collection[Equation], sources: Collection[str], targets: Collection[str]
+) -> tuple[Equation, ...]:
+    """Return the equations on the way from some quantities to others, in order."""
+    changes, way = {*sources}, []
+    for one in behind(targets, {one.gives: one for one in equations}.get).values():
+        if one is not None and changes & {*one.inputs}:
+            changes.add(one.gives)
+            way.append(one)
+    return tuple(way)
+
+
+@dataclass(frozen=True)
+class PartLoad:
+    """The function of an equation: the load at which drive and parts agree.
+
+    Attributes
+    ----------
+    respond : tuple of Equation
+        From a `Load` to amplitude and angle of the track.
+    turn : tuple of Equation
+        From amplitude and angle to the groups of a part.
+    contacts : Contacts
+        What a part can touch.
+    needs : tuple of str
+        Quantities that both need from outside.
+    """
+
+    respond: tuple[Equation, ...]
+    turn: tuple[Equation, ...]
+    contacts: Contacts
+    needs: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        says = "Return what the unit feels of the parts, at the amplitude at which both agree."
+        object.__setattr__(self, "__doc__", says)
+
+    @property
+    def __signature__(self) -> inspect.Signature:
+        """One argument a quantity."""
+        keyword = inspect.Parameter.KEYWORD_ONLY
+        return inspect.Signature([inspect.Parameter(name, keyword) for name in self.needs])
+
+    def __call__(self, **given: Any) -> Load:
+        """Return the load of each cell."""
+        columns = np.broadcast_arrays(
+            *(np.asarray(given[name], dtype=float) for name in self.needs)
+        )
+        shape = columns[0].shape
+        flat = [column.ravel() for column in columns]
+        pieces = [self._of_cells(dict(zip(self.needs, some, strict=True))) for some in _cut(flat)]
+        return Load._make(np.concatenate(part).reshape(shape) for part in zip(*pieces, strict=True))
+
+    def amplitude(self, known: Mapping[str, Array], mass: Array, damping: Array) -> tuple[Any, Any]:
+        """Return amplitude and angle of the track under parts of some mass and damping."""
+        none = np.zeros(mass.shape, dtype=bool)
+        some = Load(mass, damping, mass, none, none)
+        found = run(self.respond, {**known, "part_load": some})
+        return found["track_amplitude"], found["vibration_angle"]
+
+    def carried(self, known: Mapping[str, Array], amplitude: Array) -> tuple[Array, Array, Mask]:
+        """Return mass and damping of the parts at amplitudes, and where their motion repeats.
+
+        The mass m (1 + 2 <u.b'>/p^2), the damper 2 m w drive/p^2.
+        """
+        mass, damping = known["conveyed_mass"], np.zeros_like(known["conveyed_mass"])
+        turns = any(one.gives == "vibration_angle" for one in self.respond)
+        for _ in range(PASSES if turns else 1):
+            _, angle = self.amplitude(known, mass, damping)
+            found = run(self.turn, {**known, "amplitude": amplitude, "beta": angle})
+            groups: Groups = found["groups"]
+            square = sum(np.square(number) for number in groups.drive)
+            motion = motion_by_events(groups, self.contacts, **SETTINGS)
+            energy = energy_by_events(groups, self.contacts, motion, **SETTINGS, averages=True)
+            mass = known["conveyed_mass"] * (1.0 + 2.0 * energy.swing / square)
+            rate = known["circular_frequency"] * known["conveyed_mass"]
+            damping = rate * 2.0 * energy.drive / square
+        return mass, damping, motion.multiple > 0
+
+    def _of_cells(self, known: dict[str, Array]) -> Load:
+        """Return the load of cells, arrays of one dimension."""
+        most = BEYOND * np.max([self._sticking(known, share) for share in SHARES], axis=0)
+        count = int(np.ceil(np.log(WIDTH) / STEP)) + 2
+        # Cells that differ in what the motion does not know share its amplitudes, and its motions.
+        top = np.ceil(np.log(most) / STEP)
+        nodes = STEP * (top[:, np.newaxis] + np.arange(1.0 - count, 1.0))
+        table = {n: np.broadcast_to(v[:, np.newaxis], nodes.shape).copy() for n, v in known.items()}
+        mass, damping, repeats = self.carried(table, np.exp(nodes))
+        excess = self._left(table, mass, damping, nodes)
+        falls = (excess[:, :-1] > 0.0) & (excess[:, 1:] <= 0.0)
+        rises = (excess[:, :-1] <= 0.0) & (excess[:, 1:] > 0.0)
+        exact = repeats[:, :-1] & repeats[:, 1:]
+        first = np.argmax(falls, axis=1)
+        last = count - 2 - np.argmax(falls[:, ::-1], axis=1)
+        rows = np.arange(len(first))
+        apart = exact[rows, first] | (last - first > SCATTERED)
+        several = ((falls | rises).sum(axis=1) > 1) & apart
+
+        def agreed(place: NDArray[np.intp]) -> tuple[Array, Array, Array, Mask]:
+            ends = [
+                tuple(part[rows, place + end] for part in (nodes, mass, damping)) for end in (0, 1)
+            ]
+            return self._agreement(known, ends, exact[rows, place])
+
+        _, *load, hunts = agreed(first)
+        none = ~falls.any(axis=1)
+        numbers = (np.where(none, np.nan, part) for part in (*load, agreed(last)[0]))
+        return Load._make((*numbers, several & ~none, hunts & ~none))
+
+    def _agreement(
+        self, known: dict[str, Array], ends: list[tuple[Array, ...]], exact: Mask
+    ) -> tuple[Array, Array, Array, Mask]:
+        """Return amplitude, mass and damping of an agreement, and whether there is none but a jump.
+
+        `ends` are logarithm of amplitude, mass and damping of two neighbours of the table. Where
+        motions are not exact, or the load jumps, it lies on the line between both.
+        """
+        (low, mass, damping), (high, next_mass, next_damping) = ends
+        columns = tuple(known[name] for name in self.needs)
+        line = (low, mass, damping, high, next_mass, next_damping)
+        jumps = np.zeros_like(exact)
+        for _ in range(2):
+            here = (exact & ~jumps, *line)
+            found = elementwise.find_root(self._excess, (low, high), args=(*here, *columns)).x
+            mass, damping = self._load(found, known, *here)
+            left = np.abs(self._left(known, mass, damping, found))
+            jumps |= left > AGREES
+            if not jumps.any():
+                break
+        return np.exp(found), mass, damping, jumps
+
+    def _load(
+        self, logarithm: Array, known: Mapping[str, Array], exact: Mask, low: Array, mass: Array,
+        damping: Array, high: Array, next_mass: Array, next_damping: Array,
+    ) -> tuple[Array, Array]:  # fmt: skip
+        """Return mass and damping of the parts at amplitudes between two of the table."""
+        share = (logarithm - low) / (high - low)
+        mass = mass + share * (next_mass - mass)
+        damping = damping + share * (next_damping - damping)
+        if exact.any():
+            some = {name: value[exact] for name, value in known.items()}
+            mass[exact], damping[exact], _ = self.carried(some, np.exp(logarithm[exact]))
+        return mass, damping
+
+    def _excess(self, logarithm: Array, *columns: Array) -> Array:
+        """Return ln(A_unit(load(A))/A) at logarithms of amplitudes."""
+        line: Any = columns[: -len(self.needs)]
+        known = dict(zip(self.needs, columns[len(line) :], strict=True))
+        return self._left(known, *self._load(logarithm, known, *line), logarithm)
+
+    def _left(
+        self, known: Mapping[str, Array], mass: Array, damping: Array, logarithm: Array
+    ) -> Array:
+        with np.errstate(invalid="ignore"):
+            return np.asarray(np.log(self.amplitude(known, mass, damping)[0]) - logarithm)
+
+    def _sticking(self, known: dict[str, Array], share: float) -> Array:
+        mass = share * known["conveyed_mass"]
+        found: Array = self.amplitude(known, mass, np.zeros_like(mass))[0]
+        return found
+
+
+def _cut(columns: list[Array]) -> Iterator[list[Array]]:
+    for start in range(0, len(columns[0]), PIECE):
+        yield [column[start : start + PIECE] for column in columns]
