@@ -138,6 +138,13 @@ def study(
     ring_down_frequency: Values | None = None,
     damping_ratio: Values | None = None,
     drive_force: Values | None = None,
+    flux_density: Values | None = None,
+    pole_area: Values | None = None,
+    force_harmonic: Values | None = None,
+    offset_along: Values | None = None,
+    offset_upward: Values | None = None,
+    spot_along: Values | None = None,
+    spot_upward: Values | None = None,
     unbalance: Values | None = None,
     air_gap: Values | None = None,
     foot_stiffness: Values | None = None,
@@ -297,6 +304,13 @@ def sweep(
     ring_down_frequency: Values | None = None,
     damping_ratio: Values | None = None,
     drive_force: Values | None = None,
+    flux_density: Values | None = None,
+    pole_area: Values | None = None,
+    force_harmonic: Values | None = None,
+    offset_along: Values | None = None,
+    offset_upward: Values | None = None,
+    spot_along: Values | None = None,
+    spot_upward: Values | None = None,
     unbalance: Values | None = None,
     air_gap: Values | None = None,
     foot_stiffness: Values | None = None,
@@ -523,6 +537,21 @@ def sweep(
     drive_force : values, optional
         Amplitude of the force between both masses, along the stroke, at the drive's frequency. In
         N, above 0, for example "100 N".
+    flux_density : values, optional
+        Peak of the flux density in the magnet's gap. In T, above 0, for example "0.5 T".
+    pole_area : values, optional
+        Area of all poles of the magnet that pull. In m2, above 0, for example "12 cm^2".
+    force_harmonic : values, optional
+        Over the first: 0.25 of a magnet on a half wave, 0 on a full one. 0 or more, for example
+        0.25.
+    offset_along : values, optional
+        Moving mass centre ahead of the base's. In m, for example "0 mm".
+    offset_upward : values, optional
+        Moving mass centre above the base's. In m, for example "0 mm".
+    spot_along : values, optional
+        Place on the track ahead of the mass centre. In m, for example "0 mm".
+    spot_upward : values, optional
+        Place on the track above the mass centre. In m, for example "0 mm".
     unbalance : values, optional
         Mass of an unbalance times its radius. In kg m, above 0, for example "0.002 kg m".
     air_gap : values, optional
@@ -915,6 +944,13 @@ def optimise(
     ring_down_frequency: Values | None = None,
     damping_ratio: Values | None = None,
     drive_force: Values | None = None,
+    flux_density: Values | None = None,
+    pole_area: Values | None = None,
+    force_harmonic: Values | None = None,
+    offset_along: Values | None = None,
+    offset_upward: Values | None = None,
+    spot_along: Values | None = None,
+    spot_upward: Values | None = None,
     unbalance: Values | None = None,
     air_gap: Values | None = None,
     foot_stiffness: Values | None = None,
@@ -1178,6 +1214,21 @@ def optimise(
     drive_force : values, optional
         Amplitude of the force between both masses, along the stroke, at the drive's frequency. In
         N, above 0, for example "100 N".
+    flux_density : values, optional
+        Peak of the flux density in the magnet's gap. In T, above 0, for example "0.5 T".
+    pole_area : values, optional
+        Area of all poles of the magnet that pull. In m2, above 0, for example "12 cm^2".
+    force_harmonic : values, optional
+        Over the first: 0.25 of a magnet on a half wave, 0 on a full one. 0 or more, for example
+        0.25.
+    offset_along : values, optional
+        Moving mass centre ahead of the base's. In m, for example "0 mm".
+    offset_upward : values, optional
+        Moving mass centre above the base's. In m, for example "0 mm".
+    spot_along : values, optional
+        Place on the track ahead of the mass centre. In m, for example "0 mm".
+    spot_upward : values, optional
+        Place on the track above the mass centre. In m, for example "0 mm".
     unbalance : values, optional
         Mass of an unbalance times its radius. In kg m, above 0, for example "0.002 kg m".
     air_gap : values, optional
@@ -1378,6 +1429,13 @@ def sensitivity(
     ring_down_frequency: Values | None = None,
     damping_ratio: Values | None = None,
     drive_force: Values | None = None,
+    flux_density: Values | None = None,
+    pole_area: Values | None = None,
+    force_harmonic: Values | None = None,
+    offset_along: Values | None = None,
+    offset_upward: Values | None = None,
+    spot_along: Values | None = None,
+    spot_upward: Values | None = None,
     unbalance: Values | None = None,
     air_gap: Values | None = None,
     foot_stiffness: Values | None = None,
@@ -1633,6 +1691,21 @@ def sensitivity(
     drive_force : values, optional
         Amplitude of the force between both masses, along the stroke, at the drive's frequency. In
         N, above 0, for example "100 N".
+    flux_density : values, optional
+        Peak of the flux density in the magnet's gap. In T, above 0, for example "0.5 T".
+    pole_area : values, optional
+        Area of all poles of the magnet that pull. In m2, above 0, for example "12 cm^2".
+    force_harmonic : values, optional
+        Over the first: 0.25 of a magnet on a half wave, 0 on a full one. 0 or more, for example
+        0.25.
+    offset_along : values, optional
+        Moving mass centre ahead of the base's. In m, for example "0 mm".
+    offset_upward : values, optional
+        Moving mass centre above the base's. In m, for example "0 mm".
+    spot_along : values, optional
+        Place on the track ahead of the mass centre. In m, for example "0 mm".
+    spot_upward : values, optional
+        Place on the track above the mass centre. In m, for example "0 mm".
     unbalance : values, optional
         Mass of an unbalance times its radius. In kg m, above 0, for example "0.002 kg m".
     air_gap : values, optional
@@ -2083,6 +2156,13 @@ def open_lazily(
     ring_down_frequency: Values | None = None,
     damping_ratio: Values | None = None,
     drive_force: Values | None = None,
+    flux_density: Values | None = None,
+    pole_area: Values | None = None,
+    force_harmonic: Values | None = None,
+    offset_along: Values | None = None,
+    offset_upward: Values | None = None,
+    spot_along: Values | None = None,
+    spot_upward: Values | None = None,
     unbalance: Values | None = None,
     air_gap: Values | None = None,
     foot_stiffness: Values | None = None,

@@ -13,6 +13,8 @@ import numpy as np
 from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask, hypot
 
+VACUUM_PERMEABILITY = 1.25663706127e-6  # N A-2, CODATA 2022
+
 
 def circular_frequency(*, frequency: Array) -> Array:
     """Return the circular frequency of the drive, w = 2 pi f [rad s-1]."""
@@ -53,6 +55,15 @@ def air_gap_margin(*, air_gap: Array, stroke: Array) -> Array:
 def unbalance_force(*, unbalance: Array, circular_frequency: Array) -> Array:
     """Return the amplitude of the force of a turning unbalance, F = m_u r w^2 [N]."""
     return unbalance * circular_frequency * circular_frequency
+
+
+def magnet_force(*, flux_density: Array, pole_area: Array) -> Array:
+    """Return the force of a magnet at the drive's frequency, F = B^2 A/(4 mu_0) [N].
+
+    B is the peak of the flux density in the gap, A the area of all poles. The pull B^2 A/(2 mu_0)
+    swings by its half at twice the line's frequency (full wave), or at the line's (half wave).
+    """
+    return flux_density * flux_density * pole_area / (4 * VACUUM_PERMEABILITY)
 
 
 def reduced_mass(*, moving_mass: Array, base_mass: Array) -> Array:
@@ -155,6 +166,25 @@ def amplification(*, stroke: Array, spring_stiffness: Array, drive_force: Array)
     return stroke * spring_stiffness / drive_force
 
 
+def second_harmonic(
+    *, force_harmonic: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
+    foot_stiffness: Array, foot_damping: Array, loaded_mass: Array, load_damping: Array,
+    base_mass: Array,
+) -> Array:  # fmt: skip
+    """Return the second harmonic of the track's acceleration over the first, 4 A_2/A_1 [1].
+
+    Of a force whose second harmonic is F_2/F_1 of its first; the response is that at 2 w.
+    """
+    of_both = {
+        "drive_force": 1.0 + 0.0 * circular_frequency, "spring_stiffness": spring_stiffness,
+        "damping": damping, "foot_stiffness": foot_stiffness, "foot_damping": foot_damping,
+        "loaded_mass": loaded_mass, "load_damping": load_damping, "base_mass": base_mass,
+    }  # fmt: skip
+    first = stroke_response(circular_frequency=circular_frequency, **of_both)[2]
+    second = stroke_response(circular_frequency=2.0 * circular_frequency, **of_both)[2]
+    return 4.0 * force_harmonic * (second / first)
+
+
 def floor_force(
     *, stroke_response: tuple[Array, ...], circular_frequency: Array, foot_stiffness: Array,
     foot_damping: Array,
@@ -181,6 +211,99 @@ def linear_amplitude(*, stroke_response: tuple[Array, ...]) -> Array:
 def linear_angle(*, spring_angle: Array, gamma: Array) -> Array:
     """Return the angle of the vibration above the track, th - gamma [rad]."""
     return spring_angle - gamma
+
+
+# --- linear, where the line of action misses a mass centre: both masses turn, the base is free
+
+
+def turning_mass_empty(
+    *, moving_mass: Array, base_mass: Array, moving_inertia: Array, base_inertia: Array,
+    offset_along: Array, offset_upward: Array, spring_angle: Array,
+) -> Array:  # fmt: skip
+    """Return the mass of the stroke, m_r - m_r^2 (d x e)^2/I_t, of the empty unit [kg].
+
+    d leads from the base's mass centre to the moving one's, e along the stroke;
+    I_t = I1 + I2 + m_r d^2.
+    """
+    m_r = moving_mass * (base_mass / (moving_mass + base_mass))
+    arm, inertia = _arm(
+        m_r, moving_inertia, base_inertia, offset_along, offset_upward, spring_angle
+    )
+    return m_r * (1.0 - arm * arm * (m_r / inertia))
+
+
+def turning_mass(
+    *, loaded_mass: Array, base_mass: Array, moving_inertia: Array, base_inertia: Array,
+    offset_along: Array, offset_upward: Array, spring_angle: Array,
+) -> Array:  # fmt: skip
+    """Return the mass of the stroke with a load at the mass centre [kg]."""
+    return turning_mass_empty(
+        moving_mass=loaded_mass, base_mass=base_mass, moving_inertia=moving_inertia,
+        base_inertia=base_inertia, offset_along=offset_along, offset_upward=offset_upward,
+        spring_angle=spring_angle,
+    )  # fmt: skip
+
+
+def _arm(
+    m_r: Array, i1: Array, i2: Array, along: Array, upward: Array, th: Array
+) -> tuple[Array, Array]:
+    """Return d x e and I_t."""
+    arm = along * sine(th) - upward * cosine(th)
+    return arm, i1 + i2 + m_r * (along * along + upward * upward)
+
+
+def turning_frequency(*, spring_stiffness: Array, turning_mass: Array) -> Array:
+    """Return the natural frequency of a unit that turns, sqrt(k/m)/(2 pi) [Hz]."""
+    return np.sqrt(spring_stiffness / turning_mass) / (2 * np.pi)
+
+
+def turning_response(
+    *, drive_force: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
+    turning_mass: Array,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Return the stroke s = F/(k - m w^2 + i w c) of a unit that turns, real and imaginary [m]."""
+    w = circular_frequency
+    real, imag = spring_stiffness - turning_mass * w * w, w * damping
+    size = hypot(real, imag)
+    share = drive_force / size
+    return share * (real / size), -share * (imag / size)
+
+
+def trough_turn(
+    *, stroke: Array, loaded_mass: Array, base_mass: Array, moving_inertia: Array,
+    base_inertia: Array, offset_along: Array, offset_upward: Array, spring_angle: Array,
+) -> Array:  # fmt: skip
+    """Return the amplitude of the turning, up in front, phi = -(m_r/I_t) (d x e) s [rad]."""
+    m_r = loaded_mass * (base_mass / (loaded_mass + base_mass))
+    arm, inertia = _arm(
+        m_r, moving_inertia, base_inertia, offset_along, offset_upward, spring_angle
+    )
+    return -(m_r / inertia) * arm * stroke
+
+
+def turning_track(
+    *, stroke: Array, trough_turn: Array, loaded_mass: Array, base_mass: Array,
+    offset_along: Array, offset_upward: Array, spot_along: Array, spot_upward: Array,
+    spring_angle: Array,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Return how a place of the trough moves, along the floor and upward [m].
+
+    (m2/M) (s e + phi k x d) + phi k x (p - c1), p - c1 the place from the trough's mass centre.
+    """
+    share, phi = base_mass / (loaded_mass + base_mass), trough_turn
+    along = share * (stroke * cosine(spring_angle) - phi * offset_upward) - phi * spot_upward
+    upward = share * (stroke * sine(spring_angle) + phi * offset_along) + phi * spot_along
+    return along, upward
+
+
+def turning_amplitude(*, track_motion: tuple[Array, Array]) -> Array:
+    """Return the amplitude of the track at its place [m]."""
+    return hypot(*track_motion)
+
+
+def turning_angle(*, track_motion: tuple[Array, Array], gamma: Array) -> Array:
+    """Return the angle of the vibration above the track at its place [rad]."""
+    return np.arctan2(track_motion[1], track_motion[0]) - gamma
 
 
 # --- bowl: leaves on a circle of radius r_s, tilted by th from the vertical

@@ -24,6 +24,7 @@ from core.scenes.scene import fields
 SOURCE = "theory 15.5"
 GIVEN = frozenset(name for name, quantity in DRIVE_UNIT.items() if quantity.parameter)
 OF_BOWLS = ("spring_radius", "moving_inertia", "base_inertia")
+OF_TURNING = ("offset_along", "offset_upward", "spot_along", "spot_upward")
 FOLLOWS = tuple(name for name in SINE if name != "alpha")
 """Parameters of the plain sine that a drive unit gives."""
 SERIOUS = ("hits_magnet", "overstressed", "isolation_poor")
@@ -58,6 +59,9 @@ def unit_of(given: Iterable[str]) -> tuple[Unit | None, list[Problem]]:
         return None, []
     name = "bowl-drive-unit" if {*OF_BOWLS} & {*told} else "linear-drive-unit"
     variant = "measured" if "ring_down_frequency" in told else "springs"
+    turns = [one for one in told if one in OF_TURNING]
+    if turns and name == "linear-drive-unit":
+        variant += "_turning"
     loaded = "conveyed_mass" in told
     problems = [
         Problem(
@@ -68,6 +72,10 @@ def unit_of(given: Iterable[str]) -> tuple[Unit | None, list[Problem]]:
         for other in names
         if other in FOLLOWS or other in DRIVE
     ]
+    if loaded and turns:
+        message = "what parts do to a unit that turns is not known"
+        fix = f"Give load_mass in its place, or leave out {', '.join(turns)}"
+        problems.append(Problem("parameters.conveyed_mass", message, fix))
     if loaded and "load_damping" in told:
         message = "it follows from the motion of the parts, whose conveyed_mass is given"
         problems.append(Problem("parameters.load_damping", message, "Give one of the two"))
@@ -170,7 +178,8 @@ def on_unit(system: Scene, unit: Unit, contacts: Contacts) -> Scene:
     """Return a system whose plain sine comes from a drive unit."""
     spliced = _Spliced(unit, contacts)
     follows = {equation.gives for equation in _RESULTS} if unit.loaded else set()
-    defaults = {n: v for n, v in unit.scene.defaults.items() if n not in follows}
+    of_unit = unit.scene.defaults_of(unit.variant)
+    defaults = {name: value for name, value in of_unit.items() if name not in follows}
     return replace(
         system,
         validity=f"{system.validity} Drive unit: {unit.scene.validity}",

@@ -14,6 +14,11 @@ def _given(
     )
 
 
+def _place(symbol: str, label: str, says: str) -> Quantity:
+    """Return a distance that a study may give, either way."""
+    return Quantity("m", symbol, label, says, parameter=True, examples=("0 mm",), usual=(1e-5, 5.0))
+
+
 DRIVE_UNIT: dict[str, Quantity] = {
     "moving_mass": _given(
         "kg", "m_1", "Moving mass", "Mass of trough or bowl, with what is fixed to it.", "10 kg",
@@ -84,6 +89,21 @@ DRIVE_UNIT: dict[str, Quantity] = {
         "Amplitude of the force between both masses, along the stroke, at the drive's frequency.",
         "100 N", strict=True,
     ),
+    "flux_density": _given(
+        "T", "B", "Flux density", "Peak of the flux density in the magnet's gap.", "0.5 T",
+        strict=True,
+    ),
+    "pole_area": _given(
+        "m2", "A", "Pole area", "Area of all poles of the magnet that pull.", "12 cm^2", strict=True
+    ),
+    "force_harmonic": _given(
+        "1", "F_2/F_1", "Second harmonic of the force",
+        "Over the first: 0.25 of a magnet on a half wave, 0 on a full one.", "0.25", strict=False,
+    ),
+    "offset_along": _place("d_x", "Mass centres along", "Moving mass centre ahead of the base's."),
+    "offset_upward": _place("d_z", "Mass centres upward", "Moving mass centre above the base's."),
+    "spot_along": _place("p_x", "Place along", "Place on the track ahead of the mass centre."),
+    "spot_upward": _place("p_z", "Place upward", "Place on the track above the mass centre."),
     "unbalance": _given(
         "kg m", "m_u r", "Unbalance", "Mass of an unbalance times its radius.", "0.002 kg m",
         strict=True,
@@ -130,6 +150,16 @@ DRIVE_UNIT: dict[str, Quantity] = {
         "degree", "phi", "Phase", "Of the stroke behind the force: -90 at resonance."
     ),
     "amplification": number("k s/F", "Amplification", "Stroke over that of the force at rest."),
+    "second_harmonic": number(
+        "4 A_2/A_1", "Second harmonic", "Of the track's acceleration, over the first."
+    ),
+    "turning_mass": Quantity(
+        "kg", "m", "Mass of the turning stroke", "Mass that the stroke of a unit moves that turns."
+    ),
+    "trough_turn": Quantity(
+        "rad", "phi", "Turn of the trough", "Amplitude of the turning; positive lifts the front."
+    ),
+    "track_motion": Quantity("m", "", "Motion of a place", "Along the floor, upward.", bundle=True),
     "track_amplitude": Quantity(
         "m", "A_0", "Amplitude of the track",
         "Amplitude of the track itself, zero to peak: what a study of motion takes as amplitude.",

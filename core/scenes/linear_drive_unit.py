@@ -15,11 +15,28 @@ LINEAR = (
     Equation("track_amplitude", drive_unit.linear_amplitude, "theory 15.2"),
     Equation("vibration_angle", drive_unit.linear_angle, "theory 15.2"),
     Equation("foot_force", drive_unit.floor_force, "theory 15.2"),
+    Equation("second_harmonic", drive_unit.second_harmonic, "theory 15.2"),
+)
+TURNING = (
+    *SHARED,
+    Equation("generalised_mass", drive_unit.turning_mass_empty, "theory 15.2"),
+    Equation("turning_mass", drive_unit.turning_mass, "theory 15.2"),
+    Equation("natural_frequency", drive_unit.turning_frequency, "theory 15.2"),
+    Equation("stroke_response", drive_unit.turning_response, "theory 15.2"),
+    Equation("trough_turn", drive_unit.trough_turn, "theory 15.2"),
+    Equation("track_motion", drive_unit.turning_track, "theory 15.2"),
+    Equation("track_amplitude", drive_unit.turning_amplitude, "theory 15.2"),
+    Equation("vibration_angle", drive_unit.turning_angle, "theory 15.2"),
 )
 CONDITIONS = (
     *LIMITS,
     Condition("isolation_poor", drive_unit.is_poorly_isolated, frozenset(("foot_force",))),
-    *tuning("foot_force"),
+    *tuning("foot_force", "second_harmonic"),
+)
+OF_TURNING = (*LIMITS, *tuning("trough_turn"))
+STRAIGHT_DEFAULTS = {"foot_stiffness": 0.0, "foot_damping": 0.0, "force_harmonic": 0.0}
+TURNING_DEFAULTS = dict.fromkeys(
+    ("offset_along", "offset_upward", "spot_along", "spot_upward"), 0.0
 )
 
 SCENE = Scene(
@@ -28,10 +45,27 @@ SCENE = Scene(
     source="",
     validity="Two rigid masses, small harmonic motion in its steady state, below a third of the "
     "first mode of a leaf or of the trough. The force acts through both mass centres: amplitude "
-    "and angle are the same along the track. A load lies still on it.",
-    variants={"springs": (*LINEAR, *SPRINGS), "measured": (*LINEAR, *MEASURED)},
+    "and angle are the same along the track; where it misses them both masses turn (variants "
+    "springs_turning and measured_turning, the base free). A load lies still on the track.",
+    variants={
+        "springs": (*LINEAR, *SPRINGS),
+        "measured": (*LINEAR, *MEASURED),
+        "springs_turning": (*TURNING, *SPRINGS),
+        "measured_turning": (*TURNING, *MEASURED),
+    },
     default_variant="springs",
-    conditions={"springs": CONDITIONS, "measured": CONDITIONS},
-    defaults={**DEFAULTS, "foot_stiffness": 0.0, "foot_damping": 0.0},
+    conditions={
+        "springs": CONDITIONS,
+        "measured": CONDITIONS,
+        "springs_turning": OF_TURNING,
+        "measured_turning": OF_TURNING,
+    },
+    defaults=DEFAULTS,
+    variant_defaults={
+        "springs": STRAIGHT_DEFAULTS,
+        "measured": STRAIGHT_DEFAULTS,
+        "springs_turning": TURNING_DEFAULTS,
+        "measured_turning": TURNING_DEFAULTS,
+    },
     constraints=(),
 )

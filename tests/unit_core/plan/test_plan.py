@@ -15,6 +15,7 @@ from core.intake import load_study, parse_study, prepare_content
 from core.kinds import KINDS, run_study
 from core.motion import SYSTEMS
 from core.motion.drives import shape_of
+from core.motion.prepare import choose_system
 from core.plan.plan import make_plan, scene_parameters
 from core.quantities import FAMILIES, QUANTITIES, REGIMES
 from core.quantities.drive import DRIVE as NUMBERS_OF_DRIVES
@@ -52,7 +53,8 @@ VALUES = {
     "spring_width": 0.04, "spring_thickness": 0.003, "spring_length": 0.1,
     "elastic_modulus": 206e9, "clamp_factor": 0.9, "allowable_stress": 250e6,
     "ring_down_frequency": 53.0, "damping_ratio": 0.02, "unbalance": 0.002, "air_gap": 0.003,
-    "foot_stiffness": 4e4, "foot_damping": 100.0,
+    "foot_stiffness": 4e4, "foot_damping": 100.0, "load_damping": 20.0, "force_harmonic": 0.25,
+    "offset_along": 0.02, "offset_upward": 0.05, "spot_along": 0.1, "spot_upward": 0.03,
 }  # fmt: skip
 
 
@@ -336,8 +338,10 @@ class TestScenes:
                 assert listed == [n for n in system.outputs(method) if n != "regime"]
 
     def test_every_quantity_is_used(self):
-        used = {name for scene in (*SCENES.values(), *SYSTEMS.values()) for v in scene.variants
-                for eq in scene.variants[v] for name in (eq.gives, *eq.inputs)}  # fmt: skip
+        on_unit = choose_system("rectangle-on-track", None, ["moving_mass", "conveyed_mass"])[0]
+        used = {name for scene in (*SCENES.values(), *SYSTEMS.values(), on_unit)
+                for v in scene.variants for eq in scene.variants[v]
+                for name in (eq.gives, *eq.inputs)}  # fmt: skip
         used |= {name for alias in ALIASES for name in alias.inputs}
         for kind in ("amplitude", "acceleration"):
             shape, _ = shape_of(name for name in NUMBERS_OF_DRIVES if name.startswith(kind))

@@ -206,3 +206,81 @@ def test_an_unbalance_drives_with_the_square_of_the_frequency():
     (turned,) = one(["stroke"], **driven, unbalance="0.002 kg m")
     force = 0.002 * (2 * np.pi * 50) ** 2
     assert turned == pytest.approx(one(["stroke"], **{**RUNG, "drive_force": force})[0], rel=1e-13)
+
+
+def test_a_magnet_pulls_by_its_flux_and_its_poles():
+    # 1 T on 1 cm2 pulls with B^2 A/(2 mu_0) = 39.7887 N at most: an amplitude of half of that.
+    driven = {key: value for key, value in RUNG.items() if key != "drive_force"}
+    (pulled,) = one(["stroke"], **driven, flux_density="1 T", pole_area="1 cm^2")
+    by_hand = one(["stroke"], **{**RUNG, "drive_force": 39.7887 / 2})[0]
+    assert pulled == pytest.approx(by_hand, rel=2e-6)
+
+
+def test_the_second_harmonic_of_a_half_wave():
+    # F_2/F_1 = 1/4, f_n 53 Hz, f 50 Hz: 0.01074 of the displacement, 4.3 % of the acceleration,
+    # by |w_n^2 - w^2|/|w_n^2 - 4 w^2| without damping.
+    still = {**RUNG, "damping_ratio": 1e-9}
+    del still["drive_force"]
+    (share,) = one(["second_harmonic"], **still, force_harmonic=0.25)
+    w_n, w = 53.0**2, 50.0**2
+    assert share == pytest.approx(abs(w_n - w) / abs(w_n - 4 * w), rel=1e-6)
+    assert share / 4 == pytest.approx(0.01074, abs=5e-6)
+
+
+def turning_by_newton(unit, w):
+    """Two free bodies in the plane, joined by a guide along e: Newton and Euler, solved by Gauss.
+
+    Unknown are the six accelerations' amplitudes, and force across and couple in the guide.
+    """
+    m1, m2, i1, i2, k, c, force, d, e, p = unit
+    z, across = k + 1j * w * c, np.array([-e[1], e[0]])
+    system, right = np.zeros((8, 8), dtype=complex), np.zeros(8, dtype=complex)
+    # x1, z1, turn 1, x2, z2, turn 2, force across, couple; the guide's force acts at centre 1.
+    s = np.zeros(8)
+    s[0:2], s[3:5] = e, -e
+    # The base's point below centre 1 moves by its own turning, too: d behind centre 2.
+    s[5] = -(e[1] * d[0] - e[0] * d[1])
+    for axis in range(2):
+        system[axis, axis] = -m1 * w * w
+        system[3 + axis, 3 + axis] = -m2 * w * w
+        system[axis] += z * e[axis] * s
+        system[3 + axis] -= z * e[axis] * s
+        system[axis, 6], system[3 + axis, 6] = across[axis], -across[axis]
+        right[axis], right[3 + axis] = force * e[axis], -force * e[axis]
+    system[2, 2], system[5, 5] = -i1 * w * w, -i2 * w * w
+    system[2, 7], system[5, 7] = 1.0, -1.0
+    lever = d[0] * e[1] - d[1] * e[0]
+    system[5] -= z * lever * s
+    right[5] = -force * lever
+    system[5, 6] = -(d[0] * across[1] - d[1] * across[0])
+    # No motion across the guide, no turn of one against the other.
+    system[6, 0:2], system[6, 3:5] = across, -across
+    system[6, 5] = -(across[1] * d[0] - across[0] * d[1])
+    system[7, 2], system[7, 5] = 1.0, -1.0
+    found = np.linalg.solve(system, right)
+    at_place = found[0:2] + found[2] * np.array([-p[1], p[0]])
+    return s @ found, at_place
+
+
+def test_a_unit_whose_line_of_action_misses_its_mass_centres_turns():
+    pick = np.random.default_rng(39)
+    for _ in range(50):
+        m1, m2 = pick.uniform(3, 20), pick.uniform(10, 60)
+        i1, i2 = pick.uniform(0.05, 0.6), pick.uniform(0.2, 2)
+        d, p = pick.uniform(-0.15, 0.15, 2), pick.uniform(-0.4, 0.4, 2)
+        th, k, f = np.radians(pick.uniform(10, 40)), pick.uniform(3e5, 2e6), pick.uniform(30, 70)
+        force = 100.0
+        given = {
+            "scene": "linear-drive-unit", "variant": "springs_turning", "frequency": f,
+            "moving_mass": m1, "base_mass": m2, "moving_inertia": i1, "base_inertia": i2,
+            "spring_stiffness": k, "spring_angle": float(np.degrees(th)), "drive_force": force,
+            "offset_along": d[0], "offset_upward": d[1], "spot_along": p[0], "spot_upward": p[1],
+        }  # fmt: skip
+        e = np.array([np.cos(th), np.sin(th)])
+        names = ["stroke", "track_amplitude", "vibration_angle", "damping"]
+        stroke, amplitude, angle, c = one(names, **given, damping_ratio=0.01)
+        s, moved = turning_by_newton((m1, m2, i1, i2, k, c, force, d, e, p), 2 * np.pi * f)
+        assert stroke == pytest.approx(abs(s), rel=1e-9)
+        assert amplitude == pytest.approx(np.linalg.norm(np.abs(moved)), rel=1e-9)
+        way = (moved / s).real
+        assert np.tan(np.radians(angle)) == pytest.approx(way[1] / way[0], rel=1e-7)
