@@ -75,6 +75,10 @@ def test_a_key_is_kept_for_the_tab_and_in_no_link(page, service, browser):
     expect(page.locator("#notice")).to_be_empty()
     assert KEY not in page.url
     assert page.evaluate("[localStorage.length, document.cookie]") == [0, ""]
+    page.get_by_role("button", name="curl", exact=True).click()
+    command = page.locator("#away pre")
+    expect(command).to_contain_text('-H "Authorization: Bearer $VIBRAFEED_KEY"')
+    expect(command).not_to_contain_text(KEY)
     page.reload()
     shown(page)  # without asking again
     with browser.expect_page() as another:

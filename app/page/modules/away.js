@@ -1,7 +1,7 @@
 // What can be taken away: the numbers, the picture, the study, a link.
 
 import { element, fill } from "./elements.js";
-import { file, follow, put, text } from "./service.js";
+import { file, follow, key, put, text } from "./service.js";
 import { save } from "./saving.js";
 
 // Files of numbers, and texts of a study as the service writes them.
@@ -17,10 +17,16 @@ const TEXTS = {
   python: ["Python", "study.py"],
 };
 
+// A service with keys wants one; a file that is passed on holds none.
+export function withKey(command) {
+  return command.replace(/^curl /, 'curl -H "Authorization: Bearer $VIBRAFEED_KEY" ');
+}
+
 export class Away {
-  // `study()` is that of the picture, `best()` that of the best; `picture(what)` what is drawn of it.
-  constructor(host, { study, best, picture, tell }) {
-    this.of = { picture, best, values: study, tell };
+  // `study()` is that of the picture, `best()` that of the best; `picture(what)` what is drawn of it,
+  // `told()` its title, values and link.
+  constructor(host, { study, best, picture, told, tell }) {
+    this.of = { picture, best, values: study, told, tell };
     this.what = element(
       "select",
       { id: "away-what" },
@@ -70,7 +76,9 @@ export class Away {
 
   async study(form, name) {
     try {
-      this.show(name, await text(`/convert?to=${form}`, this.chosen()));
+      const written = await text(`/convert?to=${form}`, this.chosen());
+      this.show(name, form === "curl" && key.get() ? withKey(written) : written);
+      if (form === "curl" && key.get()) this.said.textContent = "Set VIBRAFEED_KEY to your key before it is run.";
     } catch (error) {
       this.said.textContent = [error.message, ...(error.errors ?? []).map((one) => one.message)].join(" ");
     }
@@ -112,28 +120,21 @@ export class Away {
     }
   }
 
-  async svgText() {
+  svgText() {
     const style = [...document.styleSheets]
       .filter((sheet) => sheet.href?.endsWith("page.css"))
       .flatMap((sheet) => [...sheet.cssRules].map((rule) => rule.cssText))
       .join("\n");
-    return this.picture().svgText?.(style);
+    return this.picture().svgText(style, this.of.told());
   }
 
-  async svg() {
-    const text = await this.svgText();
-    if (text) save(new Blob([text], { type: "image/svg+xml" }), "vibrafeed.svg");
-    else this.said.textContent = "Lines are saved as PNG.";
+  svg() {
+    save(new Blob([this.svgText()], { type: "image/svg+xml" }), "vibrafeed.svg");
   }
 
-  async png() {
-    const picture = this.picture();
-    if (picture.image) {
-      picture.image().toBlob((blob) => save(blob, "vibrafeed.png"));
-      return;
-    }
+  png() {
     const image = new Image();
-    const url = URL.createObjectURL(new Blob([await this.svgText()], { type: "image/svg+xml" }));
+    const url = URL.createObjectURL(new Blob([this.svgText()], { type: "image/svg+xml" }));
     image.onload = () => {
       const canvas = element("canvas", { width: 2 * image.width, height: 2 * image.height });
       canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);

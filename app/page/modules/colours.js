@@ -1,30 +1,37 @@
-// Colour scales: one for magnitudes, one for values of both signs.
+// Colours of values: one rule for all of them, so that colours change only as much as values do.
+//
+// Values from 0 on are viridis; values below 0 have a warm scale that begins with the same dark colour
+// at 0. Where both signs occur, both sides have the same measure, and 0 is the darkest.
 
-// Viridis and a blue-white-red scale, at nine places each.
-const ONE_SIGN = [
+const FROM_ZERO = [
   [68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141],
   [39, 173, 129], [92, 200, 99], [170, 220, 50], [253, 231, 37],
 ];
-const TWO_SIGNS = [
-  [33, 72, 160], [82, 122, 201], [140, 173, 228], [199, 215, 240], [242, 242, 242],
-  [244, 207, 187], [230, 152, 119], [202, 92, 69], [160, 26, 38],
+const BELOW_ZERO = [
+  [68, 1, 84], [99, 8, 94], [132, 20, 97], [165, 36, 92], [196, 58, 82],
+  [222, 87, 69], [241, 124, 58], [250, 169, 72], [252, 219, 130],
 ];
 const STEPS = 256;
 const SAMPLE = 4000; // values
 
-function table(stops) {
+function mixed(stops, share) {
+  const at = share * (stops.length - 1);
+  const low = Math.min(Math.floor(at), stops.length - 2);
+  return stops[low].map((first, c) => first + (at - low) * (stops[low + 1][c] - first));
+}
+
+// The colours between two ends, at STEPS places.
+function table(low, high) {
   const found = new Uint8ClampedArray(STEPS * 3);
+  const measure = low < 0 && high > 0 ? Math.max(-low, high) : high - low;
+  const nearest = low < 0 && high > 0 ? 0 : low >= 0 ? low : high; // what is as dark as can be
   for (let i = 0; i < STEPS; i++) {
-    const at = (i / (STEPS - 1)) * (stops.length - 1);
-    const low = Math.min(Math.floor(at), stops.length - 2);
-    for (let c = 0; c < 3; c++) {
-      found[3 * i + c] = stops[low][c] + (at - low) * (stops[low + 1][c] - stops[low][c]);
-    }
+    const value = low + (i / (STEPS - 1)) * (high - low);
+    const share = Math.min(1, Math.abs(value - nearest) / measure);
+    found.set(mixed(value >= nearest && high > 0 ? FROM_ZERO : BELOW_ZERO, share), 3 * i);
   }
   return found;
 }
-
-const TABLES = { one: table(ONE_SIGN), two: table(TWO_SIGNS) };
 
 // The scale for values: its ends, and the colour of each. What sticks out far is cut.
 export function scaleOf(values) {
@@ -42,9 +49,7 @@ export function scaleOf(values) {
     low -= room;
     high += room;
   }
-  const isTwo = Math.min(-low, high) > 0.1 * Math.max(-low, high);
-  const ends = isTwo ? [-Math.max(-low, high), Math.max(-low, high)] : [low, high];
-  return { low: ends[0], high: ends[1], lut: TABLES[isTwo ? "two" : "one"], steps: STEPS };
+  return { low, high, lut: table(low, high), steps: STEPS };
 }
 
 // Where all but a hundredth lie at either end, judged by some of the values: sorting all of a fine map
@@ -58,10 +63,4 @@ function usualEnds(values) {
   }
   const sorted = some.subarray(0, count).sort();
   return [0.01, 0.99].map((share) => sorted[Math.floor(share * (count - 1))]);
-}
-
-export function colourOf(scale, value) {
-  const at = ((value - scale.low) / (scale.high - scale.low)) * (scale.steps - 1);
-  const i = 3 * Math.max(0, Math.min(scale.steps - 1, Math.round(at)));
-  return `rgb(${scale.lut[i]} ${scale.lut[i + 1]} ${scale.lut[i + 2]})`;
 }

@@ -2,7 +2,7 @@
 
 import { element, refill } from "./elements.js";
 import { choiceField, numberInput } from "./fields.js";
-import { capital, label, shown, withUnit, words } from "./words.js";
+import { capital, label, sentence, shown, withUnit, words } from "./words.js";
 import { places } from "./computed.js";
 import { pictured } from "./opening.js";
 import { furtherParameters, shownParameters, typical, usual } from "./view.js";
@@ -49,7 +49,7 @@ export class Controls {
           .map((parameter) => this.field(parameter)),
         further.length
           ? this.select(
-              "One more",
+              "Add a parameter",
               [["", "Choose ..."], ...further.map(({ name, unit }) => [name, label(name, unit)])],
               "",
               (name) => this.add(further.find((one) => one.name === name)),
@@ -69,7 +69,7 @@ export class Controls {
     return element(
       "fieldset",
       {},
-      element("legend", {}, "What is looked at"),
+      element("legend", {}, "System and output"),
       this.select(
         "System",
         scenes
@@ -79,10 +79,10 @@ export class Controls {
         (name) => this.change({ scene: name, choice: "", output: "" }),
       ),
       this.select(
-        "How",
+        "Model",
         [
-          ["simulate", "Motion in time: the true speed"],
-          ["sweep", "Closed forms: one moment"],
+          ["simulate", "Motion in time: mean speed"],
+          ["sweep", "Closed-form equations: one instant"],
         ],
         view.kind,
         (kind) => this.change({ kind, choice: "", output: "" }),
@@ -268,9 +268,10 @@ export class Controls {
   // Sentences of the service beside the fields that they concern; returns those that concern none.
   complain(errors) {
     const rest = [];
-    for (const { place, message, fix } of errors) {
+    for (const error of errors) {
+      const { place } = error;
       const name = String(place).split(".").find((part) => this.parameters.some((p) => p.name === part));
-      const text = `${capital(message)}. ${fix}.`.replace("..", ".");
+      const text = sentence(error);
       const slot = name && document.getElementById(`wrong-${name}`);
       if (slot) slot.textContent = text;
       else rest.push(text);

@@ -1,6 +1,8 @@
 // Quantities over one parameter, with a band where something is uncertain, and the regimes below.
 
-import { element, fill } from "./elements.js";
+import { axesDrawn, axisOf, FRAME } from "./axes.js";
+import { drawn, element, fill } from "./elements.js";
+import { svgDocument } from "./exported.js";
 import { legendOf, occurring } from "./legend.js";
 import { capital, label, number, shown, withUnit, words } from "./words.js";
 
@@ -157,7 +159,34 @@ export class Curves {
     this.said.textContent = capital(parts.filter(Boolean).join(", "));
   }
 
-  image() {
-    return this.plot.ctx.canvas;
+  // The lines as one SVG document, drawn anew from their values.
+  svgText(style, told) {
+    const { x, lines, regime } = this.data;
+    const { clientWidth: width, clientHeight: height } = this.box;
+    const { left, right, top, bottom } = FRAME;
+    const { min, max } = this.plot.scales.y;
+    const [factor] = shown(lines[0].unit);
+    const across = axisOf(x, left, width - right);
+    const up = axisOf({ ...lines[0], values: [min / factor, max / factor] }, height - bottom, top);
+    const at = (values, i) => `${across.place(x.values[i]).toFixed(1)},${up.place(values[i]).toFixed(1)}`;
+    const there = (values) => [...values.keys()].filter((i) => Number.isFinite(values[i]));
+    const parts = lines.flatMap(({ values, low, high }, place) => {
+      const stroke = LINES[place % LINES.length];
+      const band = low && there(low).filter((i) => Number.isFinite(high[i]));
+      const around = band && [...band.map((i) => at(high, i)), ...band.reverse().map((i) => at(low, i))];
+      const line = there(values).map((i) => at(values, i));
+      return [
+        ...(band ? [drawn("polygon", { points: around.join(" "), fill: stroke, "fill-opacity": 0.2 })] : []),
+        drawn("polyline", { points: line.join(" "), fill: "none", stroke, "stroke-width": 2 }),
+      ];
+    });
+    const colours = new Map(this.regimes.map(({ value, colour }) => [value, colour]));
+    for (let i = 0; regime && i + 1 < x.values.length; i++) {
+      const from = across.place(x.values[i]);
+      const cell = { x: from, width: across.place(x.values[i + 1]) - from, y: height - bottom - STRIP, height: STRIP };
+      parts.push(drawn("rect", { ...cell, fill: colours.get(regime.at(i)) ?? "none" }));
+    }
+    parts.push(axesDrawn(across, up, width, height));
+    return svgDocument(parts, { width, height, style, told, regimes: this.regimes });
   }
 }

@@ -27,6 +27,11 @@ export function byId(id) {
   return document.getElementById(id);
 }
 
+// Show what stands below the picture: that has its place now, or will be long in coming.
+export function reveal() {
+  document.querySelector("main").classList.add("drawn");
+}
+
 const SVG = "http://www.w3.org/2000/svg";
 
 export function drawn(tag, attributes = {}, ...children) {

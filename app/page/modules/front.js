@@ -2,6 +2,7 @@
 
 import { axesDrawn, axisOf, FRAME } from "./axes.js";
 import { drawn, element, fill } from "./elements.js";
+import { svgDocument } from "./exported.js";
 import { lookOf, markerDrawn } from "./markers.js";
 import { capital, withUnit, words } from "./words.js";
 
@@ -142,13 +143,9 @@ export class Front {
   }
 
   // The picture as one SVG document.
-  svgText(style) {
+  svgText(style, told) {
     const copy = this.svg.cloneNode(true);
     const { clientWidth: width, clientHeight: height } = this.box;
-    copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
-    copy.setAttribute("width", width);
-    copy.setAttribute("height", height);
-    copy.prepend(drawn("style", {}, style), drawn("rect", { width, height, class: "paper" }));
-    return new XMLSerializer().serializeToString(copy);
+    return svgDocument([...copy.childNodes], { width, height, style, told });
   }
 }

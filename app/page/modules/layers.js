@@ -83,6 +83,31 @@ export function levelsOf({ low, high }, unit) {
   return ticks(low * factor, high * factor, LEVELS).map((level) => level / factor);
 }
 
+// Lines over what does not describe a real part, so that its colours are not read as speeds.
+export function hatchDrawn({ data, x, y, clipId }, regimes) {
+  const invalid = new Set(regimes.filter(({ valid }) => !valid).map(({ value }) => value));
+  const group = drawn("g", { class: "hatch", "clip-path": `url(#${clipId})` });
+  if (!invalid.size) return group;
+  const nx = data.x.values.length;
+  const ny = data.y.values.length;
+  const inside = new Float64Array(nx * ny);
+  for (let j = 0; j < ny; j++) {
+    for (let i = 0; i < nx; i++) inside[j * nx + i] = invalid.has(data.regime.at(i, j)) ? 1 : 0;
+  }
+  const [area] = contours().size([nx, ny]).smooth(true).thresholds([0.5])(inside);
+  const id = `${clipId}-hatch`;
+  group.append(
+    drawn(
+      "pattern",
+      { id, width: 8, height: 8, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
+      drawn("rect", { width: 8, height: 8, class: "haze" }),
+      drawn("line", { x1: 0, y1: 0, x2: 0, y2: 8, class: "stripe" }),
+    ),
+    drawn("path", { d: path(area.coordinates, data, x, y), fill: `url(#${id})` }),
+  );
+  return group;
+}
+
 export function contoursDrawn({ data, flat, range, x, y, clipId }) {
   const group = drawn("g", { class: "contours", "clip-path": `url(#${clipId})` });
   if (!range) return group;

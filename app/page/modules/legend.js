@@ -1,34 +1,65 @@
 // What the colours of a picture mean: the scale of a quantity, and the regimes that occur.
 
+import { ticks } from "./axes.js";
 import { drawn, element } from "./elements.js";
 import { levelsOf } from "./layers.js";
 import { markerDrawn } from "./markers.js";
 import { capital, label, number, shown, words } from "./words.js";
 
-// A bar of the colours of a scale, between the values at its ends, and how far contours lie apart.
-export function scaleTold(range, { name, unit }) {
+const BAR = { width: 260, height: 12, left: 24, ticks: 4, stops: 32 };
+
+// The bar of a scale with its ticks, as a group of 300 x 32.
+export function barDrawn({ low, high, lut, steps }, unit) {
+  const [factor] = shown(unit);
+  const { width, height, left, stops } = BAR;
+  const group = drawn("g", { class: "bar" });
+  for (let i = 0; i < stops; i++) {
+    const at = 3 * Math.round((i / (stops - 1)) * (steps - 1));
+    const fill = `rgb(${lut[at]} ${lut[at + 1]} ${lut[at + 2]})`;
+    const room = width / stops;
+    group.append(drawn("rect", { x: left + i * room, y: 0, width: room + 0.5, height, fill }));
+  }
+  for (const tick of ticks(low * factor, high * factor, BAR.ticks)) {
+    const x = left + ((tick / factor - low) / (high - low)) * width;
+    group.append(
+      drawn("line", { x1: x, x2: x, y1: height, y2: height + 4, class: "tick" }),
+      drawn("text", { x, y: height + 17, "text-anchor": "middle" }, number(tick, 4, high * factor)),
+    );
+  }
+  return group;
+}
+
+// What the colours of a scale mean: a bar with ticks, how far contours lie apart, what is cut.
+export function scaleTold(range, { name, unit }, values) {
   if (!range) return [`No ${words(name)} has a value here.`];
   const [factor, unitShown] = shown(unit);
-  const { low, high, lut, steps } = range;
-  const stops = Array.from({ length: 9 }, (_, i) => {
-    const at = 3 * Math.round((i / 8) * (steps - 1));
-    return `rgb(${lut[at]} ${lut[at + 1]} ${lut[at + 2]})`;
-  });
-  const bar = element("span", { class: "bar" });
-  bar.style.background = `linear-gradient(to right, ${stops.join(",")})`;
+  const { low, high } = range;
+  const svg = drawn("svg", { viewBox: "0 0 308 32", width: 308, height: 32, "aria-hidden": "true" }, barDrawn(range, unit));
   const [first, second] = levelsOf(range, unit);
-  const apart = number((second - first) * factor, 3);
+  const lines = [];
+  if (second !== undefined) lines.push(`a thin line every ${number((second - first) * factor, 3)}${unitShown && ` ${unitShown}`}`);
+  if (low < 0 && high > 0) lines.push("the thick line is 0");
+  const [least, largest] = extremes(values);
+  // Room for rounding: an end of the scale is a value, too.
+  if (least < low - 1e-9 * (high - low) || largest > high + 1e-9 * (high - low)) {
+    lines.push(`beyond the ends: ${number(least * factor, 3)} to ${number(largest * factor, 3)}`);
+  }
+  const spoken = `${label(name, unit)} from ${number(low * factor)} to ${number(high * factor)}`;
   return [
     element("span", {}, label(name, unit)),
-    element(
-      "span",
-      { class: "ends" },
-      number(low * factor, 4, high * factor),
-      bar,
-      number(high * factor, 4, low * factor),
-    ),
-    second === undefined ? "" : element("small", {}, `a thin line every ${apart}${unitShown && ` ${unitShown}`}`),
+    element("span", { role: "img", "aria-label": spoken }, svg),
+    element("small", {}, lines.join("; ")),
   ];
+}
+
+function extremes(values) {
+  let least = Infinity;
+  let largest = -Infinity;
+  for (const value of values) {
+    if (value < least && value > -Infinity) least = value;
+    if (value > largest && value < Infinity) largest = value;
+  }
+  return [least, largest];
 }
 
 // The regimes that occur in what is shown, the most frequent first: {value, name, share} and its look.

@@ -5,9 +5,10 @@ import { Away as TakeAway } from "./away.js";
 import { Catalogue } from "./catalogue.js";
 import { Source } from "./computed.js";
 import { Controls } from "./controls.js";
-import { byId } from "./elements.js";
+import { byId, reveal } from "./elements.js";
 import { tellFigures, viewOf } from "./figures.js";
 import { Jobs } from "./jobs.js";
+import { tellMeaning } from "./meaning.js";
 import { MotionAtPoint } from "./motion.js";
 import { Notice } from "./notice.js";
 import { begun, complete } from "./opening.js";
@@ -17,7 +18,7 @@ import { Picture } from "./picture.js";
 import { tellQuestions } from "./questions.js";
 import { Refusal, get } from "./service.js";
 import { fromLink, toLink } from "./view.js";
-import { duration } from "./words.js";
+import { duration, valuesTold } from "./words.js";
 
 const DIMMED_AFTER = 100; // ms without the picture of the fields
 
@@ -59,6 +60,7 @@ class Page {
   }
 
   async start() {
+    this.tellQuestions(fromLink(location.hash).wanted.question ?? "speed");
     const [friction] = await Promise.all([this.catalogue.ask("/friction"), this.catalogue.load()]);
     this.controls.frictions = friction.pairs;
     const study = () => this.source.study(this.view);
@@ -74,11 +76,17 @@ class Page {
     });
     const best = () => this.optimum.study();
     const picture = (what) => (what === "best" && this.optimum.front) || this.picture.drawing;
-    this.away = new TakeAway(byId("away"), { study, best, picture, tell });
+    const told = () => ({
+      title: byId("headline").textContent,
+      lines: [valuesTold(this.view, this.seen)],
+      link: location.href,
+    });
+    this.away = new TakeAway(byId("away"), { study, best, picture, told, tell });
     this.accuracy = new Accuracy(byId("accuracy"), { study, tell });
     window.addEventListener("hashchange", () => {
       if (location.hash !== this.link) this.restore();
     });
+    get("/healthz").then(({ version }) => (byId("version").textContent = version), () => {});
     await this.restore();
   }
 
@@ -127,15 +135,14 @@ class Page {
     complaints.push(...made.complaints, ...(isSwitching ? [] : made.foreign));
     this.view = view;
     this.seen = scene;
-    tellQuestions(byId("questions"), view.question, (question) => {
-      this.isChosen = true;
-      return question === "thesis" ? this.openFigure(null) : this.open(begun(question));
-    });
+    this.tellQuestions(view.question);
     this.controls.show(view, this.catalogue.scenes, scene);
     this.picture.begin(view, scene);
+    tellMeaning(byId("meaning").lastElementChild, view, scene);
+    document.querySelector("main").classList.remove("opening");
     this.part.show(view, scene);
     if (isSwitching && view.best) view.best.isFound = false;
-    const left = await this.tellQuestion();
+    const left = await this.tellWhatElse();
     if (isLeft()) return;
     if (!isSwitching) complaints.push(...left);
     this.notice.tell(complaints.slice(0, 1));
@@ -146,8 +153,15 @@ class Page {
     if (!isLeft() && view.question === "drive" && view.best.isFound) await this.optimum.find();
   }
 
+  tellQuestions(current) {
+    tellQuestions(byId("questions"), current, (question) => {
+      this.isChosen = true;
+      return question === "thesis" ? this.openFigure(null) : this.open(begun(question));
+    });
+  }
+
   // What a question has besides the picture and its fields. Returns what makes no sense in it.
-  async tellQuestion() {
+  async tellWhatElse() {
     const { question, figure } = this.view;
     byId("figures").hidden = question !== "thesis";
     byId("optimum").hidden = question !== "drive";
@@ -239,6 +253,7 @@ class Page {
       if (error.name === "AbortError") return;
       byId("progress").textContent = "";
       if (!(error instanceof Refusal)) throw error;
+      reveal();
       this.picture.dim("Not drawn: this picture shows other values.");
       this.controls.clear();
       const rest = this.controls.complain(error.errors);
@@ -263,6 +278,7 @@ class Page {
 
   tellJob(job) {
     this.jobs.note(job);
+    reveal();
     const left = job.secondsLeft ? `, ${duration(job.secondsLeft)} left` : "";
     byId("progress").textContent = `${job.message} ${job.progress} %${left}`;
   }

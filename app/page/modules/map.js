@@ -3,7 +3,8 @@
 import { axesDrawn, axisOf, FRAME } from "./axes.js";
 import { scaleOf } from "./colours.js";
 import { drawn, element, fill } from "./elements.js";
-import { bordersDrawn, clipDrawn, contoursDrawn, paint, thinned } from "./layers.js";
+import { svgDocument } from "./exported.js";
+import { bordersDrawn, clipDrawn, contoursDrawn, hatchDrawn, paint, thinned } from "./layers.js";
 import { legendOf, occurring, scaleTold } from "./legend.js";
 import { markerDrawn } from "./markers.js";
 import { namesDrawn } from "./names.js";
@@ -59,10 +60,13 @@ export class HeatMap {
     for (let j = 0; j < data.y.values.length; j++) {
       for (let i = 0; i < nx; i++) this.flat[j * nx + i] = data.z.at(i, j) ?? NaN;
     }
-    this.range = scaleOf(this.flat);
+    // While something moves, colours keep their meaning.
+    const isHeld = isMoving && this.range && this.rangeOf === data.z.name;
+    if (!isHeld) this.range = scaleOf(this.flat);
+    this.rangeOf = data.z.name;
     this.regimes = occurring(data, data.look);
     this.draw();
-    fill(this.scale, ...scaleTold(this.range, data.z));
+    fill(this.scale, ...scaleTold(this.range, data.z, this.flat));
     fill(this.legend, ...legendOf(this.regimes));
     if (this.cursor) this.say();
   }
@@ -101,6 +105,7 @@ export class HeatMap {
     fill(
       this.svg,
       clipDrawn(this.clipId, width, height),
+      hatchDrawn(ground, this.regimes),
       contoursDrawn(ground),
       bordersDrawn(ground, this.regimes),
       namesDrawn(this.isMoving ? ground : thinned(this), this.regimes),
@@ -245,29 +250,23 @@ export class HeatMap {
     event.preventDefault();
   }
 
-  // The picture as one SVG document, the colours as an image within it.
-  svgText(style) {
+  // The picture as one SVG document, the colours as an image within it; `told` is its title and values.
+  svgText(style, told) {
     const copy = this.svg.cloneNode(true);
     copy.querySelector(".cursor")?.remove();
     const { left, right, top, bottom } = FRAME;
     const width = this.box.clientWidth;
     const height = this.box.clientHeight;
-    copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
-    copy.setAttribute("width", width);
-    copy.setAttribute("height", height);
-    copy.prepend(
-      drawn("style", {}, style),
-      drawn("rect", { width, height, class: "paper" }),
-      drawn("image", {
-        x: left,
-        y: top,
-        width: width - left - right,
-        height: height - top - bottom,
-        preserveAspectRatio: "none",
-        "image-rendering": "pixelated",
-        href: this.canvas.toDataURL(),
-      }),
-    );
-    return new XMLSerializer().serializeToString(copy);
+    const colours = drawn("image", {
+      x: left,
+      y: top,
+      width: width - left - right,
+      height: height - top - bottom,
+      preserveAspectRatio: "none",
+      "image-rendering": "pixelated",
+      href: this.canvas.toDataURL(),
+    });
+    const bar = { range: this.range, name: this.data.z.name, unit: this.data.z.unit };
+    return svgDocument([colours, ...copy.childNodes], { width, height, style, told, bar, regimes: this.regimes });
   }
 }

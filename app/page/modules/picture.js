@@ -1,7 +1,7 @@
 // The picture of a view: a map or lines, the worst case of what is not known exactly, and how much holds.
 
 import { Curves } from "./curves.js";
-import { byId, element, fill } from "./elements.js";
+import { byId, element, fill, reveal } from "./elements.js";
 import { occurring } from "./legend.js";
 import { HeatMap } from "./map.js";
 import { lookOf } from "./markers.js";
@@ -24,6 +24,7 @@ export class Picture {
     this.dim("Computing ...");
     fill(byId("headline"), capital(words(view.output)), " ", element("small", {}, scene.title));
     byId("worst").hidden = true;
+    byId("note").hidden = scene.regimes.every(({ valid }) => valid);
   }
 
   // `isMoving` while a slider is dragged: the next picture will soon be there.
@@ -51,6 +52,7 @@ export class Picture {
       });
     }
     this.tellValidity(found);
+    reveal();
   }
 
   // What is drawn is not, or not yet, of the fields: it is dimmed, and why is said over it.
@@ -116,7 +118,7 @@ export class Picture {
       .filter(({ value }) => invalid.has(value))
       .reduce((sum, { share }) => sum + share, 0);
     byId("note").textContent = beyond
-      ? `In ${number(100 * beyond, 3)} % of the picture these formulas do not ` +
+      ? `In ${number(100 * beyond, 3)} % of the picture${found.y ? ", which is hatched," : ""} these formulas do not ` +
         "describe a real part: it has left the track. Motion in time tells its true speed."
       : "";
   }

@@ -5,7 +5,7 @@ import { CRITERIA, FIGURES, NEEDS_OTHER } from "./criterion.js";
 import { element, fill } from "./elements.js";
 import { button, choiceField, numberInput, tick } from "./fields.js";
 import { usual } from "./view.js";
-import { capital, label, number, shown, words } from "./words.js";
+import { capital, label, number, sentence, shown, words } from "./words.js";
 
 const MOST_LIMITS = 20;
 const MOST_POINTS = 200;
@@ -226,7 +226,7 @@ export class Wishes {
       left.length
         ? choiceField(
             "vary",
-            "One more",
+            "Add a parameter",
             [["", "Choose ..."], ...left.map((name) => [name, label(name, parameter(name).unit)])],
             "",
             (name) => {
@@ -258,8 +258,9 @@ export class Wishes {
   complain(errors) {
     this.clear();
     const rest = [];
-    for (const { place, message, fix } of errors) {
-      const text = `${capital(message)}. ${fix}.`.replace("..", ".");
+    for (const error of errors) {
+      const { place } = error;
+      const text = sentence(error);
       const slot = [...this.host.querySelectorAll(".wrong")].find(({ dataset }) =>
         `${place}.`.startsWith(`${dataset.place}.`),
       );

@@ -72,3 +72,24 @@ export function duration(seconds) {
   if (seconds >= 120) return `${number(seconds / 60, 2)} minutes`;
   return `${number(seconds, 2)} s`;
 }
+
+// The fixed values of a view in one line, and the version of it that was chosen.
+export function valuesTold({ values, choice }, { parameters }) {
+  const fixed = parameters
+    .filter(({ name }) => name in values)
+    .map(({ name, unit }) => `${words(name)} ${withUnit(values[name], unit)}`);
+  return capital([...fixed, ...(choice ? [words(choice)] : [])].join(", "));
+}
+
+const SPOKEN = { "m s-1": "m/s", "m s-2": "m/s²", "m s-3": "m/s³", "rad s-1": "rad/s", "rad s-2": "rad/s²", degree: "°" };
+
+// What the service says of a study, in the names and units of this page.
+export function sentence({ message, fix }) {
+  const plain = `${message}. ${fix}.`
+    .replace("..", ".")
+    .replace(/(-?[\d.]+(?:e[-+]?\d+)?) (m s-[123]|rad s-[12]|degree)(?![\w-])/g, (_, value, unit) =>
+      unit === "degree" ? `${value}°` : `${value} ${SPOKEN[unit]}`,
+    );
+  const [name] = plain.match(/^\w+(?= is )/) ?? [];
+  return capital(LABELS.has(name) ? words(name) + plain.slice(name.length) : plain);
+}

@@ -1,0 +1,64 @@
+// A link restores the view that made it, and nothing of it is believed.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { usualBest } from "../../../app/page/modules/criterion.js";
+import { fromLink, givenValues, toLink, typical, usual } from "../../../app/page/modules/view.js";
+
+const VIEW = {
+  question: "drive",
+  kind: "simulate",
+  scene: "rectangle-on-plane",
+  choice: "",
+  output: "conveying_velocity",
+  x: { name: "amplitude", from: 1e-4, to: 7e-4 },
+  y: null,
+  values: { frequency: 50, friction: 0.1 + 0.2 },
+  band: { name: "friction", share: 0.2 },
+  point: { x: 0.00035, y: null },
+  best: { ...usualBest(), kind: "limit", against: "hop_height", limit: 0.25, given: { radius: 0.3 } },
+};
+
+test("a link restores its view to the last digit", () => {
+  const { wanted, complaints } = fromLink(toLink(VIEW));
+  assert.deepEqual(complaints, []);
+  for (const name of ["question", "kind", "scene", "output", "x", "y", "band", "point", "best"]) {
+    assert.deepEqual(wanted[name], VIEW[name], name);
+  }
+  assert.deepEqual({ ...wanted.values }, VIEW.values);
+  assert.equal(toLink({ ...VIEW, ...wanted }), toLink(VIEW));
+});
+
+test("each part of a link that makes no sense is said once", () => {
+  for (const link of [
+    "#question=why", "#x=beta", "#x=beta:5:5", "#x=beta:9:1", "#p.beta=", "#p.beta=1e999", "#band=beta:2",
+    "#point=here", `#${"x".repeat(5000)}`, "#best=fastest", "#best=limit&limit=-1",
+  ]) {
+    assert.equal(fromLink(link).complaints.length, 1, link);
+  }
+});
+
+test("names that every object has are names like others", () => {
+  const { wanted } = fromLink("#p.__proto__=5&p.constructor=1");
+  assert.equal({}.polluted, undefined);
+  assert.deepEqual(Object.keys(wanted.values), ["__proto__", "constructor"]);
+});
+
+test("what is usual lies within the bounds, in order", () => {
+  for (const parameter of [
+    { unit: "degree", lower: -90, upper: 30 },
+    { unit: "m", lower: 0, example: 0.001 },
+    { unit: "1", lower: -1, upper: 0, default: -0.5 },
+    { unit: "1", default: 0 },
+  ]) {
+    const [low, high] = usual(parameter);
+    assert.ok(low < high);
+    assert.ok(low >= (parameter.lower ?? -Infinity) && high <= (parameter.upper ?? Infinity));
+    assert.ok(Number.isFinite(typical(parameter)));
+  }
+});
+
+test("a value that is the service's own is not given", () => {
+  assert.deepEqual(givenValues({ values: { a: 1, b: 2 }, own: { a: 1, b: 3 } }), { b: 2 });
+});
