@@ -4,9 +4,9 @@ import { FIGURES, NEEDS_OTHER, usualBest } from "./criterion.js";
 import { givenValues, shownParameters, typical } from "./view.js";
 import { capital, words } from "./words.js";
 
-// Make the best of a view whole in its place. Returns a sentence about each part that makes no sense.
+// The best of a view made whole, and a sentence about each part of it that made no sense.
 export function completeBest(view, scene) {
-  const best = (view.best ??= usualBest());
+  const best = { ...usualBest(), ...view.best };
   const complaints = [];
   const outputs = new Set(scene.outputs.map(({ name }) => name));
   const parameters = new Set(scene.parameters.map(({ name }) => name));
@@ -31,10 +31,9 @@ export function completeBest(view, scene) {
     ({ name }) => parameters.has(name) && (axes.includes(name) || name in view.values),
     ({ name }) => `${capital(words(name).slice(0, 60))} cannot be chosen here.`,
   ).filter(({ name }) => !axes.includes(name));
-  const further = furtherOf(view, scene).map(({ name }) => name);
-  best.given = Object.fromEntries(further.map((name) => [name, best.given[name]]));
-  for (const parameter of furtherOf(view, scene)) best.given[parameter.name] ??= typical(parameter);
-  return complaints;
+  const further = furtherOf({ ...view, best }, scene);
+  best.given = Object.fromEntries(further.map((one) => [one.name, best.given[one.name] ?? typical(one)]));
+  return { best, complaints };
 }
 
 // The names that a view gives values or ranges, and those that these stand for.

@@ -15,7 +15,7 @@ const KINDS_OF_FRICTION = {
 };
 
 export class Controls {
-  // `onchange(view, {dragged})` hears of each change; `dragged` while a slider is held.
+  // `onchange(patch, {dragged})` hears of each change; `dragged` while a slider is held.
   constructor(host, onchange) {
     this.host = host;
     this.onchange = onchange;
@@ -30,6 +30,7 @@ export class Controls {
     const parameters = shownParameters(scene, view.output, given);
     const further = furtherParameters(scene, view.output, given);
     this.parameters = parameters;
+    this.shown = {}; // by name: what has a field show another value
     refill(
       this.host,
       this.what(scenes),
@@ -58,6 +59,12 @@ export class Controls {
         this.uncertain(parameters),
       ),
     );
+  }
+
+  // Another view with the same fields: each shows its value.
+  follow(view) {
+    this.view = view;
+    for (const [name, show] of Object.entries(this.shown)) show(view.values[name]);
   }
 
   what(scenes) {
@@ -145,6 +152,7 @@ export class Controls {
     const [low, high] = usual(parameter);
     const id = `value-${name}`;
     let range;
+    let current = this.view.values[name];
     const slider = element("input", {
       type: "range",
       min: 0,
@@ -152,10 +160,10 @@ export class Controls {
       "aria-label": `${capital(words(name))}, slider`,
       oninput: () => {
         const moved = range.at(Number(slider.value));
+        current = moved;
         typed.show(moved);
         tell(moved);
-        this.view.values[name] = moved;
-        this.onchange(this.view, { dragged: { name, from: range.from, to: range.to } });
+        this.onchange({ values: { ...this.view.values, [name]: moved } }, { dragged: { name, from: range.from, to: range.to } });
       },
       onchange: () => this.set(name, range.at(Number(slider.value))),
     });
@@ -168,6 +176,7 @@ export class Controls {
       tell(value);
     };
     const taken = (value) => {
+      current = value;
       follow(value);
       this.set(name, value);
     };
@@ -176,6 +185,12 @@ export class Controls {
       "aria-describedby": `wrong-${name}`,
     });
     follow(this.view.values[name]);
+    this.shown[name] = (value) => {
+      if (value === current) return;
+      current = value;
+      typed.show(value);
+      follow(value);
+    };
     return element(
       "div",
       { class: "field", title: description },
@@ -251,12 +266,11 @@ export class Controls {
   }
 
   set(name, value) {
-    this.view.values[name] = value;
-    this.onchange(this.view, { dragged: null });
+    this.change({ values: { ...this.view.values, [name]: value } });
   }
 
-  change(changes) {
-    this.onchange({ ...this.view, ...changes }, { dragged: null, isNew: true });
+  change(patch) {
+    this.onchange(patch, { dragged: null });
   }
 
   changeAxis(place, name) {

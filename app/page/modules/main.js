@@ -2,6 +2,7 @@
 
 import { Accuracy } from "./accuracy.js";
 import { Away as TakeAway } from "./away.js";
+import { completeBest } from "./best.js";
 import { Catalogue } from "./catalogue.js";
 import { Source } from "./computed.js";
 import { Controls } from "./controls.js";
@@ -17,7 +18,7 @@ import { PartHere } from "./part.js";
 import { Picture } from "./picture.js";
 import { tellQuestions } from "./questions.js";
 import { Refusal, get } from "./service.js";
-import { fromLink, toLink } from "./view.js";
+import { fromLink, frozen, toLink } from "./view.js";
 import { duration, valuesTold } from "./words.js";
 
 const DIMMED_AFTER = 100; // ms without the picture of the fields
@@ -33,25 +34,21 @@ class Page {
     this.notice = new Notice(byId("notice"));
     this.catalogue = new Catalogue((path) => this.notice.persist(() => get(path)));
     this.jobs = new Jobs(byId("jobs"));
-    this.controls = new Controls(byId("controls"), (view, how) => this.changed(view, how));
+    this.controls = new Controls(byId("controls"), (patch, how) => this.setView(patch, how));
     this.picture = new Picture({
-      onpick: (point) => this.pick(point, { isSeen: true }),
+      onpick: (point) => this.setView({ point }),
       onpoint: (point) => this.optimum.pointed(point),
     });
     this.motion = new MotionAtPoint(byId("detail"), byId("course"), {
       notice: this.notice,
       onshown: (point, course) => {
         this.picture.mark([{ ...point, text: "" }], "chosen");
-        this.part.tell(point, course);
+        this.part.tell(course);
       },
     });
-    this.part = new PartHere(byId("part"), (point) => {
-      this.isChosen = true;
-      return this.pick(point);
-    });
+    this.part = new PartHere(byId("part"), (point) => this.setView({ point }));
     this.isComputing = false;
     this.waiting = null; // what is to be computed next
-    this.isChosen = false; // whether the next address is a step that can be undone
     this.turn = 0; // of views that were opened: the last one counts
     byId("skip").addEventListener("click", (event) => {
       event.preventDefault(); // the address is that of the view
@@ -69,7 +66,7 @@ class Page {
       beside: byId("beside"),
       onmark: (marks) => this.picture.mark(marks, "best"),
       onchoose: (at) => this.choose(at),
-      onwish: () => this.keep(this.view),
+      onwish: (best) => this.setView({ best }),
       steps: () => this.picture.steps(),
       persist: (task) => this.notice.persist(task),
       tell,
@@ -91,12 +88,11 @@ class Page {
   }
 
   async restore() {
-    this.isChosen = false;
     busy(true);
     const { wanted, complaints } = fromLink(location.hash);
     const question = wanted.question ?? "speed";
     if (question === "thesis" && !wanted.scene) {
-      await this.openFigure(null, complaints);
+      await this.openFigure(null, { complaints, isStep: false });
       return;
     }
     const known = this.catalogue.scene(wanted.scene);
@@ -110,84 +106,101 @@ class Page {
     await this.open(view, { complaints });
   }
 
-  async openFigure(figure, complaints = []) {
+  async openFigure(figure, { complaints = [], isStep = true } = {}) {
     const figures = await this.catalogue.figures();
     const chosen = figure ?? figures.find(({ name }) => name === "fig-5-1") ?? figures[0];
-    await this.open(viewOf(chosen), { complaints });
+    await this.open(viewOf(chosen), { complaints, isStep });
   }
 
-  // Show another view. What an `isSwitching` user leaves behind needs no word.
-  async open(view, { complaints = [], isSwitching = false } = {}) {
+  // The one way in which a view changes: the address, the fields, the picture and the motion follow.
+  // `dragged` while a slider is held: the address has the value where it is let go.
+  setView(patch, { dragged = null } = {}) {
+    const before = this.view;
+    const view = { ...before, ...patch };
+    const isSame = ["kind", "scene", "choice", "output", "x", "y", "band"].every((name) => view[name] === before[name]);
+    const names = (one) => Object.keys(one.values).join();
+    if (!isSame || names(view) !== names(before)) {
+      const isOfAxes = ["x", "y"].every((place) => view[place]?.name === before[place]?.name);
+      const isOther = ["kind", "scene", "output"].some((name) => name in patch);
+      const best = view.best && { ...view.best, isFound: false };
+      const point = isOfAxes && !isOther && !patch.y && !patch.x ? view.point : null;
+      return this.open({ ...view, best, point }, { isSwitching: true, isStep: true });
+    }
+    if (patch.best) view.best = completeBest(view, this.seen).best;
+    this.view = frozen(view);
+    this.controls.follow(view);
+    if (this.optimum.view && view.question === "drive") this.optimum.follow(this.view);
+    if (!dragged) this.keep({ isStep: !patch.best || patch.best.isFound === before.best.isFound });
+    if (patch.point) this.part.place(view.point);
+    if (view.point && (patch.point || patch.values)) this.follow({ isSeen: Boolean(patch.point) });
+    return patch.values ? this.compute({ dragged }) : null;
+  }
+
+  // Open a view with a picture of its own; `isStep` where going back undoes it. What an `isSwitching`
+  // user leaves behind needs no word.
+  async open(wanted, { complaints = [], isSwitching = false, isStep = false } = {}) {
     const turn = (this.turn += 1);
     const isLeft = () => turn !== this.turn;
     busy(true);
     let scene;
     try {
-      scene = await this.catalogue.describe(view);
+      scene = await this.catalogue.describe(wanted);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
-      complaints.push(`There is no ${view.kind === "sweep" ? "variant" : "method"} of that name here.`);
-      view.choice = "";
-      scene = await this.catalogue.describe(view);
+      complaints.push(`There is no ${wanted.kind === "sweep" ? "variant" : "method"} of that name here.`);
+      wanted = { ...wanted, choice: "" };
+      scene = await this.catalogue.describe(wanted);
     }
     if (isLeft()) return;
-    const made = complete(view, scene);
+    const made = complete(wanted, scene);
     complaints.push(...made.complaints, ...(isSwitching ? [] : made.foreign));
-    this.view = view;
+    const view = made.view;
+    if (view.question === "drive") {
+      const whole = completeBest(view, scene);
+      view.best = whole.best;
+      if (!isSwitching) complaints.push(...whole.complaints);
+    }
+    if (!scene.methods.length) view.point = null;
+    this.view = frozen(view);
     this.seen = scene;
+    this.keep({ isStep });
     this.tellQuestions(view.question);
     this.controls.show(view, this.catalogue.scenes, scene);
     this.picture.begin(view, scene);
     tellMeaning(byId("meaning").lastElementChild, view, scene);
     document.querySelector("main").classList.remove("opening");
     this.part.show(view, scene);
-    if (isSwitching && view.best) view.best.isFound = false;
-    const left = await this.tellWhatElse();
+    this.motion.leave();
+    await this.tellWhatElse();
     if (isLeft()) return;
-    if (!isSwitching) complaints.push(...left);
     this.notice.tell(complaints.slice(0, 1));
     const drawn = this.compute({ isFirst: true });
-    if (view.point) await this.pick(view.point);
-    else byId("detail").hidden = true;
+    if (view.point) this.follow();
     await drawn;
-    if (!isLeft() && view.question === "drive" && view.best.isFound) await this.optimum.find();
+    if (!isLeft() && view.question === "drive" && this.view.best.isFound) await this.optimum.find();
   }
 
   tellQuestions(current) {
-    tellQuestions(byId("questions"), current, (question) => {
-      this.isChosen = true;
-      return question === "thesis" ? this.openFigure(null) : this.open(begun(question));
-    });
+    tellQuestions(byId("questions"), current, (question) =>
+      question === "thesis" ? this.openFigure(null) : this.open(begun(question), { isStep: true }),
+    );
   }
 
-  // What a question has besides the picture and its fields. Returns what makes no sense in it.
+  // What a question has besides the picture and its fields.
   async tellWhatElse() {
     const { question, figure } = this.view;
     byId("figures").hidden = question !== "thesis";
     byId("optimum").hidden = question !== "drive";
     this.away.offer(question === "drive");
-    if (question === "drive") return this.optimum.show(this.view, this.seen);
+    if (question === "drive") {
+      this.optimum.show(this.view, this.seen);
+      return;
+    }
     this.optimum.forget();
     if (question === "thesis") {
       const figures = await this.catalogue.figures();
-      tellFigures(byId("figures"), figures, figure, (chosen) => {
-        this.isChosen = true;
-        return this.openFigure(chosen);
-      });
+      tellFigures(byId("figures"), figures, figure, (chosen) => this.openFigure(chosen));
     }
-    return [];
-  }
-
-  async changed(view, { dragged, isNew = false }) {
-    if (!dragged) this.isChosen = true;
-    if (isNew) {
-      await this.open({ ...view, point: null }, { isSwitching: true });
-      return;
-    }
-    this.view = view;
-    const drawn = this.compute({ dragged });
-    if (view.point) this.motion.follow(view, this.seen);
-    await drawn;
   }
 
   // One computation at a time; of the changes meanwhile only the last counts.
@@ -224,21 +237,20 @@ class Page {
     const { signal } = this.abort;
     const tell = (job) => this.tellJob(job);
     const started = performance.now();
-    if (!dragged) this.keep(view); // also where the picture takes long: the address is of the fields
     const dimming = setTimeout(() => this.picture.dim("Computing ..."), DIMMED_AFTER);
     try {
       if (isFirst && view.kind === "simulate" && view.y) {
         const coarse = await this.notice.persist(() => this.source.coarse(view, { signal, tell }));
         signal.throwIfAborted();
         clearTimeout(dimming);
-        this.picture.show(coarse);
+        this.picture.show(coarse, view);
       }
       let found;
       do {
         found = await this.notice.persist(() => this.source.compute(view, { dragged, signal, tell }));
         signal.throwIfAborted();
         clearTimeout(dimming);
-        this.picture.show(found, { isMoving: dragged !== null });
+        this.picture.show(found, view, { isMoving: dragged !== null });
       } while (!dragged && this.source.isWorthMore(view));
       this.controls.clear();
       if (!isFirst) this.notice.tell(); // a word about a link stays
@@ -263,15 +275,12 @@ class Page {
     } finally {
       clearTimeout(dimming);
     }
-    if (view.question === "drive") this.optimum.grown();
-    if (!dragged) this.keep(view);
   }
 
-  // The address restores the view; what somebody chose can be undone by going back.
-  keep(view) {
-    this.link = toLink(view);
-    const isStep = this.isChosen && this.link !== location.hash;
-    this.isChosen = false;
+  // The address restores the view, also where its picture takes long; a step is undone by going back.
+  keep({ isStep }) {
+    this.link = toLink(this.view);
+    if (this.link === location.hash) return;
     if (isStep) history.pushState(null, "", this.link);
     else history.replaceState(null, "", this.link);
   }
@@ -284,23 +293,17 @@ class Page {
   }
 
   // Show a drive as a whole: its point, and the values that are no axes.
-  async choose(at) {
-    const { view } = this;
-    const moved = Object.keys(at).filter((name) => name in view.values && view.values[name] !== at[name]);
-    for (const name of moved) view.values[name] = at[name];
-    if (moved.length) {
-      this.controls.show(view, this.catalogue.scenes, this.seen);
-      await this.compute({});
-    }
-    await this.pick({ x: at[view.x.name], y: view.y ? at[view.y.name] : null });
+  choose(at) {
+    const { values, x, y } = this.view;
+    const moved = Object.fromEntries(Object.entries(at).filter(([name]) => name in values));
+    const isOther = Object.keys(moved).some((name) => moved[name] !== values[name]);
+    const point = { x: at[x.name], y: y ? at[y.name] : null };
+    return this.setView(isOther ? { values: { ...values, ...moved }, point } : { point });
   }
 
-  // `isSeen` where the motion is to be brought into sight.
-  async pick(point, { isSeen = false } = {}) {
-    const { view } = this;
-    if (!this.catalogue.scene(view.scene)?.methods.length) return;
-    view.point = point;
-    this.keep(view);
+  // The motion at the point of the view; `isSeen` where it is to be brought into sight.
+  async follow({ isSeen = false } = {}) {
+    if (!this.catalogue.scene(this.view.scene)?.methods.length) return;
     await this.motion.follow(this.view, this.seen);
     if (isSeen) byId("course").scrollIntoView({ block: "nearest" });
   }

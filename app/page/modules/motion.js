@@ -20,6 +20,7 @@ export class MotionAtPoint {
     this.next = { view, scene };
     if (this.isFollowing) return;
     this.isFollowing = true;
+    this.section.setAttribute("aria-busy", "true");
     try {
       while (this.next) {
         const { next } = this;
@@ -27,14 +28,24 @@ export class MotionAtPoint {
         await this.show(next.view, next.scene, next.view.point);
       }
     } finally {
+      this.section.setAttribute("aria-busy", "false");
       this.isFollowing = false;
     }
   }
 
+  // Another view is opened, or one without a point: what is under way is of no use.
+  leave() {
+    this.turn = (this.turn ?? 0) + 1;
+    this.next = null;
+    this.section.hidden = true;
+  }
+
   async show(view, scene, point) {
-    if (!point) return;
+    const { turn } = this;
+    const isLeft = () => turn !== this.turn || (this.next && this.next.view.point !== point);
     try {
       const dataset = await this.notice.persist(() => courseAt(view, scene, point));
+      if (isLeft()) return;
       this.section.hidden = false;
       this.course ??= new Course(this.host);
       const course = courseOf(dataset);
@@ -42,6 +53,7 @@ export class MotionAtPoint {
       this.onshown(point, course);
     } catch (error) {
       if (!(error instanceof Refusal)) throw error;
+      if (isLeft()) return;
       this.notice.tell([error.errors[0]?.message ?? error.message]);
     }
   }

@@ -20,8 +20,9 @@ export function begun(question) {
   return { ...(BEGIN[question] ?? BEGIN.speed), choice: "", values: {}, question };
 }
 
-// Complete a view of a scene in its place. Returns a sentence about each part that makes no sense.
-export function complete(view, scene) {
+// A view of a scene made whole, and a sentence about each part of it that made no sense.
+export function complete(wanted, scene) {
+  const view = { ...wanted, values: { ...wanted.values } };
   const complaints = [...chooseOutput(view, scene)];
   const given = { ...view.values };
   for (const axis of [view.x, view.y]) if (axis) given[axis.name] = axis.from;
@@ -40,7 +41,7 @@ export function complete(view, scene) {
     foreign.push(view.band.name);
     view.band = null;
   }
-  return { complaints, foreign: foreign.map((name) => `${capital(told(name))} is not a parameter here.`) };
+  return { view, complaints, foreign: foreign.map((name) => `${capital(told(name))} is not a parameter here.`) };
 }
 
 function chooseOutput(view, scene) {

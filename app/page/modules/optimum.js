@@ -2,7 +2,7 @@
 
 import { designsOf } from "./answer.js";
 import { bandOf, neighboursOf } from "./around.js";
-import { bestStudy, completeBest, variablesOf } from "./best.js";
+import { bestStudy, variablesOf } from "./best.js";
 import { element, fill } from "./elements.js";
 import { Front } from "./front.js";
 import { designTold, marginsTold, ratesTold, statusTold } from "./margin.js";
@@ -15,14 +15,14 @@ import { words } from "./words.js";
 const NEAR = 0.06; // of an axis of the picture
 
 export class Optimum {
-  // `onmark(marks)` shows points in the picture, `onchoose(at)` a drive as a whole, `onwish()` hears
-  // that the view changed, `steps()` gives how far the values of the picture lie apart,
+  // `onmark(marks)` shows points in the picture, `onchoose(at)` a drive as a whole, `onwish(best)` hears
+  // of what is wished for, or found, `steps()` gives how far the values of the picture lie apart,
   // `persist(task)` asks until the service answers.
   // A trade-off is drawn in `beside`, next to the picture.
   constructor(host, { beside, onmark, onchoose, onwish, steps, persist, tell }) {
     Object.assign(this, { host, beside, onmark, onchoose, onwish, steps, persist, tellJob: tell });
     this.form = element("div", { class: "wishes" });
-    this.wishes = new Wishes(this.form, () => this.wished());
+    this.wishes = new Wishes(this.form, (best) => this.onwish(best));
     this.said = element("div", { role: "status" });
     this.answer = element("div", { class: "answer" });
     this.find_ = element("button", { type: "button", onclick: () => this.find() }, "Find the best");
@@ -30,15 +30,20 @@ export class Optimum {
     this.designs = [];
   }
 
-  // Show what is wished for of another view. Returns a sentence about each part that makes no sense.
+  // Show what is wished for of another picture.
   show(view, scene) {
-    this.view = view;
     this.scene = scene;
-    const complaints = completeBest(view, scene);
+    this.view = view;
     this.wishes.show(view, scene);
     this.forget();
     this.abort?.abort();
-    return complaints;
+  }
+
+  // The view has changed, and its picture is the same or is being drawn.
+  follow(view) {
+    this.view = view;
+    this.wishes.follow(view);
+    this.grown();
   }
 
   units(name) {
@@ -59,22 +64,15 @@ export class Optimum {
     fill(this.answer);
   }
 
-  wished() {
-    completeBest(this.view, this.scene);
-    this.grown();
-    this.onwish();
-  }
-
   // What was found is of other values than those that are shown now.
   grown() {
     if (!this.found || this.found === JSON.stringify(this.study())) return;
-    this.view.best.isFound = false;
     this.forget();
+    if (this.view.best.isFound) this.onwish({ ...this.view.best, isFound: false });
     this.said.textContent = "The best is of other values: find it again.";
   }
 
   async find() {
-    const { view } = this;
     const study = this.study();
     this.abort?.abort();
     this.abort = new AbortController();
@@ -91,8 +89,7 @@ export class Optimum {
       this.found = JSON.stringify(study);
       this.grown(); // meanwhile
       if (!this.found) return;
-      view.best.isFound = true;
-      this.onwish();
+      this.onwish({ ...this.view.best, isFound: true });
       await this.tell(dataset, signal);
     } catch (error) {
       if (error.name === "AbortError") return;

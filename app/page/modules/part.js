@@ -41,13 +41,17 @@ export class PartHere {
     this.answer.textContent = view.point ? "" : "Type a point, or click one in the picture.";
   }
 
-  // What a part does at a point, by its course and the numbers of the study.
-  tell(point, { velocity, height, throwNumber, amplitude, regime }) {
+  // A point that was chosen elsewhere stands in the fields, too.
+  place(point) {
     for (const [place, field] of Object.entries(this.fields ?? {})) {
       if (point[place] === null || point[place] === undefined) continue;
       field.show(point[place]);
       field.taken(point[place]);
     }
+  }
+
+  // What a part does at a point, by its course and the numbers of the study.
+  tell({ velocity, height, throwNumber, amplitude, regime }) {
     const most = Math.max(...height);
     const scale = Math.max(...height.map(Math.abs), amplitude ?? 0);
     const more = [words(regime)];

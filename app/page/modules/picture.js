@@ -5,6 +5,7 @@ import { byId, element, fill, reveal } from "./elements.js";
 import { occurring } from "./legend.js";
 import { HeatMap } from "./map.js";
 import { lookOf } from "./markers.js";
+import { pictureOf } from "./view.js";
 import { capital, number, words } from "./words.js";
 
 export class Picture {
@@ -28,8 +29,9 @@ export class Picture {
   }
 
   // `isMoving` while a slider is dragged: the next picture will soon be there.
-  show(found, { isMoving = false } = {}) {
+  show(found, view, { isMoving = false } = {}) {
     this.undim();
+    byId("host").dataset.view = pictureOf(view);
     const kind = found.y ? "map" : "curves";
     if (this.kind !== kind) {
       const { onpick, onpoint } = this;

@@ -8,6 +8,17 @@ const MOST_CHARACTERS = 4000;
 export const QUESTIONS = ["speed", "drive", "thesis", "all"];
 export const KINDS = ["simulate", "sweep"];
 
+// The same, which nothing can change: `setView` of the page alone makes another one.
+export function frozen(value) {
+  if (value !== null && typeof value === "object") Object.values(Object.freeze(value)).forEach(frozen);
+  return value;
+}
+
+// What is drawn of a view, as text: two views with the same have the same picture.
+export function pictureOf({ kind, scene, choice, output, x, y, values, band }) {
+  return toLink({ question: "", kind, scene, choice, output, x, y, values, band });
+}
+
 export function toLink(view) {
   const query = new URLSearchParams({
     question: view.question,

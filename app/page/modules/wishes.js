@@ -11,16 +11,16 @@ const MOST_LIMITS = 20;
 const MOST_POINTS = 200;
 
 export class Wishes {
-  // `onchange()` hears that something is wished for otherwise; the view holds what.
+  // `onchange(best)` hears of what is wished for otherwise.
   constructor(host, onchange) {
     this.host = host;
     this.onchange = onchange;
   }
 
   show(view, scene) {
-    this.view = view;
     this.scene = scene;
-    const { best } = view;
+    const best = structuredClone(view.best); // a draft: the view has its own
+    this.view = { ...view, best };
     fill(
       this.host,
       this.criterion(best),
@@ -30,10 +30,16 @@ export class Wishes {
     );
   }
 
+  // What is typed here stands here already.
+  follow(view) {
+    const told = ({ best }) => JSON.stringify({ ...best, isFound: false });
+    if (told(view) !== told(this.view)) this.show(view, this.scene);
+    else this.view = { ...view, best: this.view.best };
+  }
+
   // Something changed that other fields depend on.
   changed(id = null) {
-    this.view.best.isFound = false;
-    this.onchange();
+    this.onchange({ ...this.view.best, isFound: false });
     this.show(this.view, this.scene);
     if (id) document.getElementById(id)?.focus();
   }
@@ -41,8 +47,7 @@ export class Wishes {
   figure(text, value, unit, set, more = {}) {
     const heard = (typed) => {
       set(typed);
-      this.view.best.isFound = false;
-      this.onchange();
+      this.onchange({ ...this.view.best, isFound: false });
     };
     return numberInput(text, value, unit, heard, more);
   }
