@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import elementwise
 
 from core.mechanics.arrays import Array, Mask
 from core.motion.groups import Contacts, Groups
@@ -200,6 +199,8 @@ class PartLoad:
         """
         (low, mass, damping), (high, next_mass, next_damping) = ends
         columns = tuple(known[name] for name in self.needs)
+        from scipy.optimize import elementwise  # every study of motion knows of this, few need it
+
         line = (low, mass, damping, high, next_mass, next_damping)
         jumps = np.zeros_like(exact)
         for _ in range(2):
