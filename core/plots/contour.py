@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
+from matplotlib.figure import FigureBase
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
@@ -31,7 +31,7 @@ Masked = np.ma.MaskedArray[tuple[int, ...], np.dtype[np.float64]]
 
 
 def draw_contour(
-    figure: Figure, selection: Selection, looks: Sequence[Look], style: Style
+    figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
     """Draw the contours; return the axes and the legend's entries."""
     axes = figure.add_subplot()

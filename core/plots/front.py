@@ -64,10 +64,10 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         entries.append(Line2D([], [], color=colour, lw=style.width(1.8), label=named or "front"))
     entries.append(
         Line2D([], [], ls="", marker="o", color=style.quiet, ms=style.width(8),
-               mec=style.ground, label="knee: beyond it more costs most")
+               mec=style.ground, label="knee: where the front bends most")
     )  # fmt: skip
     label = axis_label(against, side.unit)
-    axes.set_xlabel(f"Size of: {label[0].lower()}{label[1:]}")
+    axes.set_xlabel(f"Magnitude of the {label[0].lower()}{label[1:]}")
     axes.set_ylabel(axis_label(output, height.unit))
     style.add_grid(axes)
     return finish(

@@ -26,17 +26,17 @@ from core.optimise.codes import STATUS
 from core.optimise.problem import Problem, chosen_cells
 from core.optimise.run import designs_of
 from core.optimise.sentences import criterion_in_words
-from core.plan.grid import from_si
+from core.plan.grid import from_si, to_si
 from core.plots.fixed import fixed_positions
 from core.plots.heading import finish, source_of
 from core.plots.names import gives_way
-from core.plots.optimum import prepared_of
+from core.plots.optimum import is_optimum, prepared_of
 from core.plots.options import Options
 from core.plots.parts import add_room, plain
 from core.plots.problem import PlotError
 from core.plots.scale import scale_of
 from core.plots.selection import held_at, held_fixed
-from core.plots.style import Style, mix
+from core.plots.style import RGB, Style, mix
 from core.plots.text import axis_label, scaled, shown_in, words
 from core.quantities import QUANTITIES
 from core.study.shown import ShownUnits
@@ -74,8 +74,11 @@ class Landscape(NamedTuple):
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """False: it is drawn where it is asked for."""
-    return False
+    """True of one design whose study has a variable or two, if no output of it is asked for."""
+    asked = (options.variable, options.axes) != (None, None)
+    if asked or not is_optimum(dataset) or dataset["optimum_status"].size > 1:
+        return False
+    return sum(str(name).startswith("best_") for name in dataset.data_vars) in POINTS
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
@@ -88,30 +91,51 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     PlotError
         If the study has more variables, or the dataset does not have a value.
     """
-    style, units, at = options.style, options.units, options.at
+    style, units = options.style, options.units
     prepared = prepared_of(dataset)
     problem = prepared.problem
     if len(problem.names) not in POINTS:
         message = f"the study has {len(problem.names)} variables, a landscape needs 1 or 2"
-        raise PlotError("dataset", message, "Draw best values as lines instead")
-    for name in at:
-        if name not in prepared.designs.axes:
-            known = ", ".join(prepared.designs.axes) or "none"
-            raise PlotError("at", f"{name} is not ranged", f"Ranged parameters: {known}")
-    place = fixed_positions(dataset, at, prepared.designs.axes, (), nearest=options.nearest)
+        raise PlotError("dataset", message, "Ask for kind profiles, or draw best values as lines")
+    place = place_of(dataset, prepared, options)
     shown = _computed(dataset, prepared, place, units)
     figure = style.sheet()
     axes = figure.add_subplot()
-    entries = (_draw_curve if len(problem.names) == 1 else _draw_plane)(axes, shown, style)
-    held = [held_at(dataset[name], units, position) for name, position in place.items()]
+    entries = (draw_curve if len(problem.names) == 1 else _draw_plane)(axes, shown, style)
+    none = "" if shown.best.size else "No choice within the bounds keeps all limits"
     return finish(
-        figure, axes, style, name=options.title or f"Objective: {_name(problem)}",
-        facts=[criterion_in_words(problem), *held, *held_fixed(dataset, units)],
-        source=source_of(dataset), entries=entries,
+        figure, axes, style, name=options.title or f"Objective: {name_of(problem)}",
+        facts=held_of(dataset, prepared, place, units), source=source_of(dataset),
+        entries=entries, note=none,
     )  # fmt: skip
 
 
-def _name(problem: Problem) -> str:
+def place_of(dataset: xarray.Dataset, prepared: Optimisation, options: Options) -> dict[str, int]:
+    """Return the position at which each ranged parameter is held.
+
+    Raises
+    ------
+    PlotError
+        If `at` names another parameter, or a value that the dataset does not have.
+    """
+    for name in options.at:
+        if name not in prepared.designs.axes:
+            known = ", ".join(prepared.designs.axes) or "none"
+            raise PlotError("at", f"{name} is not ranged", f"Ranged parameters: {known}")
+    axes = prepared.designs.axes
+    return fixed_positions(dataset, options.at, axes, (), nearest=options.nearest)
+
+
+def held_of(
+    dataset: xarray.Dataset, prepared: Optimisation, place: Mapping[str, int], units: ShownUnits
+) -> list[str]:
+    """Return what is looked for, and what is held."""
+    held = [held_at(dataset[name], units, position) for name, position in place.items()]
+    return [criterion_in_words(prepared.problem), *held, *held_fixed(dataset, units)]
+
+
+def name_of(problem: Problem) -> str:
+    """Return the name of the objective."""
     label = QUANTITIES[problem.criterion.output].label
     return f"{label[0].lower()}{label[1:]}{', weighted' if problem.weight else ''}"
 
@@ -127,14 +151,51 @@ def _computed(
     Under uncertain parameters it is the worst case, mean or quantile that the optimiser looked at.
     """
     problem, count = prepared.problem, POINTS[len(prepared.problem.names)]
-    flat = np.ravel_multi_index(tuple(place.values()), tuple(prepared.designs.shape.values()))
-    cell = int(flat) if place else 0
-    design = chosen_cells(designs_of(problem, prepared.designs), slice(cell, cell + 1))
-    sides = [
+    grid = np.stack(np.meshgrid(*_sides(problem, count), indexing="ij"))
+    return _over(dataset, prepared, place, units, problem.names, grid)
+
+
+def curves_of(
+    dataset: xarray.Dataset, prepared: Optimisation, place: Mapping[str, int], units: ShownUnits
+) -> list[Landscape]:
+    """Return the objective along each variable, the others held at the optimum.
+
+    Where there is none, or a front of them, they are held in the middle of their bounds.
+    """
+    problem, curves = prepared.problem, []
+    best = dataset.isel({str(name): position for name, position in place.items()})
+    middle = (np.asarray(problem.lower) + np.asarray(problem.upper)) / 2
+    if bool(np.all(np.isin(best["optimum_status"], SOLVED))) and "front" not in best.dims:
+        chosen = {name: best[f"best_{name}"].values for name in problem.names}
+        middle = np.array([float(to_si(name, value)) for name, value in chosen.items()])
+    sides = _sides(problem, POINTS[1])
+    for k, name in enumerate(problem.names):
+        grid = np.repeat(middle[:, None], POINTS[1], axis=1)
+        grid[k] = sides[k]
+        curves.append(_over(dataset, prepared, place, units, (name,), grid))
+    return curves
+
+
+def _sides(problem: Problem, count: int) -> list[Array]:
+    return [
         np.linspace(low, high, count)
         for low, high in zip(problem.lower, problem.upper, strict=True)
     ]
-    grid = np.stack(np.meshgrid(*sides, indexing="ij"))
+
+
+def _over(
+    dataset: xarray.Dataset,
+    prepared: Optimisation,
+    place: Mapping[str, int],
+    units: ShownUnits,
+    names: tuple[str, ...],
+    grid: Array,
+) -> Landscape:
+    """Return the objective at the points of a grid of all variables, over those that are named."""
+    problem = prepared.problem
+    flat = np.ravel_multi_index(tuple(place.values()), tuple(prepared.designs.shape.values()))
+    cell = int(flat) if place else 0
+    design = chosen_cells(designs_of(problem, prepared.designs), slice(cell, cell + 1))
 
     def over(values: Array) -> Array:
         return np.array(np.broadcast_to(values, grid.shape[1:]))
@@ -142,7 +203,9 @@ def _computed(
     best = dataset.isel({str(name): position for name, position in place.items()})
     solved = bool(np.all(np.isin(best["optimum_status"], SOLVED)))
     tops, drawn, labels = [], [], []
-    for name, side in zip(problem.names, sides, strict=True):
+    for along, name in enumerate(names):
+        side = np.moveaxis(grid[problem.names.index(name)], along, 0)
+        side = side.reshape(len(side), -1)[:, 0]
         variable = _array(name, np.asarray(from_si(name, side), dtype=np.float64))
         unit = shown_in(variable, units)
         drawn.append(scaled(variable, unit.factor))
@@ -196,7 +259,9 @@ def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
         ):
             text.set_path_effects([withStroke(linewidth=3.0, foreground=style.ground)])
             gives_way(text)
-    entries = _limits(axes, shown, style)
+    # The legend shows a colour that the picture has.
+    face = scale.typical(np.where(allowed, np.nan, shown.value)) if scale is not None else None
+    entries = _limits(axes, shown, style, face)
     tops = shown.best
     if tops.shape[1] > 1:
         axes.plot(tops[1], tops[0], "-", color=style.accent, lw=style.width(3.0), clip_on=False,
@@ -209,7 +274,7 @@ def _draw_plane(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
     return entries
 
 
-def _draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
+def draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
     """Draw the objective over one variable; return the legend's entries."""
     (x,), value = shown.variables, shown.value
     axes.plot(x, value, color=style.curve, lw=style.width(2.0), zorder=4)
@@ -237,8 +302,8 @@ def _draw_curve(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
     return entries
 
 
-def _limits(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
-    """Veil what constraints exclude, and draw the edge of each."""
+def _limits(axes: Axes, shown: Landscape, style: Style, face: RGB | None) -> list[Artist]:
+    """Veil what constraints exclude, and draw the edge of each; `face` is a colour beneath."""
     (y, x), entries = shown.variables, list[Artist]()
     colours = (style.series[1], style.series[2], style.series[3], style.series[5])
     excluded = False
@@ -253,7 +318,7 @@ def _limits(axes: Axes, shown: Landscape, style: Style) -> list[Artist]:
                 x, y, margin, levels=[margin.min(), 0.0], colors=[style.ground], alpha=EXCLUDED
             )
     if excluded:
-        pale = mix(style.one_sign(0.5)[:3], style.ground, EXCLUDED)
+        pale = mix(style.one_sign(0.5)[:3] if face is None else face, style.ground, EXCLUDED)
         patch = Patch(facecolor=pale, edgecolor=style.quiet, label="faint: excluded")
         entries.append(patch)
     return entries

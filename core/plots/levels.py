@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import FigureBase
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
@@ -35,7 +35,7 @@ FORWARD, ZERO, BACKWARD = 1.3, 2.2, 1.5  # points
 
 
 def draw_levels(
-    figure: Figure, selection: Selection, looks: Sequence[Look], style: Style
+    figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
     """Draw the lines; return the axes and the legend's entries.
 
@@ -64,7 +64,8 @@ def draw_levels(
     axes.set_ylabel(up.label)
     entries = share_entries(selection.regimes, looks, faces)
     backward = str(selection.variable.attrs.get("units")) == SPEED
-    signed = _line_entries(signs, selection.unit, style)
+    what = "speed" if backward else "value"
+    signed = _line_entries(signs, what, selection.unit, style)
     if below:
         signed.append(_below_entry("backward" if backward else "below zero", style))
     return axes, [*signed, *entries]
@@ -135,12 +136,12 @@ def _add_lines(
     return drawn
 
 
-def _line_entries(signs: set[int], unit: str, style: Style) -> list[Artist]:
+def _line_entries(signs: set[int], what: str, unit: str, style: Style) -> list[Artist]:
     """Return what the lines say, in the legend."""
     said: dict[int, tuple[str, str, float, Literal["solid", "dashed"]]] = {
-        1: ("above zero", style.ink, FORWARD, "solid"),
+        1: (what, style.ink, FORWARD, "solid"),
         0: ("zero", style.ink, ZERO, "solid"),
-        -1: ("below zero", style.accent, BACKWARD, "dashed"),
+        -1: (f"{what} below zero", style.accent, BACKWARD, "dashed"),
     }
     entries: list[Artist] = []
     for sign in (1, 0, -1):

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import FigureBase
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
@@ -36,7 +36,7 @@ Colour = tuple[float, float, float] | str
 
 
 def draw_line(
-    figure: Figure, selection: Selection, looks: Sequence[Look], style: Style
+    figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
     """Draw the lines; return the axes and the legend's entries for the regimes."""
     across = selection.axes[0]
@@ -90,7 +90,7 @@ def draw_line(
 
 
 def _draw_categories(
-    figure: Figure,
+    figure: FigureBase,
     selection: Selection,
     codes: NDArray[np.int64],
     looks: Sequence[Look],
@@ -266,7 +266,7 @@ def _spans(
 
 
 def _name_curves(
-    figure: Figure, selection: Selection, values: NDArray[np.float64], colours: list[Colour]
+    figure: FigureBase, selection: Selection, values: NDArray[np.float64], colours: list[Colour]
 ) -> None:
     second = selection.axes[1]
     handles = [

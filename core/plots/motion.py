@@ -5,16 +5,41 @@ from __future__ import annotations
 import xarray
 from matplotlib.figure import Figure
 
+from core.errors import VibrafeedError
+from core.intake import parse_json
+from core.kinds.results import prepare, tabulate
+from core.plan.prepared import Prepared
 from core.plots.heading import finish, source_of
 from core.plots.options import Options
 from core.plots.sliced import check_result
 from core.plots.trajectory import TIME, check_trajectory, draw_trajectory, read_trajectory
 from core.plots.tumbling import draw_tumbling, read_tumbling
+from core.study import SimulateStudy
+
+TIMES = 400
 
 
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
-    """True of a dataset that holds a motion over a cycle, if no output of it is asked for."""
-    return (options.variable, options.axes) == (None, None) and TIME in dataset.dims
+    """True of one simulated part, and of a motion over a cycle, if no output is asked for."""
+    asked = (options.variable, options.axes) != (None, None)
+    return not asked and (TIME in dataset.dims or _followed(dataset) is not None)
+
+
+def _followed(dataset: xarray.Dataset) -> Prepared | None:
+    """Return the simulation of the one part of a dataset, with its motion over a cycle.
+
+    None where there are several parts, or where the method does not follow it.
+    """
+    text = str(dataset.attrs.get("study", ""))
+    if "motion_status" not in dataset or any(one.size > 1 for one in dataset.values()) or not text:
+        return None
+    try:
+        study = parse_json(text)
+        if not isinstance(study, SimulateStudy):
+            return None
+        return prepare(study.model_copy(update={"trajectory": TIMES}))
+    except VibrafeedError:
+        return None
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
@@ -27,6 +52,8 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     """
     check_result(dataset)
     style = options.style
+    if TIME not in dataset.dims and options.is_natural and (one := _followed(dataset)) is not None:
+        dataset = tabulate(one).to_xarray()
     figure = style.sheet()
     check_trajectory(dataset, options.variable, options.axes, options.at)
     if "path_gap" in dataset:

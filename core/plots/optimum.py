@@ -13,6 +13,11 @@ from core.plots.problem import PlotError
 from core.study import OptimiseStudy
 
 
+def is_optimum(dataset: xarray.Dataset) -> bool:
+    """True of the result of an optimisation."""
+    return "optimum_status" in dataset
+
+
 def prepared_of(dataset: xarray.Dataset) -> Optimisation:
     """Return the optimisation of which a dataset is the result.
 
@@ -22,7 +27,7 @@ def prepared_of(dataset: xarray.Dataset) -> Optimisation:
         If it is the result of none.
     """
     text: Any = dataset.attrs.get("study", "")
-    study = parse_json(text) if "optimum_status" in dataset else None
+    study = parse_json(text) if is_optimum(dataset) else None
     if not isinstance(study, OptimiseStudy):
         fix = "Draw what `vibrafeed run` wrote of a study of kind 'optimise'"
         raise PlotError("dataset", "it is no optimisation", fix)

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis as Spine
 from matplotlib.cm import ScalarMappable
-from matplotlib.figure import Figure
+from matplotlib.figure import FigureBase
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
@@ -50,7 +50,7 @@ def cell_edges(axis: Axis) -> NDArray[np.float64]:
 
 
 def add_colour_bar(
-    figure: Figure,
+    figure: FigureBase,
     axes: Axes,
     colours: ScalarMappable,
     scale: Scale,

@@ -59,6 +59,9 @@ PICTURES = {
         Picture("front", "a trade-off of two outputs", "front"),
         Picture("trajectory", "the motion of one part", "motion"),
         Picture("animation", "the same, moving; a GIF or MP4 file", "movie"),
+        Picture("landscape", "the objective of an optimisation over its variables", "landscape"),
+        Picture("profiles", "the objective along each variable by itself", "profiles"),
+        Picture("values", "the values of one design; of an impact, what hits what", "values"),
         Picture("line", "an output over one parameter, or a family of lines", "line"),
         Picture("map", "regimes, or an output whose numbers stand for words", "regime_map"),
         Picture("contour", "an output over two parameters, in colours", "contour"),
@@ -66,7 +69,6 @@ PICTURES = {
         Picture("surface", "an output over two parameters, in relief", "surface"),
         Picture("thresholds", "an output over one parameter, with its thresholds", "thresholds"),
         Picture("parallel", "all designs, a line each through all parameters", "parallel"),
-        Picture("landscape", "the objective of an optimisation over its variables", "landscape"),
     )
 }
 """By name. The first that fits a dataset is drawn where none is named."""

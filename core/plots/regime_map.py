@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap, to_rgb
-from matplotlib.figure import Figure
+from matplotlib.figure import FigureBase
 from numpy.typing import NDArray
 
 from core.dataset.regimes import percent
@@ -26,7 +26,7 @@ BORDER = "#1a1a1a"  # on fills, which are light in every style
 
 
 def draw_map(
-    figure: Figure, selection: Selection, looks: Sequence[Look], style: Style
+    figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
     """Draw the map; return the axes and the legend's entries, each with its share of the cells."""
     axes = figure.add_subplot()

@@ -14,12 +14,27 @@ from core.plots.categories import categories_of, codes_of
 from core.plots.exact import is_exact
 from core.plots.fixed import fixed_positions
 from core.plots.problem import PlotError
-from core.plots.text import axis_label, name_in_words, number, scaled, shown_in, with_unit
+from core.plots.text import (
+    axis_label,
+    demand_in_words,
+    long_name,
+    name_in_words,
+    number,
+    scaled,
+    shown_in,
+    with_unit,
+    words,
+)
 from core.quantities import QUANTITIES
 from core.study.shown import ShownUnits
 from core.suggestions import suggestion
 
 LOG_TOLERANCE = 1e-6
+SPEEDS = ("conveying_velocity",)
+"""Outputs that are read off lines of equal value, over the colours of their regimes."""
+SPACE = "\N{NO-BREAK SPACE}"
+COUNT = "_count"
+ANY_REGIME = -2
 FEW = 7  # values of an axis between which nothing is drawn: curves, not contours
 
 
@@ -87,7 +102,7 @@ def natural(
     """Return how an output is drawn if no kind is named: kind, output and axes.
 
     Lines over one axis, and where an axis has a few values only; a map of what has names in place
-    of heights; else contours.
+    of heights; lines of equal speed over the regimes; else contours.
 
     Raises
     ------
@@ -102,7 +117,9 @@ def natural(
         if axes is None:
             names = tuple(sorted(names, key=lambda name: -whole.sizes[name]))
         return "line", str(whole.name), names
-    return "map" if is_named else "contour", str(whole.name), names
+    if is_named:
+        return "map", str(whole.name), names
+    return "levels" if whole.name in SPEEDS else "contour", str(whole.name), names
 
 
 def select(
@@ -123,6 +140,9 @@ def select(
         If the dataset does not have it.
     """
     units = units or ShownUnits()
+    if kind == "map" and "regime" not in dataset:
+        fix = "Ask for another kind, or leave it out"
+        raise PlotError("kind", "the dataset has no regimes", fix)
     whole = dataset["regime"] if kind == "map" else dataset[_variable(dataset, variable)]
     if kind == "map" and variable not in (None, "regime"):
         named = dataset[_variable(dataset, variable)]
@@ -137,7 +157,7 @@ def select(
         fix = "Name two axes" if len(_ranged(whole)) > 1 else line
         raise PlotError("kind", f"kind {kind} needs two axes, there is one, {names[0]}", fix)
 
-    regime = dataset["regime"]
+    regime = _regime(dataset)
     order = [*whole.dims, *(dim for dim in regime.dims if dim not in whole.dims)]
     loose = [str(dim) for dim in order if dim not in names]
     positions = fixed_positions(dataset, at, loose, names, nearest=nearest)
@@ -147,7 +167,7 @@ def select(
     def part(array: xarray.DataArray) -> xarray.DataArray:
         return array.isel(positions, missing_dims="ignore").transpose(*names).sortby(list(names))
 
-    slice_ = part(whole)
+    slice_ = part(whole).assign_attrs(long_name=_name(dataset, whole, units))
     spread = dataset.get(f"{whole.name}_spread")
     if spread is not None:
         spread = part(spread)
@@ -194,12 +214,29 @@ def thin(size: int, most: int) -> NDArray[np.int64]:
     return np.unique(np.linspace(0, size - 1, min(size, most)).round().astype(np.int64))
 
 
+def _name(dataset: xarray.Dataset, variable: xarray.DataArray, units: ShownUnits) -> str:
+    """Return the name of what is drawn, bounds of demands in the units in which they are read."""
+    if variable.name == "objective" and "criterion" in dataset.attrs:
+        return f"Objective: {words(str(dataset.attrs['criterion']))}"
+    return demand_in_words(variable, units) or long_name(variable)
+
+
+def _regime(dataset: xarray.Dataset) -> xarray.DataArray:
+    """Return the regimes; of answers without them, such as reductions, one for all."""
+    if "regime" in dataset:
+        return dataset["regime"]
+    return xarray.DataArray(np.int8(ANY_REGIME), name="regime")
+
+
 def _variable(dataset: xarray.Dataset, name: str | None) -> str:
     outputs = [str(key) for key in dataset.data_vars if key != "regime"]
     if not outputs:
         raise PlotError("dataset", "it holds no output", "Draw a file that `vibrafeed run` wrote")
     if name is None:
-        return outputs[0]
+        # What is one value, or counts cells, says less than what varies.
+        varies = [key for key in outputs if dataset[key].size > 1]
+        values = [key for key in varies if not key.endswith(COUNT)]
+        return next(iter([*values, *varies, *outputs]))
     if name == "regime":
         fix = "Ask for kind map, or choose an output: " + ", ".join(outputs)
         raise PlotError("variable", "the regime is shaded in every picture", fix)
@@ -239,8 +276,13 @@ def _axis(coordinate: xarray.DataArray, units: ShownUnits) -> Axis:
 
 def held_at(coordinate: xarray.DataArray, units: ShownUnits, position: int | None = None) -> str:
     """Return name, value and unit of a parameter, in one piece."""
+    name = name_in_words(str(coordinate.name))
+    if position is None and "reduced_range" in coordinate.attrs:  # its value is only nominal
+        ends = coordinate.copy(data=np.float64(np.max(np.abs(coordinate.attrs["reduced_range"]))))
+        shown = shown_in(ends, units)
+        low, high = (number(shown.factor * float(end)) for end in coordinate.attrs["reduced_range"])
+        return f"over {name} {low} to {with_unit(high, shown.unit)}".replace(" ", SPACE)
     values = coordinate if position is None else coordinate[position]
     shown = shown_in(values, units)
     value = with_unit(number(float(scaled(values, shown.factor))), shown.unit)
-    name = name_in_words(str(coordinate.name))
-    return f"{name} {value}".replace(" ", "\N{NO-BREAK SPACE}")
+    return f"{name} {value}".replace(" ", SPACE)

@@ -7,28 +7,65 @@ same for all.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
+import numpy as np
 import xarray
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, FigureBase, SubFigure
 
+from core.kinds.results import STATUSES
+from core.plots.bodies import draw_bodies, is_pair, read_bodies, views
 from core.plots.categories import looks_of_categories
 from core.plots.heading import finish, source_of
 from core.plots.options import Options
 from core.plots.problem import PlotError
-from core.plots.regimes import Look, looks_of
-from core.plots.selection import Selection, natural, select
+from core.plots.regimes import PLAIN, Look, looks_of
+from core.plots.selection import ANY_REGIME, Selection, natural, select
 from core.plots.style import Style
 from core.plots.text import long_name
 
+NO_REGIMES = "no regimes"
 NOT_DESCRIBED = "the closed forms do not describe a part there"
-Painter = Callable[[Figure, Selection, Sequence[Look], Style], tuple[Axes, list[Artist]]]
+BESIDE = (2.6, 1.0)  # widths of a picture, and of the sketch of what hits what
+Painter = Callable[[FigureBase, Selection, Sequence[Look], Style], tuple[Axes, list[Artist]]]
+
+
+def _said(look: Look, dataset: xarray.Dataset) -> Look:
+    """Return a look that says why a cell has no regime, where the dataset tells."""
+    if look.name != "not_assessed":
+        return look
+    nowhere = dataset["regime"] == look.value
+    for name in STATUSES:
+        if name in dataset and dataset[name].dims == nowhere.dims:
+            meanings = str(dataset[name].attrs["flag_meanings"]).split()
+            flags = np.atleast_1d(dataset[name].attrs["flag_values"]).tolist()
+            present = np.unique(dataset[name].values[nowhere.values]).tolist()
+            why = [meanings[flags.index(one)] for one in present if one in flags]
+            if why:
+                return replace(look, name=" or ".join(why))
+    return look
+
+
+def _add_sketch(sheet: SubFigure, dataset: xarray.Dataset, options: Options) -> None:
+    """Draw two bodies that hit each other, of the parameters at which they are held."""
+    places = {
+        str(name): int(np.abs(dataset[name].values - value).argmin())
+        for name, value in options.at.items()
+        if name in dataset.dims
+    }
+    bodies = read_bodies(dataset, places)
+    seen = views(dataset)
+    panels = np.ravel(sheet.subplots(len(seen), 1, squeeze=False))
+    for panel, view in zip(panels, seen, strict=True):
+        draw_bodies(panel, bodies, view, options.style)
 
 
 def check_result(dataset: xarray.Dataset) -> None:
     """Raise `PlotError` if a dataset is no result of vibrafeed."""
-    if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
+    told = "regime" in dataset.data_vars or "reduced" in dataset.attrs
+    if not told or "scene" not in dataset.attrs:
         fix = "Draw a file that `vibrafeed run` wrote"
         raise PlotError("dataset", "it is no result of vibrafeed: no regime or no scene", fix)
 
@@ -60,9 +97,19 @@ def drawn_by(
         )
         if selection.categories:
             looks = looks_of_categories(selection.categories, style)
-        else:
+        elif "regime" in dataset:
             looks = looks_of(dataset["regime"], selection.regimes, style, exact=selection.exact)
-        top, entries = painter(figure, selection, looks, style)
+            looks = [_said(look, dataset) for look in looks]
+        else:
+            looks = [Look(ANY_REGIME, NO_REGIMES, True, *PLAIN, style)]
+        sheet: FigureBase = figure
+        beside: SubFigure | None = None
+        if is_pair(dataset):
+            sheet, beside = np.ravel(figure.subfigures(1, 2, squeeze=False, width_ratios=BESIDE))
+        top, entries = painter(sheet, selection, looks, style)
+        entries = [one for one in entries if not str(one.get_label()).startswith(NO_REGIMES)]
+        if beside is not None:
+            _add_sketch(beside, dataset, options)
         bare = selection.variable.name == "regime"
         name = "Regimes" if bare else long_name(selection.variable)
         how = beyond.format(pale="Dim" if style.dark else "Pale")

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.figure import Figure
+from matplotlib.figure import FigureBase
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
     Line3DCollection,
@@ -36,7 +36,7 @@ AZIMUTHS = (-50.0, -130.0, 130.0, 50.0)  # from where the corner in front may be
 
 
 def draw_surface(
-    figure: Figure, selection: Selection, looks: Sequence[Look], style: Style
+    figure: FigureBase, selection: Selection, looks: Sequence[Look], style: Style
 ) -> tuple[Axes, list[Artist]]:
     """Draw the surface; return the axes and the legend's entries."""
     first, second = selection.axes

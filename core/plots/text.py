@@ -10,6 +10,7 @@ import xarray
 from numpy.typing import NDArray
 
 from core.plots.problem import PlotError
+from core.quantities import QUANTITIES
 from core.study.shown import Shown, ShownUnits, read_shown
 from core.study.units import UnitError
 
@@ -87,9 +88,29 @@ def axis_label(array: xarray.DataArray, unit: str) -> str:
 
 
 def short_label(array: xarray.DataArray, unit: str) -> str:
-    """Return symbol and unit, where the long name stands elsewhere."""
+    """Return symbol and unit, where the long name stands elsewhere; without a symbol that name."""
     symbol = math_symbol(str(array.attrs.get("symbol", "")))
-    return " ".join(part for part in (symbol, in_brackets(unit) if symbol else unit) if part)
+    return (
+        " ".join(part for part in (symbol, in_brackets(unit)) if part)
+        if symbol
+        else (axis_label(array, unit))
+    )
+
+
+def demand_in_words(array: xarray.DataArray, units: ShownUnits) -> str:
+    """Return what a probability is of, bounds in units of `units`; empty of anything else."""
+    name, attributes = str(array.name), array.attrs
+    if not name.startswith("probability_") or "output" not in attributes:
+        return ""
+    output = QUANTITIES[str(attributes["output"])]
+    ends = {key: float(attributes[key]) for key in ("at_least", "at_most") if key in attributes}
+    shown = units.of(output.unit, max(map(abs, ends.values()), default=0.0))
+    bounds = " and ".join(
+        f"{words(key)} {with_unit(number(shown.factor * end, 4), shown.unit)}"
+        for key, end in ends.items()
+    )
+    what = "Error of the probability" if name.endswith("_error") else "Probability"
+    return f"{what} of {output.label[0].lower()}{output.label[1:]} {bounds}".rstrip()
 
 
 def in_brackets(unit: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -13,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 
 from core.plots.fixed import fixed_positions
 from core.plots.heading import finish, source_of
@@ -23,6 +25,7 @@ from core.plots.style import Style, mix
 from core.plots.text import in_brackets, number, with_unit, words
 from core.quantities import QUANTITIES
 from core.sensitivity.answers import LEVEL, QUANTILE, UNCERTAIN
+from core.study.distributions import read_distribution, tolerance
 from core.study.shown import Shown, ShownUnits
 from core.suggestions import suggestion
 
@@ -43,6 +46,7 @@ LEFT_OUT = "_left_out"
 BINS = 32
 HEIGHT = 0.36  # of a bar, over the room of its parameter
 ABOVE = 1.2
+SMOOTH = 4  # quantiles, at least, through which a curve is laid
 ROOM = 0.08  # beyond the largest value
 
 
@@ -60,12 +64,15 @@ class Told:
         The result at that design.
     facts : tuple of str
         What is held fixed, in words.
+    units : ShownUnits
+        Units in which parameters are read.
     """
 
     output: str
     shown: Shown
     design: xarray.Dataset
     facts: tuple[str, ...]
+    units: ShownUnits
 
     @property
     def names(self) -> list[str]:
@@ -93,6 +100,14 @@ class Told:
     def has(self, part: str) -> bool:
         """Return whether something is told under a name."""
         return f"{self.output}_{part}" in self.design
+
+    def end_in_words(self, name: str, end: str) -> str:
+        """Return the lower or upper end of the tolerance of a parameter, with its unit."""
+        known = json.loads(str(self.design.attrs["uncertain_parameters"]))
+        quantity = QUANTITIES[name]
+        lower, upper = tolerance(name, read_distribution(name, known[name], quantity))
+        shown = self.units.of(quantity.unit, max(abs(lower), abs(upper)))
+        return with_unit(number(shown.factor * (lower if end == "lower" else upper), 4), shown.unit)
 
     def read(self, value: float) -> str:
         """Return a value as a person reads it."""
@@ -172,7 +187,7 @@ def _told(
     ]
     sizes = np.concatenate([*own, [0.0]])
     shown = units.of(unit, float(sizes[np.isfinite(sizes)].max()))
-    told = Told(output, shown, design, tuple(facts))
+    told = Told(output, shown, design, tuple(facts), units)
     if not np.isfinite(told.shares(NEEDED[kind])).any():
         message = f"no point of {words(output)} has a sound value here"
         raise PlotError("dataset", message, "Draw another design, with at, or another output")
@@ -190,9 +205,9 @@ def _draw_distribution(axes: Axes, told: Told, style: Style) -> Drawn:
     low, high = float(values[0]), float(values[-1])
     edges = np.linspace(low, high if high > low else low + 1.0, BINS + 1)
     # The share below each edge, by the quantiles: where many are equal it jumps.
-    below = (
-        np.interp(edges, *_rising(values, levels)) if high > low else np.linspace(1, 1, BINS + 1)
-    )
+    below = np.ones(BINS + 1)
+    if high > low:
+        below = _share_below(*_rising(values, levels), edges)
     below[0], below[-1] = 0.0, 1.0
     axes.bar(
         edges[:-1], 100 * np.diff(below), np.diff(edges), align="edge",
@@ -233,6 +248,18 @@ def _draw_distribution(axes: Axes, told: Told, style: Style) -> Drawn:
     left = float(told.design[f"{told.output}{LEFT_OUT}"])
     note = f"{_percent(left)} of the points have no sound value" if left > 0 else ""
     return f"Distribution of the {_lower(told.label)}", entries, note
+
+
+def _share_below(
+    values: NDArray[np.float64], levels: NDArray[np.float64], edges: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the share below each edge: a monotone curve without kinks through the quantiles.
+
+    Straight lines between them would make the tails stairs of bars of equal height.
+    """
+    if values.size < SMOOTH:
+        return np.interp(edges, values, levels)
+    return np.asarray(np.clip(PchipInterpolator(values, levels)(edges), 0.0, 1.0))
 
 
 def _rising(
@@ -295,7 +322,11 @@ def _draw_tornado(axes: Axes, told: Told, style: Style) -> Drawn:
     """Draw what each tolerance does by itself, the widest on top, and the worst cases of all."""
     lower, upper = told.values("at_lower"), told.values("at_upper")
     middle = float(told.values("nominal"))
-    order = np.argsort(np.nan_to_num(np.maximum(np.abs(lower - middle), np.abs(upper - middle))))
+    reach = np.nan_to_num(np.maximum(np.abs(lower - middle), np.abs(upper - middle)))
+    decides = next((part for part in ("total", "variance_share") if told.has(part)), None)
+    shares = told.shares(decides) if decides else reach
+    # In the order of what matters, as the sentence says it; of equal ones the widest on top.
+    order = np.lexsort((reach, np.nan_to_num(shares)))
     names = [told.names[k] for k in order]
     rows = np.arange(len(names), dtype=float)
     ends = (("lower", lower, style.other), ("upper", upper, style.curve))
@@ -303,6 +334,15 @@ def _draw_tornado(axes: Axes, told: Told, style: Style) -> Drawn:
     for end, values, colour in ends:
         axes.barh(rows, values[order] - middle, 2 * HEIGHT, left=middle, color=colour)
         entries.append(Patch(color=colour, label=f"At the {end} end"))
+        for row, k in enumerate(order):
+            if np.isfinite(values[k]):
+                other = upper[k] if end == "lower" else lower[k]
+                right = values[k] > other if np.isfinite(other) else values[k] >= middle
+                axes.annotate(
+                    told.end_in_words(names[row], end), (values[k], row), (3 if right else -3, 0),
+                    textcoords="offset points", ha="left" if right else "right", va="center",
+                    fontsize=style.text(8.5), color=style.ink,
+                )  # fmt: skip
     axes.axvline(middle, color=style.ink, linewidth=style.width(1.2))
     entries.append(Line2D([], [], color=style.ink, label=f"Nominal: {told.read(middle)}"))
     worst = [float(told.values(part)) for part in ("least", "largest")]
@@ -311,7 +351,7 @@ def _draw_tornado(axes: Axes, told: Told, style: Style) -> Drawn:
     label = f"All together: {told.read(worst[0])} to {told.read(worst[1])}"
     entries.append(Line2D([], [], color=style.accent, linestyle="--", label=label))
     _set_rows(axes, names, style)
-    axes.margins(x=ROOM)
+    axes.margins(x=2 * ROOM)  # the ends of tolerances stand beside their bars
     axes.set(xlabel=told.axis)
     return f"What each tolerance does to the {_lower(told.label)}", entries, ""
 

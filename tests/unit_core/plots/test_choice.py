@@ -162,4 +162,4 @@ def test_numbers_in_names_are_told_from_values():
     dataset = vibrafeed.sweep(ROOT / "configs" / "impact-rectangles.toml")
     figure = draw(dataset)
     assert "restitution 0.6 · position x₁ 5 mm · position y₁ 20.9641 mm" in subtitle(figure)
-    assert figure.axes[1].get_ylabel() == "mN s"
+    assert figure.axes[1].get_ylabel() == "Normal impulse (mN s)"

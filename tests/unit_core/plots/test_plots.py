@@ -263,9 +263,12 @@ def test_what_cannot_be_drawn_is_said(
     assert words in str(found)
 
 
-def test_one_value_leaves_nothing_to_draw():
+def test_one_value_is_no_line_and_is_told_in_numbers():
     dataset = study("rectangle-on-plane", ["vibration_acceleration"], frequency=50, amplitude=1e-3)
-    assert "nothing to draw" in problem(dataset).message
+    assert "nothing to draw" in problem(dataset, kind="line").message
+    texts = [text.get_text() for text in draw(dataset).axes[0].texts]
+    # (2 pi 50 Hz)^2 1 mm = 98.696 m/s2.
+    assert "98.7\N{NO-BREAK SPACE}m/s²" in texts
 
 
 def test_line_output_makes_no_surface(plane: xarray.Dataset):

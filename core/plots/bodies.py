@@ -1,0 +1,133 @@
+"""Two bodies that hit each other, as they lie and move: a sketch beside what is drawn of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.patches import FancyArrowPatch, Polygon
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
+
+from core.plots.style import Style, mix
+from core.plots.text import number
+
+BODIES = (1, 2)
+RIM = 48  # points of a rim
+ARROW = 0.45  # of the width of the bodies: the arrow of the faster one
+MARGIN = 0.12  # of the width of the bodies, about them
+AXES = "xyz"
+MILLI = 1000.0
+
+Array = NDArray[np.float64]
+
+
+class Body(NamedTuple):
+    """The corners of a body, or points of its rims, and its centre and velocity, by axes."""
+
+    points: Array
+    centre: Array
+    velocity: Array
+
+
+def is_pair(dataset: xarray.Dataset) -> bool:
+    """True of an impact of two bodies."""
+    return {f"position_x_{body}" for body in BODIES} <= {str(name) for name in dataset.coords}
+
+
+def views(dataset: xarray.Dataset) -> tuple[tuple[int, int], ...]:
+    """Return the axes across and up of each view: from above, and of bodies in space the side."""
+    return ((0, 2), (0, 1)) if "position_z_1" in dataset.coords else ((0, 1),)
+
+
+def read_bodies(dataset: xarray.Dataset, places: Mapping[str, int]) -> tuple[Body, ...]:
+    """Return both bodies [mm, m/s]; `places` holds positions of ranged parameters, else middles."""
+
+    def value(name: str, body: int) -> float:
+        array = dataset.coords.get(f"{name}_{body}")
+        if array is None:
+            return 0.0
+        if not array.dims:
+            return float(array)
+        own = str(array.name)
+        return float(array.values[places.get(own, array.size // 2)])
+
+    def vector(name: str, body: int) -> Array:
+        return np.array([value(f"{name}_{axis}", body) for axis in AXES])
+
+    bodies = []
+    for body in BODIES:
+        length = value("length", body)
+        if f"width_{body}" in dataset.coords:
+            points = _rectangle(length, value("width", body), np.radians(value("angle", body)))
+        else:
+            angles = (np.radians(value(name, body)) for name in ("azimuth", "elevation"))
+            points = _cylinder(length, value("diameter", body), *angles)
+        centre = vector("position", body)
+        bodies.append(Body(MILLI * (centre + points), MILLI * centre, vector("velocity", body)))
+    return tuple(bodies)
+
+
+def _rectangle(length: float, width: float, angle: float) -> Array:
+    """Return the corners of a rectangle about its centre, its length turned from x towards y."""
+    along = np.array([np.cos(angle), np.sin(angle), 0.0]) * length / 2
+    across = np.array([-np.sin(angle), np.cos(angle), 0.0]) * width / 2
+    return np.array([along + across, across - along, -along - across, along - across])
+
+
+def _cylinder(length: float, diameter: float, azimuth: float, elevation: float) -> Array:
+    """Return points of both rims of a cylinder about its centre."""
+    axis = np.array(
+        [
+            np.cos(elevation) * np.cos(azimuth),
+            np.cos(elevation) * np.sin(azimuth),
+            np.sin(elevation),
+        ]
+    )
+    level = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+    turns = np.linspace(0, 2 * np.pi, RIM, endpoint=False)[:, None]
+    rim = (np.cos(turns) * level + np.sin(turns) * np.cross(axis, level)) * diameter / 2
+    return np.concatenate([rim + axis * length / 2, rim - axis * length / 2])
+
+
+def draw_bodies(axes: Axes, bodies: tuple[Body, ...], view: tuple[int, int], style: Style) -> None:
+    """Draw the outlines of both bodies, numbered, and arrows of their velocities."""
+    seen = [body.points[:, view] for body in bodies]
+    every = np.concatenate(seen)
+    low, high = every.min(axis=0), every.max(axis=0)
+    size = float((high - low).max())
+    fastest = max(float(np.linalg.norm(body.velocity)) for body in bodies)
+    for number_, points, body, colour in zip(BODIES, seen, bodies, style.series, strict=False):
+        hull = points[ConvexHull(points).vertices]
+        face = mix(colour, style.ground, 0.75)
+        axes.add_patch(Polygon(hull, closed=True, facecolor=face, edgecolor=colour, linewidth=1.2))
+        centre = body.centre[list(view)]
+        axes.annotate(
+            str(number_), tuple(centre), ha="center", va="center", color=style.ink,
+            fontsize=style.text(9), zorder=5,
+        )  # fmt: skip
+        speed = body.velocity[list(view)]
+        if fastest and np.linalg.norm(speed) > 0:
+            tip = centre + ARROW * size * speed / fastest
+            low, high = np.minimum(low, tip), np.maximum(high, tip)
+            axes.add_patch(
+                FancyArrowPatch(
+                    tuple(centre), tuple(tip), arrowstyle="-|>", mutation_scale=11,
+                    color=style.accent, linewidth=style.width(1.4), zorder=4,
+                )
+            )  # fmt: skip
+    room = MARGIN * size
+    axes.set(xlim=(low[0] - room, high[0] + room), ylim=(low[1] - room, high[1] + room))
+    axes.set_aspect("equal", adjustable="box")
+    axes.set_xlabel(f"{AXES[view[0]]} (mm)")
+    axes.set_ylabel(f"{AXES[view[1]]} (mm)")
+
+
+def arrows_in_words(bodies: tuple[Body, ...]) -> str:
+    """Return what the arrows of a sketch say."""
+    speeds = [float(np.linalg.norm(body.velocity)) for body in bodies]
+    told = " and ".join(f"{number(speed, 3)}\N{NO-BREAK SPACE}m/s" for speed in speeds)
+    return f"Arrows: velocities of bodies 1 and 2 before the impact, {told}"

@@ -1,0 +1,57 @@
+"""The objective of an optimisation along each variable, the others held at the optimum."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray
+from matplotlib.figure import Figure
+
+from core.plots.heading import finish, source_of
+from core.plots.landscape import SOLVED, curves_of, draw_curve, held_of, name_of, place_of
+from core.plots.optimum import is_optimum, prepared_of
+from core.plots.options import Options
+
+COLUMNS = 3
+HEIGHT = 2.6  # inches of a row
+
+
+def fits(dataset: xarray.Dataset, options: Options) -> bool:
+    """True of one design with more variables than a landscape shows."""
+    asked = (options.variable, options.axes) != (None, None)
+    return not asked and is_optimum(dataset) and dataset["optimum_status"].size == 1
+
+
+def draw(dataset: xarray.Dataset, options: Options) -> Figure:
+    """Return the objective along each variable through the optimum, with what limits exclude.
+
+    Where there is no optimum the others are held in the middle of their bounds. Ranged parameters
+    are held at `options.at`, at their middle values if left out.
+
+    Raises
+    ------
+    PlotError
+        If the dataset holds no optimisation, or not a value that is asked for.
+    """
+    style, units = options.style, options.units
+    prepared = prepared_of(dataset)
+    place = place_of(dataset, prepared, options)
+    shown = curves_of(dataset, prepared, place, units)
+    rows = -(-len(shown) // COLUMNS)
+    figure = style.sheet(height=max(4.2, HEIGHT * rows + 1.6))
+    columns = min(len(shown), COLUMNS)
+    panels = np.ravel(figure.subplots(rows, columns, squeeze=False))
+    entries = {}
+    for panel, curve in zip(panels, shown, strict=False):
+        for entry in draw_curve(panel, curve, style):
+            entries[str(entry.get_label())] = entry
+    for k, panel in enumerate(panels):
+        panel.set_visible(k < len(shown))
+        if k % columns:
+            panel.set_ylabel("")
+    solved = bool(np.all(np.isin(dataset.isel(place)["optimum_status"], SOLVED)))
+    through = "the optimum" if solved else "the middle of the bounds: there is no optimum"
+    return finish(
+        figure, panels[0], style, name=options.title or f"Objective: {name_of(prepared.problem)}",
+        facts=held_of(dataset, prepared, place, units), source=source_of(dataset),
+        entries=list(entries.values()), note=f"Each curve passes through {through}",
+    )  # fmt: skip
