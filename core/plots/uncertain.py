@@ -128,7 +128,13 @@ def kind_of(dataset: xarray.Dataset) -> str | None:
 def fits(dataset: xarray.Dataset, options: Options) -> bool:
     """True of the first kind of picture that a study of uncertain parameters has numbers for."""
     asked = (options.variable, options.axes) != (None, None)
-    return not asked and options.kind == kind_of(dataset)
+    if asked or options.kind != kind_of(dataset):
+        return False
+    try:
+        _told(str(options.kind), dataset, None, options.at, options.units, nearest=options.nearest)
+    except PlotError:  # not one sound value
+        return False
+    return True
 
 
 def draw(dataset: xarray.Dataset, options: Options) -> Figure:
