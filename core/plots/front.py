@@ -66,6 +66,11 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         Line2D([], [], ls="", marker="o", color=style.quiet, ms=style.width(8),
                mec=style.ground, label="knee: where the front bends most")
     )  # fmt: skip
+    if not np.isfinite(dataset[criterion.output].values).any():
+        axes.annotate(
+            "No choice within the bounds keeps all limits", (0.5, 0.5), xycoords="axes fraction",
+            ha="center", va="center", color=style.ink, fontsize=style.text(11),
+        )  # fmt: skip
     label = axis_label(against, side.unit)
     axes.set_xlabel(f"Magnitude of the {label[0].lower()}{label[1:]}")
     axes.set_ylabel(axis_label(output, height.unit))

@@ -273,7 +273,8 @@ def _name_curves(
         Line2D([], [], color=colour, linewidth=1.8, label=with_unit(number(value, 4), second.unit))
         for value, colour in zip(values, colours, strict=True)
     ]
-    figure.legend(
+    whole = figure.get_figure(root=True) or figure
+    whole.legend(
         handles=handles[::-1],
         title=axis_label(selection.variable[second.name], ""),
         loc="outside right upper",

@@ -59,6 +59,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
         panels = grid[0].subgridspec(len(seen), 1).subplots()
         for panel, view in zip(np.ravel(np.asarray(panels)), seen, strict=True):
             draw_bodies(panel, bodies, view, style)
+            panel.set_anchor("NW")
         sheet = figure.add_subplot(grid[1])
         note, top = arrows_in_words(bodies), figure.axes[0]
     else:

@@ -18,6 +18,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import to_rgb
 from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 
 from core.intake import prepare_content
 from core.kinds import tabulate
@@ -38,7 +39,7 @@ FARTHEST = float(np.sqrt(np.log(2 / 1e-9) / (2 * SAMPLES)))
 ROUNDING = 1e-9
 AS_THEY_ARE = (
     "1", "", "°", "Hz", "kg", "m", "s", "m/s", "m/s²", "rad/s", "rad/s²", "N", "J", "N s", "N m",
-    "W", "1/kg", "J/kg", "1/s", "m²", "kg m²", "N m s", "Pa", "m²/s²", "rad",
+    "W", "1/kg", "J/kg", "1/s", "m²", "kg m²", "kg m²/s", "N m s", "Pa", "m²/s²", "rad",
 )  # fmt: skip
 FACTORS = {"g": 1e-3, "%": 0.01, "1/min": 1 / 60}
 PREFIXES = {"m": 1e-3, "µ": 1e-6, "k": 1e3, "n": 1e-9, "M": 1e6}
@@ -157,7 +158,7 @@ def check_line(reader: Reader, random: np.random.Generator) -> int:
     """Compare points of curves; those of a family are told apart by their colours."""
     axes, checked = reader.axes, 0
     family = {}
-    for legend in reader.figure.legends:
+    for legend in reader.figure.findobj(Legend):
         if legend.get_title().get_text():
             title = legend.get_title().get_text()
             second = next(
@@ -246,7 +247,7 @@ def check_map(reader: Reader, random: np.random.Generator) -> int:
     """Compare the colours of cells, by the legend, with the regimes of the same cells."""
     mesh = next(one for one in reader.axes.collections if isinstance(one, QuadMesh))
     named = {}
-    for legend in reader.figure.legends:
+    for legend in reader.figure.findobj(Legend):
         for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True):
             if hasattr(handle, "get_facecolor") and ", " in text.get_text():
                 named[text.get_text()] = to_rgb(handle.get_facecolor())
@@ -430,7 +431,7 @@ def judge(content: Content, dataset: xarray.Dataset, figure: Figure, random: Any
         meshes = [one for one in reader.axes.collections if isinstance(one, QuadMesh)]
         checked = check_map(reader, random) if meshes else 0
         if bars or meshes:
-            named = [text.get_text() for one in figure.legends for text in one.get_texts()]
+            named = [text.get_text() for one in figure.findobj(Legend) for text in one.get_texts()]
             signs = [text for text in named if text.startswith(("speed", "value"))]
             unit = unit_in(bars[0].get_ylabel() if bars else (signs or ["(1)"])[0])
             checked += check_contours(reader, random, unit)
