@@ -49,6 +49,10 @@ class Problem:
 class VibrafeedError(Exception):
     """Base of every error that vibrafeed raises on purpose."""
 
+    def _render_traceback_(self) -> list[str]:
+        """Return what a notebook shows: the words alone. The way to them is of no use there."""
+        return [f"{type(self).__name__}: {self}"]
+
 
 class StudyError(VibrafeedError):
     """A study cannot be carried out; `problems` holds everything found, not only the first."""

@@ -66,6 +66,7 @@ True
 
 from __future__ import annotations
 
+import os as _os
 import sys as _sys
 from importlib import import_module
 
@@ -205,7 +206,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
 
 
 def plot(
-    dataset: xarray.Dataset | Sequence[xarray.Dataset],
+    dataset: xarray.Dataset | str | os.PathLike[str] | Sequence[Any],
     *,
     variable: str | None = None,
     axes: str | tuple[str, ...] | None = None,
@@ -225,8 +226,8 @@ def plot(
     Parameters
     ----------
     dataset : xarray.Dataset, or a list of them
-        What `sweep`, `simulate` or `optimise` returned, or a file that `vibrafeed run` wrote. Of
-        several, the same output is drawn over the same axis.
+        What `sweep`, `simulate` or `optimise` returned, or the path of a file that `vibrafeed run`
+        wrote. Of several, the same output is drawn over the same axis.
     variable : str, optional
         The output; the first if left out.
     axes : str or tuple of str, optional
@@ -236,8 +237,8 @@ def plot(
         middle one if left out.
     kind : str, optional
         The name of a picture: posterior, speeds, residuals, distribution, indices, effects,
-        tornado, front, trajectory, animation, line, map, contour, levels, surface, thresholds,
-        parallel or landscape; the first that fits if left out.
+        tornado, front, trajectory, animation, landscape, profiles, values, line, map, contour,
+        levels, surface, thresholds or parallel; the first that fits if left out.
     title : str, optional
         The name of the picture; that of what it shows if left out.
     units : str or sequence of str, optional
@@ -266,6 +267,7 @@ def plot(
     'Acceleration along the track'
     """
     plots = import_module("core.plots")
+    dataset = _opened(dataset)
     dims = (axes,) if isinstance(axes, str) else axes
     return plots.draw(
         dataset, variable=variable, axes=dims, at=plots.read_fixed(at or {}), kind=kind,
@@ -273,8 +275,17 @@ def plot(
     )  # fmt: skip
 
 
+def _opened(given: Any) -> Any:
+    """Return what is to be drawn, files read."""
+    if isinstance(given, str | _os.PathLike):
+        from pathlib import Path  # takes long to load
+
+        return import_module("core.plots.files").read(Path(given))
+    return [_opened(one) for one in given] if isinstance(given, list | tuple) else given
+
+
 def animate(
-    dataset: xarray.Dataset,
+    dataset: xarray.Dataset | str | os.PathLike[str],
     file: str | os.PathLike[str],
     *,
     slow: float | None = None,
@@ -289,8 +300,8 @@ def animate(
 
     Parameters
     ----------
-    dataset : xarray.Dataset
-        A simulation of one part with `trajectory`.
+    dataset : xarray.Dataset or path
+        A simulation of one part with `trajectory`, or the file of one.
     file : path
         The file; an existing one is replaced.
     slow : float, optional
@@ -316,7 +327,9 @@ def animate(
 
     from core.plots.movie import animate
 
-    animate(dataset, Path(file), slow=slow, title=title, units=units, dark=dark, small=small)
+    animate(
+        _opened(dataset), Path(file), slow=slow, title=title, units=units, dark=dark, small=small
+    )
 
 
 def scenes(

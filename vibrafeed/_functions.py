@@ -6,8 +6,18 @@ keywords of its studies in its signature and in its docstring. It calls the one 
 
 from __future__ import annotations
 
+import os
 import sys
+import time
+import warnings
 from importlib import import_module
+
+CALLER = 5
+"""Calls from a warning to who called a function of `vibrafeed`."""
+PATIENCE = 2.0
+"""Seconds after which a notebook is told how far a computation is, then every `PAUSE`."""
+PAUSE = 0.5
+WHOLE = 1e-9
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -19,6 +29,7 @@ if TYPE_CHECKING:
     from core.intake.keywords import Given
     from core.motion.drive_error import DriveError
     from core.study import Study
+    from core.watch import Watch
 
 
 def study(given: Given | None = None, /, **keywords: Any) -> Study:
@@ -352,16 +363,52 @@ def _prepared(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> An
     """Return a study of one kind, ready to be carried out."""
     intake = import_module("core.intake")
     found = intake.gather(given, keywords, kind)
-    if isinstance(found, dict):
-        return intake.prepare_content(found, files=True)
-    return import_module("core.kinds").prepare(found)
+    if not isinstance(found, dict):
+        return import_module("core.kinds").prepare(found)
+    prepared = intake.prepare_content(found, files=True)
+    for question in import_module("core.study.unusual").questions(found):
+        warnings.warn(question, stacklevel=CALLER)
+    return prepared
 
 
 def _carry_out(kind: str, given: Given | None, keywords: Mapping[str, Any]) -> xarray.Dataset:
     prepared = _prepared(kind, given, keywords)
+    prepared.check_limits(cells=None, bytes_=_memory())
     _import_accessor()
     with import_module("core.compiling").announced(_say):
-        return import_module("core.kinds").tabulate(prepared).to_xarray()
+        return import_module("core.kinds").tabulate(prepared, _watch()).to_xarray()
+
+
+def _memory() -> int:
+    """Return how many bytes this machine's memory has."""
+    return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+
+
+def _watch() -> Watch | None:
+    """Return what tells how far a long computation is, in a notebook; elsewhere None."""
+    if "ipykernel" not in sys.modules:
+        return None
+    return import_module("core.watch").Watch(progress=_progress(time.monotonic))
+
+
+def _progress(clock: Callable[[], float]) -> Callable[[float], None]:
+    """Return a function that is told of shares done, and writes how far all is now and then."""
+    began, said, done = clock(), clock(), 0.0
+
+    def advance(share: float) -> None:
+        nonlocal said, done
+        done += share
+        now = clock()
+        if said == began and now - began < PATIENCE:
+            return  # what ends soon is not worth a line
+        if now - said < PAUSE and done < 1:
+            return
+        said = now
+        left = (now - began) * (1 - done) / done if done else 0.0
+        line = f"\rvibrafeed: {100 * done:3.0f} %, {left:,.0f} s left"
+        sys.stderr.write(line + ("\n" if done >= 1 - WHOLE else ""))
+
+    return advance
 
 
 def _say(words: str) -> None:

@@ -678,8 +678,7 @@ def simulate(
         Names of the outputs.
     method : str, optional
         events (from event to event, exact), time-stepping, reference (of high order, slow) or
-        regularised (stiff, for comparison); where left out events on a plane with alpha = 0, else
-        time-stepping.
+        regularised (stiff, for comparison); events where left out.
     frequency : values, optional
         Drive frequency. In Hz, 0 or more, for example "50 Hz" or "3000 rpm" or "3000 vpm".
     amplitude : values, optional
@@ -1882,8 +1881,7 @@ def calibrate(
         Name of a scene; `vibrafeed scenes` lists them.
     method : str, optional
         events (from event to event, exact), time-stepping, reference (of high order, slow) or
-        regularised (stiff, for comparison); where left out events on a plane with alpha = 0, else
-        time-stepping.
+        regularised (stiff, for comparison); events where left out.
     observations : str or sequence of mapping, optional
         The runs: what differs between them, and what was measured; or the name of a CSV or XLSX
         file beside the study.

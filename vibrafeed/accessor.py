@@ -49,6 +49,12 @@ class Accessor:
     def __init__(self, dataset: xarray.Dataset) -> None:
         self._dataset = dataset
 
+    def __repr__(self) -> str:
+        """Return what the accessor is for."""
+        names = [name for name in dir(type(self)) if not name.startswith("_")]
+        scene = self._dataset.attrs.get("scene", "no scene")
+        return f"<vibrafeed accessor of a dataset of {scene}: {', '.join(names)}>"
+
     @property
     def study(self) -> Study:
         """The study that the dataset answers, as `vibrafeed.study` would make it.

@@ -12,6 +12,7 @@ from typing import Any
 from core.errors import Problem, StudyError
 from core.intake.text import read_content
 from core.kinds import KINDS
+from core.scenes import SCENES
 from core.study.grid_study import PARAMETERS, Study
 from core.study.values import MOST_POINTS
 
@@ -122,6 +123,9 @@ def _content_of(given: object) -> dict[str, Any]:
         return given.content()
     if isinstance(given, Mapping):
         return spread(given)
+    if isinstance(given, str) and given in SCENES:
+        message = f"'{given}' is a scene, not the path of a study"
+        raise StudyError([Problem("study", message, f'Write scene="{given}"')])
     if isinstance(given, str | os.PathLike):
         given = read_content(Path(given))
         if isinstance(given, dict):

@@ -72,7 +72,7 @@ def draw_file(
         check_format(target)
     held = read_fixed(at or {})
     figure = draw(
-        [_read(each) for each in files], variable=variable, axes=axes, at=held, kind=kind, **look
+        [read(each) for each in files], variable=variable, axes=axes, at=held, kind=kind, **look
     )
     for target in targets:
         save(figure, target)
@@ -96,7 +96,7 @@ def _animate_file(
         fix = "Leave variable, axes and --at out"
         raise PlotError("kind", "an animation shows all of the one course that a file has", fix)
     look = {name: value for name, value in look.items() if name != "nearest"}
-    dataset = _read(files[0])
+    dataset = read(files[0])
     for target in targets:
         animate(dataset, target, slow=slow, **look)
 
@@ -117,7 +117,16 @@ def save(figure: Figure, target: Path) -> None:
         temporary.write_bytes(picture.getvalue())
 
 
-def _read(file: Path) -> xarray.Dataset:
+def read(file: Path) -> xarray.Dataset:
+    """Return what stands in a result's file.
+
+    Raises
+    ------
+    PlotError
+        If it is no NetCDF file.
+    OSError
+        If it cannot be read.
+    """
     with file.open("rb"):  # the system says why a file cannot be read; the library does not
         pass
     try:

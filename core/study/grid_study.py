@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import html
 import json
 import reprlib
 from typing import TYPE_CHECKING, Annotated, Any
@@ -228,6 +229,34 @@ class Study(Frozen):
         content = self.model_dump(exclude_none=True, exclude={"parameters"})
         content["parameters"] = {name: values.canonical() for name, values in self.values().items()}
         return content
+
+    def said(self) -> dict[str, Any]:
+        """Return what the study says other than its model's defaults."""
+        fields = type(self).model_fields
+        return {
+            name: value
+            for name, value in self.content().items()
+            if name == "kind" or name not in fields or value != fields[name].get_default()
+        }
+
+    def __repr__(self) -> str:
+        """Return the study as keywords would make it, what is left to defaults left out."""
+        words = (f"{name}={value!r}" for name, value in self.said().items() if name != "kind")
+        return f"{type(self).__name__}({', '.join(words)})"
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        """Return the study as a table, for notebooks."""
+        rows: list[tuple[str, object]] = []
+        for name, value in self.said().items():
+            inner = value.items() if isinstance(value, dict) else None
+            rows += [(f"{name}.{k}", v) for k, v in inner] if inner else [(name, value)]
+        cells = "".join(
+            f"<tr><td>{html.escape(name)}</td><td>{html.escape(str(value))}</td></tr>"
+            for name, value in rows
+        )
+        return f"<table>{cells}</table>"
 
     def canonical(self) -> str:
         """Return the study as JSON that equal studies share to the letter."""

@@ -60,8 +60,7 @@ class FollowedStudy(DrivenStudy):
     method: str | None = Field(
         None,
         description="events (from event to event, exact), time-stepping, reference (of high order, "
-        "slow) or regularised (stiff, for comparison); where left out events on a plane with "
-        "alpha = 0, else time-stepping.",
+        "slow) or regularised (stiff, for comparison); events where left out.",
         max_length=100,
     )
 

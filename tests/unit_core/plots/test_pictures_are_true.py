@@ -74,7 +74,7 @@ def held_in(figure: Figure, dataset: xarray.Dataset) -> dict[str, float]:
     named = {name_in_words(str(name)): str(name) for name in dataset.coords}
     held = {}
     for fact in subtitle(figure).split("\n")[0].split(" \N{MIDDLE DOT} "):
-        match = re.match(r"(.+?) (\N{MINUS SIGN}?[\d.]+(?:e[+-\N{MINUS SIGN}]?\d+)?)(.*)$", fact)
+        match = re.match(r"(.+?) (\N{MINUS SIGN}?[\d.]+(?:e[+\N{MINUS SIGN}-]?\d+)?)(.*)$", fact)
         if match and match[1] in named and named[match[1]] in QUANTITIES:
             name, unit = named[match[1]], unit_in(f"({match[3].strip() or '1'})")
             held[name] = in_studies(number_in(match[2]), unit)
@@ -276,7 +276,7 @@ def check_values(reader: Reader) -> int:
     texts = [text.get_text().replace("\N{NO-BREAK SPACE}", " ") for text in sheet.texts]
     for label, shown in zip(texts[::2], texts[1::2], strict=True):
         name = named.get(re.sub(r" \$.*\$$", "", label), "")
-        match = re.match(r"(\N{MINUS SIGN}?[\d.]+(?:e[+-]?\d+)?)\s?(.*)$", shown)
+        match = re.match(r"(\N{MINUS SIGN}?[\d.]+(?:e[+\N{MINUS SIGN}-]?\d+)?)\s?(.*)$", shown)
         if name in QUANTITIES and match and not QUANTITIES[name].words:
             found = in_studies(number_in(match[1]), unit_in(f"({match[2] or '1'})"))
             # Four digits are shown.
