@@ -13,9 +13,9 @@ FIGURE := fig-5-1
 
 run: $(RUNNING)
 	$(BIN)/vibrafeed run configs/nut.toml -o results/nut.nc --force
-	$(BIN)/vibrafeed plot results/nut.nc -o results/nut.png
+	$(BIN)/vibrafeed plot results/nut.nc -o results/nut.png --force
 	$(BIN)/vibrafeed run configs/figures/$(FIGURE).toml -o results/$(FIGURE).nc --force
-	$(BIN)/vibrafeed plot results/$(FIGURE).nc -o results/$(FIGURE).png
+	$(BIN)/vibrafeed plot results/$(FIGURE).nc -o results/$(FIGURE).png --force
 
 test: $(TESTING)
 	scripts/test $(BIN)

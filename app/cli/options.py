@@ -8,6 +8,7 @@ import typer
 
 WRONG_INPUT = 2
 FAILED = 1
+NO_SOLUTION = 3
 
 Json = Annotated[
     bool, typer.Option("--json", help="Print one JSON document, in the units of files.")

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from app.cli import console
+from app.cli.existing import refuse_existing
 from app.cli.options import FAILED
 from app.cli.studies import refuse
 from core.errors import Problem
@@ -25,7 +26,8 @@ def plot(
         typer.Option(
             "-o",
             "--output",
-            help="PNG, SVG or PDF; GIF or MP4 for an animation; beside the file if left out.",
+            help="PNG, SVG or PDF; GIF or MP4 for an animation. Left out: beside the file, named "
+            "after it and after the kind and output that are asked for.",
         ),
     ] = None,
     variable: Annotated[
@@ -68,6 +70,9 @@ def plot(
         bool, typer.Option("--nearest", help="Take the nearest value where --at names none.")
     ] = False,
     dark: Annotated[bool, typer.Option("--dark", help="Light on dark.")] = False,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace a picture that is there already.")
+    ] = False,
     small: Annotated[
         bool, typer.Option("--small", help="For a column of a document, 11 cm wide.")
     ] = False,
@@ -80,7 +85,10 @@ def plot(
         raise typer.Exit(FAILED) from None
     file = files[0]
     endings = (".gif",) if kind == "animation" else (".png", ".svg")
-    targets = [output] if output else [file.with_suffix(ending) for ending in endings]
+    name = "-".join(filter(None, (file.stem, variable, kind)))
+    targets = [output] if output else [file.with_name(name + ending) for ending in endings]
+    for target in targets:
+        refuse_existing(str(file), str(target), force=force)
     try:
         draw_file(
             files,

@@ -10,14 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.cli.console import fail, say, table, tell
+from app.cli.console import fail, say, stdout, table, tell
 from app.cli.findings import show_findings
 from app.cli.uncertain import is_short, is_uncertain, show_design
-from app.cli.units import DIGITS, ends, units_asked
+from app.cli.units import DIGITS, ends, number, units_asked
+from core import optimise
 from core.dataset.regimes import percent, regime_shares, shares_of
+from core.intake import parse_json
 from core.kinds import STATUSES, is_whole, not_verified, share_left_out
 from core.motion.feeding import travel_in_words
-from core.quantities import QUANTITIES, REGIMES
+from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES
 
 if TYPE_CHECKING:
     from core.dataset import Table
@@ -73,6 +75,10 @@ def show_result(facts: Mapping[str, Any], result: Table, asked: str | None) -> N
         tell(f"  {'; '.join(told)}")
     if backwards := travel_in_words(result):
         say(f"  {backwards}")
+    if fastest := _fastest(result, units):
+        tell(f"  {fastest}")
+    for line in _nearest(result, units):
+        tell(f"  {line}")
     _show_verified(result)
     left = facts["cells"] - facts["cells_computed"]
     if left:
@@ -87,6 +93,70 @@ def show_result(facts: Mapping[str, Any], result: Table, asked: str | None) -> N
         fail(f"  The same command with {how}")
     elif not facts["whole"]:
         fail("  It was stopped: all cells are computed, and not all verified that should be.")
+
+
+def _read(name: str, value: float, units: ShownUnits) -> str:
+    """Return a value of a quantity with its unit, as a person reads it."""
+    shown = units.of(QUANTITIES[name].unit, abs(value))
+    gap = "" if shown.unit in ("", "°") else " "
+    return f"{number(shown.factor * value)}{gap}{shown.unit}"
+
+
+def _fastest(result: Table, units: ShownUnits) -> str:
+    """Return where the part travels fastest, of a simulation of many; else nothing."""
+    speed = result.variables.get("conveying_velocity")
+    if speed is None or speed.values.size < 2 or "motion_status" not in result.variables:
+        return ""
+    if "optimum_status" in result.variables or not (np.nan_to_num(speed.values) > 0).any():
+        return ""
+    place = np.unravel_index(np.nanargmax(speed.values), speed.values.shape)
+    where = ", ".join(
+        f"{name} {_read(name, float(result.coordinates[name].values[k]), units)}"
+        for name, k in zip(speed.dims, place, strict=True)
+        if name in QUANTITIES and result.coordinates[name].values.ndim
+    )
+    top = _read("conveying_velocity", float(speed.values[place]), units)
+    return f"Fastest: {top} at {where}." if where else ""
+
+
+def _nearest(result: Table, units: ShownUnits) -> list[str]:
+    """Return how near one design without a solution comes to its limits, and what would do it."""
+    if stdout.quiet or not is_infeasible(result) or result.variables["optimum_status"].values.ndim:
+        return []
+    tell("  Looking for what comes nearest; Ctrl-C leaves that out ...")
+    try:
+        study = parse_json(str(result.attributes["study"]))
+        reaches, others = optimise.nearest(study), optimise.ways(study)
+    except KeyboardInterrupt:
+        return []
+    lines = []
+    for reach in reaches:
+        asked = (
+            f"{'at most' if reach.upper else 'at least'} {_read(reach.output, reach.bound, units)}"
+        )
+        lines.append(
+            f"Nearest: {reach.output} {_read(reach.output, reach.value, units)} ({asked} is asked) "
+            f"with all other limits kept, at {_choice(reach.choice, units)}."
+        )
+    for way in others:
+        value = _read(way.output, way.value, units)
+        lines.append(
+            f"With {way.change}: {way.output} {value} and all limits kept, at "
+            f"{_choice(way.choice, units)}."
+        )
+    return lines
+
+
+def _choice(choice: Mapping[str, float], units: ShownUnits) -> str:
+    return ", ".join(f"{name} {_read(name, value, units)}" for name, value in choice.items())
+
+
+def is_infeasible(result: Table) -> bool:
+    """Return whether no design of an optimisation has a solution."""
+    status = result.variables.get("optimum_status")
+    return status is not None and bool(
+        np.all(status.values == OPTIMUM_STATUSES["infeasible"].value)
+    )
 
 
 def _regimes_computed(result: Table) -> NDArray[Any]:

@@ -13,7 +13,7 @@ import typer
 import core
 from app.cli import console, plans
 from app.cli.existing import complete_already, refuse_others
-from app.cli.options import FAILED, Json, Units
+from app.cli.options import FAILED, NO_SOLUTION, Json, Units
 from app.cli.parts import run_part
 from app.cli.pipes import is_standard, standard_output
 from app.cli.running import Running, history_of
@@ -103,7 +103,8 @@ def run(
     All files are checked before the first is run. Exit code 2 means that a file is wrong, or that
     a result is there already, 1 that a result could not be written, that a verification failed,
     or that a study was stopped, by Ctrl-C or the time limit, while it was computed or verified:
-    what was finished is written, of a large sweep where --resume finds it.
+    what was finished is written, of a large sweep where --resume finds it. Exit code 3: all is
+    done, and an optimisation has no solution.
     """
     in_parts = part is not None or scheduler is not None
     to_standard = is_standard(output) and not dry_run
@@ -146,6 +147,8 @@ def run(
                     console.document({"vibrafeed": core.__version__, "results": running.facts})
     if not sound:
         raise typer.Exit(FAILED)
+    if not running.solved:
+        raise typer.Exit(NO_SOLUTION)
 
 
 def _show_plans(studies: Mapping[Path, Prepared], units: str | None, as_json: bool) -> None:

@@ -14,7 +14,7 @@ import typer
 
 from app.cli import console
 from app.cli.plans import more
-from app.cli.results import facts_of, show_result
+from app.cli.results import facts_of, is_infeasible, show_result
 from app.cli.streamed import run_streamed
 from app.cli.studies import (
     INTERRUPTED,
@@ -52,6 +52,8 @@ class Running:
         As for a `Watch`.
     facts : list of dict
         What came out so far, as documents.
+    solved : bool
+        Whether every optimisation so far has a solution of some design.
     """
 
     plain: bool
@@ -60,6 +62,7 @@ class Running:
     checked: float | None
     deadline: float | None
     facts: list[dict[str, Any]] = field(default_factory=list)
+    solved: bool = True
 
     def carry_out(
         self,
@@ -147,6 +150,7 @@ class Running:
         }
         facts = facts_of(path, target, table, cells_of(prepared, table)) | {"seconds": seconds}
         self.facts.append(facts)
+        self.solved &= not is_infeasible(table)
         console.say(f"{path} -> {target}")
         show_result(facts, table, self.units)
         done, cells = facts["cells_computed"], facts["cells"]

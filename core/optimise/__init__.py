@@ -10,12 +10,15 @@ __all__ = [
     "KIND",
     "METHODS",
     "Optimisation",
+    "nearest",
+    "ways",
 ]
 
 if TYPE_CHECKING:
     from core.optimise.kind import KIND
     from core.optimise.methods import METHODS
     from core.optimise.optimisation import Optimisation
+    from core.optimise.reach import nearest, ways
 else:
     __getattr__ = lazily(
         __name__,
@@ -23,5 +26,6 @@ else:
             "kind": ("KIND",),
             "methods": ("METHODS",),
             "optimisation": ("Optimisation",),
+            "reach": ("nearest", "ways"),
         },
     )

@@ -413,7 +413,7 @@ def test_several_files_and_a_motion_in_time(motion, tmp_path):
     assert run("run", motion, "--force").exit_code == 0
     result = run("plot", files[0], "-k", "animation", "--slow", 10)
     assert result.exit_code == 0, result.output
-    assert files[0].with_suffix(".gif").stat().st_size > 10_000
+    assert files[0].with_name(f"{files[0].stem}-animation.gif").stat().st_size > 10_000
 
 
 def test_verification_is_told_in_one_line(study, tmp_path):
@@ -444,3 +444,23 @@ def test_results_as_tables(tmp_path):
     assert heading.startswith("amplitude [m],beta [degree],")
     assert len(rows) == 6
     assert (tmp_path / "y.parquet").read_bytes()[:4] == b"PAR1"
+
+
+def test_an_optimum_without_a_solution_tells_what_comes_nearest_and_has_its_own_exit_code(tmp_path):
+    study = tmp_path / "impossible.toml"
+    study.write_text(
+        'kind = "optimise"\nscene = "rectangle-on-plane"\n'
+        '[criterion]\nkind = "maximise"\noutput = "conveying_velocity"\n'
+        '[[constraints]]\noutput = "throw_number"\nupper = 1\n'
+        '[[constraints]]\noutput = "conveying_velocity"\nlower = "50 mm/s"\n'
+        '[variables]\namplitude = { lower = "0.1 mm", upper = "1 mm" }\n'
+        'beta = { lower = "5 deg", upper = "45 deg" }\n'
+        "[parameters]\nfrequency = 50\nfriction = 0.3\ngamma = 3\n"
+    )
+    result = run("run", study)
+    assert result.exit_code == 3, result.output
+    assert study.with_suffix(".nc").exists()
+    assert "Nearest: throw_number 1.767 (at most 1 is asked)" in result.output
+    assert "With an elliptical drive: conveying_velocity 169 mm/s" in result.output
+    quiet = run("run", study, "--force", "--quiet")
+    assert (quiet.exit_code, quiet.output) == (3, "")

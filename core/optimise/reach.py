@@ -1,0 +1,245 @@
+"""How near a study comes to its limits where no choice keeps them all, and what would.
+
+Each bound in turn becomes what is looked for, while the others are kept: that tells how far the
+output goes, and so which limit would have to give way. Then the same limits with a wider choice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+import numpy as np
+from pydantic import BaseModel
+
+from core.errors import VibrafeedError
+from core.optimise.codes import STATUS
+from core.optimise.kind import KIND
+from core.optimise.prepare import prepare
+from core.plan.pieces import carry_out
+from core.study.grid_study import Study
+from core.study.optimise_study import Maximise, Minimise, OptimiseStudy, OutputLimit
+from core.study.values import Between, Fixed
+
+Section = TypeVar("Section", bound=BaseModel)
+
+STEPS = 7
+"""Halvings of what a bound gives way: to a hundredth of it."""
+SOLVED = (STATUS["optimal"], STATUS["not_attained"])
+
+
+@dataclass(frozen=True)
+class Reach:
+    """How far an output goes towards its bound while all other limits are kept.
+
+    Attributes
+    ----------
+    output : str
+        The output.
+    bound, value : float
+        What is asked, and the nearest that there is, in the unit of the quantity.
+    upper : bool
+        Whether the bound is the largest value; else the least.
+    choice : dict of str to float
+        The variables there, in the unit of the quantity.
+    beside : dict of str to float
+        Other outputs there.
+    """
+
+    output: str
+    bound: float
+    value: float
+    upper: bool
+    choice: dict[str, float]
+    beside: dict[str, float] = field(default_factory=dict, compare=False)
+
+
+Bound = tuple[OutputLimit, str]
+"""A limit, and which of its ends."""
+
+
+def nearest(study: Study) -> list[Reach]:
+    """Return how near each bound can be reached with all others kept.
+
+    A bound that cannot be looked for itself, such as that of a closed form among motions, is given
+    way step by step, until another one is reached. Bounds of absolute values are left out.
+    """
+    if not isinstance(study, OptimiseStudy):
+        return []
+    bounds = [one for one in _single(study) if not one[0].absolute]
+    found, others = [], []
+    for one in bounds:
+        reach = _reach(study, one, {})
+        if reach is None:
+            others.append(one)
+        elif _is_beyond(reach.value, one):
+            found.append(reach)
+    if len(found) == 1:
+        wanted = next(one for one in bounds if one[0].output == found[0].output)
+        found += [way for one in others if (way := _giving_way(study, one, wanted)) is not None]
+    return found
+
+
+def _giving_way(study: OptimiseStudy, gives: Bound, wanted: Bound) -> Reach | None:
+    """Return the least by which one bound has to give way for another one to be reached."""
+    limit, end = gives
+    strict = float(getattr(limit, end))
+    loose = _reach(study, wanted, {gives: None})
+    if loose is None or _is_beyond(loose.value, wanted) or limit.output not in loose.beside:
+        return None
+    free, found = loose.beside[limit.output], loose
+    for _ in range(STEPS):
+        middle = (strict + free) / 2
+        reach = _reach(study, wanted, {gives: middle})
+        if reach is None or _is_beyond(reach.value, wanted):
+            strict = middle
+        else:
+            free, found = middle, reach
+    bound = float(getattr(limit, end))
+    return Reach(limit.output, bound, free, end == "upper", found.choice)
+
+
+def _reach(study: OptimiseStudy, one: Bound, given: Mapping[Bound, float | None]) -> Reach | None:
+    """Return how far an output goes towards its bound while others are kept; None if unknown.
+
+    `given` has other values of bounds, None of those that are left out.
+    """
+    limit, end = one
+    kept = []
+    for other, side in _single(study):
+        bound = given.get((other, side), getattr(other, side))
+        if (other, side) != one and bound is not None:
+            more = {"absolute": other.absolute, side: bound}
+            kept.append(OutputLimit(output=other.output, **more))
+    criterion = (Minimise if end == "upper" else Maximise)(output=limit.output)
+    outputs = tuple({**dict.fromkeys(study.outputs), **dict.fromkeys(c.output for c, _ in given)})
+    changes = {"criterion": criterion, "constraints": tuple(kept), "outputs": outputs}
+    values = _solved(study.model_copy(update=changes | {"sensitivities": False}))
+    if values is None:
+        return None
+    choice = {name: float(values[f"best_{name}"]) for name in study.bounds()}
+    beside = {name: float(values[name]) for name in outputs if name in values}
+    bound = float(getattr(limit, end))
+    return Reach(limit.output, bound, float(values["objective"]), end == "upper", choice, beside)
+
+
+def _solved(study: OptimiseStudy) -> dict[str, Any] | None:
+    """Return what came out of a study of one design, by name; None if it has no solution."""
+    try:
+        table = carry_out(prepare(study), KIND.compute, KIND.label)
+    except VibrafeedError:  # such as an output that is none of this sort of study
+        return None
+    values = {name: variable.values for name, variable in table.variables.items()}
+    if int(values["optimum_status"]) not in SOLVED or not np.isfinite(values["objective"]):
+        return None
+    return values
+
+
+def _is_beyond(value: float, one: Bound) -> bool:
+    """True where a value does not keep a bound."""
+    limit, end = one
+    bound = float(getattr(limit, end))
+    return value > bound if end == "upper" else value < bound
+
+
+def _single(study: OptimiseStudy) -> list[Bound]:
+    """Return every bound of every limit by itself."""
+    return [
+        (limit, end)
+        for limit in study.constraints
+        for end in ("lower", "upper")
+        if getattr(limit, end) is not None
+    ]
+
+
+# --- what would do it
+
+
+@dataclass(frozen=True)
+class Way:
+    """What keeps all limits where the study's own variables do not.
+
+    Attributes
+    ----------
+    change : str
+        What it does that the study does not.
+    output : str
+        What the study looks for.
+    value : float
+        Its value then, in the unit of the quantity.
+    choice : dict of str to float
+        The variables there, in the unit of the quantity.
+    """
+
+    change: str
+    output: str
+    value: float
+    choice: dict[str, float]
+
+
+WIDER = 4.0
+"""Times the frequency, either way, among which another one is looked for."""
+OF_A_LINE = ("amplitude", "beta")
+"""What a straight drive is chosen by."""
+
+
+def ways(study: Study) -> list[Way]:
+    """Return what would keep all limits: another frequency, an ellipse in place of a line."""
+    if not isinstance(study, OptimiseStudy) or study.variables is None:
+        return []
+    found = []
+    for change, other in (
+        ("another frequency", _with_frequency(study)),
+        ("an elliptical drive", _with_ellipse(study)),
+    ):
+        table = None if other is None else _solved(other)
+        if table is not None and other is not None:
+            choice = {name: float(table[f"best_{name}"]) for name in other.bounds()}
+            wanted = study.criterion.output
+            found.append(Way(change, wanted, float(table["objective"]), choice))
+    return found
+
+
+def _with_frequency(study: OptimiseStudy) -> OptimiseStudy | None:
+    """Return the study with its frequency among the variables; None if that is nothing new."""
+    given = study.values().get("frequency")
+    if not isinstance(given, Fixed) or study.variables is None:
+        return None
+    free = Between(lower=given.value / WIDER, upper=given.value * WIDER)
+    return study.model_copy(
+        update={
+            "parameters": _changed(study.parameters, ("frequency",), {}),
+            "variables": _changed(study.variables, (), {"frequency": free}),
+        }
+    )
+
+
+def _with_ellipse(study: OptimiseStudy) -> OptimiseStudy | None:
+    """Return the study with an ellipse as large as its line; None if it has no line to choose."""
+    bounds, values = study.bounds(), study.values()
+    line = [name for name in OF_A_LINE if name in bounds]
+    size = bounds.get("amplitude") or values.get("amplitude")
+    if not line or "alpha" in bounds or "alpha" in values or study.variables is None:
+        return None
+    largest = getattr(size, "upper", getattr(size, "value", None))
+    if largest is None:
+        return None
+    of_axis = Between(lower=0.0, upper=largest)
+    ellipse = {
+        "amplitude_along_1": of_axis,
+        "amplitude_normal_1": of_axis,
+        "phase_normal_1": Between(lower=0.0, upper=360.0),
+    }
+    return study.model_copy(
+        update={
+            "parameters": _changed(study.parameters, OF_A_LINE, {}),
+            "variables": _changed(study.variables, OF_A_LINE, ellipse),
+        }
+    )
+
+
+def _changed(section: Section, left: Collection[str], more: Mapping[str, Any]) -> Section:
+    """Return a section of a study without some of its names, and with others."""
+    kept = {n: getattr(section, n) for n in section.model_fields_set if n not in left}
+    return section.model_construct(**kept, **more)
