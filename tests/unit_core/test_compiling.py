@@ -32,9 +32,9 @@ def test_it_is_said_once_and_within_the_block():
 def test_a_function_of_python_says_it_on_the_error_stream(monkeypatch, capsys):
     plain = kinds.tabulate
 
-    def tabulate(prepared):
+    def tabulate(*arguments):
         compile_twice()
-        return plain(prepared)
+        return plain(*arguments)
 
     vibrafeed.sweep(STUDY)
     assert capsys.readouterr().err == ""

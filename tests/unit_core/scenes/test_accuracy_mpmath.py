@@ -150,6 +150,7 @@ def evaluate(scene, variant, points):
     known |= {name: np.asarray(value) for name, value in plan.defaults.items()}
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", ".*usual values are")
         for equation in plan.equations:
             known[equation.gives] = equation.function(**{n: known[n] for n in equation.inputs})
     return {name: np.broadcast_to(known[name], len(points)) for name in plan.outputs}
