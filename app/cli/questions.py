@@ -10,7 +10,7 @@ from typing import Final
 from core.quantities import QUANTITIES
 from core.study.units import UnitError, read_number
 from core.study.unusual import questions
-from core.suggestions import meant, suggestion
+from core.suggestions import meant, nearest
 
 NOTHING: Final[Mapping[str, str]] = MappingProxyType({})
 
@@ -66,8 +66,10 @@ class Question:
         if self.choices:
             chosen = answer if answer in self.choices else meant(answer, self.choices)
             if chosen is None:
-                message = f"'{answer[:40]}' is no answer to it"
-                raise UnitError(message, suggestion(answer, self.choices))
+                message = f"'{answer[:40]}' is not one of the answers"
+                choice = f"Please answer {' or '.join(self.choices)}"
+                near = nearest(answer, self.choices)
+                raise UnitError(message, f"Did you mean '{near}'?" if near else choice)
             return chosen
         read_number(self.parameter, QUANTITIES[self.parameter], typed(answer))
         return answer
@@ -87,7 +89,8 @@ def typed(answer: str) -> float | int | str:
     return answer
 
 
-_IN_TIME = "speed drive"
+_IN_TIME = "speed drive springs"
+_OF_SPRINGS: Final = {"question": "springs"}
 
 QUESTIONS: Final = (
     Question(
@@ -96,6 +99,7 @@ QUESTIONS: Final = (
             "speed": "how fast a part travels, how many a minute, whether it hops",
             "drive": "which angle of the drive makes it fastest",
             "forces": "forces and accelerations at the drive's peak",
+            "springs": "what amplitude my springs give, and how many parts a minute",
         },
     ),
     Question(
@@ -108,7 +112,7 @@ QUESTIONS: Final = (
     Question(
         "track", "What does it lie on?", "straight",
         choices={"straight": "a straight track", "bowl": "the track of a bowl, with its wall"},
-        needs={"part": "rectangle"},
+        needs={"part": "rectangle", "question": "speed drive forces"},
     ),
     Question(
         "radius", "Radius of the bowl, at the track", "150 mm", parameter="radius",
@@ -133,7 +137,7 @@ QUESTIONS: Final = (
     ),
     Question(
         "amplitude", "Amplitude of the drive, half of its stroke", "0.3 mm",
-        parameter="amplitude", needs={"question": _IN_TIME}, unless="peak_to_peak",
+        parameter="amplitude", needs={"question": "speed drive"}, unless="peak_to_peak",
         says="Amplitude of the drive, from zero to peak: half of the stroke, along the drive.",
     ),
     Question(
@@ -145,6 +149,41 @@ QUESTIONS: Final = (
         "angle", "Angle of the drive above the track", "20 deg", parameter="beta",
         says="Angle between the drive's direction and the track; 0 is along the track.",
         needs={"question": "speed forces"},
+    ),
+    Question(
+        "moving_mass", "Mass of trough or bowl", "10 kg", parameter="moving_mass",
+        says="Mass of trough or bowl, with what is fixed to it.", needs=_OF_SPRINGS,
+    ),
+    Question(
+        "base_mass", "Mass of the base", "30 kg", parameter="base_mass",
+        says="Mass of the base, or counter-mass.", needs=_OF_SPRINGS,
+    ),
+    Question(
+        "rings", "Frequency in which the empty unit rings after a knock", "53 Hz",
+        parameter="ring_down_frequency",
+        says="Natural frequency, measured: docs/tuning.md tells how, and what does in its place.",
+        needs=_OF_SPRINGS,
+    ),
+    Question(
+        "damping", "Damping ratio, logarithmic decrement over 2 pi", "0.02",
+        parameter="damping_ratio",
+        says="Damping ratio: of a ring-down ln(one stroke over the next)/(2 pi).",
+        needs=_OF_SPRINGS,
+    ),
+    Question(
+        "pull", "Amplitude of the magnet's force", "60 N", parameter="drive_force",
+        says="Amplitude of the force between both masses at the drive's frequency.",
+        needs=_OF_SPRINGS,
+    ),
+    Question(
+        "tilt", "Tilt of the springs from the vertical", "20 deg", parameter="spring_angle",
+        says="Tilt of the leaves from the vertical: the line of a straight track is as steep.",
+        needs=_OF_SPRINGS,
+    ),
+    Question(
+        "load", "Mass of the parts on the track", "0.5 kg", parameter="conveyed_mass",
+        says="Mass of all parts that travel. A range of it gives the rate against the load.",
+        needs=_OF_SPRINGS,
     ),
     Question(
         "friction", "Friction between part and track", "0.3", parameter="friction",

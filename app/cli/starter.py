@@ -20,7 +20,7 @@ SCENES: Final[Mapping[str, str]] = {
     "straight": "rectangle-on-plane",
     "bowl": "rectangle-on-track",
 }
-"""The scene of a track; of a part that none is asked for, `ROUND`."""
+"""The scene of a track; of a round part, `ROUND`."""
 ROUND: Final = "cylinder-on-plane"
 WIDTH: Final = 96
 
@@ -76,6 +76,23 @@ STARTERS: Final[Mapping[str, Starter]] = {
             "drive\nabove the track. Others may stand here instead of below, such as frequency.",
         },
     ),
+    "springs": Starter(
+        (
+            "Which amplitude do the springs give, and how many parts a minute does it make?",
+            "Amplitude and angle follow from masses, springs and force: docs/tuning.md.",
+        ),
+        "simulate",
+        "the motion in time, of parts and drive together",
+        (
+            "feed_rate",
+            "conveying_velocity",
+            "track_amplitude",
+            "vibration_angle",
+            "natural_frequency",
+            "phase",
+            "throw_number",
+        ),
+    ),
     "forces": Starter(
         (
             "Which forces and accelerations act on the part?",
@@ -103,7 +120,7 @@ amplitude = { start = "0.1 mm", stop = "0.5 mm", num = 41 }. `vibrafeed plot` dr
 
 def scene_of(answers: Mapping[str, str]) -> str:
     """Return the scene of the part and the track that were named."""
-    return SCENES.get(answers.get("track", ""), ROUND)
+    return ROUND if answers["part"] == "cylinder" else SCENES[answers.get("track", "straight")]
 
 
 def starter_study(answers: Mapping[str, str], file: str) -> str:

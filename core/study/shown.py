@@ -41,7 +41,12 @@ SI: Final[Mapping[str, str]] = MappingProxyType(
 """How the units of quantities are written; a unit that is not here is written as it is."""
 
 TRADE: Final[Mapping[str, tuple[float, str]]] = MappingProxyType(
-    {"m": (1e3, "mm"), "m s-1": (1e3, "mm/s")}
+    {
+        "m": (1e3, "mm"),
+        "m s-1": (1e3, "mm/s"),
+        "Pa": (1e-6, "MPa"),
+        "N m-1": (1e-3, "N/mm"),
+    }
 )
 """What designers of feeders read, however large the values are."""
 
