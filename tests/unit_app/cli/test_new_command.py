@@ -131,7 +131,7 @@ def test_a_file_is_replaced_when_told_to_only(tmp_path):
         (["--frequency", "fast", "--friction", "-1"],
          "--frequency: 'fast' is not a number with a unit."),
         (["--frequency", "fast", "--friction", "-1"], "--friction: friction is -1. It must be"),
-        (["--question", "xyz"], "--question: 'xyz' is not one of the answers. Please answer speed or drive or"),
+        (["--question", "xyz"], "--question: 'xyz' is not one of the answers. Please answer speed"),
         (["--radius", "1 m"], "--radius: it goes with --track bowl. Add that, or leave it out."),
         (["--amplitude", "1 mm", "--peak-to-peak", "2 mm"],
          "--amplitude: --peak-to-peak says it already. Give one of them."),
