@@ -16,6 +16,7 @@ from pathlib import Path
 
 from core.catalogue import scene_parameters
 from core.kinds import KINDS
+from core.motion.drive_units import GIVEN
 from core.motion.systems import SYSTEMS
 from core.quantities import QUANTITIES, Quantity
 from core.quantities.drive import DRIVE
@@ -146,6 +147,8 @@ def parameters(kinds: Iterable[str]) -> list[str]:
         for variant in scene.variants
         for name in scene_parameters(scene, variant)
     }
+    if any(KINDS[kind].scenes[-1] is SYSTEMS for kind in kinds):
+        taken |= GIVEN  # a part in time may stand on a drive unit
     return [name for name in QUANTITIES if name in taken and name not in numbered()]
 
 

@@ -124,6 +124,7 @@ def study(
     base_mass: Values | None = None,
     load_mass: Values | None = None,
     load_damping: Values | None = None,
+    conveyed_mass: Values | None = None,
     moving_inertia: Values | None = None,
     base_inertia: Values | None = None,
     spring_radius: Values | None = None,
@@ -644,6 +645,37 @@ def simulate(
     occupancy: Values | None = None,
     duration: Values | None = None,
     drop_height: Values | None = None,
+    moving_mass: Values | None = None,
+    base_mass: Values | None = None,
+    load_mass: Values | None = None,
+    load_damping: Values | None = None,
+    conveyed_mass: Values | None = None,
+    moving_inertia: Values | None = None,
+    base_inertia: Values | None = None,
+    spring_radius: Values | None = None,
+    spring_angle: Values | None = None,
+    spring_count: Values | None = None,
+    spring_width: Values | None = None,
+    spring_thickness: Values | None = None,
+    spring_length: Values | None = None,
+    elastic_modulus: Values | None = None,
+    clamp_factor: Values | None = None,
+    allowable_stress: Values | None = None,
+    ring_down_frequency: Values | None = None,
+    damping_ratio: Values | None = None,
+    drive_force: Values | None = None,
+    flux_density: Values | None = None,
+    pole_area: Values | None = None,
+    force_harmonic: Values | None = None,
+    offset_along: Values | None = None,
+    offset_upward: Values | None = None,
+    spot_along: Values | None = None,
+    spot_upward: Values | None = None,
+    unbalance: Values | None = None,
+    air_gap: Values | None = None,
+    foot_stiffness: Values | None = None,
+    foot_damping: Values | None = None,
+    spring_stiffness: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     trajectory: int | Sequence[float] | None = None,
     drive: Mapping[str, Any] | None = None,
@@ -750,6 +782,75 @@ def simulate(
     drop_height : values, optional
         Height of the part's lowest corner above the plane at the start. In m, 0 or more, for
         example "10 mm".
+    moving_mass : values, optional
+        Mass of trough or bowl, with what is fixed to it. In kg, above 0, for example "10 kg".
+    base_mass : values, optional
+        Mass of the base, or counter-mass. In kg, above 0, for example "30 kg".
+    load_mass : values, optional
+        Mass of parts that lie still on the track. In kg, 0 or more, for example "0.5 kg".
+    load_damping : values, optional
+        Damper between track and ground: what parts take that slide and hop. In N s m-1, 0 or more,
+        for example "40 N s/m".
+    conveyed_mass : values, optional
+        Mass of all parts that travel on the track; amplitude and motion are found together. In kg,
+        0 or more, for example "0.5 kg".
+    moving_inertia : values, optional
+        Moment of inertia of the bowl about its axis. In kg m2, above 0, for example "0.25 kg m^2".
+    base_inertia : values, optional
+        Moment of inertia of the base about the same axis. In kg m2, above 0, for example "0.9 kg
+        m^2".
+    spring_radius : values, optional
+        Radius that the leaves stand at. In m, above 0, for example "150 mm".
+    spring_angle : values, optional
+        Tilt of the leaves from the vertical: the line of a linear unit is as steep. In degrees,
+        from -89 to 89, for example "20 deg".
+    spring_count : values, optional
+        Leaves side by side, with spacers between. Above 0, for example 8.
+    spring_width : values, optional
+        Width of a leaf spring. In m, above 0, for example "40 mm".
+    spring_thickness : values, optional
+        Thickness of a leaf spring. In m, above 0, for example "3 mm".
+    spring_length : values, optional
+        Length of a leaf spring between its clamps. In m, above 0, for example "100 mm".
+    elastic_modulus : values, optional
+        Of the leaves: 206 GPa of spring steel. In Pa, above 0, for example "206 GPa".
+    clamp_factor : values, optional
+        Stiffness of the leaves over that with rigid clamps. Above 0, for example 0.9.
+    allowable_stress : values, optional
+        Bending stress that the leaves bear for ever. In Pa, above 0, for example "250 MPa".
+    ring_down_frequency : values, optional
+        Frequency in which the empty unit rings after a knock. In Hz, above 0, for example "53 Hz".
+    damping_ratio : values, optional
+        Logarithmic decrement of the ring-down over 2 pi. Above 0, for example 0.02.
+    drive_force : values, optional
+        Amplitude of the force between both masses, along the stroke, at the drive's frequency. In
+        N, above 0, for example "100 N".
+    flux_density : values, optional
+        Peak of the flux density in the magnet's gap. In T, above 0, for example "0.5 T".
+    pole_area : values, optional
+        Area of all poles of the magnet that pull. In m2, above 0, for example "12 cm^2".
+    force_harmonic : values, optional
+        Over the first: 0.25 of a magnet on a half wave, 0 on a full one. 0 or more, for example
+        0.25.
+    offset_along : values, optional
+        Moving mass centre ahead of the base's. In m, for example "0 mm".
+    offset_upward : values, optional
+        Moving mass centre above the base's. In m, for example "0 mm".
+    spot_along : values, optional
+        Place on the track ahead of the mass centre. In m, for example "0 mm".
+    spot_upward : values, optional
+        Place on the track above the mass centre. In m, for example "0 mm".
+    unbalance : values, optional
+        Mass of an unbalance times its radius. In kg m, above 0, for example "0.002 kg m".
+    air_gap : values, optional
+        Air gap of the magnet at rest, along the stroke. In m, above 0, for example "2 mm".
+    foot_stiffness : values, optional
+        Of all feet together; 0 if the base is free. In N m-1, 0 or more, for example "50000 N/m".
+    foot_damping : values, optional
+        Of all feet together. In N s m-1, 0 or more, for example "100 N s/m".
+    spring_stiffness : values, optional
+        Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
+        above 0, for example "1000 N/mm".
     sensitivities : bool or sequence of str, optional
         Also give the derivative of each output by these parameters, and its elasticity d
         ln(output)/d ln(parameter): true for all that the study gives, or a list of names.
@@ -929,6 +1030,7 @@ def optimise(
     base_mass: Values | None = None,
     load_mass: Values | None = None,
     load_damping: Values | None = None,
+    conveyed_mass: Values | None = None,
     moving_inertia: Values | None = None,
     base_inertia: Values | None = None,
     spring_radius: Values | None = None,
@@ -1182,6 +1284,9 @@ def optimise(
     load_damping : values, optional
         Damper between track and ground: what parts take that slide and hop. In N s m-1, 0 or more,
         for example "40 N s/m".
+    conveyed_mass : values, optional
+        Mass of all parts that travel on the track; amplitude and motion are found together. In kg,
+        0 or more, for example "0.5 kg".
     moving_inertia : values, optional
         Moment of inertia of the bowl about its axis. In kg m2, above 0, for example "0.25 kg m^2".
     base_inertia : values, optional
@@ -1414,6 +1519,7 @@ def sensitivity(
     base_mass: Values | None = None,
     load_mass: Values | None = None,
     load_damping: Values | None = None,
+    conveyed_mass: Values | None = None,
     moving_inertia: Values | None = None,
     base_inertia: Values | None = None,
     spring_radius: Values | None = None,
@@ -1659,6 +1765,9 @@ def sensitivity(
     load_damping : values, optional
         Damper between track and ground: what parts take that slide and hop. In N s m-1, 0 or more,
         for example "40 N s/m".
+    conveyed_mass : values, optional
+        Mass of all parts that travel on the track; amplitude and motion are found together. In kg,
+        0 or more, for example "0.5 kg".
     moving_inertia : values, optional
         Moment of inertia of the bowl about its axis. In kg m2, above 0, for example "0.25 kg m^2".
     base_inertia : values, optional
@@ -1845,6 +1954,37 @@ def calibrate(
     occupancy: Values | None = None,
     duration: Values | None = None,
     drop_height: Values | None = None,
+    moving_mass: Values | None = None,
+    base_mass: Values | None = None,
+    load_mass: Values | None = None,
+    load_damping: Values | None = None,
+    conveyed_mass: Values | None = None,
+    moving_inertia: Values | None = None,
+    base_inertia: Values | None = None,
+    spring_radius: Values | None = None,
+    spring_angle: Values | None = None,
+    spring_count: Values | None = None,
+    spring_width: Values | None = None,
+    spring_thickness: Values | None = None,
+    spring_length: Values | None = None,
+    elastic_modulus: Values | None = None,
+    clamp_factor: Values | None = None,
+    allowable_stress: Values | None = None,
+    ring_down_frequency: Values | None = None,
+    damping_ratio: Values | None = None,
+    drive_force: Values | None = None,
+    flux_density: Values | None = None,
+    pole_area: Values | None = None,
+    force_harmonic: Values | None = None,
+    offset_along: Values | None = None,
+    offset_upward: Values | None = None,
+    spot_along: Values | None = None,
+    spot_upward: Values | None = None,
+    unbalance: Values | None = None,
+    air_gap: Values | None = None,
+    foot_stiffness: Values | None = None,
+    foot_damping: Values | None = None,
+    spring_stiffness: Values | None = None,
     offsets: Mapping[str, Mapping[str, Any]] | None = None,
     factors: Mapping[str, Mapping[str, Any]] | None = None,
     candidates: Mapping[str, Values] | None = None,
@@ -1961,6 +2101,75 @@ def calibrate(
     drop_height : values, optional
         Height of the part's lowest corner above the plane at the start. In m, 0 or more, for
         example "10 mm".
+    moving_mass : values, optional
+        Mass of trough or bowl, with what is fixed to it. In kg, above 0, for example "10 kg".
+    base_mass : values, optional
+        Mass of the base, or counter-mass. In kg, above 0, for example "30 kg".
+    load_mass : values, optional
+        Mass of parts that lie still on the track. In kg, 0 or more, for example "0.5 kg".
+    load_damping : values, optional
+        Damper between track and ground: what parts take that slide and hop. In N s m-1, 0 or more,
+        for example "40 N s/m".
+    conveyed_mass : values, optional
+        Mass of all parts that travel on the track; amplitude and motion are found together. In kg,
+        0 or more, for example "0.5 kg".
+    moving_inertia : values, optional
+        Moment of inertia of the bowl about its axis. In kg m2, above 0, for example "0.25 kg m^2".
+    base_inertia : values, optional
+        Moment of inertia of the base about the same axis. In kg m2, above 0, for example "0.9 kg
+        m^2".
+    spring_radius : values, optional
+        Radius that the leaves stand at. In m, above 0, for example "150 mm".
+    spring_angle : values, optional
+        Tilt of the leaves from the vertical: the line of a linear unit is as steep. In degrees,
+        from -89 to 89, for example "20 deg".
+    spring_count : values, optional
+        Leaves side by side, with spacers between. Above 0, for example 8.
+    spring_width : values, optional
+        Width of a leaf spring. In m, above 0, for example "40 mm".
+    spring_thickness : values, optional
+        Thickness of a leaf spring. In m, above 0, for example "3 mm".
+    spring_length : values, optional
+        Length of a leaf spring between its clamps. In m, above 0, for example "100 mm".
+    elastic_modulus : values, optional
+        Of the leaves: 206 GPa of spring steel. In Pa, above 0, for example "206 GPa".
+    clamp_factor : values, optional
+        Stiffness of the leaves over that with rigid clamps. Above 0, for example 0.9.
+    allowable_stress : values, optional
+        Bending stress that the leaves bear for ever. In Pa, above 0, for example "250 MPa".
+    ring_down_frequency : values, optional
+        Frequency in which the empty unit rings after a knock. In Hz, above 0, for example "53 Hz".
+    damping_ratio : values, optional
+        Logarithmic decrement of the ring-down over 2 pi. Above 0, for example 0.02.
+    drive_force : values, optional
+        Amplitude of the force between both masses, along the stroke, at the drive's frequency. In
+        N, above 0, for example "100 N".
+    flux_density : values, optional
+        Peak of the flux density in the magnet's gap. In T, above 0, for example "0.5 T".
+    pole_area : values, optional
+        Area of all poles of the magnet that pull. In m2, above 0, for example "12 cm^2".
+    force_harmonic : values, optional
+        Over the first: 0.25 of a magnet on a half wave, 0 on a full one. 0 or more, for example
+        0.25.
+    offset_along : values, optional
+        Moving mass centre ahead of the base's. In m, for example "0 mm".
+    offset_upward : values, optional
+        Moving mass centre above the base's. In m, for example "0 mm".
+    spot_along : values, optional
+        Place on the track ahead of the mass centre. In m, for example "0 mm".
+    spot_upward : values, optional
+        Place on the track above the mass centre. In m, for example "0 mm".
+    unbalance : values, optional
+        Mass of an unbalance times its radius. In kg m, above 0, for example "0.002 kg m".
+    air_gap : values, optional
+        Air gap of the magnet at rest, along the stroke. In m, above 0, for example "2 mm".
+    foot_stiffness : values, optional
+        Of all feet together; 0 if the base is free. In N m-1, 0 or more, for example "50000 N/m".
+    foot_damping : values, optional
+        Of all feet together. In N s m-1, 0 or more, for example "100 N s/m".
+    spring_stiffness : values, optional
+        Of all leaves together along the stroke; follows from their sizes unless given. In N m-1,
+        above 0, for example "1000 N/mm".
     offsets : mapping of str to mapping, optional
         Unknown offsets of parameters, such as the mounting error of an angle.
     factors : mapping of str to mapping, optional
@@ -2251,6 +2460,37 @@ def drive_error(
     occupancy: Values | None = None,
     duration: Values | None = None,
     drop_height: Values | None = None,
+    moving_mass: Values | None = None,
+    base_mass: Values | None = None,
+    load_mass: Values | None = None,
+    load_damping: Values | None = None,
+    conveyed_mass: Values | None = None,
+    moving_inertia: Values | None = None,
+    base_inertia: Values | None = None,
+    spring_radius: Values | None = None,
+    spring_angle: Values | None = None,
+    spring_count: Values | None = None,
+    spring_width: Values | None = None,
+    spring_thickness: Values | None = None,
+    spring_length: Values | None = None,
+    elastic_modulus: Values | None = None,
+    clamp_factor: Values | None = None,
+    allowable_stress: Values | None = None,
+    ring_down_frequency: Values | None = None,
+    damping_ratio: Values | None = None,
+    drive_force: Values | None = None,
+    flux_density: Values | None = None,
+    pole_area: Values | None = None,
+    force_harmonic: Values | None = None,
+    offset_along: Values | None = None,
+    offset_upward: Values | None = None,
+    spot_along: Values | None = None,
+    spot_upward: Values | None = None,
+    unbalance: Values | None = None,
+    air_gap: Values | None = None,
+    foot_stiffness: Values | None = None,
+    foot_damping: Values | None = None,
+    spring_stiffness: Values | None = None,
     sensitivities: bool | Sequence[str] | None = None,
     trajectory: int | Sequence[float] | None = None,
     drive: Mapping[str, Any] | None = None,

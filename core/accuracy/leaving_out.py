@@ -41,6 +41,14 @@ TYPICAL: dict[str, Any] = {
     "spin_rate": 40.0, "yaw_rate": 2.0, "drilling_moment": 1e-4, "pitch": [10.0, 25.0, 40.0],
     "pitch_rate": 2.0, "centre_along": 0.01, "centre_height": 0.02, "velocity_along": 0.1,
     "velocity_upward": 0.0, "duration": 0.05, "drop_height": 0.002, "hold_down": 1.0,
+    # two masses on leaf springs
+    "moving_mass": 10.0, "base_mass": 30.0, "load_mass": [0.2, 0.5, 1.0], "moving_inertia": 0.25,
+    "base_inertia": 0.9, "spring_radius": 0.15, "spring_angle": 20.0, "spring_count": 8.0,
+    "spring_width": 0.04, "spring_thickness": 0.003, "spring_length": 0.1,
+    "elastic_modulus": 206e9, "clamp_factor": 0.9, "allowable_stress": 250e6,
+    "ring_down_frequency": 53.0, "damping_ratio": 0.02, "unbalance": 0.002, "air_gap": 0.003,
+    "foot_stiffness": 4e4, "foot_damping": 100.0, "load_damping": 20.0, "force_harmonic": 0.25,
+    "offset_along": 0.02, "offset_upward": 0.05, "spot_along": 0.1, "spot_upward": 0.03,
     # two bodies that touch, nearly, and approach
     "position_x_1": 0.005, "position_y_1": 0.02097, "angle_1": 30.0, "velocity_x_1": 0.1,
     "velocity_y_1": -0.2, "spin_1": 3.0, "length_1": 0.05, "width_1": 0.008, "mass_1": 0.01,
