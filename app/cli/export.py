@@ -15,8 +15,14 @@ from app.cli.existing import refuse_existing
 from app.cli.options import FAILED, WRONG_INPUT
 from app.cli.studies import refuse
 from app.cli.targets import check_suffix, make_folder_of, write_or_exit
-from core.dataset.formats import read_result
+from app.cli.units import units_asked
+from core.dataset.formats import read_result, suffix_of
+from core.dataset.shown import in_shown_units
+from core.dataset.table import Table
 from core.errors import LimitError, Problem, VibrafeedError
+
+FOR_PEOPLE = (".csv", ".xlsx", ".parquet")
+"""Formats that may hold other units than those of files."""
 
 
 def export(
@@ -29,6 +35,13 @@ def export(
             "-o", "--output", help="File .csv, .xlsx, .parquet, .mat or .nc, or group .zarr."
         ),
     ],
+    units: Annotated[
+        str | None,
+        typer.Option(
+            help="Units of the values in CSV, XLSX and Parquet: trade (mm, mm/s, g), or such as "
+            "'m/min, mm'; left out, those of the file. Other formats keep theirs."
+        ),
+    ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Replace a file that is there already.")
     ] = False,
@@ -40,6 +53,11 @@ def export(
     """
     check_suffix(output)
     refuse_existing(file, output, force=force)
+    shown = None if units is None else units_asked(units)
+    if shown is not None and suffix_of(output) not in FOR_PEOPLE:
+        message = f"programs read {suffix_of(output)} files, and know their units"
+        fix = f"Leave it out, or export to {' or '.join(FOR_PEOPLE)}"
+        refuse({Path(output): [Problem("--units", message, fix)]})
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     try:
         table = read_result(file, most_bytes=memory)
@@ -51,6 +69,8 @@ def export(
     except OSError as error:
         console.fail(f"{file} cannot be read: {error.strerror or error}.")
         raise typer.Exit(FAILED) from None
+    if shown is not None:
+        table = Table.of_xarray(in_shown_units(table.to_xarray(), shown))
     if "://" not in output:
         make_folder_of(output)
     before = str(table.attributes.get("history", ""))

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, Final
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
+import numpy as np
 from numpy.typing import NDArray
 
 from core.dataset.frame import Column, Frame, heading
@@ -47,8 +48,9 @@ def check_rows_of_sheet(rows: int) -> None:
 def xlsx(frame: Frame) -> Iterator[bytes]:
     """Yield the pieces of a workbook, of which those that come while rows are added are empty.
 
-    Its sheets are `values`, with headings as in CSV; `columns`, with units and descriptions; and
-    `study`, with the attributes of the whole. What has no value is an empty cell; an infinite
+    Its sheets are `values`, axes and outputs, with headings as in CSV; `constants`, the parameters
+    that have one value; `columns`, with units and descriptions; and `study`, with the attributes of
+    the whole. What has no value is an empty cell; an infinite
     number is a text, since Excel has none.
 
     Raises
@@ -71,6 +73,7 @@ def _pieces(library: Any, frame: Frame) -> Iterator[bytes]:
     try:
         for _ in _add_values(book, frame):
             yield b""
+        _add_constants(book, frame)
         _add_columns(book, frame)
         _add_study(book, frame)
         with tempfile.TemporaryFile() as file:
@@ -84,14 +87,31 @@ def _pieces(library: Any, frame: Frame) -> Iterator[bytes]:
 
 def _add_values(book: Any, frame: Frame) -> Iterator[None]:
     """Add the sheet of the rows, and yield now and then."""
-    headings = [heading(column) for column in frame.columns]
+    shown = [column for column in frame.columns if not _is_constant(frame, column)]
+    headings = [heading(column) for column in shown]
     sheet = _sheet(book, "values", [max(10, len(text) + 2) for text in headings])
     sheet.append(headings)
     for start in range(0, frame.rows, ROWS):
-        columns = [_cells(sheet, frame.piece(one, start, ROWS)) for one in frame.columns]
+        columns = [_cells(sheet, frame.piece(one, start, ROWS)) for one in shown]
         for row in zip(*columns, strict=True):
             sheet.append(row)
         yield
+
+
+def _is_constant(frame: Frame, column: Column) -> bool:
+    """Return whether a column is a parameter of one value."""
+    return column.name in frame.table.coordinates and not column.variable.dims
+
+
+def _add_constants(book: Any, frame: Frame) -> None:
+    sheet = _sheet(book, "constants", [30, 24, 12, 40])
+    sheet.append(["name", "value", "unit", "label"])
+    for column in frame.columns:
+        if _is_constant(frame, column):
+            told = column.variable.attributes
+            (value,) = _cells(sheet, np.ravel(column.values))
+            texts = [_text(sheet, str(told.get(key, ""))) for key in ("units", "long_name")]
+            sheet.append([column.name, value, *texts])
 
 
 def _add_columns(book: Any, frame: Frame) -> None:

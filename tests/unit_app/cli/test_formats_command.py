@@ -197,3 +197,22 @@ def test_an_export_replaces_nothing_unasked(tmp_path):
     assert "y.csv is there already. Add --force to replace it" in refused.output
     assert (tmp_path / "y.csv").read_text() == "mine"
     assert run("export", tmp_path / "x.nc", "-o", tmp_path / "y.csv", "--force").exit_code == 0
+
+
+def test_an_export_for_people_is_in_their_units(tmp_path):
+    result = tmp_path / "motion.nc"
+    content = {"kind": "simulate", **STUDIES["simulate"]}
+    assert run("run", saved(tmp_path, content), "-o", result).exit_code == 0
+    with xarray.open_dataset(result, decode_times=False) as dataset:
+        speeds = dataset.conveying_velocity.values
+    for units, factor, heading in (("trade", 1e3, "mm/s"), ("m/min, mm", 60, "m/min")):
+        table = tmp_path / "shown.csv"
+        assert run("export", result, "-o", table, "--units", units, "--force").exit_code == 0
+        shown = pandas.read_csv(table)
+        found = shown[f"conveying_velocity [{heading}]"].to_numpy()
+        np.testing.assert_allclose(found, factor * speeds, rtol=1e-15)
+        np.testing.assert_allclose(shown["amplitude [mm]"], [0.1, 0.2], rtol=1e-15)
+    refused = run("export", result, "-o", tmp_path / "x.nc", "--units", "trade")
+    assert refused.exit_code == 2
+    assert "programs read .nc files, and know their units" in refused.output
+    assert not (tmp_path / "x.nc").exists()

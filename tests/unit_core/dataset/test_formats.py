@@ -79,9 +79,16 @@ def test_polars_reads_csv_parquet_and_excel(places, motion):
 
 def test_pandas_and_openpyxl_read_excel(places, motion):
     found = pandas.read_excel(places[".xlsx"], sheet_name="values")
-    check_same(found.astype({"frequency [Hz]": float}), rows(motion, with_units=True))
+    whole = rows(motion, with_units=True)
+    constants = pandas.read_excel(places[".xlsx"], sheet_name="constants").set_index("name")
+    headings = {name.partition(" [")[0]: name for name in whole}
+    fixed = {headings[name]: one.value for name, one in constants.iterrows()}
+    for heading, value in fixed.items():
+        assert set(whole[heading]) == {value}
+    check_same(found, {name: one for name, one in whole.items() if name not in fixed})
+    assert constants.unit["frequency"] == "Hz"
     book = openpyxl.load_workbook(places[".xlsx"])
-    assert book.sheetnames == ["values", "columns", "study"]
+    assert book.sheetnames == ["values", "constants", "columns", "study"]
     assert book["values"].freeze_panes == "A2"
     columns = {row[0]: row[1:] for row in book["columns"].values}
     assert columns["amplitude"][0] == "m"
@@ -151,12 +158,13 @@ def test_what_is_awkward(awkward, tmp_path):
     heads, first, *_ = book["values"].values
     row = dict(zip(heads, first, strict=True))
     assert row == {
-        "a [Hz]": 1, "b": 1, "c": 7.5, "turned [m]": 0, "short": None, "count": 2**40,
+        "a [Hz]": 1, "b": 1, "turned [m]": 0, "short": None, "count": 2**40,
         "told": '=x,"y"', "single": float(np.float32(0.1)), "regime": "slide",
     }  # fmt: skip
-    assert [cell.value for cell in book["values"]["E"]][1:3] == [None, "-inf"]
-    assert book["values"]["G2"].data_type == "s"  # no formula
-    assert book["values"]["G6"].value == "#z"
+    assert [row[:2] for row in book["constants"].values][1:] == [("c", 7.5)]
+    assert [cell.value for cell in book["values"]["D"]][1:3] == [None, "-inf"]
+    assert book["values"]["F2"].data_type == "s"  # no formula
+    assert book["values"]["F6"].value == "#z"
     assert dict(book["study"].values)["title"] == "=T"
     mat = scipy.io.loadmat(places[".mat"], simplify_cells=True)["result"]["data"]
     assert np.array_equal(mat["short"], [np.nan, -np.inf], equal_nan=True)
