@@ -51,13 +51,24 @@ def streamed_facts(
     return _facts(path, target, result, cells, found, shares)
 
 
-def show_result(facts: Mapping[str, Any], result: Table, asked: str | None) -> None:
-    """Print a short table of a result: values or ranges, regimes, what was verified."""
+OF_THE_SEARCH = ("objective_error", "optimality_residual", "optimum_gap", "evaluations")
+"""Outputs that tell how an optimum was found, in place of what it is."""
+
+
+def show_result(
+    facts: Mapping[str, Any], result: Table, asked: str | None, *, everything: bool = False
+) -> None:
+    """Print a short table of a result: values or ranges, regimes, what was verified.
+
+    With `everything` it has those of `OF_THE_SEARCH`, too.
+    """
     units = units_asked(asked, str(result.attributes.get("shown_units", "")))
     if "findings" in result.attributes:
         show_findings(result, units)
         return
     outputs = facts["outputs"]
+    if not everything:
+        outputs = {name: one for name, one in outputs.items() if name not in OF_THE_SEARCH}
     if is_uncertain(result):
         outputs = {name: one for name, one in outputs.items() if is_short(name)}
     if is_uncertain(result) and facts["cells"] == 1:

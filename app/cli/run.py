@@ -67,7 +67,12 @@ def run(
         bool, typer.Option("-q", "--quiet", help="Print nothing but what went wrong.")
     ] = False,
     verbose: Annotated[
-        bool, typer.Option("-v", "--verbose", help="Also print timings, equations and kernels.")
+        bool,
+        typer.Option(
+            "-v",
+            "--verbose",
+            help="Also print timings, equations, kernels, and how an optimum was found.",
+        ),
     ] = False,
     max_cells: Annotated[
         int | None, typer.Option(help="Largest number of cells of one study.")

@@ -152,7 +152,7 @@ class Running:
         self.facts.append(facts)
         self.solved &= not is_infeasible(table)
         console.say(f"{path} -> {target}")
-        show_result(facts, table, self.units)
+        show_result(facts, table, self.units, everything=self.checked is not None)
         done, cells = facts["cells_computed"], facts["cells"]
         of = f"{done:,} of {cells:,}" if done < cells else f"{cells:,}"
         noun = "cell" if cells == 1 else "cells"
