@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final
 import numpy as np
 
 from core.quantities import QUANTITIES, Quantity
-from core.study.units import UnitError, read_number
+from core.study.units import UnitError, read_number, share_of
 from core.study.values import Between, as_difference, read_between
 from core.suggestions import suggestion
 
@@ -154,7 +154,9 @@ def _no_form(name: str, keys: frozenset[str]) -> tuple[str, str]:
 
 def _normal(name: str, quantity: Quantity, raw: Mapping[str, Any]) -> Normal:
     mean = read_number(name, quantity, raw["mean"])
-    size = read_number(f"deviation of {name}", as_difference(quantity), raw["deviation"])
+    written = share_of(mean, raw["deviation"], 'deviation = "5 %"')
+    written = raw["deviation"] if written is None else written
+    size = read_number(f"deviation of {name}", as_difference(quantity), written)
     ends = {key: read_number(name, quantity, raw[key]) for key in ("lower", "upper") if key in raw}
     found = Normal(mean, size, **ends)
     lower, upper = found.within(quantity)

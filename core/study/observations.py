@@ -19,7 +19,7 @@ from pydantic import (
 
 from core.quantities import QUANTITIES, Quantity
 from core.study.levels import read_level, refusal
-from core.study.units import UnitError, read_number
+from core.study.units import UnitError, read_number, share_of
 from core.suggestions import suggestion
 
 MOST_RUNS = 1_000
@@ -33,7 +33,6 @@ REGIMES_SEEN = {
     "moves backwards": "it travels against the direction of transport",
 }
 """What may have been seen of a run without measuring its speed."""
-PERCENT = "%"
 
 _PARAMETERS = tuple(name for name, quantity in QUANTITIES.items() if quantity.parameter)
 _TEXT = {"type": "string", "maxLength": 200}
@@ -58,14 +57,8 @@ def read_error(output: str, raw: object, value: float) -> float:
     UnitError
         If it is none.
     """
-    if isinstance(raw, str) and raw.strip().endswith(PERCENT):
-        text = raw.strip().removesuffix(PERCENT).strip()
-        try:
-            error = abs(value) * float(text) / 100
-        except ValueError:
-            fix = 'Write error = "5 %", or a value with its unit'
-            raise UnitError(f"{raw[:40]!r} is no percentage", fix) from None
-    else:
+    error = share_of(value, raw, 'error = "5 %"')
+    if error is None:
         error = read_level(output, raw)
     if not error > 0:
         fix = "Give the standard deviation of the measured value, or leave it out"

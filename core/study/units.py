@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 PER_MINUTE = frozenset(
     ("rpm", "vpm", "cpm", "rev/min", "vib/min", "cycles/min", "1/min", "min^-1", "min-1", "/min")
 )
+PERCENT = "%"
 MOST_UNITS = 10  # that the values of one list are written in: to look one up takes long
 _TEXT = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*(.*?)\s*")
 _UNIT = re.compile(r"(?:1/)?[A-Za-zµμ°'\"_][A-Za-z0-9_²³ µμ°*/^().'\"-]{0,40}")
@@ -87,6 +88,24 @@ def read_numbers(name: str, quantity: Quantity, raw: Sequence[object]) -> tuple[
             return tuple(numbers)
     factors: dict[str, Fraction] = {}
     return tuple(_read_one(name, quantity, item, factors) for item in raw)
+
+
+def share_of(value: float, raw: object, example: str) -> float | None:
+    """Return the part of a value that a text such as ``"5 %"`` means; None if it is no share.
+
+    Raises
+    ------
+    UnitError
+        If it ends in a percent sign, and no number stands before that; the fix is the example.
+    """
+    if not (isinstance(raw, str) and raw.strip().endswith(PERCENT)):
+        return None
+    text = raw.strip().removesuffix(PERCENT).strip()
+    try:
+        return abs(value) * float(text) / 100
+    except ValueError:
+        fix = f"Write {example}, or a value with its unit"
+        raise UnitError(f"{raw[:40]!r} is no percentage", fix) from None
 
 
 def problem(place: str, error: UnitError) -> Problem:

@@ -115,3 +115,18 @@ def test_points_are_even_within_and_different_between_scramblings():
     assert np.array_equal(found, points(3, 64, seed=5, replicates=4))
     assert not np.array_equal(found, points(3, 64, seed=6, replicates=4))
     assert len({one.tobytes() for one in np.moveaxis(found, 1, 0)}) == 4
+
+
+@pytest.mark.parametrize(
+    ("mean", "deviation", "expected"),
+    [("0.3 mm", "5 %", 0.015e-3), (0.3, "10%", 0.03), ("0.2 mm", "0.01 mm", 1e-5)],
+)
+def test_a_deviation_may_be_a_share_of_the_mean(mean, deviation, expected):
+    name = "amplitude" if isinstance(mean, str) else "friction"
+    found = read_distribution(name, {"mean": mean, "deviation": deviation})
+    assert found.deviation == pytest.approx(expected, rel=1e-15)
+
+
+def test_what_is_no_percentage_is_told():
+    with pytest.raises(UnitError, match=r"Write deviation = \"5 %\", or a value with its unit"):
+        read_distribution("friction", {"mean": 0.3, "deviation": "five %"})
