@@ -278,9 +278,7 @@ def plot(
 def _opened(given: Any) -> Any:
     """Return what is to be drawn, files read."""
     if isinstance(given, str | _os.PathLike):
-        from pathlib import Path  # takes long to load
-
-        return import_module("core.plots.files").read(Path(given))
+        return import_module("core.plots.files").read(given)
     return [_opened(one) for one in given] if isinstance(given, list | tuple) else given
 
 

@@ -20,6 +20,7 @@ from core.intake import parse_json
 from core.kinds import STATUSES, is_whole, not_verified, share_left_out
 from core.motion.feeding import travel_in_words
 from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES
+from core.quantities.optimum import OF_THE_SEARCH
 
 if TYPE_CHECKING:
     from core.dataset import Table
@@ -49,10 +50,6 @@ def streamed_facts(
     regime = result.variables["regime"]
     shares = shares_of(passed.regimes) if regime.dims else regime_shares(regime.values)
     return _facts(path, target, result, cells, found, shares)
-
-
-OF_THE_SEARCH = ("objective_error", "optimality_residual", "optimum_gap", "evaluations")
-"""Outputs that tell how an optimum was found, in place of what it is."""
 
 
 def show_result(

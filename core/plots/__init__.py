@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from core.plots.fixed import read_fixed
     from core.plots.measured import draw_fit
     from core.plots.problem import PlotError
+    from core.plots.sheet import write_sheet
 else:  # the table of pictures is read without matplotlib
     __getattr__ = lazily(
         __name__,
@@ -25,7 +26,8 @@ else:  # the table of pictures is read without matplotlib
             "fixed": ("read_fixed",),
             "measured": ("draw_fit",),
             "problem": ("PlotError",),
+            "sheet": ("write_sheet",),
         },
     )
 
-__all__ = ["PlotError", "draw", "draw_file", "draw_fit", "read_fixed", "save"]
+__all__ = ["PlotError", "draw", "draw_file", "draw_fit", "read_fixed", "save", "write_sheet"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -117,7 +118,7 @@ def save(figure: Figure, target: Path) -> None:
         temporary.write_bytes(picture.getvalue())
 
 
-def read(file: Path) -> xarray.Dataset:
+def read(file: str | PathLike[str]) -> xarray.Dataset:
     """Return what stands in a result's file.
 
     Raises
@@ -127,6 +128,7 @@ def read(file: Path) -> xarray.Dataset:
     OSError
         If it cannot be read.
     """
+    file = Path(file)
     with file.open("rb"):  # the system says why a file cannot be read; the library does not
         pass
     try:

@@ -32,3 +32,6 @@ OPTIMUM: dict[str, Quantity] = {
     "evaluations": number("", "Evaluations", "Points at which the outputs were computed."),
     "knee": number("", "Knee of the front", "The point farthest from the chord of the front."),
 }  # fmt: skip
+
+OF_THE_SEARCH = ("objective_error", "optimality_residual", "optimum_gap", "evaluations")
+"""Outputs that tell how an optimum was found, in place of what it is."""

@@ -1,0 +1,44 @@
+"""`vibrafeed sheet`: one page about a result, for whoever asks for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from app.cli import console
+from app.cli.existing import refuse_existing
+from app.cli.options import FAILED, Units
+from app.cli.studies import refuse
+from core.extras import installing
+
+
+def sheet(
+    file: Annotated[Path, typer.Argument(help="A NetCDF file of `run`.", show_default=False)],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="PDF, PNG or SVG; a PDF beside the file if left out."),
+    ] = None,
+    title: Annotated[str | None, typer.Option(help="In the place of the study's own.")] = None,
+    units: Units = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace a page that is there already.")
+    ] = False,
+) -> None:
+    """Write one page about a result: drive and part, what comes out, a picture, the assumptions."""
+    try:
+        from core.plots import PlotError, write_sheet
+    except ModuleNotFoundError as error:
+        console.fail(f"{error.name} is missing. Install it: {installing('matplotlib', 'plot')}")
+        raise typer.Exit(FAILED) from None
+    target = output or file.with_suffix(".pdf")
+    refuse_existing(str(file), str(target), force=force)
+    try:
+        write_sheet(file, target, title=title or "", units=units)
+    except PlotError as error:
+        refuse({file: [error.problem]})
+    except OSError as error:
+        console.fail(f"{error.filename or file}: {error.strerror or error}.")
+        raise typer.Exit(FAILED) from None
+    typer.echo(f"wrote {target}")

@@ -1,0 +1,157 @@
+"""One page about a result, for a customer: what it is of, what came out, what it assumes."""
+
+from __future__ import annotations
+
+import io
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+
+from core.dataset.regimes import percent
+from core.plots.drawing import draw
+from core.plots.files import check_format, read, save
+from core.plots.style import Style
+from core.plots.text import long_name, number, shown_in, units_of, words
+from core.quantities import FLAGS, QUANTITIES, REGIMES
+from core.quantities.optimum import OF_THE_SEARCH
+from core.study.shown import ShownUnits
+
+PAGE = 8.27, 11.69  # inches, A4
+LEFT, RIGHT, TOP, BOTTOM = 0.08, 0.92, 0.955, 0.045
+LINE = 0.0165  # of the page's height
+DPI = 200  # of the picture
+MOST_ROWS = 18  # of a table; more is in the file
+LETTERS = 108  # of a line
+SETTINGS = ("tolerance", "most_periods", "gravity", "hold_down_number", "curvature_number")
+
+
+def write_sheet(file: Path, target: Path, *, title: str = "", units: str | None = None) -> None:
+    """Write the page of a file of `vibrafeed run` as PDF, PNG or SVG.
+
+    Raises
+    ------
+    PlotError
+        If the file is no such result, has no picture, or the page's name ends otherwise.
+    OSError
+        If the file cannot be read or the page cannot be written; no part of it is left behind.
+    """
+    check_format(target)
+    save(draw_sheet(read(file), title=title, units=units), target)
+
+
+def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = None) -> Figure:
+    """Return the page of a result.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        What a study gave.
+    title : str
+        In the place of the study's own.
+    units : str, optional
+        As for `core.plots.draw`.
+
+    Raises
+    ------
+    PlotError
+        If it has no picture.
+    """
+    style, shown = Style(), units_of(dataset, units)
+    page = Figure(figsize=PAGE, facecolor=style.ground)
+    at = TOP
+
+    def write(text: str, x: float = LEFT, *, size: float = 9, **look: Any) -> None:
+        page.text(x, at, text, size=size, va="top", **{"color": style.ink, **look})
+
+    write(title or str(dataset.attrs.get("title", "")), size=15, weight="bold")
+    at -= 2.0 * LINE
+    kind = f"{dataset.attrs.get('scene', '')}, {dataset.attrs.get('source', '')}"
+    write(kind, color=style.quiet)
+    at -= 2.0 * LINE
+    top = at
+    write("Drive and part", weight="bold")
+    at -= 1.3 * LINE
+    for label, text in _given(dataset, shown)[:MOST_ROWS]:
+        write(label)
+        write(text, 0.47, ha="right")
+        at -= LINE
+    lowest, at = at, top
+    write("What comes out", 0.53, weight="bold")
+    at -= 1.3 * LINE
+    for label, text in _outputs(dataset, shown)[:MOST_ROWS]:
+        write(label, 0.53)
+        write(text, RIGHT, ha="right")
+        at -= LINE
+    lowest = min(lowest, at)
+    at = lowest - 0.5 * LINE
+    for line in textwrap.wrap(_regimes(dataset), LETTERS):
+        write(line)
+        at -= LINE
+    assumed = textwrap.wrap(str(dataset.attrs.get("comment", "")), LETTERS + 12)
+    foot = BOTTOM + (len(assumed) + 3.5) * 0.8 * LINE
+    picture = io.BytesIO()
+    draw([dataset], units=units).savefig(picture, format="png", dpi=DPI)
+    picture.seek(0)
+    axes = page.add_axes((LEFT, foot, RIGHT - LEFT, at - foot - LINE))
+    axes.imshow(imread(picture), aspect="equal", interpolation="antialiased")
+    axes.set_anchor("N")
+    axes.axis("off")
+    at = foot - 0.5 * LINE
+    write("What this assumes", size=8, weight="bold")
+    for line in assumed:
+        at -= 0.8 * LINE
+        write(line, size=7.5, color=style.quiet)
+    at -= 1.2 * LINE
+    digest = str(dataset.attrs.get("study_sha256", ""))
+    write(f"Study {digest[:16]}; the file has all values.", size=7.5, color=style.quiet)
+    return page
+
+
+def _given(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
+    """Return the parameters: label, and value or range; settings of the method left out."""
+    rows = []
+    for name, array in dataset.coords.items():
+        if name not in QUANTITIES or name in SETTINGS:
+            continue
+        rows.append((long_name(array), _values(array, units)))
+    return rows
+
+
+def _outputs(dataset: xarray.Dataset, units: ShownUnits) -> list[tuple[str, str]]:
+    """Return the outputs: label, and value or range."""
+    return [
+        (long_name(array), _values(array, units))
+        for name, array in dataset.data_vars.items()
+        if name in QUANTITIES and name not in FLAGS and name not in OF_THE_SEARCH
+        if array.dtype.kind == "f"
+    ]
+
+
+def _values(array: xarray.DataArray, units: ShownUnits) -> str:
+    shown = shown_in(array, units)
+    values = np.asarray(array.values, dtype=float) * shown.factor
+    values = values[np.isfinite(values)]
+    if not values.size:
+        return "-"
+    ends = [number(float(end), 4) for end in (values.min(), values.max())]
+    text = ends[0] if ends[0] == ends[1] else " to ".join(ends)
+    return f"{text}{'' if shown.unit in ('', '°') else ' '}{shown.unit}"
+
+
+def _regimes(dataset: xarray.Dataset) -> str:
+    """Return in words which regimes there are, and that of one cell."""
+    if "regime" not in dataset:
+        return ""
+    values, counts = np.unique(dataset["regime"].values, return_counts=True)
+    by_value = {flag.value: (name, flag) for name, flag in REGIMES.items()}
+    if len(values) == 1:
+        name, flag = by_value[int(values[0])]
+        return f"Regime: {words(name)}: {flag.description}."
+    shares = zip(values, counts / counts.sum(), strict=True)
+    parts = [f"{words(by_value[int(value)][0])} {percent(share)}" for value, share in shares]
+    return f"Regimes: {', '.join(parts)}."
