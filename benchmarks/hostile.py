@@ -13,13 +13,14 @@ from __future__ import annotations
 import argparse
 import http.client
 import json
+import math
 import multiprocessing
 import resource
 import selectors
 import socket
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
@@ -188,6 +189,94 @@ def accuracy_jobs(server: Served, seconds: float) -> None:
     _has_to_end(server, _posted(server, "sweep", SMALL), seconds / 2)
 
 
+def _posts(server: Served, path: str, contents: Sequence[object], seconds: float) -> None:
+    """Post bodies at once, and again whenever all are answered; leave when time is up."""
+    bodies = [json.dumps(content).encode() for content in contents]
+    requests = [
+        _request(server, "POST", path, "Content-Type: application/json", f"Content-Length: {n}")
+        + body
+        for body in bodies
+        for n in [len(body)]
+    ]
+    _crowd_again(server, requests, seconds)
+
+
+def convert_values(server: Served, seconds: float) -> None:
+    """Eight clients that have a study of 9,000 values (60 kB) written as TOML."""
+    values = [1e-4 + 1e-8 * n for n in range(9_000)]
+    study = {**SMALL, "parameters": {**SMALL["parameters"], "amplitude": values}}  # type: ignore[dict-item]
+    _posts(server, "/convert?to=toml", [study] * 8, seconds)
+
+
+def convert_headings(server: Served, seconds: float) -> None:
+    """Sixteen clients that convert a recording whose heading is 20,000 spaces."""
+    text = f"time{' ' * 20_000}[s],a [m/s^2]\n" + "".join(f"{n / 1000},0\n" for n in range(20))
+    _posts(server, "/convert?to=toml", [_recorded(text)] * 16, seconds)
+
+
+def convert_recordings(server: Served, seconds: float) -> None:
+    """Sixteen clients that convert honest recordings of 20,000 rows."""
+    rows = (
+        f"{n / 2000:.4f},{30 * math.sin(0.157 * n):.3f},{10 * math.sin(0.157 * n):.3f}"
+        for n in range(20_000)
+    )
+    text = "time [s],ax [m/s^2],az [m/s^2]\n" + "\n".join(rows) + "\n"
+    _posts(server, "/convert?to=toml", [_recorded(text)] * 16, seconds)
+
+
+def _recorded(text: str) -> dict[str, object]:
+    drive = {"data": text, "along": "ax", "normal": "az", "line_frequency": 50}
+    motion = {"kind": "simulate", "scene": "rectangle-on-plane", "outputs": ["conveying_velocity"]}
+    return {**motion, "drive": drive, "parameters": {"friction": 0.3}}
+
+
+def many_names(server: Served, seconds: float) -> None:
+    """64 clients that ask for slices with 5,000 names in their queries."""
+    key = server.post("/sweeps", LARGE)["id"]
+    names = "&".join(f"n{n}=1" for n in range(5_000))
+    path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta&{names}"
+    _crowd_again(server, [_request(server, "GET", path)] * 64, seconds)
+
+
+def short_motions(server: Served, seconds: float) -> None:
+    """64 clients that post motions which are answered at once, other ones each time."""
+    motions = [
+        {
+            "kind": "simulate", "scene": "rectangle-on-plane", "outputs": ["conveying_velocity"],
+            "parameters": {
+                "frequency": 50, "friction": 0.3 + n * 1e-4,
+                "amplitude": {"start": 1e-4, "stop": 4e-4, "num": 40},
+                "beta": {"start": 5, "stop": 60, "num": 40},
+            },
+        }
+        for n in range(64)
+    ]  # fmt: skip
+    _posts(server, "/processes/simulate/execution", motions, seconds)
+
+
+def dear_slices(server: Served, seconds: float) -> None:
+    """64 clients that ask for a small slice of a sweep with 100,000 values on a fixed axis."""
+    values = [1e-4 + 1e-9 * n for n in range(60_000)]
+    study = {**SMALL, "parameters": {**SMALL["parameters"], "amplitude": values}}  # type: ignore[dict-item]
+    key = server.post("/sweeps", study)["id"]
+    path = f"/sweeps/{key}/slice?output=acceleration_x&axes=beta&amplitude=0.0001"
+    _crowd_again(server, [_request(server, "GET", path)] * 64, seconds)
+
+
+def waiting(server: Served, seconds: float) -> None:
+    """520 clients that wait for one long job, up to 60 s each."""
+    number = _posted(server, "simulate", _long_study(0))
+    request = _request(server, "GET", f"/jobs/{number}", "Prefer: wait=60")
+    _crowd(server, [request] * 520, seconds)
+    _delete(server, f"/jobs/{number}")
+
+
+def _crowd_again(server: Served, requests: list[bytes], seconds: float) -> None:
+    until = time.monotonic() + seconds
+    while (left := until - time.monotonic()) > 0:
+        _crowd(server, requests, left, is_read=True)
+
+
 def _long_study(n: int) -> dict[str, object]:
     return {
         "kind": "simulate",
@@ -245,6 +334,13 @@ ATTACKS: dict[str, tuple[Callable[[Served, float], None], float]] = {
     "long_jobs": (long_jobs, 60),
     "many_jobs": (many_jobs, 60),
     "accuracy_jobs": (accuracy_jobs, 60),
+    "convert_values": (convert_values, 20),
+    "convert_headings": (convert_headings, 20),
+    "convert_recordings": (convert_recordings, 20),
+    "many_names": (many_names, 20),
+    "short_motions": (short_motions, 30),
+    "dear_slices": (dear_slices, 20),
+    "waiting": (waiting, 30),
 }
 """Every attack, and how long it lasts [s]."""
 

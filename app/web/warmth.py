@@ -11,6 +11,7 @@ import sys
 
 logger = logging.getLogger("vibrafeed")
 
+LONGEST = 2_000  # bytes of what is logged of a failure, its last ones
 POLITE = 15  # niceness: whoever asks comes first
 
 
@@ -43,18 +44,23 @@ class Warmth:
                 sys.executable, "-m", "vibrafeed", "warm", "--processes", "1",
                 stdin=asyncio.subprocess.DEVNULL,
                 stdout=asyncio.subprocess.DEVNULL,
-                stderr=asyncio.subprocess.DEVNULL,
+                stderr=asyncio.subprocess.PIPE,
                 start_new_session=True,
             )  # fmt: skip
         except OSError:
             logger.exception("kernels cannot be compiled beforehand")
             return
+        told = b""
         try:
             os.setpriority(os.PRIO_PGRP, process.pid, POLITE)
+            assert process.stderr is not None
+            while piece := await process.stderr.read(LONGEST):
+                told = (told + piece)[-LONGEST:]
             self.is_warm = await process.wait() == 0
         finally:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGKILL)
             await process.wait()
         if not self.is_warm:
-            logger.warning("kernels could not be compiled beforehand: `vibrafeed warm` says why")
+            why = told.decode(errors="replace").strip() or f"it ended with {process.returncode}"
+            logger.warning("kernels could not be compiled beforehand: %s", why)
