@@ -536,8 +536,9 @@ def sweep(
     damping_ratio : values, optional
         Logarithmic decrement of the ring-down over 2 pi. Above 0, for example 0.02.
     drive_force : values, optional
-        Amplitude of the force between both masses, along the stroke, at the drive's frequency. In
-        N, above 0, for example "100 N".
+        Amplitude of the force between both masses, at the drive's frequency; a magnet's follows
+        from flux_density and pole_area, an unbalance's from unbalance. In N, above 0, for example
+        "100 N".
     flux_density : values, optional
         Peak of the flux density in the magnet's gap. In T, above 0, for example "0.5 T".
     pole_area : values, optional
@@ -823,8 +824,9 @@ def simulate(
     damping_ratio : values, optional
         Logarithmic decrement of the ring-down over 2 pi. Above 0, for example 0.02.
     drive_force : values, optional
-        Amplitude of the force between both masses, along the stroke, at the drive's frequency. In
-        N, above 0, for example "100 N".
+        Amplitude of the force between both masses, at the drive's frequency; a magnet's follows
+        from flux_density and pole_area, an unbalance's from unbalance. In N, above 0, for example
+        "100 N".
     flux_density : values, optional
         Peak of the flux density in the magnet's gap. In T, above 0, for example "0.5 T".
     pole_area : values, optional
@@ -1316,8 +1318,9 @@ def optimise(
     damping_ratio : values, optional
         Logarithmic decrement of the ring-down over 2 pi. Above 0, for example 0.02.
     drive_force : values, optional
-        Amplitude of the force between both masses, along the stroke, at the drive's frequency. In
-        N, above 0, for example "100 N".
+        Amplitude of the force between both masses, at the drive's frequency; a magnet's follows
+        from flux_density and pole_area, an unbalance's from unbalance. In N, above 0, for example
+        "100 N".
     flux_density : values, optional
         Peak of the flux density in the magnet's gap. In T, above 0, for example "0.5 T".
     pole_area : values, optional
@@ -1797,8 +1800,9 @@ def sensitivity(
     damping_ratio : values, optional
         Logarithmic decrement of the ring-down over 2 pi. Above 0, for example 0.02.
     drive_force : values, optional
-        Amplitude of the force between both masses, along the stroke, at the drive's frequency. In
-        N, above 0, for example "100 N".
+        Amplitude of the force between both masses, at the drive's frequency; a magnet's follows
+        from flux_density and pole_area, an unbalance's from unbalance. In N, above 0, for example
+        "100 N".
     flux_density : values, optional
         Peak of the flux density in the magnet's gap. In T, above 0, for example "0.5 T".
     pole_area : values, optional
@@ -2142,8 +2146,9 @@ def calibrate(
     damping_ratio : values, optional
         Logarithmic decrement of the ring-down over 2 pi. Above 0, for example 0.02.
     drive_force : values, optional
-        Amplitude of the force between both masses, along the stroke, at the drive's frequency. In
-        N, above 0, for example "100 N".
+        Amplitude of the force between both masses, at the drive's frequency; a magnet's follows
+        from flux_density and pole_area, an unbalance's from unbalance. In N, above 0, for example
+        "100 N".
     flux_density : values, optional
         Peak of the flux density in the magnet's gap. In T, above 0, for example "0.5 T".
     pole_area : values, optional

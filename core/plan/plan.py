@@ -168,7 +168,6 @@ class _Walk:
         self.scene, self.variant, self.given, self.outputs = scene, variant, given, outputs
         self.scene_defaults = scene.defaults_of(variant)
         self.producers = scene.producers(variant)
-        self.aliases = {alias.gives: alias for alias in ALIASES}
         self.equations: list[Equation] = []
         self.defaults: dict[str, float] = {}
         self.used: set[str] = set()
@@ -213,9 +212,10 @@ class _Walk:
 
     def _producer(self, name: str) -> Equation | None:
         """Return the equation to run for a quantity that is not given, if any."""
-        alias = self.aliases.get(name)
-        if alias is not None and set(alias.inputs) <= set(self.given):
-            return alias
+        for alias in ALIASES:
+            asked = {one for one in alias.inputs if QUANTITIES[one].parameter}
+            if alias.gives == name and asked <= set(self.given):
+                return alias
         equation = self.producers.get(name)
         if equation is not None and name in self.scene_defaults:
             # A default of a derived quantity: the equation runs only if the study speaks of it.

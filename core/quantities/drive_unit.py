@@ -86,7 +86,8 @@ DRIVE_UNIT: dict[str, Quantity] = {
     ),
     "drive_force": _given(
         "N", "F", "Force of the drive",
-        "Amplitude of the force between both masses, along the stroke, at the drive's frequency.",
+        "Amplitude of the force between both masses, at the drive's frequency; a magnet's follows "
+        "from flux_density and pole_area, an unbalance's from unbalance.",
         "100 N", strict=True,
     ),
     "flux_density": _given(

@@ -9,7 +9,6 @@ SPRINGS = (Equation("spring_stiffness", drive_unit.leaf_stiffness, "theory 15.1"
 MEASURED = (Equation("spring_stiffness", drive_unit.tuned_stiffness, "theory 15.1", "measured"),)
 SHARED = (
     Equation("circular_frequency", drive_unit.circular_frequency, "theory 15.1"),
-    Equation("drive_force", drive_unit.unbalance_force, "theory 15.1"),
     Equation("damping", drive_unit.damping, "theory 15.1"),
     Equation("loaded_mass", drive_unit.loaded_mass, "theory 15.1"),
     Equation("stroke", drive_unit.stroke, "theory 15.2"),

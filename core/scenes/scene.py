@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any
 
 from core.errors import SceneError
-from core.mechanics.drive_unit import magnet_force
+from core.mechanics.drive_unit import magnet_force, unbalance_force
 from core.mechanics.friction import friction_kinetic, friction_static
 from core.mechanics.vibration import amplitude
 from core.quantities import QUANTITIES, REGIMES
@@ -164,6 +164,7 @@ ALIASES = (
     Equation("friction_static", friction_static, "theory 11.2"),
     Equation("friction_kinetic", friction_kinetic, "theory 11.2"),
     Equation("drive_force", magnet_force, "theory 15.1"),
+    Equation("drive_force", unbalance_force, "theory 15.1"),
 )
 
 STANDARD_GRAVITY = 9.80665

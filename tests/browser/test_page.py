@@ -1,4 +1,4 @@
-"""The page at /: four questions, each from an empty page to the answer of the service."""
+"""The page at /: its questions, each from an empty page to the answer of the service."""
 
 from __future__ import annotations
 
@@ -106,6 +106,26 @@ def test_which_drive_is_best(page, address):
     answer = posted(address, study)["variables"]["conveying_velocity"]["data"]
     assert value == pytest.approx(answer * 1e3, rel=5e-3)
     assert page.locator("#picture .mark").count() == 1
+
+
+def test_what_amplitude_will_my_springs_give(page, address):
+    page.goto(f"{address}/")
+    shown(page)
+    page.get_by_role("button", name="What amplitude will my springs give?").click()
+    page.locator("#headline", has_text="Amplitude of the track").wait_for()
+    shown(page)
+    page.get_by_text("Tuned stiff").first.wait_for()
+    frequency, load, amplitude = numbers(at_cursor(page))[:3]
+    study = {
+        "kind": "sweep", "scene": "linear-drive-unit", "variant": "measured",
+        "outputs": ["track_amplitude"],
+        "parameters": {
+            "moving_mass": 10, "base_mass": 30, "ring_down_frequency": 53, "damping_ratio": 0.02,
+            "drive_force": 100, "frequency": frequency, "load_mass": load / 1e3,
+        },
+    }  # fmt: skip
+    answer = posted(address, study)["variables"]["track_amplitude"]["data"]
+    assert amplitude == pytest.approx(answer * 1e3, rel=5e-3)
 
 
 def test_what_did_the_thesis_draw(page, address):

@@ -100,7 +100,7 @@ class Page {
     const begin = begun(question);
     // What a question begins with need not be there in another system, or the other way to look.
     const isOther = ["scene", "kind"].some((name) => name in wanted && wanted[name] !== begin[name]);
-    if (isOther) begin.output = "";
+    if (isOther) Object.assign(begin, { output: "", choice: "", x: undefined, y: undefined });
     const view = { ...begin, ...wanted, question, scene: known ? wanted.scene : begin.scene };
     if (view.kind === "simulate" && !this.catalogue.scene(view.scene).methods.length) view.kind = "sweep";
     await this.open(view, { complaints });

@@ -7,6 +7,14 @@ const MOTION = { kind: "simulate", scene: "rectangle-on-plane", output: "conveyi
 const BEGIN = {
   speed: MOTION,
   drive: MOTION,
+  springs: {
+    kind: "sweep",
+    scene: "linear-drive-unit",
+    choice: "measured",
+    output: "track_amplitude",
+    x: { name: "frequency", from: 40, to: 60 },
+    y: { name: "load_mass", from: 0, to: 2 },
+  },
   all: { kind: "sweep", scene: "rectangle-on-plane", output: "acceleration_x" },
 };
 const FIRST_OUTPUTS = ["conveying_velocity", "acceleration_x"];
@@ -17,7 +25,7 @@ const told = (name) => words(name).slice(0, 60);
 
 // The view that a question begins with.
 export function begun(question) {
-  return { ...(BEGIN[question] ?? BEGIN.speed), choice: "", values: {}, question };
+  return { choice: "", values: {}, ...(BEGIN[question] ?? BEGIN.speed), question };
 }
 
 // A view of a scene made whole, and a sentence about each part of it that made no sense.

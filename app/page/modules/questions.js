@@ -5,6 +5,7 @@ import { element, refill } from "./elements.js";
 const TITLES = {
   speed: "How fast does my part travel?",
   drive: "Which drive is best?",
+  springs: "What amplitude will my springs give?",
   thesis: "What did the thesis draw?",
   all: "Everything",
 };

@@ -5,7 +5,7 @@ import { bestFromQuery, bestToQuery } from "./criterion.js";
 
 const MOST_CHARACTERS = 4000;
 
-export const QUESTIONS = ["speed", "drive", "thesis", "all"];
+export const QUESTIONS = ["speed", "drive", "springs", "thesis", "all"];
 export const KINDS = ["simulate", "sweep"];
 
 // The same, which nothing can change: `setView` of the page alone makes another one.

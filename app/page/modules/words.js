@@ -15,6 +15,11 @@ const UNITS = {
   "W kg-1": [1, "W/kg"],
   "J kg-1 m-1": [1, "J/(kg m)"],
   "J m-1": [1, "J/m"],
+  "N m-1": [1e-3, "N/mm"],
+  "N s m-1": [1, "N s/m"],
+  "kg m2": [1, "kg m²"],
+  m2: [1e4, "cm²"],
+  Pa: [1e-6, "MPa"],
 };
 
 // The factor to the unit that is shown, and that unit.
@@ -81,7 +86,7 @@ export function valuesTold({ values, choice }, { parameters }) {
   return capital([...fixed, ...(choice ? [words(choice)] : [])].join(", "));
 }
 
-const SPOKEN = { "m s-1": "m/s", "m s-2": "m/s²", "m s-3": "m/s³", "rad s-1": "rad/s", "rad s-2": "rad/s²", degree: "°" };
+const SPOKEN = { "m s-1": "m/s", "m s-2": "m/s²", "m s-3": "m/s³", "rad s-1": "rad/s", "rad s-2": "rad/s²", degree: "°", "N m-1": "N/m", "N s m-1": "N s/m", "kg m2": "kg m²", m2: "m²" };
 
 // What the service says of a study, in the names and units of this page.
 export function sentence({ message, fix }) {

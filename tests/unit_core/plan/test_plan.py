@@ -52,7 +52,7 @@ VALUES = {
     "base_inertia": 0.9, "spring_radius": 0.15, "spring_angle": 20.0, "spring_count": 8.0,
     "spring_width": 0.04, "spring_thickness": 0.003, "spring_length": 0.1,
     "elastic_modulus": 206e9, "clamp_factor": 0.9, "allowable_stress": 250e6,
-    "ring_down_frequency": 53.0, "damping_ratio": 0.02, "unbalance": 0.002, "air_gap": 0.003,
+    "ring_down_frequency": 53.0, "damping_ratio": 0.02, "drive_force": 60.0, "air_gap": 0.003,
     "foot_stiffness": 4e4, "foot_damping": 100.0, "load_damping": 20.0, "force_harmonic": 0.25,
     "offset_along": 0.02, "offset_upward": 0.05, "spot_along": 0.1, "spot_upward": 0.03,
 }  # fmt: skip
