@@ -12,6 +12,7 @@ from core.motion.driven import driven
 from core.motion.drives import shape_of, what_is_open
 from core.motion.groups import Contacts
 from core.motion.method import Method
+from core.motion.part_load import price_of_load
 from core.motion.price import seconds_of, some_cells
 from core.motion.systems import CONTACTS, SYSTEMS, methods_of
 from core.plan.derived import Asked, asked_of
@@ -108,7 +109,10 @@ def price_of(
         method.seconds_a_cell, lambda: some_cells(plan, grid, settings, contacts, free or {})
     )
     rounds = sum(one.takes_long for one in plan.equations) if method.name == plan.variant else 1
-    return rounds * likely * pace(), rounds * most * pace()
+    likely, most = rounds * likely, rounds * most
+    if any(one.gives == "part_load" for one in plan.equations):
+        likely, most = likely + price_of_load(likely), most + price_of_load(most)
+    return likely * pace(), most * pace()
 
 
 def choose_system(name: str, method: str | None, given: Iterable[str]) -> Chosen:

@@ -8,6 +8,7 @@ import pytest
 
 import vibrafeed
 from core.errors import StudyError
+from core.intake import prepare_content
 from core.mechanics import drive_unit
 from core.quantities import REGIMES
 from night import NIGHT, count
@@ -223,3 +224,12 @@ def test_of_several_amplitudes_both_are_agreements():
             load_damping=2 * 2 * float(felt.drive_power) / (w * amplitude) ** 2, base_mass=30.0,
         )[2]  # fmt: skip
         assert float(again) == pytest.approx(amplitude, rel=1e-8)
+
+
+def test_the_price_of_parts_on_a_unit_counts_the_motions_that_find_their_load():
+    one = {key: value for key, value in STUDY.items() if key != "scene"}
+    study = {"kind": "simulate", "scene": "rectangle-on-plane", "outputs": NAMES}
+    alone = prepare_content({**study, "parameters": one})
+    loaded = prepare_content({**study, "parameters": {**one, "conveyed_mass": 0.5}})
+    assert 100 < loaded.seconds_a_cell / alone.seconds_a_cell < 400
+    assert loaded.most_seconds_a_cell > 40 * alone.most_seconds_a_cell
