@@ -103,6 +103,24 @@ QUESTIONS: Final = (
         },
     ),
     Question(
+        "path", "Which way may the track move?", "line", needs={"question": "drive"},
+        choices={
+            "line": "to and fro on a line",
+            "ellipse": "around an ellipse: faster, and gentler, than any line",
+        },
+    ),
+    Question(
+        "hop", "May the part hop?", "yes", needs={"question": "drive"},
+        choices={"yes": "hops are fine", "no": "it stays on the floor: throw number at most 1"},
+    ),
+    Question(
+        "known", "How well do you know the friction?", "well", needs={"question": "drive"},
+        choices={
+            "well": "it is one number",
+            "roughly": "within a fifth either way: the worst case is what counts",
+        },
+    ),
+    Question(
         "part", "What shape is the part?", "rectangle",
         choices={
             "rectangle": "a block, a plate or a nut, lying flat",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Final
@@ -15,6 +15,7 @@ from core.intake.forms import to_toml
 from core.kinds import KINDS
 from core.quantities import QUANTITIES
 from core.study.shown import SI
+from core.study.units import read_number
 
 SCENES: Final[Mapping[str, str]] = {
     "straight": "rectangle-on-plane",
@@ -140,15 +141,68 @@ def starter_study(answers: Mapping[str, str], file: str) -> str:
         unit = SI.get(quantity.unit, quantity.unit)
         outputs.add_line(name, comment=quantity.description[:-1] + (f" [{unit}]" if unit else ""))
     document.add("outputs", outputs.multiline(True))
-    for name, content in starter.tables.items():
-        document.add(name, _table(starter.tables_say[name], content))
+    more = _wishes(answers)
+    if "robust" in more:
+        document.add("robust", tomlkit.item("worst").comment("the worst case over [uncertain]"))
+    for name, content in {**starter.tables, **more}.items():
+        says = TABLES_SAY.get((name, answers.get("path")), starter.tables_say.get(name, ""))
+        if name == "constraints":
+            document.add(name, _constraints(content))
+        elif name not in ("", "robust"):
+            document.add(name, _table(says or TABLES_SAY[name, None], content))
     table = _table(RANGES, {})
     for question in QUESTIONS:
         if question.parameter and question.name in answers and question.belongs(answers):
+            if question.parameter in more.get("uncertain", {}) or question.name in more.get("", ()):
+                continue
             _say(table, question.says)
             table.add(question.parameter, typed(answers[question.name]))
     document.add("parameters", table)
     return tomlkit.dumps(document)
+
+
+TABLES_SAY: Final = {
+    ("variables", "ellipse"): "What may be chosen, and between which bounds: an ellipse, by the "
+    "amplitude along the\ntrack, that off the floor, and the phase of the one behind the other.",
+    ("uncertain", None): "What is not known exactly, and between which bounds it lies.",
+}
+"""What is said at the head of a table that an answer changes."""
+
+
+def _wishes(answers: Mapping[str, str]) -> dict[str, Any]:
+    """Return the tables that answers about the best drive add or change.
+
+    Under "" stand the questions whose parameters have no place then.
+    """
+    found: dict[str, Any] = {}
+    if answers.get("path") == "ellipse":
+        size = answers.get("amplitude")
+        if size is None:  # a stroke, from end to end
+            stroke = typed(answers["peak_to_peak"])
+            half = read_number("peak_to_peak", QUANTITIES["peak_to_peak"], stroke) / 2
+            size = f"{1e3 * half:.6g} mm"
+        axis = {"lower": "0 mm", "upper": size}
+        found["variables"] = {
+            "amplitude_along_1": axis,
+            "amplitude_normal_1": axis,
+            "phase_normal_1": {"lower": "0 deg", "upper": "360 deg"},
+        }
+        found[""] = ("amplitude", "peak_to_peak")
+    if answers.get("hop") == "no":
+        found["constraints"] = [{"output": "throw_number", "upper": 1}]
+    if answers.get("known") == "roughly":
+        friction = float(answers["friction"])
+        ends = {"lower": round(0.8 * friction, 6), "upper": round(1.2 * friction, 6)}
+        found |= {"robust": "worst", "uncertain": {"friction": ends}}
+    return found
+
+
+def _constraints(rows: Sequence[Mapping[str, Any]]) -> Any:
+    """Return bounds of outputs as an array of tables."""
+    array = tomlkit.aot()
+    for row in rows:
+        array.append(_table("What an output has to keep.", row))
+    return array
 
 
 def example_study(kind: str, file: str) -> str:

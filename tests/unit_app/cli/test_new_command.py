@@ -163,3 +163,28 @@ def test_the_file_that_a_study_names_is_its_own():
     answers = {q.name: q.default for q in QUESTIONS if q.asks}
     assert "vibrafeed run mine.toml" in starter_study(answers, "mine.toml")
     assert Path("mine.toml").exists() is False
+
+
+@pytest.mark.parametrize("path", ["line", "ellipse"])
+@pytest.mark.parametrize("hop", ["yes", "no"])
+@pytest.mark.parametrize("known", ["well", "roughly"])
+def test_wishes_about_the_best_drive_are_in_the_study(path, hop, known):
+    result = command(
+        "-", "--question", "drive", "--path", path, "--hop", hop, "--known", known, "--yes"
+    )
+    assert result.exit_code == 0, result.output
+    content = read_toml(result.stdout)
+    assert prepare_content(content).cells == 1
+    assert ("amplitude_normal_1" in content["variables"]) == (path == "ellipse")
+    bounds = [{"output": "throw_number", "upper": 1}]
+    assert content.get("constraints") == (None if hop == "yes" else bounds)
+    assert ("friction" in content["parameters"]) == (known == "well")
+    assert content.get("robust") == (None if known == "well" else "worst")
+
+
+def test_an_ellipse_is_as_large_as_the_stroke_that_was_given():
+    result = command(
+        "-", "--question", "drive", "--path", "ellipse", "--peak-to-peak", "0.7 mm", "--yes"
+    )
+    variables = read_toml(result.stdout)["variables"]
+    assert variables["amplitude_along_1"]["upper"] == "0.35 mm"
