@@ -21,6 +21,8 @@ from core.kinds import STATUSES, is_whole, not_verified, share_left_out
 from core.motion.feeding import travel_in_words
 from core.quantities import OPTIMUM_STATUSES, QUANTITIES, REGIMES
 from core.quantities.optimum import OF_THE_SEARCH
+from core.study.distributions import nominal
+from core.study.optimise_study import OptimiseStudy
 
 if TYPE_CHECKING:
     from core.dataset import Table
@@ -81,6 +83,8 @@ def show_result(
         # The choice itself stands in the table, in the units asked for.
         told = [one for one in facts["message"].split("; ") if not _CHOICE.match(one)]
         tell(f"  {'; '.join(told)}")
+    for line in _held_at(result, units):
+        say(f"  {line}")
     if backwards := travel_in_words(result):
         say(f"  {backwards}")
     if fastest := _fastest(result, units):
@@ -108,6 +112,20 @@ def _read(name: str, value: float, units: ShownUnits) -> str:
     shown = units.of(QUANTITIES[name].unit, abs(value))
     gap = "" if shown.unit in ("", "°") else " "
     return f"{number(shown.factor * value)}{gap}{shown.unit}"
+
+
+def _held_at(result: Table, units: ShownUnits) -> list[str]:
+    """Return at which values of uncertain parameters the outputs of an optimisation hold."""
+    if "optimum_status" not in result.variables:
+        return []
+    study = parse_json(str(result.attributes["study"]))
+    if not isinstance(study, OptimiseStudy) or not study.intervals():
+        return []
+    middles = {name: nominal(one) for name, one in study.intervals().items()}
+    return [
+        f"Outputs are those at {_choice(middles, units)}; the objective and the margins of limits "
+        "count the whole range."
+    ]
 
 
 def _fastest(result: Table, units: ShownUnits) -> str:

@@ -126,6 +126,9 @@ def _status(
     if problem.sign > 0 and output in FORWARD:
         rests = ~(np.broadcast_to(problem.output(output, dict(known)), status.shape) > 0)
         status = np.where(optimal & rests, STATUS["no_motion"], status)
+        if problem.states_error:  # a mean velocity, which may be a negative one
+            back = problem.output(output, dict(known)) < -problem.error(dict(known))
+            status = np.where(optimal & back, STATUS["only_backward"], status)
     if np.any(optimal) and not problem.is_motion:
         lower, upper = problem.lower[:, None, None], problem.upper[:, None, None]
         x = lower + (upper - lower) * spread(16, len(problem.names))[:, None, :]

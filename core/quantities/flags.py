@@ -116,6 +116,7 @@ OPTIMUM_STATUSES: dict[str, Flag] = {
     "no_value": Flag(7, "the outputs have no value within the bounds", valid=False),
     "not_computed": Flag(8, "the study was stopped before this design", valid=False),
     "suboptimal": Flag(9, "a dense grid has a better point, which the search missed", valid=False),
+    "only_backward": Flag(10, "each choice within the bounds moves the part backwards in the mean"),
 }
 
 MOTION_MODES: dict[str, Flag] = {

@@ -464,3 +464,16 @@ def test_an_optimum_without_a_solution_tells_what_comes_nearest_and_has_its_own_
     assert "With an elliptical drive: conveying_velocity 169 mm/s" in result.output
     quiet = run("run", study, "--force", "--quiet")
     assert (quiet.exit_code, quiet.output) == (3, "")
+
+
+def test_a_robust_optimum_says_at_which_friction_its_outputs_hold(tmp_path):
+    study = tmp_path / "robust.toml"
+    study.write_text(
+        'kind = "optimise"\nscene = "rectangle-on-plane"\nrobust = "worst"\n'
+        '[criterion]\nkind = "maximise"\noutput = "acceleration_x"\n'
+        '[parameters]\nfrequency = 50\namplitude = "0.1 mm"\n'
+        "[uncertain]\nfriction = { lower = 0.25, upper = 0.45 }\n"
+    )
+    result = run("run", study)
+    assert result.exit_code == 0, result.output
+    assert "Outputs are those at friction 0.35;" in result.output

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import vibrafeed
 from core.errors import StudyError
 from core.intake import load_study, parse_study, prepare_content
 from core.kinds import run_study, tabulate
@@ -300,6 +301,30 @@ def test_a_drive_too_weak_to_move():
             method=method,
         )
         assert status(dataset) == "no_motion"
+
+
+def test_a_part_that_only_slides_back_is_not_one_that_rests():
+    """So flat a drive carries nothing up a climb of 5 degrees, and something along the level."""
+    parameters = {"frequency": 50, "amplitude": "0.1 mm", "friction": 0.2}
+    dataset = vibrafeed.optimise(
+        scene="rectangle-on-plane",
+        criterion={"kind": "maximise", "output": "conveying_velocity"},
+        variables={"beta": {"lower": 0, "upper": 10}},
+        gamma=[0, 5],
+        **parameters,
+    )
+    known = {flag.value: name for name, flag in OPTIMUM_STATUSES.items()}
+    assert [known[int(one)] for one in dataset.optimum_status] == ["optimal", "only_backward"]
+    assert float(dataset.objective[1]) < -float(dataset.objective_error[1])
+    beta = float(dataset.best_beta[1])
+    held = vibrafeed.simulate(
+        scene="rectangle-on-plane",
+        outputs=["conveying_velocity"],
+        gamma=5,
+        beta=beta,
+        **parameters,
+    )
+    assert float(held.conveying_velocity) == pytest.approx(float(dataset.objective[1]))
 
 
 def test_a_choice_that_does_not_matter():
