@@ -131,3 +131,5 @@ def test_the_page_is_written_anew(tmp_path):
     assert "it is 7.3 mm/s, after 9 s, to 2.5e-12\n```\n" in new
     assert (tmp_path / "page/it.png").read_bytes() == PICTURE.replace(b"\x07", b"\x08")
     assert steady(SAID) == "it is 7.4 mm/s, after TIME, to ROUNDING"
+    told = "x.toml: compiling once, some seconds; it is kept\n"
+    assert steady(f"{told}{SAID}\n  compiled in 17.3 s: once, it is kept\n") == steady(SAID)

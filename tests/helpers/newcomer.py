@@ -32,6 +32,7 @@ LINKED = re.compile(r"(?<!!)\[[^\]]*\]\(([\w./-]+\.(?:csv|toml))\)")
 NUMBER = re.compile(r"(?<![\w.])\d[\d,]*(?:\.\d+)?")
 TIMES = re.compile(r"\b[\d.,]+ (?:ms|s|min)\b")  # of computing
 ROUNDING = re.compile(r"-?\b\d[\d.]*e-\d+\b")  # residuals: another processor has others
+COMPILED = re.compile(r".*\b(?:compiling once, .*;|compiled in .*: once,) it is kept$")
 COUNTED = re.compile(r"^#.*$|\b(?:ISO|[Ss]teps?) \d+", re.MULTILINE)  # no results
 WIDTH = "80"  # columns
 
@@ -67,6 +68,8 @@ def parts_of(page: str) -> Iterator[Part]:
 def steady(text: str) -> str:
     """Return what is printed without what differs from run to run or between machines."""
     lines = [line.rstrip() for line in text.strip("\n").splitlines()]
+    # Whoever has compiled a sort of study before is not told again.
+    lines = [line for line in lines if not COMPILED.match(line)]
     return ROUNDING.sub("ROUNDING", TIMES.sub("TIME", "\n".join(lines))).strip()
 
 
