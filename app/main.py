@@ -43,6 +43,7 @@ from app.web.routes import (
     sweeps,
     zarr,
 )
+from app.web.shares import Shares
 from app.web.stopping import Stopping
 from app.web.warmth import Warmth
 from app.web.zarr_views import ZarrViews
@@ -98,6 +99,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.writer = writer
     app.state.desk = desk
     app.state.keys = keys
+    app.state.shares = Shares()
     app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
     app.state.unsent = Unsent(settings.max_unsent_bytes)
     app.state.warmth = Warmth()  # started where the service is served

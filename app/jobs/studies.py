@@ -22,8 +22,9 @@ from core.study.grid_study import Study
 
 IDENTIFIER = re.compile(r"[0-9a-f]{64}")
 USED_EVERY = 3600.0  # s; the use of a study is noted no more often
-MOST_KNOWN = 64  # studies that are kept in memory
-MOST_KNOWN_BYTES = 20_000  # of such a study: a list of values takes many times that in memory
+MOST_KNOWN = 64  # short studies that are kept in memory, and long ones beside them
+MOST_KNOWN_BYTES = 8_000_000  # of the texts of either; values take three times that in memory
+LONG = 20_000  # bytes of a text; long studies do not push out short ones
 
 
 def identifier(study: Study, process: str | None = None) -> str:
@@ -45,6 +46,8 @@ class Studies:
         self._lock = threading.Lock()
         # That were asked for last, and whether the identifier is the study's own, for no process.
         self._known: OrderedDict[str, tuple[Prepared, bool]] = OrderedDict()
+        self._known_long: OrderedDict[str, tuple[Prepared, bool]] = OrderedDict()
+        self._sizes: dict[str, int] = {}  # bytes of the text of each
 
     def add(self, study: Study, process: str | None = None) -> tuple[str, bool]:
         """Keep a study; return its identifier, and whether it is new."""
@@ -83,11 +86,12 @@ class Studies:
     def _get(self, key: str) -> tuple[Prepared, bool]:
         path = self.folder(key) / "study.json"
         with self._lock:
-            known = self._known.get(key)
-            if known is not None and path.exists():  # it may have been removed
-                self._known.move_to_end(key)
-                self.note_use(key)
-                return known
+            for recent in (self._known, self._known_long):
+                known = recent.get(key)
+                if known is not None and path.exists():  # it may have been removed
+                    recent.move_to_end(key)
+                    self.note_use(key)
+                    return known
         try:
             content = path.read_bytes()
         except FileNotFoundError:
@@ -95,11 +99,15 @@ class Studies:
         self.note_use(key)
         prepared = prepare_content(read_json(content))
         found = prepared, identifier(prepared.study) == key
-        if len(content) <= MOST_KNOWN_BYTES:
-            with self._lock:
-                self._known[key] = found
-                while len(self._known) > MOST_KNOWN:
-                    self._known.popitem(last=False)
+        with self._lock:
+            recent = self._known_long if len(content) > LONG else self._known
+            recent[key], self._sizes[key] = found, len(content)
+            recent.move_to_end(key)
+            while (
+                len(recent) > MOST_KNOWN
+                or sum(self._sizes[one] for one in recent) > MOST_KNOWN_BYTES
+            ):
+                del self._sizes[recent.popitem(last=False)[0]]
         return found
 
     def folder(self, key: str) -> Path:

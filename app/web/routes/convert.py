@@ -10,6 +10,7 @@ from fastapi.responses import Response
 from app.web.dependencies import BaseOf, Body, once
 from app.web.execution import PROCESSES, AnyStudy
 from app.web.replies import component, problems
+from app.web.shares import placed
 from core.intake import prepare_content, read_json
 from core.intake.forms import FORMS, to_curl
 
@@ -40,7 +41,7 @@ TEXT = "text/plain"
             },
         }
     },
-    dependencies=[once()],
+    dependencies=[once(), placed()],
 )
 def convert(
     body: Body,

@@ -26,6 +26,7 @@ from app.web.documents import (
 from app.web.execution import PROCESSES
 from app.web.outcomes import find_job, no_such_job
 from app.web.replies import json_reply, problems
+from app.web.shares import placed
 from app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
@@ -147,7 +148,7 @@ def dismiss_job(number: Number, desk: DeskOf, base: BaseOf, who: WhoOf) -> Respo
 
 @router.patch("/{number}", summary="Share a job, or share it no more", response_model=StatusInfo,
               responses={**NO_JOB, **NOT_OWNER, **NO_SHARING},
-              openapi_extra=SHARING_BODY)  # fmt: skip
+              openapi_extra=SHARING_BODY, dependencies=[placed()])  # fmt: skip
 def share_job(number: Number, body: Body, desk: DeskOf, base: BaseOf, who: WhoOf) -> Response:
     """Let all keys read a job and its results, or its owner only."""
     job = desk.share_job(number, read_sharing(body), who)

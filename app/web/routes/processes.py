@@ -39,6 +39,7 @@ from app.web.prefer import Preferences, preferences
 from app.web.problems import NoSuchProcessError
 from app.web.replies import component, execution_name, json_reply, problems
 from app.web.routes import page
+from app.web.shares import place_of
 from core.dataset.document import to_document
 from core.intake import prepare_content, read_json
 from core.kinds import is_whole, tabulate
@@ -113,7 +114,8 @@ async def execute(
     """Carry out the study in a body at once, or as a job."""
     base = await base_of(request)
     wishes = preferences(request.headers.getlist("prefer"))
-    begun = await run_in_threadpool(_begin, name, body, wishes, settings, desk, who)
+    async with place_of(request, who, len(body)):
+        begun = await run_in_threadpool(_begin, name, body, wishes, settings, desk, who)
     if isinstance(begun, Response):
         return begun
     job = begun

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+from contextlib import nullcontext
 from typing import Annotated, Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modi
 from app.web.execution import PROCESSES
 from app.web.outgoing import expect
 from app.web.replies import BINARY, component, json_reply, kept, problems, without_length
+from app.web.shares import place_of, placed
 from app.web.sharing import NO_SHARING, NOT_OWNER, SHARING_BODY, read_sharing
 from app.web.sweep_document import SweepDescription, description
 from app.web.tables import (
@@ -89,6 +91,7 @@ AXIS_VALUES = {
         ),
     },
     openapi_extra=STUDY_BODY,
+    dependencies=[placed()],
 )
 def post_sweep(
     request: Request, body: Body, settings: SettingsOf, desk: DeskOf, who: WhoOf
@@ -133,6 +136,7 @@ def get_sweep(key: Key, desk: DeskOf, who: WhoOf) -> Response:
         **NO_SHARING,
     },
     openapi_extra=SHARING_BODY,
+    dependencies=[placed()],
 )
 def share_sweep(key: Key, body: Body, desk: DeskOf, who: WhoOf) -> Response:
     """Let all keys read a sweep, or those only who have posted it."""
@@ -171,6 +175,7 @@ async def get_slice(
     key: Key,
     store: StoreOf,
     settings: SettingsOf,
+    who: WhoOf,
     output: Annotated[str, Query(description="Name of an output.", max_length=100)],
     axes: Annotated[
         str, Query(description="One or two free axes, as in `beta,alpha`.", max_length=200)
@@ -199,8 +204,9 @@ async def get_slice(
         names = axes.split(",")
         most = settings.max_slice_cells
         values = math.prod(sweep.grid.shape.get(name, 1) for name in names)
-        # Small ones do not wait for a thread behind large ones.
+        # Small ones do not wait for a thread behind large ones, nor an owner for another's.
         lane = request.app.state.large_slices if values > LARGE else None
+        place = nullcontext() if lane is None else place_of(request, who)
 
         def prepare() -> Cut:
             return prepare_cut(sweep, output=output, axes=names, at=fixed, most=most)
@@ -215,16 +221,17 @@ async def get_slice(
             reply = without_length(media_type)
         elif chosen in TABLES:
             expect(request, BYTES_A_VALUE * min(values, most))
-            frame = await to_thread.run_sync(
-                lambda: Frame.of(
-                    table_of(sweep, carried_out(prepare())), most=most_rows(settings, chosen, most)
-                ),
-                limiter=lane,
-            )
+            rows = most_rows(settings, chosen, most)
+            async with place:
+                frame = await to_thread.run_sync(
+                    lambda: Frame.of(table_of(sweep, carried_out(prepare())), most=rows),
+                    limiter=lane,
+                )
             reply = await table_reply(request, frame, chosen, lane=lane)
         else:
             expect(request, BYTES_A_VALUE * min(values, most))
-            made = await to_thread.run_sync(content, limiter=lane)
+            async with place:
+                made = await to_thread.run_sync(content, limiter=lane)
             reply = Response(made, media_type=media_type)
         reply.headers.update({"ETag": etag, "Cache-Control": FOR_EVER})
     reply.headers["Vary"] = "Accept"

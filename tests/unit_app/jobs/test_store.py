@@ -63,14 +63,15 @@ def carried_out(store, content, *, cells=10):
     return key
 
 
-def test_studies_asked_for_last_stay_prepared_unless_they_are_long_or_gone(store, monkeypatch):
+def test_studies_asked_for_last_stay_prepared_unless_they_are_gone(store, monkeypatch):
     monkeypatch.setattr("app.jobs.studies.MOST_KNOWN", 2)
     long = {**SWEEP["parameters"], "friction": [number / 10_000 for number in range(5000)]}
     studies = [SWEEP, SIMULATION, {**SWEEP, "parameters": long}]
     short, other, longer = (store.add(prepare_content(study).study)[0] for study in studies)
     first = store.get(short)
     assert store.get(short) is first
-    assert store.get(longer) is not store.get(longer)
+    assert store.get(longer) is store.get(longer)
+    store.get(other)
     assert store.get(short) is first  # the long one has not taken its place
     store.get(other)
     third = {**SWEEP, "parameters": {**SWEEP["parameters"], "friction": 0.9}}
@@ -79,6 +80,22 @@ def test_studies_asked_for_last_stay_prepared_unless_they_are_long_or_gone(store
     store.remove(short)
     with pytest.raises(NotFoundError):
         store.get(short)
+
+
+def test_long_studies_stay_prepared_within_a_number_of_bytes(store, monkeypatch):
+    keys = []
+    for shift in range(3):
+        values = [shift / 1e6 + number / 10_000 for number in range(5000)]
+        study = {**SWEEP, "parameters": {**SWEEP["parameters"], "friction": values}}
+        keys.append(store.add(prepare_content(study).study)[0])
+    sizes = [(store.folder(key) / "study.json").stat().st_size for key in keys]
+    monkeypatch.setattr("app.jobs.studies.MOST_KNOWN_BYTES", sizes[1] + sizes[2])
+    first, second, third = (store.get(key) for key in keys)
+    assert store.get(keys[1]) is second
+    assert store.get(keys[2]) is third
+    assert store.get(keys[0]) is not first
+    monkeypatch.setattr("app.jobs.studies.MOST_KNOWN_BYTES", 0)
+    assert store.get(keys[1]) is not store.get(keys[1])  # a study beyond the bound is not kept
 
 
 @pytest.mark.parametrize("content", [SWEEP, SIMULATION])

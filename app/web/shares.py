@@ -1,0 +1,112 @@
+"""Shares of what the service computes at once, beside its jobs: each owner has one.
+
+Reading a study, converting it, carrying out a short one and cutting a large slice all hold the
+interpreter. Few of them run at a time, and the next place goes to the owner who has the fewest, so
+that who comes later does not wait for everything that somebody else has asked for before.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import os
+from collections import Counter
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import cast
+
+from fastapi import Depends, Request, params
+from starlette.requests import ClientDisconnect
+
+from app.jobs.keys import Key
+from app.web.dependencies import Body, WhoOf
+
+CORES = os.cpu_count() or 1
+PLACES = CORES + 1  # routes have a thread more: descriptions and small slices do not wait
+BYTES_A_TURN = 4_096  # of a body: one that is so much longer lets one more request pass
+
+
+class Shares:
+    """Gives out places to owners, in turns.
+
+    The next place goes to the owner with the fewest, of those to who was served longest ago; of one
+    owner's requests to the first that came, but for those whose price lets others pass.
+
+    Parameters
+    ----------
+    places : int
+        How many there are.
+    of_one : int
+        How many of them one owner has at most.
+    """
+
+    def __init__(self, places: int = PLACES, of_one: int = CORES):
+        self._places, self._of_one = places, of_one
+        self._taken: Counter[str] = Counter()
+        self._served: dict[str, int] = {}  # the turn in which each owner that is here was served
+        self._waiting: list[tuple[int, int, str, asyncio.Future[None]]] = []
+        self._asked, self._turn = itertools.count(), itertools.count()
+
+    @asynccontextmanager
+    async def place(self, owner: str, price: int = 0) -> AsyncIterator[None]:
+        """Have a place; as many later requests of its owner as its price may pass this one."""
+        asked = next(self._asked)
+        got: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._waiting.append((asked + price, asked, owner, got))
+        self._hand_out()
+        try:
+            await got
+            yield
+        finally:
+            if got.done() and not got.cancelled():
+                self._taken[owner] -= 1
+            self._hand_out()
+
+    def _hand_out(self) -> None:
+        # Who was cancelled stays here until its task runs again.
+        self._waiting = [one for one in self._waiting if not one[3].done()]
+        self._taken = +self._taken
+        here = {one[2] for one in self._waiting} | self._taken.keys()
+        self._served = {owner: turn for owner, turn in self._served.items() if owner in here}
+        while self._taken.total() < self._places:
+            fits = [one for one in self._waiting if self._taken[one[2]] < self._of_one]
+            if not fits:
+                return
+            chosen = min(fits, key=self._rank)
+            self._waiting.remove(chosen)
+            _, _, owner, got = chosen
+            self._taken[owner] += 1
+            self._served[owner] = next(self._turn)
+            got.set_result(None)
+
+    def _rank(self, one: tuple[int, int, str, asyncio.Future[None]]) -> tuple[int, int, int, int]:
+        due, asked, owner, _ = one
+        return self._taken[owner], self._served.get(owner, -1), due, -asked
+
+
+@asynccontextmanager
+async def place_of(request: Request, who: Key, size: int = 0) -> AsyncIterator[None]:
+    """Have a place for a request whose body has a size [bytes]; without keys its address owns it.
+
+    Raises
+    ------
+    ClientDisconnect
+        If the client has left while it waited: nothing is computed for nobody.
+    """
+    address = request.client.host if request.client else ""
+    owner = f"key {who.name}" if who.name else address
+    shares = cast(Shares, request.app.state.shares)
+    async with shares.place(owner, size // BYTES_A_TURN):
+        if await request.is_disconnected():
+            raise ClientDisconnect
+        yield
+
+
+async def _placed(request: Request, who: WhoOf, body: Body) -> AsyncIterator[None]:
+    async with place_of(request, who, len(body)):
+        yield
+
+
+def placed() -> params.Depends:
+    """Return what has a route run in a place, once the body is read and until its reply is made."""
+    return cast(params.Depends, Depends(_placed, scope="function"))

@@ -1,0 +1,105 @@
+"""Shares of what the service computes at once: nobody waits for all that somebody else asked."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+
+from app.main import create_app
+from app.settings import Settings
+from app.web.routes import convert
+from app.web.shares import Shares
+from local_client import local_client
+
+
+def order_of(asked: list[tuple[str, int]], *, places: int, of_one: int) -> list[int]:
+    """Return in which order requests of (owner, price) run while the first keep their places."""
+
+    async def run() -> list[int]:
+        shares, order = Shares(places, of_one), []
+
+        async def ask(n: int, owner: str, price: int) -> None:
+            async with shares.place(owner, price):
+                order.append(n)
+                await asyncio.sleep(0)
+
+        await asyncio.gather(*(ask(n, *one) for n, one in enumerate(asked)))
+        return order
+
+    return asyncio.run(run())
+
+
+def test_an_owner_who_comes_last_is_next():
+    asked = [("many", 0)] * 20 + [("few", 0)]
+    assert order_of(asked, places=1, of_one=1).index(20) == 1
+    # Where one owner has fewer places than there are, the last comes without waiting.
+    assert order_of(asked, places=3, of_one=2).index(20) == 2
+
+
+def test_owners_take_turns():
+    asked = [("a", 0)] * 4 + [("b", 0)] * 4 + [("c", 0)] * 4
+    order = order_of(asked, places=1, of_one=1)
+    assert [asked[n][0] for n in order] == ["a", "b", "c"] * 4
+
+
+def test_a_large_body_lets_small_ones_pass_but_not_for_ever():
+    asked = [("a", 0), ("a", 5), *[("a", 0)] * 10]
+    assert order_of(asked, places=1, of_one=1) == [0, 2, 3, 4, 5, 6, 1, 7, 8, 9, 10, 11]
+
+
+def test_who_leaves_gives_back_the_place_and_the_turn():
+    async def run() -> None:
+        shares = Shares(places=1, of_one=1)
+
+        async def keep() -> None:
+            async with shares.place("a"):
+                await asyncio.Event().wait()
+
+        running, waiting = asyncio.create_task(keep()), asyncio.create_task(keep())
+        await asyncio.sleep(0)
+        waiting.cancel()
+        running.cancel()
+        await asyncio.gather(running, waiting, return_exceptions=True)
+        async with shares.place("b"):
+            pass
+        assert not shares._waiting
+        assert not shares._taken.total()
+
+    asyncio.run(run())
+
+
+def test_conversions_run_no_more_at_once_than_there_are_places(tmp_path, monkeypatch):
+    """A conversion that blocks keeps another from starting; it starts once the first is over."""
+    free, under_way, most = threading.Event(), [], []
+
+    def blocked(content):
+        under_way.append(content)
+        most.append(len(under_way))
+        assert free.wait(60)
+        under_way.pop()
+        return "text"
+
+    monkeypatch.setitem(convert.FORMS, "toml", blocked)
+    app = create_app(Settings(data_directory=tmp_path))
+    app.state.shares = Shares(places=2, of_one=1)
+    study = {
+        "kind": "sweep", "scene": "rectangle-on-plane", "outputs": ["acceleration_x"],
+        "parameters": {"frequency": 50, "amplitude": "0.3 mm", "beta": 20, "friction": 0.3},
+    }  # fmt: skip
+    with local_client(app) as client:
+        replies = []
+        threads = [
+            threading.Thread(
+                target=lambda: replies.append(client.post("/convert?to=toml", json=study))
+            )
+            for _ in range(4)
+        ]
+        for thread in threads:
+            thread.start()
+        # Others are answered meanwhile, and what is small and read only needs no place.
+        assert client.get("/scenes").status_code == 200
+        free.set()
+        for thread in threads:
+            thread.join()
+    assert [reply.text for reply in replies] == ["text"] * 4
+    assert max(most) == 1
