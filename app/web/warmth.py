@@ -52,7 +52,8 @@ class Warmth:
             return
         told = b""
         try:
-            os.setpriority(os.PRIO_PGRP, process.pid, POLITE)
+            with contextlib.suppress(ProcessLookupError):  # it has ended already
+                os.setpriority(os.PRIO_PGRP, process.pid, POLITE)
             assert process.stderr is not None
             while piece := await process.stderr.read(LONGEST):
                 told = (told + piece)[-LONGEST:]
