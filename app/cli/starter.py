@@ -145,7 +145,9 @@ def starter_study(answers: Mapping[str, str], file: str) -> str:
     if "robust" in more:
         document.add("robust", tomlkit.item("worst").comment("the worst case over [uncertain]"))
     for name, content in {**starter.tables, **more}.items():
-        says = TABLES_SAY.get((name, answers.get("path")), starter.tables_say.get(name, ""))
+        says = starter.tables_say.get(name, "")
+        if name in more:
+            says = TABLES_SAY.get((name, answers.get("path")), says)
         if name == "constraints":
             document.add(name, _constraints(content))
         elif name not in ("", "robust"):
@@ -164,6 +166,8 @@ def starter_study(answers: Mapping[str, str], file: str) -> str:
 TABLES_SAY: Final = {
     ("variables", "ellipse"): "What may be chosen, and between which bounds: an ellipse, by the "
     "amplitude along the\ntrack, that off the floor, and the phase of the one behind the other.",
+    ("variables", "line"): "What may be chosen, and between which bounds: amplitude, and beta, the "
+    "angle of the\ndrive above the track.",
     ("uncertain", None): "What is not known exactly, and between which bounds it lies.",
 }
 """What is said at the head of a table that an answer changes."""
@@ -175,26 +179,32 @@ def _wishes(answers: Mapping[str, str]) -> dict[str, Any]:
     Under "" stand the questions whose parameters have no place then.
     """
     found: dict[str, Any] = {}
-    if answers.get("path") == "ellipse":
-        size = answers.get("amplitude")
-        if size is None:  # a stroke, from end to end
-            stroke = typed(answers["peak_to_peak"])
-            half = read_number("peak_to_peak", QUANTITIES["peak_to_peak"], stroke) / 2
-            size = f"{1e3 * half:.6g} mm"
-        axis = {"lower": "0 mm", "upper": size}
-        found["variables"] = {
-            "amplitude_along_1": axis,
-            "amplitude_normal_1": axis,
-            "phase_normal_1": {"lower": "0 deg", "upper": "360 deg"},
-        }
-        found[""] = ("amplitude", "peak_to_peak")
-    if answers.get("hop") == "no":
+    stays = answers.get("hop") == "no"
+    if stays:
         found["constraints"] = [{"output": "throw_number", "upper": 1}]
+    if stays or answers.get("path") == "ellipse":
+        found["variables"] = _variables(answers)
+        found[""] = ("amplitude", "peak_to_peak")
     if answers.get("known") == "roughly":
         friction = float(answers["friction"])
         ends = {"lower": round(0.8 * friction, 6), "upper": round(1.2 * friction, 6)}
         found |= {"robust": "worst", "uncertain": {"friction": ends}}
     return found
+
+
+def _variables(answers: Mapping[str, str]) -> dict[str, Any]:
+    """Return what may be chosen of a drive whose amplitude is the largest that there is."""
+    largest = answers.get("amplitude")
+    if largest is None:  # a stroke, from end to end
+        stroke = typed(answers["peak_to_peak"])
+        half = read_number("peak_to_peak", QUANTITIES["peak_to_peak"], stroke) / 2
+        largest = f"{1e3 * half:.6g} mm"
+    if answers.get("path") == "ellipse":
+        axis = {"lower": "0 mm", "upper": largest}
+        turn = {"lower": "0 deg", "upper": "360 deg"}
+        return {"amplitude_along_1": axis, "amplitude_normal_1": axis, "phase_normal_1": turn}
+    size = {"lower": "0.01 mm", "upper": largest}
+    return {"amplitude": size, **STARTERS["drive"].tables["variables"]}
 
 
 def _constraints(rows: Sequence[Mapping[str, Any]]) -> Any:

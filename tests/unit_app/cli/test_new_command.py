@@ -176,6 +176,9 @@ def test_wishes_about_the_best_drive_are_in_the_study(path, hop, known):
     content = read_toml(result.stdout)
     assert prepare_content(content).cells == 1
     assert ("amplitude_normal_1" in content["variables"]) == (path == "ellipse")
+    # Who wants no hop wants a smaller amplitude, too: it is chosen.
+    assert ("amplitude" in content["variables"]) == (path == "line" and hop == "no")
+    assert ("amplitude" in content["parameters"]) == (path == "line" and hop == "yes")
     bounds = [{"output": "throw_number", "upper": 1}]
     assert content.get("constraints") == (None if hop == "yes" else bounds)
     assert ("friction" in content["parameters"]) == (known == "well")
