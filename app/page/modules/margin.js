@@ -8,6 +8,7 @@ const STATUSES = {
   optimal: "No other choice within the bounds does better.",
   flat: "The choice does not matter here.",
   no_motion: "No choice moves the part forwards.",
+  only_backward: "Every choice moves the part backwards.",
   not_attained: "Static friction still holds the part there; next to it the output jumps to this value.",
   infeasible: "No choice keeps the limits and contacts: loosen one of them.",
   suboptimal: "A grid has a better point, which the search missed.",
