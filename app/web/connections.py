@@ -56,6 +56,14 @@ class Connection(H11Protocol):
             self._cut_others()
         super().connection_made(transport)
 
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forget the client, also one that has reset its connection.
+
+        uvicorn keeps that one, with its request, until the timer of its next request is over.
+        """
+        self._unset_keepalive_if_required()
+        super().connection_lost(exc)
+
     def data_received(self, data: bytes) -> None:
         """Take what the client sends."""
         self._received += len(data)

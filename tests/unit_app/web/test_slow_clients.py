@@ -47,7 +47,9 @@ class Clock:
         return Task()
 
     def call_later(self, delay, callback):
-        return SimpleNamespace(cancel=lambda: None)
+        timer = SimpleNamespace(is_cancelled=False)
+        timer.cancel = lambda: setattr(timer, "is_cancelled", True)
+        return timer
 
 
 class Wire:
@@ -139,6 +141,19 @@ def test_the_longest_silent_make_room(connect):
     assert not busy.transport.is_cut
     assert others[0].transport.is_cut
     assert not others[-1].transport.is_cut
+
+
+@pytest.mark.parametrize("error", [None, ConnectionResetError()])
+def test_a_client_that_is_gone_is_forgotten(connect, error):
+    gone = connect()
+    gone.cycle = SimpleNamespace(
+        response_complete=True, disconnected=False, message_event=asyncio.Event()
+    )
+    timer = gone.timeout_keep_alive_task = connect.clock.call_later(5.0, None)
+    gone.connection_lost(error)
+    # The timer would hold the connection, and that its request, until it is due.
+    assert timer.is_cancelled
+    assert gone not in connect.state.connections
 
 
 def test_few_open_files_mean_few_requests():
