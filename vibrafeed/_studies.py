@@ -544,8 +544,8 @@ def sweep(
     pole_area : values, optional
         Area of all poles of the magnet that pull. In m2, above 0, for example "12 cm^2".
     force_harmonic : values, optional
-        Over the first: 0.25 of a magnet on a half wave, 0 on a full one. 0 or more, for example
-        0.25.
+        Over the first: 0.25 of a magnet on a half wave that pulls the track back and down, -0.25 of
+        one that pulls it forward and up, 0 on a full wave. From -1 to 1, for example 0.25.
     offset_along : values, optional
         Moving mass centre ahead of the base's. In m, for example "0 mm".
     offset_upward : values, optional
@@ -832,8 +832,8 @@ def simulate(
     pole_area : values, optional
         Area of all poles of the magnet that pull. In m2, above 0, for example "12 cm^2".
     force_harmonic : values, optional
-        Over the first: 0.25 of a magnet on a half wave, 0 on a full one. 0 or more, for example
-        0.25.
+        Over the first: 0.25 of a magnet on a half wave that pulls the track back and down, -0.25 of
+        one that pulls it forward and up, 0 on a full wave. From -1 to 1, for example 0.25.
     offset_along : values, optional
         Moving mass centre ahead of the base's. In m, for example "0 mm".
     offset_upward : values, optional
@@ -1326,8 +1326,8 @@ def optimise(
     pole_area : values, optional
         Area of all poles of the magnet that pull. In m2, above 0, for example "12 cm^2".
     force_harmonic : values, optional
-        Over the first: 0.25 of a magnet on a half wave, 0 on a full one. 0 or more, for example
-        0.25.
+        Over the first: 0.25 of a magnet on a half wave that pulls the track back and down, -0.25 of
+        one that pulls it forward and up, 0 on a full wave. From -1 to 1, for example 0.25.
     offset_along : values, optional
         Moving mass centre ahead of the base's. In m, for example "0 mm".
     offset_upward : values, optional
@@ -1808,8 +1808,8 @@ def sensitivity(
     pole_area : values, optional
         Area of all poles of the magnet that pull. In m2, above 0, for example "12 cm^2".
     force_harmonic : values, optional
-        Over the first: 0.25 of a magnet on a half wave, 0 on a full one. 0 or more, for example
-        0.25.
+        Over the first: 0.25 of a magnet on a half wave that pulls the track back and down, -0.25 of
+        one that pulls it forward and up, 0 on a full wave. From -1 to 1, for example 0.25.
     offset_along : values, optional
         Moving mass centre ahead of the base's. In m, for example "0 mm".
     offset_upward : values, optional
@@ -2154,8 +2154,8 @@ def calibrate(
     pole_area : values, optional
         Area of all poles of the magnet that pull. In m2, above 0, for example "12 cm^2".
     force_harmonic : values, optional
-        Over the first: 0.25 of a magnet on a half wave, 0 on a full one. 0 or more, for example
-        0.25.
+        Over the first: 0.25 of a magnet on a half wave that pulls the track back and down, -0.25 of
+        one that pulls it forward and up, 0 on a full wave. From -1 to 1, for example 0.25.
     offset_along : values, optional
         Moving mass centre ahead of the base's. In m, for example "0 mm".
     offset_upward : values, optional

@@ -8,14 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
 
 from core.errors import Problem
-from core.mechanics import drive_unit
+from core.mechanics import bowl_drive_unit, drive_unit
+from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask
-from core.motion.drives import SINE
+from core.motion.driven import under_wave
+from core.motion.drives import SINE, Shape
 from core.motion.groups import Contacts
 from core.motion.part_load import Load, part_load
+from core.motion.waves import Wave
 from core.quantities.drive import DRIVE
 from core.quantities.drive_unit import DRIVE_UNIT
 from core.scenes import SCENES, Condition, Equation, Scene
@@ -31,6 +36,40 @@ SERIOUS = ("hits_magnet", "overstressed", "isolation_poor")
 """Regimes of a drive unit that matter beside those of the part."""
 
 
+@dataclass(frozen=True)
+class HalfWave:
+    """The drive of a unit whose force has a second harmonic, as a magnet's on a half wave has.
+
+    Its displacement along the line of the vibration is A (sin(tau) + s sin(2 tau) + c cos(2 tau)),
+    with s and c of `track_harmonic`.
+    """
+
+    inputs = (
+        *("amplitude", "beta", "alpha", "track_harmonic", "circular_frequency", "gravity"),
+        "drive_factor",
+    )
+    defaults: ClassVar = {"alpha": 0.0, "drive_factor": 1.0}
+    orders = 2
+
+    def wave(self, **given: Any) -> Wave:
+        """As in `Shape`: the push has w^2 A sin(tau)/g and 4 w^2 A (s, c)/g at twice of it."""
+        ratio = given.pop("track_harmonic")
+        given = {name: np.asarray(value, dtype=float) for name, value in given.items()}
+        rate = np.square(given["circular_frequency"]) / given["gravity"]
+        size = given["drive_factor"] * given["amplitude"] * rate
+        level = size * cosine(given["beta"])
+        axes = (level * cosine(given["alpha"]), level * sine(given["alpha"]))
+        parts = [
+            [[one, 4.0 * one * ratio[0]], [0.0 * one, 4.0 * one * ratio[1]]]
+            for one in (*axes, size * sine(given["beta"]))
+        ]
+        shape = np.broadcast_shapes(*(np.shape(n) for axis in parts for part in axis for n in part))
+        harmonics = np.array(
+            [[[np.broadcast_to(n, shape) for n in part] for part in axis] for axis in parts]
+        )
+        return Wave(harmonics, np.zeros((4, 0, *shape)))
+
+
 class Unit(NamedTuple):
     """Which drive unit a study gives.
 
@@ -41,11 +80,14 @@ class Unit(NamedTuple):
         By leaves or by a measured frequency.
     loaded : bool
         Whether parts that are conveyed act on it.
+    shape : Shape or None
+        Of a drive with a second harmonic; None of the plain sine.
     """
 
     scene: Scene
     variant: str
     loaded: bool
+    shape: Shape | None
 
 
 def unit_of(given: Iterable[str]) -> tuple[Unit | None, list[Problem]]:
@@ -76,10 +118,15 @@ def unit_of(given: Iterable[str]) -> tuple[Unit | None, list[Problem]]:
         message = "what parts do to a unit that turns is not known"
         fix = f"Give load_mass in its place, or leave out {', '.join(turns)}"
         problems.append(Problem("parameters.conveyed_mass", message, fix))
+    if loaded and "force_harmonic" in told:
+        message = "what parts do to a unit is known for a force of one harmonic"
+        fix = "Give load_mass in its place, or leave out force_harmonic"
+        problems.append(Problem("parameters.conveyed_mass", message, fix))
     if loaded and "load_damping" in told:
         message = "it follows from the motion of the parts, whose conveyed_mass is given"
         problems.append(Problem("parameters.load_damping", message, "Give one of the two"))
-    return Unit(SCENES[name], variant, loaded), problems
+    shape = HalfWave() if "force_harmonic" in told else None
+    return Unit(SCENES[name], variant, loaded, shape), problems
 
 
 # --- equations
@@ -104,7 +151,7 @@ def loaded_inertia(
     *, moving_inertia: Array, load_mass: Array, part_load: Load, radius: Array
 ) -> Array:
     """Return the inertia with the load, and what it feels of the conveyed parts [kg m2]."""
-    return drive_unit.loaded_inertia(
+    return bowl_drive_unit.loaded_inertia(
         moving_inertia=moving_inertia, load_mass=load_mass + part_load.mass, radius=radius
     )
 
@@ -151,6 +198,8 @@ class _Spliced:
     def equations(self, of_part: Collection[Equation]) -> tuple[Equation, ...]:
         """Return those of the unit, then those of the part."""
         of_unit = self.unit.scene.variants[self.unit.variant]
+        if self.unit.shape is not None:
+            of_part = under_wave(self.unit.shape, of_part)
         if not self.unit.loaded:
             return (*of_unit, *_GIVES_WAY, *of_part)
         of_unit = (*(_LOADED.get(one.gives, one) for one in of_unit), *_RESULTS)
@@ -185,5 +234,5 @@ def on_unit(system: Scene, unit: Unit, contacts: Contacts) -> Scene:
         validity=f"{system.validity} Drive unit: {unit.scene.validity}",
         variants={name: spliced.equations(known) for name, known in system.variants.items()},
         conditions={name: spliced.conditions(known) for name, known in system.conditions.items()},
-        defaults={**defaults, **system.defaults},
+        defaults={**defaults, **system.defaults, **(unit.shape.defaults if unit.shape else {})},
     )

@@ -130,23 +130,23 @@ _OTHERS = {one.gives: one for one in limits.equations("wave")} | {
 _GROUPS = {id(groups): _with_wave(groups) for groups in (floor_groups, track_groups)}
 
 
+def under_wave(shape: Shape, known: Collection[Equation]) -> tuple[Equation, ...]:
+    """Return the equations of a system with a wave in the place of the plain sine."""
+    changed = []
+    for one in known:
+        if one.gives == "groups":
+            one = replace(one, function=_GROUPS[id(one.function)])
+        if one.gives == "motion":
+            one = replace(one, function=_where_driven(one.function))
+        if one.gives != "vibration_acceleration":
+            changed.append(_OTHERS.get(one.gives, one))
+    return (Equation("wave", _WaveOf(shape), "theory 13.14"), *changed)
+
+
 def driven(system: Scene, shape: Shape) -> Scene:
     """Return a system with another drive in the place of the plain sine."""
-    wave = Equation("wave", _WaveOf(shape), "theory 13.14")
-
-    def equations(known: Collection[Equation]) -> tuple[Equation, ...]:
-        changed = []
-        for one in known:
-            if one.gives == "groups":
-                one = replace(one, function=_GROUPS[id(one.function)])
-            if one.gives == "motion":
-                one = replace(one, function=_where_driven(one.function))
-            if one.gives != "vibration_acceleration":
-                changed.append(_OTHERS.get(one.gives, one))
-        return (wave, *changed)
-
     return replace(
         system,
-        variants={name: equations(known) for name, known in system.variants.items()},
+        variants={name: under_wave(shape, known) for name, known in system.variants.items()},
         defaults={**{n: v for n, v in system.defaults.items() if n != "alpha"}, **shape.defaults},
     )

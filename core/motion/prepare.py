@@ -200,14 +200,14 @@ def _derivable(prepared: Simulation) -> Simulation:
 def _all_exact(prepared: Simulation) -> bool:
     """Return whether nothing pushes a part of a simulation across, whatever the cell."""
     grid, scene = prepared.grid, prepared.plan.scene
-    shape, _ = shape_of([*grid.axes, *grid.fixed])
+    is_sine = all(one.gives != "wave" for one in prepared.plan.equations)
     level = all(
         grid.bounds(name) == (0.0, 0.0)
         for name in ("alpha", "delta")
         if name in grid.axes or name in grid.fixed
     )
     straight = "curvature_number" in prepared.plan.defaults or not CONTACTS[scene.name].wall
-    return prepared.plan.variant == "events" and shape is None and level and straight
+    return prepared.plan.variant == "events" and is_sine and level and straight
 
 
 def who_uses(scene: Scene, setting: str) -> str:

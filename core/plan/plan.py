@@ -316,7 +316,10 @@ def _unused(scene: Scene, variant: str, name: str, outputs: Collection[str]) -> 
         return Problem(f"parameters.{name}", message, fix)
     takes_part = name in scene_parameters(scene, variant)
     what = f"{', '.join(outputs)} of {scene.name}" if takes_part else scene.name
-    return Problem(f"parameters.{name}", f"{name} is not used by {what}", "Remove it")
+    users = [one for one in scene.variants if name in scene_parameters(scene, one)]
+    elsewhere = f", or set {scene.choice} to {' or '.join(users)}" if users else ""
+    fix = "Remove it" + (elsewhere if not takes_part else "")
+    return Problem(f"parameters.{name}", f"{name} is not used by {what}", fix)
 
 
 def scene_parameters(scene: Scene, variant: str) -> tuple[str, ...]:

@@ -97,9 +97,11 @@ DRIVE_UNIT: dict[str, Quantity] = {
     "pole_area": _given(
         "m2", "A", "Pole area", "Area of all poles of the magnet that pull.", "12 cm^2", strict=True
     ),
-    "force_harmonic": _given(
+    "force_harmonic": Quantity(
         "1", "F_2/F_1", "Second harmonic of the force",
-        "Over the first: 0.25 of a magnet on a half wave, 0 on a full one.", "0.25", strict=False,
+        "Over the first: 0.25 of a magnet on a half wave that pulls the track back and down, -0.25 "
+        "of one that pulls it forward and up, 0 on a full wave.",
+        -1.0, 1.0, parameter=True, examples=("0.25",),
     ),
     "offset_along": _place("d_x", "Mass centres along", "Moving mass centre ahead of the base's."),
     "offset_upward": _place("d_z", "Mass centres upward", "Moving mass centre above the base's."),
@@ -153,6 +155,10 @@ DRIVE_UNIT: dict[str, Quantity] = {
     "amplification": number("k s/F", "Amplification", "Stroke over that of the force at rest."),
     "second_harmonic": number(
         "4 A_2/A_1", "Second harmonic", "Of the track's acceleration, over the first."
+    ),
+    "track_harmonic": Quantity(
+        "1", "", "Second harmonic of the track", "Its sine and its cosine, over the first.",
+        bundle=True,
     ),
     "turning_mass": Quantity(
         "kg", "m", "Mass of the turning stroke", "Mass that the stroke of a unit moves that turns."

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from core.mechanics import drive_unit
+from core.mechanics import bowl_drive_unit
 from core.scenes.drive_units import DEFAULTS, LIMITS, MEASURED, SHARED, SPRINGS, tuning
 from core.scenes.scene import Equation, Scene
 
 BOWL = (
     *SHARED,
-    Equation("generalised_mass", drive_unit.bowl_mass_empty, "theory 15.3"),
-    Equation("loaded_inertia", drive_unit.loaded_inertia, "theory 15.3"),
-    Equation("bowl_mass", drive_unit.bowl_mass, "theory 15.3"),
-    Equation("natural_frequency", drive_unit.bowl_frequency, "theory 15.3"),
-    Equation("stroke_response", drive_unit.bowl_response, "theory 15.3"),
-    Equation("bowl_turn", drive_unit.bowl_turn, "theory 15.3"),
-    Equation("bowl_lift", drive_unit.bowl_lift, "theory 15.3"),
-    Equation("track_amplitude", drive_unit.bowl_amplitude, "theory 15.3"),
-    Equation("vibration_angle", drive_unit.bowl_angle, "theory 15.3"),
+    Equation("generalised_mass", bowl_drive_unit.bowl_mass_empty, "theory 15.3"),
+    Equation("loaded_inertia", bowl_drive_unit.loaded_inertia, "theory 15.3"),
+    Equation("bowl_mass", bowl_drive_unit.bowl_mass, "theory 15.3"),
+    Equation("natural_frequency", bowl_drive_unit.bowl_frequency, "theory 15.3"),
+    Equation("stroke_response", bowl_drive_unit.bowl_response, "theory 15.3"),
+    Equation("track_harmonic", bowl_drive_unit.bowl_harmonic, "theory 15.3"),
+    Equation("bowl_turn", bowl_drive_unit.bowl_turn, "theory 15.3"),
+    Equation("bowl_lift", bowl_drive_unit.bowl_lift, "theory 15.3"),
+    Equation("track_amplitude", bowl_drive_unit.bowl_amplitude, "theory 15.3"),
+    Equation("vibration_angle", bowl_drive_unit.bowl_angle, "theory 15.3"),
 )
 CONDITIONS = (*LIMITS, *tuning("bowl_turn", "bowl_lift"))
 

@@ -18,13 +18,20 @@ SHARED = (
     Equation("spring_stress", drive_unit.spring_stress, "theory 15.1"),
     Equation("stress_margin", drive_unit.stress_margin, "theory 15.1"),
     Equation("air_gap_margin", drive_unit.air_gap_margin, "theory 15.2"),
+    Equation("second_harmonic", drive_unit.second_harmonic, "theory 15.2"),
 )
-DEFAULTS = {"load_mass": 0.0, "load_damping": 0.0, "gamma": 0.0, "clamp_factor": 1.0}
+DEFAULTS = {
+    "load_mass": 0.0,
+    "load_damping": 0.0,
+    "gamma": 0.0,
+    "clamp_factor": 1.0,
+    "force_harmonic": 0.0,
+}
 
 STROKES = frozenset(
     (
         *("stroke", "phase", "amplification", "drive_unit_power", "spring_stress"),
-        *("stress_margin", "air_gap_margin", "track_amplitude"),
+        *("stress_margin", "air_gap_margin", "track_amplitude", "second_harmonic"),
     )
 )
 LIMITS = (

@@ -2,39 +2,40 @@
 
 from __future__ import annotations
 
-from core.mechanics import drive_unit
+from core.mechanics import drive_unit, linear_drive_unit, turning_drive_unit
 from core.scenes.drive_units import DEFAULTS, LIMITS, MEASURED, SHARED, SPRINGS, tuning
 from core.scenes.scene import Condition, Equation, Scene
 
 LINEAR = (
     *SHARED,
     Equation("generalised_mass", drive_unit.reduced_mass, "theory 15.2"),
-    Equation("natural_frequency", drive_unit.natural_frequency, "theory 15.2"),
-    Equation("foot_frequency", drive_unit.foot_frequency, "theory 15.2"),
-    Equation("stroke_response", drive_unit.stroke_response, "theory 15.2"),
-    Equation("track_amplitude", drive_unit.linear_amplitude, "theory 15.2"),
-    Equation("vibration_angle", drive_unit.linear_angle, "theory 15.2"),
-    Equation("foot_force", drive_unit.floor_force, "theory 15.2"),
-    Equation("second_harmonic", drive_unit.second_harmonic, "theory 15.2"),
+    Equation("natural_frequency", linear_drive_unit.natural_frequency, "theory 15.2"),
+    Equation("foot_frequency", linear_drive_unit.foot_frequency, "theory 15.2"),
+    Equation("stroke_response", linear_drive_unit.stroke_response, "theory 15.2"),
+    Equation("track_amplitude", linear_drive_unit.linear_amplitude, "theory 15.2"),
+    Equation("vibration_angle", linear_drive_unit.linear_angle, "theory 15.2"),
+    Equation("foot_force", linear_drive_unit.floor_force, "theory 15.2"),
+    Equation("track_harmonic", linear_drive_unit.track_harmonic, "theory 15.2"),
 )
 TURNING = (
     *SHARED,
-    Equation("generalised_mass", drive_unit.turning_mass_empty, "theory 15.2"),
-    Equation("turning_mass", drive_unit.turning_mass, "theory 15.2"),
-    Equation("natural_frequency", drive_unit.turning_frequency, "theory 15.2"),
-    Equation("stroke_response", drive_unit.turning_response, "theory 15.2"),
-    Equation("trough_turn", drive_unit.trough_turn, "theory 15.2"),
-    Equation("track_motion", drive_unit.turning_track, "theory 15.2"),
-    Equation("track_amplitude", drive_unit.turning_amplitude, "theory 15.2"),
-    Equation("vibration_angle", drive_unit.turning_angle, "theory 15.2"),
+    Equation("generalised_mass", turning_drive_unit.turning_mass_empty, "theory 15.2"),
+    Equation("turning_mass", turning_drive_unit.turning_mass, "theory 15.2"),
+    Equation("natural_frequency", turning_drive_unit.turning_frequency, "theory 15.2"),
+    Equation("stroke_response", turning_drive_unit.turning_response, "theory 15.2"),
+    Equation("track_harmonic", turning_drive_unit.turning_harmonic, "theory 15.2"),
+    Equation("trough_turn", turning_drive_unit.trough_turn, "theory 15.2"),
+    Equation("track_motion", turning_drive_unit.turning_track, "theory 15.2"),
+    Equation("track_amplitude", turning_drive_unit.turning_amplitude, "theory 15.2"),
+    Equation("vibration_angle", turning_drive_unit.turning_angle, "theory 15.2"),
 )
 CONDITIONS = (
     *LIMITS,
     Condition("isolation_poor", drive_unit.is_poorly_isolated, frozenset(("foot_force",))),
-    *tuning("foot_force", "second_harmonic"),
+    *tuning("foot_force"),
 )
 OF_TURNING = (*LIMITS, *tuning("trough_turn"))
-STRAIGHT_DEFAULTS = {"foot_stiffness": 0.0, "foot_damping": 0.0, "force_harmonic": 0.0}
+STRAIGHT_DEFAULTS = {"foot_stiffness": 0.0, "foot_damping": 0.0}
 TURNING_DEFAULTS = dict.fromkeys(
     ("offset_along", "offset_upward", "spot_along", "spot_upward"), 0.0
 )

@@ -9,7 +9,7 @@ import pytest
 import vibrafeed
 from core.errors import StudyError
 from core.intake import prepare_content
-from core.mechanics import drive_unit
+from core.mechanics import linear_drive_unit
 from core.quantities import REGIMES
 from night import NIGHT, count
 
@@ -53,6 +53,68 @@ def test_a_fast_slider_weighs_next_to_nothing_and_damps_as_its_friction_does():
     assert float(found.effective_mass_ratio) == pytest.approx(0.00132, abs=5e-6)
     assert float(found.drive_power) / (g * g / w) == pytest.approx(2.54476, abs=1e-5)
     assert float(found.conveying_velocity) / (g / w) == pytest.approx(0.30811, abs=5e-6)
+
+
+# --- a magnet on a half wave
+
+
+def displacement_of_two_masses(w, force):
+    """Return the moving mass's displacement under F e^(iwt), by a linear system of both masses."""
+    m1, m2, m_r = 10.0, 30.0, 7.5
+    k = (2 * np.pi * 53) ** 2 * m_r
+    spring = (k + 1j * w * 2 * 0.02 * np.sqrt(k * m_r)) * np.array([[1, -1], [-1, 1]])
+    return np.linalg.solve(spring - w * w * np.diag([m1, m2]), [force, -force])[0]
+
+
+@pytest.mark.parametrize("harmonic", [0.25, -0.25])
+def test_the_second_harmonic_of_a_half_wave_reaches_the_part(harmonic):
+    given = {key: value for key, value in STUDY.items() if key != "frequency"}
+    found = vibrafeed.simulate(**given, frequency=50, force_harmonic=harmonic, outputs=NAMES)
+    w, angle = 2 * np.pi * 50, np.radians(25)
+    drive = {}
+    for order, force in ((1, -60.0), (2, -60.0 * harmonic)):  # the magnet pulls the track back
+        place = displacement_of_two_masses(order * w, force)
+        for axis, share in (("along", np.cos(angle)), ("normal", np.sin(angle))):
+            drive[f"amplitude_{axis}_{order}"] = abs(place) * share
+            # Re(X e^(iwt)) = |X| sin(wt + arg X + 90 deg)
+            drive[f"phase_{axis}_{order}"] = np.degrees(np.angle(place)) + 90.0
+    by_hand = vibrafeed.simulate(
+        scene="rectangle-on-plane", friction=0.4, frequency=50, outputs=NAMES[1:], **drive
+    )
+    assert float(found.conveying_velocity) == pytest.approx(
+        float(by_hand.conveying_velocity), rel=1e-9
+    )
+    plain = vibrafeed.simulate(**STUDY, outputs=NAMES)
+    assert float(found.track_amplitude) == float(plain.track_amplitude)
+    share = float(found.conveying_velocity / plain.conveying_velocity)
+    assert share > 1.03 if harmonic > 0 else share < 0.97
+
+
+def test_a_bowl_on_a_half_wave_moves_as_its_harmonics_say():
+    unit = {**BOWL, "scene": "bowl-drive-unit", "variant": "measured"}
+    names = ["track_amplitude", "vibration_angle", "phase", "second_harmonic"]
+    first = vibrafeed.sweep(**unit, force_harmonic=0.25, outputs=names)
+    twice = vibrafeed.sweep(**{**unit, "frequency": 100, "drive_force": 25}, outputs=names[:3:2])
+    assert float(first.second_harmonic) == pytest.approx(
+        4 * float(twice.track_amplitude / first.track_amplitude), rel=1e-12
+    )
+    drive, angle = {}, np.radians(float(first.vibration_angle))
+    for order, at in ((1, first), (2, twice)):
+        for axis, share in (("along", np.cos(angle)), ("normal", np.sin(angle))):
+            drive[f"amplitude_{axis}_{order}"] = float(at.track_amplitude) * share
+            drive[f"phase_{axis}_{order}"] = float(at.phase) - 90.0  # - cos
+    part = {"scene": "rectangle-on-plane", "friction": 0.4, "outputs": ["conveying_velocity"]}
+    by_hand = vibrafeed.simulate(**part, frequency=50, **drive)
+    found = vibrafeed.simulate(**part, **BOWL, force_harmonic=0.25)
+    assert float(found.conveying_velocity) == pytest.approx(
+        float(by_hand.conveying_velocity), rel=1e-9
+    )
+
+
+def test_the_load_of_parts_under_two_harmonics_is_refused_in_words():
+    with pytest.raises(StudyError, match="force of one harmonic") as caught:
+        vibrafeed.simulate(**STUDY, conveyed_mass=0.5, force_harmonic=0.25, outputs=NAMES)
+    assert [one.place for one in caught.value.problems] == ["parameters.conveyed_mass"]
 
 
 # --- another method
@@ -217,7 +279,7 @@ def test_of_several_amplitudes_both_are_agreements():
         )  # fmt: skip
         w, m_r = 2 * np.pi * 50, 10 * 30 / 40
         k = (2 * np.pi * 50.5) ** 2 * m_r
-        again = drive_unit.stroke_response(
+        again = linear_drive_unit.stroke_response(
             drive_force=36.0, circular_frequency=w, spring_stiffness=k,
             damping=2 * 0.01 * np.sqrt(k * m_r), foot_stiffness=0.0, foot_damping=0.0,
             loaded_mass=10 + 2 * float(felt.effective_mass_ratio),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import vibrafeed
-from core.mechanics import drive_unit
+from core.mechanics import drive_unit, linear_drive_unit
 from core.quantities import REGIMES
 from night import count
 
@@ -116,7 +116,7 @@ def units(seed: int) -> dict[str, np.ndarray]:
 
 def test_strokes_solve_the_linear_system_and_power_is_that_of_the_dampers():
     unit = units(37)
-    real, imag, x1, x2 = drive_unit.stroke_response(**unit)
+    real, imag, x1, x2 = linear_drive_unit.stroke_response(**unit)
     w, c, c_f = unit["circular_frequency"], unit["damping"], unit["foot_damping"]
     z = unit["spring_stiffness"] + 1j * w * c
     feet = unit["foot_stiffness"] + 1j * w * c_f
@@ -151,9 +151,9 @@ def test_both_natural_frequencies_are_those_of_the_matrices():
     matrix[:, 0, 1] = matrix[:, 1, 0] = -k / np.sqrt(m1 * m2)
     low, high = np.linalg.eigvalsh(matrix).T
     given = {name: unit[name] for name in names}
-    top = drive_unit.natural_frequency(**given)
+    top = linear_drive_unit.natural_frequency(**given)
     assert (2 * np.pi * top) ** 2 == pytest.approx(high, rel=ROUNDING)
-    bottom = (2 * np.pi * drive_unit.foot_frequency(**given)) ** 2
+    bottom = (2 * np.pi * linear_drive_unit.foot_frequency(**given)) ** 2
     # An eigenvalue of a symmetric matrix is known to the rounding of the largest.
     assert (np.abs(bottom - low) <= ROUNDING * high).all()
 
@@ -225,6 +225,12 @@ def test_the_second_harmonic_of_a_half_wave():
     w_n, w = 53.0**2, 50.0**2
     assert share == pytest.approx(abs(w_n - w) / abs(w_n - 4 * w), rel=1e-6)
     assert share / 4 == pytest.approx(0.01074, abs=5e-6)
+
+
+def test_the_side_on_which_a_magnet_pulls_changes_no_size():
+    still = {name: value for name, value in RUNG.items() if name != "drive_force"}
+    back, forward = (one(["second_harmonic"], **still, force_harmonic=h)[0] for h in (0.25, -0.25))
+    assert back == forward > 0.0
 
 
 def turning_by_newton(unit, w):

@@ -1,0 +1,117 @@
+"""A drive unit of trough and base on a line through both mass centres, on feet (theory 15.2).
+
+Leaves tilted from the vertical by the angle of the line above the horizontal.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanics.arrays import Array, hypot
+from core.mechanics.drive_unit import second_over_first
+
+
+def natural_frequency(
+    *, spring_stiffness: Array, foot_stiffness: Array, loaded_mass: Array, base_mass: Array
+) -> Array:
+    """Return the frequency of the mode that the springs make, without damping [Hz].
+
+    The higher root of m1 m2 w^4 - (k (m1 + m2) + k_f m1) w^2 + k k_f = 0; with free feet
+    w^2 = k (m1 + m2)/(m1 m2).
+    """
+    upper, _ = _squares(spring_stiffness, foot_stiffness, loaded_mass, base_mass)
+    return np.sqrt(upper) / (2 * np.pi)
+
+
+def foot_frequency(
+    *, spring_stiffness: Array, foot_stiffness: Array, loaded_mass: Array, base_mass: Array
+) -> Array:
+    """Return the frequency of the whole unit on its feet, the lower root; 0 with free feet [Hz]."""
+    _, lower = _squares(spring_stiffness, foot_stiffness, loaded_mass, base_mass)
+    return np.sqrt(lower) / (2 * np.pi)
+
+
+def _squares(k: Array, k_f: Array, m1: Array, m2: Array) -> tuple[Array, Array]:
+    """Return the squares w^2 of both modes; the lower one from their product, k k_f/(m1 m2)."""
+    half = (k * (m1 + m2) + k_f * m1) / 2
+    product = (m1 * m2) * (k * k_f)
+    # half^2 - product = (k (m1 + m2) - k_f m1)^2/4 + k k_f m1^2: never below 0.
+    apart = (k * (m1 + m2) - k_f * m1) / 2
+    root = hypot(apart, m1 * np.sqrt(k * k_f))
+    upper = (half + root) / (m1 * m2)
+    return upper, product / ((half + root) * (m1 * m2))
+
+
+def stroke_response(
+    *, drive_force: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
+    foot_stiffness: Array, foot_damping: Array, loaded_mass: Array, load_damping: Array,
+    base_mass: Array,
+) -> tuple[Array, Array, Array, Array]:  # fmt: skip
+    """Return the strokes s (real and imaginary), X1 and X2 of both masses (sizes) [m].
+
+    Force and stroke are the real parts of F e^(iwt) and s e^(iwt). With Z = k + i w c of the
+    springs, Z_f = k_f + i w c_f of the feet, a = m1 w^2 - i w c_l of the moving mass and of the
+    damper from it to the ground, b = m2 w^2, P = Z_f - b, Q = P - a:
+    s = F Q/D, X1 = F P/D, X2 = F a/D, D = Z Q - a P.
+    """
+    w = circular_frequency
+    a_real, a_imag = loaded_mass * w * w, -w * load_damping
+    p_real, p_imag = foot_stiffness - base_mass * w * w, w * foot_damping
+    q_real, q_imag = p_real - a_real, p_imag - a_imag
+    z_real, z_imag = spring_stiffness, w * damping
+    d_real = z_real * q_real - z_imag * q_imag - (a_real * p_real - a_imag * p_imag)
+    d_imag = z_real * q_imag + z_imag * q_real - (a_real * p_imag + a_imag * p_real)
+    size = hypot(d_real, d_imag)
+    d_real, d_imag = d_real / size, d_imag / size
+    share = drive_force / size
+    return (
+        share * (q_real * d_real + q_imag * d_imag),
+        share * (q_imag * d_real - q_real * d_imag),
+        share * hypot(p_real, p_imag),
+        share * hypot(a_real, a_imag),
+    )
+
+
+def track_harmonic(
+    *, force_harmonic: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
+    foot_stiffness: Array, foot_damping: Array, loaded_mass: Array, load_damping: Array,
+    base_mass: Array,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Return the track's second harmonic over its first, of `second_over_first` [1]."""
+    springs = (spring_stiffness, damping, foot_stiffness, foot_damping)
+    masses = (loaded_mass, load_damping, base_mass)
+    first = _trough(circular_frequency, *springs, *masses)
+    second = _trough(2.0 * circular_frequency, *springs, *masses)
+    return second_over_first(force_harmonic, first, second)
+
+
+def _trough(
+    w: Array, k: Array, c: Array, k_f: Array, c_f: Array, m1: Array, c_l: Array, m2: Array
+) -> tuple[Array, Array]:
+    """Return X1/F = P/D of `stroke_response`, real and imaginary [m/N]."""
+    a_real, a_imag = m1 * w * w, -w * c_l
+    p_real, p_imag = k_f - m2 * w * w, w * c_f
+    q_real, q_imag = p_real - a_real, p_imag - a_imag
+    d_real = k * q_real - w * c * q_imag - (a_real * p_real - a_imag * p_imag)
+    d_imag = k * q_imag + w * c * q_real - (a_real * p_imag + a_imag * p_real)
+    square = d_real * d_real + d_imag * d_imag
+    real, imag = p_real * d_real + p_imag * d_imag, p_imag * d_real - p_real * d_imag
+    return real / square, imag / square
+
+
+def floor_force(
+    *, stroke_response: tuple[Array, ...], circular_frequency: Array, foot_stiffness: Array,
+    foot_damping: Array,
+) -> Array:  # fmt: skip
+    """Return the amplitude of the force of the feet on the floor, |k_f + i w c_f| X2 [N]."""
+    return hypot(foot_stiffness, circular_frequency * foot_damping) * stroke_response[3]
+
+
+def linear_amplitude(*, stroke_response: tuple[Array, ...]) -> Array:
+    """Return the amplitude of the track, X1 [m]."""
+    return stroke_response[2]
+
+
+def linear_angle(*, spring_angle: Array, gamma: Array) -> Array:
+    """Return the angle of the vibration above the track, th - gamma [rad]."""
+    return spring_angle - gamma

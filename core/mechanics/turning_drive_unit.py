@@ -1,0 +1,117 @@
+"""A drive unit whose line misses its mass centres: trough and base turn together (theory 15.2)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanics.angles import cosine, sine
+from core.mechanics.arrays import Array, hypot
+from core.mechanics.drive_unit import second_over_first
+
+
+def turning_mass_empty(
+    *, moving_mass: Array, base_mass: Array, moving_inertia: Array, base_inertia: Array,
+    offset_along: Array, offset_upward: Array, spring_angle: Array,
+) -> Array:  # fmt: skip
+    """Return the mass of the stroke, m_r - m_r^2 (d x e)^2/I_t, of the empty unit [kg].
+
+    d leads from the base's mass centre to the moving one's, e along the stroke;
+    I_t = I1 + I2 + m_r d^2.
+    """
+    m_r = moving_mass * (base_mass / (moving_mass + base_mass))
+    arm, inertia = _arm(
+        m_r, moving_inertia, base_inertia, offset_along, offset_upward, spring_angle
+    )
+    return m_r * (1.0 - arm * arm * (m_r / inertia))
+
+
+def turning_mass(
+    *, loaded_mass: Array, base_mass: Array, moving_inertia: Array, base_inertia: Array,
+    offset_along: Array, offset_upward: Array, spring_angle: Array,
+) -> Array:  # fmt: skip
+    """Return the mass of the stroke with a load at the mass centre [kg]."""
+    return turning_mass_empty(
+        moving_mass=loaded_mass, base_mass=base_mass, moving_inertia=moving_inertia,
+        base_inertia=base_inertia, offset_along=offset_along, offset_upward=offset_upward,
+        spring_angle=spring_angle,
+    )  # fmt: skip
+
+
+def _arm(
+    m_r: Array, i1: Array, i2: Array, along: Array, upward: Array, th: Array
+) -> tuple[Array, Array]:
+    """Return d x e and I_t."""
+    arm = along * sine(th) - upward * cosine(th)
+    return arm, i1 + i2 + m_r * (along * along + upward * upward)
+
+
+def turning_frequency(*, spring_stiffness: Array, turning_mass: Array) -> Array:
+    """Return the natural frequency of a unit that turns, sqrt(k/m)/(2 pi) [Hz]."""
+    return np.sqrt(spring_stiffness / turning_mass) / (2 * np.pi)
+
+
+def turning_response(
+    *, drive_force: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
+    turning_mass: Array,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Return the stroke s = F/(k - m w^2 + i w c) of a unit that turns, real and imaginary [m]."""
+    w = circular_frequency
+    real, imag = spring_stiffness - turning_mass * w * w, w * damping
+    size = hypot(real, imag)
+    share = drive_force / size
+    return share * (real / size), -share * (imag / size)
+
+
+def turning_harmonic(
+    *, force_harmonic: Array, circular_frequency: Array, spring_stiffness: Array, damping: Array,
+    turning_mass: Array,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Return the track's second harmonic over its first, of `second_over_first` [1].
+
+    Both move a place along one line: on a free base the turn goes with the stroke.
+    """
+    at = [
+        turning_response(
+            drive_force=1.0 + 0.0 * circular_frequency, circular_frequency=w,
+            spring_stiffness=spring_stiffness, damping=damping, turning_mass=turning_mass,
+        )
+        for w in (circular_frequency, 2.0 * circular_frequency)
+    ]  # fmt: skip
+    return second_over_first(force_harmonic, *at)
+
+
+def trough_turn(
+    *, stroke: Array, loaded_mass: Array, base_mass: Array, moving_inertia: Array,
+    base_inertia: Array, offset_along: Array, offset_upward: Array, spring_angle: Array,
+) -> Array:  # fmt: skip
+    """Return the amplitude of the turning, up in front, phi = -(m_r/I_t) (d x e) s [rad]."""
+    m_r = loaded_mass * (base_mass / (loaded_mass + base_mass))
+    arm, inertia = _arm(
+        m_r, moving_inertia, base_inertia, offset_along, offset_upward, spring_angle
+    )
+    return -(m_r / inertia) * arm * stroke
+
+
+def turning_track(
+    *, stroke: Array, trough_turn: Array, loaded_mass: Array, base_mass: Array,
+    offset_along: Array, offset_upward: Array, spot_along: Array, spot_upward: Array,
+    spring_angle: Array,
+) -> tuple[Array, Array]:  # fmt: skip
+    """Return how a place of the trough moves, along the floor and upward [m].
+
+    (m2/M) (s e + phi k x d) + phi k x (p - c1), p - c1 the place from the trough's mass centre.
+    """
+    share, phi = base_mass / (loaded_mass + base_mass), trough_turn
+    along = share * (stroke * cosine(spring_angle) - phi * offset_upward) - phi * spot_upward
+    upward = share * (stroke * sine(spring_angle) + phi * offset_along) + phi * spot_along
+    return along, upward
+
+
+def turning_amplitude(*, track_motion: tuple[Array, Array]) -> Array:
+    """Return the amplitude of the track at its place [m]."""
+    return hypot(*track_motion)
+
+
+def turning_angle(*, track_motion: tuple[Array, Array], gamma: Array) -> Array:
+    """Return the angle of the vibration above the track at its place [rad]."""
+    return np.arctan2(track_motion[1], track_motion[0]) - gamma
