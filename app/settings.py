@@ -220,8 +220,8 @@ class Settings(BaseSettings):
     drain_seconds: float = Field(
         default=0.0,
         ge=0,
-        description="How long, told to stop, the service goes on answering what is no new work; "
-        "`/readyz` says meanwhile that it stops.",
+        description="After a request to stop, how long the service still answers requests that "
+        "start no work; `/readyz` says meanwhile that it stops.",
     )
     shutdown_seconds: int = Field(
         default=4,

@@ -76,7 +76,7 @@ GALLERY = (
     ),
     Picture(
         "drive-map.png", "Where does it stick, slide and hop?", ("drive",), "-k map",
-        "regimes are told apart at a glance and in grey print, by their names; how fast the "
+        "regimes are separated at a glance and in grey print, by their names; how fast the "
         "part is cannot be seen, and the steps of the borders are those of the grid.",
     ),
     Picture(
@@ -120,7 +120,7 @@ GALLERY = (
     ),
     Picture(
         "tumble.png", "How does a dropped part come to rest?", ("tumble",), "",
-        "outlines and the way of the middle tell the fall well, and the lower panels say when "
+        "outlines and the path of the middle show the fall well, and the lower panels say when "
         "it strikes; the upper panel is narrow because it is true to scale, and its outlines "
         "crowd where the pin rolls over.",
     ),
@@ -145,7 +145,7 @@ GALLERY = (
     ),
     Picture(
         "surface.png", "The same as a relief", ("accelerations",), "-k surface -v acceleration_x",
-        "the shape is grasped at once, and grey tells where the formula ends; no number can "
+        "the shape is grasped at once, and grey shows where the formula ends; no number can "
         "be read off it, and the contour above says all of it better.",
     ),
     Picture(

@@ -59,7 +59,7 @@ its name, and `null` where your program tried and has none:
 ```
 
 `vibrafeed validate --answers answers.json` judges them by the same tolerances, and says how far
-off each is. The name of a member with random inputs tells its seed and its place:
+off each is. The name of a member with random inputs shows its seed and its place:
 `M-ellipse-r7.12` is the twelfth of `vibrafeed validate --problems --seed 7 --random 12`."""
 
 ENGINES = """\

@@ -572,10 +572,10 @@ def sweep(
         double (64-bit floats, the default) or single: values are computed in double and stored in
         32 bits, half the bytes, each rounded once more by at most 6e-8 of itself.
     reduce : mapping, optional
-        Answers over some axes in place of all cells: docs/reduce.md.
+        Statistics over some axes instead of all cells: docs/reduce.md.
     verify : int, optional
-        Evaluate so many random cells again, with 50 digits or by another method, and tell the worst
-        of them.
+        Number of random cells to evaluate again, with 50 digits or by another method; the result
+        states the worst of them.
     units : str or sequence of str, optional
         Units that screens and pictures show: trade (the default), si, or units such as m/min, each
         for its kind. Files hold SI.
@@ -857,8 +857,8 @@ def simulate(
         Also give the derivative of each output by these parameters, and its elasticity d
         ln(output)/d ln(parameter): true for all that the study gives, or a list of names.
     trajectory : int or sequence of float, optional
-        Also give the motion in time of the one point of the study: at so many equal steps of its
-        cycle, or at these times in seconds since the start of a period.
+        Also give the motion in time of the one point of the study: at this number of equal steps of
+        its cycle, or at these times in seconds since the start of a period.
     drive : mapping, optional
         A measured drive: the recording of an accelerometer. Its harmonics are parameters, as far as
         the study does not give them itself.
@@ -873,8 +873,8 @@ def simulate(
     contact_stiffness : float, optional
         Stiffness of the regularised floor, over m w^2.
     verify : int, optional
-        Evaluate so many random cells again, with 50 digits or by another method, and tell the worst
-        of them.
+        Number of random cells to evaluate again, with 50 digits or by another method; the result
+        states the worst of them.
     units : str or sequence of str, optional
         Units that screens and pictures show: trade (the default), si, or units such as m/min, each
         for its kind. Files hold SI.
@@ -1089,7 +1089,7 @@ def optimise(
     scene : str, optional
         Name of a scene; `vibrafeed scenes` lists them.
     outputs : str or sequence of str, optional
-        Further outputs to tell at the optimum.
+        Further outputs at the optimum.
     variant : {"thesis", "derived", "physical"}, optional
         thesis (as printed), derived (errors corrected) or physical; the scene's default where left
         out.
@@ -1365,8 +1365,8 @@ def optimise(
         A measured drive: the recording of an accelerometer. Its harmonics are parameters, as far as
         the study does not give them itself.
     verify : int, optional
-        Evaluate so many random cells again, with 50 digits or by another method, and tell the worst
-        of them.
+        Number of random cells to evaluate again, with 50 digits or by another method; the result
+        states the worst of them.
     units : str or sequence of str, optional
         Units that screens and pictures show: trade (the default), si, or units such as m/min, each
         for its kind. Files hold SI.
@@ -1832,13 +1832,13 @@ def sensitivity(
     uncertain : mapping of str to mapping, optional
         Parameters that are not known exactly, and their distributions.
     analyses : sequence of Literal["distribution", "sobol", "morris", "budget"], optional
-        What is told: distribution (mean, deviation, quantiles, demands), sobol (which parameter the
-        variance comes from), morris (a first, cheaper screening of many parameters), budget (what
-        each tolerance does).
+        What to compute: distribution (mean, standard deviation, quantiles, demands), sobol (which
+        parameter the variance comes from), morris (a first, cheaper screening of many parameters),
+        budget (what each tolerance does).
     demands : sequence of mapping, optional
-        Outputs within bounds, or regimes, of which the probability is told.
+        Outputs within bounds, or regimes, whose probability is computed.
     quantiles : sequence of float, optional
-        Shares of the parts below whose values of the outputs are told.
+        Shares of the parts; the result has the value that this share stays below.
     samples : int, optional
         Points drawn from the distributions for each design, a power of two; Sobol indices take as
         many again for each parameter, and once more.
@@ -1848,8 +1848,8 @@ def sensitivity(
         A measured drive: the recording of an accelerometer. Its harmonics are parameters, as far as
         the study does not give them itself.
     verify : int, optional
-        Evaluate so many random cells again, with 50 digits or by another method, and tell the worst
-        of them.
+        Number of random cells to evaluate again, with 50 digits or by another method; the result
+        states the worst of them.
     units : str or sequence of str, optional
         Units that screens and pictures show: trade (the default), si, or units such as m/min, each
         for its kind. Files hold SI.
@@ -2028,7 +2028,7 @@ def calibrate(
         regularised (stiff, for comparison); events where left out.
     observations : str or sequence of mapping, optional
         The runs: what differs between them, and what was measured; or the name of a CSV or XLSX
-        file beside the study.
+        file in the study's folder.
     error : float or str, optional
         Standard deviation of what was measured, where a run does not say its own: a number, text
         with a unit, or a share such as '5 %'.
@@ -2180,7 +2180,8 @@ def calibrate(
     factors : mapping of str to mapping, optional
         Unknown factors of parameters, such as that of all amplitudes.
     candidates : mapping of str to values, optional
-        Drives that could be run next, as values or ranges; told is which of them tells most.
+        Drives that could be run next, as values or ranges; the result says which of them would add
+        most.
     discrepancy : bool, optional
         Whether speeds may scatter by more than their errors, for what no unknown explains.
     doubt : float, optional
@@ -2201,8 +2202,8 @@ def calibrate(
     contact_stiffness : float, optional
         Stiffness of the regularised floor, over m w^2.
     verify : int, optional
-        Evaluate so many random cells again, with 50 digits or by another method, and tell the worst
-        of them.
+        Number of random cells to evaluate again, with 50 digits or by another method; the result
+        states the worst of them.
     units : str or sequence of str, optional
         Units that screens and pictures show: trade (the default), si, or units such as m/min, each
         for its kind. Files hold SI.

@@ -62,10 +62,10 @@ class Accessor:
         Raises
         ------
         VibrafeedError
-            If the dataset holds none: it is no result of vibrafeed.
+            If the dataset holds none: it is not a result of vibrafeed.
         """
         if "study" not in self._dataset.attrs:
-            raise VibrafeedError("The dataset holds no study: it is no result of vibrafeed.")
+            raise VibrafeedError("The dataset holds no study: it is not a result of vibrafeed.")
         return parse_json(str(self._dataset.attrs["study"]))
 
     def plot(
@@ -98,7 +98,7 @@ class Accessor:
             If the dataset has no regime.
         """
         if "regime" not in self._dataset:
-            raise VibrafeedError("The dataset has no regime: it is no result of vibrafeed.")
+            raise VibrafeedError("The dataset has no regime: it is not a result of vibrafeed.")
         return regime_shares(self._dataset["regime"].values)
 
     def shown(self, *units: str) -> xarray.Dataset:

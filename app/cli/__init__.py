@@ -27,7 +27,7 @@ COMMANDS: Final = MappingProxyType(
         "its name.",
         "plot": "Draw an output with its regimes, a map of the regimes, or the motion of one part.",
         "sheet": "Write one page about a result, as PDF: what it is of, what came out, a picture.",
-        "drive": "Fit the harmonics of a drive to the recording of an accelerometer, and tell "
+        "drive": "Fit the harmonics of a drive to the recording of an accelerometer, with "
         "their errors.",
         "report": "Measure error against run time for studies: a page, its pictures, and datasets.",
         "atlas": "Write the atlas that `vibrafeed lookup` reads, or the book of charts, or both.",

@@ -74,7 +74,7 @@ def _refuse_wrong(
         fix = f"Write {' or '.join(RESOLUTIONS)}"
         problems.append(Problem("resolution", f"'{resolution[:40]}' is not known", fix))
     if output is not None and output.suffix.lower() not in SUFFIXES:
-        message = f"'{output.suffix}' is no format of an atlas"
+        message = f"'{output.suffix}' is not a format of an atlas"
         problems.append(Problem("output", message, f"End it in {' or '.join(SUFFIXES)}"))
     elif output is not None and output.suffix.lower() == ".zarr":
         try:

@@ -22,7 +22,7 @@ def show_scenes(lines: Sequence[Mapping[str, Any]]) -> None:
         names = (f"{v}*" if v == line["default_variant"] else v for v in line["variants"])
         rows.append((line["name"], ", ".join(names), ", ".join(line["methods"]), line["title"]))
     table(SCENES, rows)
-    say("  * default; `vibrafeed scenes NAME` tells more, with --method about its motion in time")
+    say("  * default; `vibrafeed scenes NAME` says more, with --method about its motion in time")
 
 
 def show_scene(scene: Mapping[str, Any], units: ShownUnits) -> None:

@@ -50,13 +50,14 @@ def drive(
     ] = None,
     line_frequency: Annotated[
         str | None,
-        typer.Option(help="What the drive truly runs at; tells the error of the recorder's clock."),
+        typer.Option(help="True frequency of the drive; shows the error of the recorder's clock."),
     ] = None,
     frequency: Annotated[
         str | None, typer.Option(help="About what it repeats with; found if left out.")
     ] = None,
     harmonics: Annotated[
-        int | None, typer.Option(help="Orders to fit; as many as the data tell if left out.")
+        int | None,
+        typer.Option(help="Number of orders to fit; as many as the data support if left out."),
     ] = None,
     plot: Annotated[
         Path | None, typer.Option(help="Also draw the fit, as PNG, SVG or PDF.")
@@ -70,7 +71,7 @@ def drive(
         Path | None, typer.Option("-o", "--output", help="Write them to this TOML file.")
     ] = None,
 ) -> None:
-    """Fit the harmonics of a drive to the recording of an accelerometer, and tell their errors.
+    """Fit the harmonics of a drive to the recording of an accelerometer, with their errors.
 
     Exit code 2 means that the recording or an option is wrong, 1 that a file could not be written.
     """

@@ -45,7 +45,7 @@ def friction(
             rows.append((_pair(row), surface, static, kinetic, numbers[row["source"]]))
         console.table(PAIRS, rows)
         if any(row["coefficient"] for row in found["pairs"]):
-            console.tell("  ?: the source does not tell whether it is static or kinetic.")
+            console.tell("  ?: the source does not say whether it is static or kinetic.")
     if found["rebounds"]:
         rebounds = [
             (_pair(row), shown(row, "restitution"), row["note"], numbers[row["source"]])

@@ -20,7 +20,7 @@ def join(
         str, typer.Option("-o", "--output", help="The result, as given to run --part.")
     ],
     parts: Annotated[
-        int | None, typer.Option(min=1, help="Number of parts; told from what is there.")
+        int | None, typer.Option(min=1, help="Number of parts; read from the folder if left out.")
     ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Replace a file with the result of another study.")

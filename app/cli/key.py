@@ -119,7 +119,7 @@ def withdraw(name: Name) -> None:
 
 @key.command("audit")
 def tell_audit(
-    most: Annotated[int, typer.Option(help="So many entries, the latest.", min=1)] = 100,
+    most: Annotated[int, typer.Option(help="Number of entries, the latest first.", min=1)] = 100,
 ) -> None:
     """Print who did what: posts, dismissals, sharing, keys made, withdrawn and refused."""
     with _database() as database:

@@ -95,7 +95,7 @@ def _numbers(path: Path, part: str) -> tuple[int, int]:
     number, count = (int(found[1]), int(found[2])) if found else (0, 0)
     if number < count:
         return number, count
-    message = f"'{part[:40]}' is no part"
+    message = f"'{part[:40]}' is not a part"
     fix = "Parts are numbered from 0: write 0/4096 for the first, 4095/4096 for the last"
     return refuse({path: [Problem("part", message, fix)]})
 

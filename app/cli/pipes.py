@@ -35,7 +35,7 @@ def standard_output(output: str, studies: int) -> Iterator[str]:
         problem = Problem("output", "standard output takes one study", "Give a folder")
     elif suffix == ".zarr":
         fix = "Give a name that ends in .zarr, or write -o - for CSV"
-        problem = Problem("output", "a Zarr group is no single file", fix)
+        problem = Problem("output", "a Zarr group is not a single file", fix)
     elif suffix != FORM and sys.stdout.isatty():
         fix = f"Write -o - for CSV, or send it on: -o {output} > result{suffix}"
         problem = Problem("output", f"a terminal cannot show {suffix}", fix)

@@ -26,8 +26,8 @@ def plot(
         typer.Option(
             "-o",
             "--output",
-            help="PNG, SVG or PDF; GIF or MP4 for an animation. Left out: beside the file, named "
-            "after it and after the kind and output that are asked for.",
+            help="PNG, SVG or PDF; GIF or MP4 for an animation. If left out: in the file's "
+            "folder, named after it, the kind and the output.",
         ),
     ] = None,
     variable: Annotated[

@@ -179,7 +179,7 @@ QUESTIONS: Final = (
     Question(
         "rings", "Frequency in which the empty unit rings after a knock", "53 Hz",
         parameter="ring_down_frequency",
-        says="Natural frequency, measured: docs/tuning.md tells how, and what does in its place.",
+        says="Natural frequency, measured: docs/tuning.md says how, and what to do without it.",
         needs=_OF_SPRINGS,
     ),
     Question(

@@ -21,7 +21,9 @@ def report(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="Folder; `accuracy` beside the study if left out."),
+        typer.Option(
+            "-o", "--output", help="Folder; `accuracy` in the study's folder if left out."
+        ),
     ] = None,
     only: Annotated[
         list[str] | None,

@@ -74,7 +74,7 @@ def show_result(
         show_design(result, units)
     else:
         _show_outputs(outputs, units)
-    say(f"  Values have {DIGITS} digits, or as many as tell them apart; the file has all.")
+    say(f"  Values have {DIGITS} digits, or as many as separate them; the file has all.")
     for name, states in facts["states"].items():
         tell(f"  {name}: {_in_words(states, facts['cells'])}")
     _show_regimes(facts["regimes"], facts["cells"], "variant" in result.attributes)

@@ -39,8 +39,8 @@ def run(
             "-o",
             "--output",
             help="Of one study a file .nc, .csv, .xlsx, .parquet or .mat, or a group .zarr or "
-            "s3://bucket/key; or a folder. Beside the study if left out. - writes CSV to standard "
-            "output, -.nc NetCDF.",
+            "s3://bucket/key; or a folder. In the study's folder if left out. - writes CSV to "
+            "standard output, -.nc NetCDF.",
         ),
     ] = None,
     dry_run: Annotated[

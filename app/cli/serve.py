@@ -128,7 +128,7 @@ def _check_directory(directory: Path) -> None:
             file.flush()
             os.fsync(file.fileno())  # some disks tell only then that they are full
     except FileExistsError:
-        _refuse_directory(directory, "it is no directory", "Set")
+        _refuse_directory(directory, "it is not a directory", "Set")
     except OSError as error:
         is_full = error.errno in (errno.ENOSPC, errno.EDQUOT)
         first = f"Make room there, {ROOM:,} bytes at least, or set" if is_full else "Set"

@@ -18,9 +18,11 @@ def sheet(
     file: Annotated[Path, typer.Argument(help="A NetCDF file of `run`.", show_default=False)],
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="PDF, PNG or SVG; a PDF beside the file if left out."),
+        typer.Option(
+            "-o", "--output", help="PDF, PNG or SVG; a PDF in the file's folder if left out."
+        ),
     ] = None,
-    title: Annotated[str | None, typer.Option(help="In the place of the study's own.")] = None,
+    title: Annotated[str | None, typer.Option(help="Instead of the study's own.")] = None,
     units: Units = None,
     force: Annotated[
         bool, typer.Option("--force", help="Replace a page that is there already.")

@@ -51,7 +51,7 @@ def check_suffix(output: str) -> None:
     suffix = suffix_of(output)
     problem = None
     if suffix not in FORMATS:
-        message = f"'{suffix}' is no format of results"
+        message = f"'{suffix}': unknown format"
         meant = nearest(suffix, FORMATS)
         hint = f"Did you mean {meant}? " if meant else ""
         fix = f"{hint}End it in {known_suffixes()}, or in / if it is a folder"

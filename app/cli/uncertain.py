@@ -75,7 +75,7 @@ def _show_output(result: Table, output: str, units: ShownUnits) -> None:
     }
     left = found["left_out"].values.item()
     if left == 1:
-        tell(f"  {output}: no point has a sound value")
+        tell(f"  {output}: no point has a valid value")
         return
     own = [one.values.ravel() for one in found.values() if one.attributes["units"] != "1"]
     every = np.abs(np.concatenate([*own, [0.0]]))
@@ -100,7 +100,7 @@ def _show_output(result: Table, output: str, units: ShownUnits) -> None:
         )
         tell(f"  {', '.join(told)}")
     if left > 0:
-        tell(f"  {_percent(left)} of the points have no sound value, and count in no mean.")
+        tell(f"  {_percent(left)} of the points have no valid value, and count in no mean.")
     by_parameter = [part for part in COLUMNS if part in found]
     if by_parameter:
         names = str(result.coordinates[UNCERTAIN].attributes["flag_meanings"]).split()

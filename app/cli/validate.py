@@ -66,7 +66,7 @@ def validate(
     ] = None,
     random: Annotated[
         int,
-        typer.Option(min=0, max=10_000, help="So many members of each form with random inputs."),
+        typer.Option(min=0, max=10_000, help="Number of random members of each form."),
     ] = 20,
     seed: Annotated[int, typer.Option(min=0, max=10**9 - 1, help="What they are drawn by.")] = 1,
     problems: Annotated[

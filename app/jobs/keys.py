@@ -221,10 +221,10 @@ def _wrong(key: Key, days: float | None) -> list[Problem]:
     found = []
     if not NAME.fullmatch(key.name):
         fix = "Use 1 to 40 letters, digits, '.', '_' and '-'"
-        found.append(Problem("name", f"{key.name[:60]!r} is no name", fix))
+        found.append(Problem("name", f"{key.name[:60]!r} is not a name", fix))
     if key.role not in ROLES:
         fix = f"There are {', '.join(ROLES)}"
-        found.append(Problem("role", f"{key.role[:60]!r} is no role", fix))
+        found.append(Problem("role", f"{key.role[:60]!r} is not a role", fix))
     for name in ("requests", "jobs", "cells", "bytes"):
         limit = getattr(key, name)
         if limit is not None and not 1 <= limit <= MOST:

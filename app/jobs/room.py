@@ -118,7 +118,7 @@ class Room:
         if on_disk > freed:
             raise NoRoomError(
                 f"The study needs up to {needed:,} bytes; the disk lacks {on_disk - freed:,} of "
-                "them, what others were promised left aside."
+                "them, besides what is reserved for others."
             )
         return leaving
 

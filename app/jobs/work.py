@@ -26,7 +26,7 @@ from core.plan.prepared import Prepared
 from core.watch import Watch
 
 IN_PARTS = 0  # for the cells of a block: it is a part of a sweep, see `app.jobs.parts`
-UNWANTED = "nobody wants the block any more"
+UNWANTED = "no client wants the block any more"
 MOST_BLOCK_CELLS = 1_000_000
 MOST_BLOCKS = 100_000
 

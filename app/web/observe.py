@@ -106,7 +106,7 @@ class _Sparing:
         now = int(time.monotonic())
         if now != self._second:
             if self._untold:
-                message = "requests of clients that left before they were answered are not told"
+                message = "requests of clients that left before they were answered are not counted"
                 logger.warning(message, extra={"requests": self._untold})
             self._second, self._lines, self._untold = now, 0, 0
         self._lines += 1

@@ -53,7 +53,7 @@ def best_region() -> list[Judgement]:
         Judgement(
             "The acceleration is high all over that interval.",
             HOLDS if short <= BEST else NOT_REPRODUCED,
-            f"The lowest value in it falls short of the maximum by {100 * short:.0f} % of the "
+            f"The lowest value in it is below the maximum by {100 * short:.0f} % of the "
             f"range of all values.",
         ),
     ]

@@ -29,6 +29,8 @@ def families_of(prepared: Prepared, only: Collection[str] = ()) -> tuple[str, ..
         raise StudyError([Problem("kind", message, f"Measure one of kind {' or '.join(measured)}")])
     wrong = [name for name in only if name not in known]
     if wrong:
-        what = "is no family of measurements" if wrong[0] not in FAMILIES else f"is not for {kind}"
+        what = (
+            "is not a family of measurements" if wrong[0] not in FAMILIES else f"is not for {kind}"
+        )
         raise StudyError([Problem("only", f"'{wrong[0]}' {what}", f"Known: {', '.join(known)}")])
     return tuple(name for name in known if not only or name in only)

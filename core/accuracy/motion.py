@@ -162,7 +162,7 @@ def measure(
         notes.append(
             f"Reference: events at a tolerance of 1e-12, for all but events, and the method "
             f"'reference' (collocation between events, no code in common) for events. The two "
-            f"differ by at most {apart:.1e}: what is smaller cannot be told."
+            f"differ by at most {apart:.1e}: what is smaller cannot be resolved."
         )
         curves += _events(scene, picked, truth, hops, floor, watch.part(0.02))
         truth = ours.velocity[sound]

@@ -163,7 +163,7 @@ def _measure(family: str, prepared: Any, watch: Watch, seconds: float) -> Measur
 def _model(prepared: Sweep, watch: Watch) -> Measured | None:
     moving = model.motion_of_sweep(prepared)
     if moving is None:
-        note = "Scene and parameters of this sweep do not tell a motion in time."
+        note = "Scene and parameters of this sweep do not define a motion in time."
         return Measured("model", (), (note,))
     return model.measure(prepared, moving, watch)
 

@@ -175,7 +175,7 @@ def _labelled(
                 units="1",
                 long_name=f"Error of interpolation over the {AXES[name].label.lower()}",
                 comment="Of the velocity number, halfway between two nodes; NaN where no two "
-                "neighbours tell it.",
+                "neighbours give it.",
             )
             for name, error in errors.items()
         },

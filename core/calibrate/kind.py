@@ -14,8 +14,8 @@ from core.study.calibrate_study import CalibrateStudy
 KIND: Final = Kind(
     name="calibrate",
     title="Find parameters from measured speeds",
-    description="Finds what measured speeds, or what was seen of parts, tell of friction and other "
-    "parameters that nobody knows, and which run would tell most.",
+    description="Finds, from measured speeds or from what parts were seen to do, friction and "
+    "other unknown parameters, and which run would add most.",
     model=CalibrateStudy,
     scenes=(SYSTEMS,),
     example={

@@ -245,7 +245,7 @@ def _sizes(log: Array) -> Array:
 
 
 def _score(likelihood: Likelihood, leaves: Leaves, log: Array) -> Array:
-    """Return how much refining leaves would tell, shape (leaves,)."""
+    """Return how much refining leaves would add, shape (leaves,)."""
     runs = likelihood.model.runs
     top = log.max()
     if not np.isfinite(top):

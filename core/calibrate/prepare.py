@@ -114,7 +114,9 @@ def _wrong_unknowns(study: CalibrateStudy) -> Iterable[Problem]:
         fix = "Name some, for example [unknowns] friction = { lower = 0.1, upper = 0.6 }"
         yield Problem("unknowns", "nothing is looked for", fix)
     if count > MOST_UNKNOWNS:
-        message = f"there are {count} unknowns, and a grid of so many would be too coarse to trust"
+        message = (
+            f"there are {count} unknowns: a grid of that dimension would be too coarse to trust"
+        )
         fix = f"Look for {MOST_UNKNOWNS} at most: move those that matter least to the parameters"
         yield Problem("unknowns", message, fix)
 
@@ -273,9 +275,7 @@ def _too_few(study: CalibrateStudy, unknowns: tuple[Unknown, ...]) -> Iterable[P
         any(getattr(run, name) is not None for name in OBSERVED) for run in study.observations
     )
     if 0 < measured < len(unknowns) + 2:
-        message = (
-            f"no error is known, and {measured} measured runs do not tell how far they scatter"
-        )
+        message = f"no error is known, and {measured} measured runs do not show their scatter"
         fix = f'Give error, such as "5 %", or at least {len(unknowns) + 2} runs'
         yield Problem("error", message, fix)
 

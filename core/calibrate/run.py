@@ -78,7 +78,7 @@ def label(prepared: Calibration, computed: Computed, watch: Watch) -> Table:
     words = {
         **global_attributes(prepared, f"calibration, method {prepared.plan.variant}"),
         "title": prepared.study.title
-        or f"What {len(model.runs)} runs tell of "
+        or f"What {len(model.runs)} runs say about "
         + ", ".join(one.label.lower() for one in model.unknowns),
         "output": model.runs.output,
         "unknowns": " ".join(model.names),
@@ -218,7 +218,7 @@ _RUNS = {
         "Residual over error", "With the error of the run, its spread and the discrepancy."
     ),
     "probability_of_seen": ("Probability of what was seen", "Of the posterior, run by run."),
-    "information": ("Expected information", "What measuring the speed there would tell."),
+    "information": ("Expected information", "What measuring the speed there would add."),
     "expected": ("Expected speed", "Mean over the posterior."),
     "expected_deviation": ("Deviation of the expected speed", "Over the posterior."),
     "mode_share": ("Share of the mode", "Of the mass of the posterior."),

@@ -84,8 +84,8 @@ class Findings:
             yield "No values of the unknowns explain the observations: widen their ranges"
         if self.posterior.explored.left > 0.3:
             yield (
-                f"The grid of {self.posterior.explored.points:,} points is too coarse for what the "
-                "runs tell: give more points"
+                f"The grid of {self.posterior.explored.points:,} points is too coarse for these "
+                "runs: give more points"
             )
 
     def _estimates(self) -> Iterator[str]:
@@ -110,7 +110,7 @@ class Findings:
                 for one in self.model.unknowns
             ]
             heaps.append(f"{', '.join(values)} ({100 * share:.0f} %)")
-        yield f"The data cannot tell {' from '.join(heaps)}: each explains the runs"
+        yield f"The data cannot separate {' from '.join(heaps)}: each explains the runs"
 
     @cached_property
     def _pairs(self) -> dict[tuple[str, str], str]:
@@ -134,7 +134,7 @@ class Findings:
         for one in self.model.unknowns:
             before = _deviation_before(one)
             if one.name not in named and self._value(f"deviation_{one.name}") > HARDLY * before:
-                yield f"The runs tell next to nothing of {one.name}: it is as it was given"
+                yield f"The runs say next to nothing about {one.name}: it is as it was given"
 
     def _pair(self, one: Unknown, other: Unknown, j: int, k: int) -> str:
         points, weights = self.posterior.points, self.posterior.weights
@@ -152,14 +152,14 @@ class Findings:
                     mark = "/" if sign < 0 else "*"
                     unit = _joint_unit(one.unit, other.unit, mark)
                     return (
-                        f"The runs tell only the {word} {one.name} {mark} {other.name}, "
+                        f"The runs determine only the {word} {one.name} {mark} {other.name}, "
                         f"{middle:.4g}{unit} ({least:.4g} to {most:.4g} with 95 %); what "
                         f"{one.name} and {other.name} are by themselves the data cannot settle"
                     )
         if abs(correlation) > TOGETHER:
             how = "the more" if correlation > 0 else "the less"
             return (
-                f"The runs hardly tell {one.name} and {other.name} apart: the more of one, {how} "
+                f"The runs hardly separate {one.name} and {other.name}: the more of one, {how} "
                 f"of the other (correlation {correlation:.2f})"
             )
         return ""
@@ -222,7 +222,7 @@ class Findings:
             if name in grid.axes or len(grid.axes) == 0
         )
         if gain[best] < LITTLE:
-            yield "No candidate would tell much more: the best of them less than a tenth of a bit"
+            yield "No candidate would add much: the best of them less than a tenth of a bit"
             return
         expected, spread = (
             told(self.arrays[n].ravel()[best], self.output.unit, self.units)
@@ -230,7 +230,7 @@ class Findings:
         )
         yield (
             f"Measure next at {drive}: {gain[best]:.2f} bit are expected, of candidates that would "
-            f"tell {gain.min():.2f} to {gain.max():.2f}; the speed there is {expected} +- {spread}"
+            f"add {gain.min():.2f} to {gain.max():.2f}; the speed there is {expected} +- {spread}"
         )
 
 

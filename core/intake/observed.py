@@ -57,12 +57,12 @@ def read_rows(path: Path) -> list[dict[str, Any]]:
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        _fail(f"'{path.name}' is no CSV or XLSX file", "Save the table as CSV")
+        _fail(f"'{path.name}' is not a CSV or XLSX file", "Save the table as CSV")
     try:
         lines = [*(_workbook(path) if suffix == ".xlsx" else _csv(path))]
     except (OSError, ValueError) as error:  # a NUL in its name is the second
         message = f"{path.name} cannot be read: {getattr(error, 'strerror', None) or error}"
-        _fail(message, "Name a CSV or XLSX file beside the study")
+        _fail(message, "Name a CSV or XLSX file in the study's folder")
     if len(lines) < 2:
         _fail(f"{path.name} has no rows", HEADING)
     names, units = _headings(lines[0], path)
@@ -126,7 +126,7 @@ def _workbook(path: Path) -> Iterable[list[Any]]:
     except (OSError, ValueError):
         raise
     except Exception as error:  # what a damaged workbook raises is of many kinds
-        raise ValueError("it is no workbook, or a damaged one") from error
+        raise ValueError("it is not a workbook, or it is damaged") from error
     try:
         for line in book.worksheets[0].iter_rows(values_only=True, max_row=MOST_RUNS + 2):
             cells = ["" if cell is None else cell for cell in line]
@@ -157,7 +157,7 @@ def _place(path: Sequence[Any]) -> str:
 
 def _unknown_column(stranger: Stranger) -> Problem:
     known, shown = (*OWN, *PARAMETERS), (*OWN, *stranger.parameters)
-    message = f"'{stranger.name}' is no parameter, and not measured"
+    message = f"'{stranger.name}' is not a parameter, and not measured"
     return Problem(stranger.place, message, stranger.suggest(stranger.name, known, shown))
 
 

@@ -57,7 +57,7 @@ def _density(name: str, path: object) -> dict[str, list[float]] | Problem:
     place = f"uncertain.{name}.{CALIBRATION}"
     fix = "Name the NetCDF file that `vibrafeed run` wrote of a study of kind 'calibrate'"
     if not isinstance(path, str):
-        return Problem(place, "it is no path", fix)
+        return Problem(place, "it is not a path", fix)
     try:
         table = read_netcdf(Path(path), most_bytes=MOST_BYTES)
     except Exception as error:  # of a strange file the library raises of many kinds

@@ -89,7 +89,9 @@ def _measured(drive: Mapping[str, Any], files: bool) -> tuple[MeasuredDrive, mea
         raise StudyError(_placed(problem, place) for problem in error.problems) from None
     except (OSError, ValueError) as error:  # a NUL in its name is the second
         message = f"it cannot be read: {getattr(error, 'strerror', None) or error}"
-        raise StudyError([Problem(place, message, "Name a CSV beside the study")]) from None
+        raise StudyError(
+            [Problem(place, message, "Name a CSV file in the study's folder")]
+        ) from None
     name = source.name if isinstance(source, Path) else SENT
     return _record_of(fit, name, digest), fit
 

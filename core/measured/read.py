@@ -76,7 +76,7 @@ class Table:
             problems.append(Problem(place, message, suggestion(name, self.columns), name))
             return None
         for fault in column.faults:
-            message = f"line {fault.line} of column '{name}' is no number: {fault.text[:40]!r}"
+            message = f"line {fault.line} of column '{name}' is not a number: {fault.text[:40]!r}"
             problems.append(Problem(place, message, "Correct the line, or leave it out", name))
         if column.faulty > SHOWN:
             message = f"{column.faulty:,} cells of column '{name}' are not finite numbers"

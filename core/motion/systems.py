@@ -177,7 +177,7 @@ ON_TRACK = (*TRACK_SCALES, Equation("groups", groups.track_groups, "theory 13.1"
 DRIVEN = Constraint(
     ("frequency",),
     lambda least, largest: least >= 1e-9 and largest <= 1e12,
-    "there is no period to take a mean over, or one that floating numbers do not hold",
+    "there is no period to take a mean over, or it is outside the range of double precision",
     "Give a frequency from 1e-9 Hz to 1e12 Hz",
 )
 DEFAULTS = {

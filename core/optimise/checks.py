@@ -60,7 +60,7 @@ def wrong_intervals(
             fix = f"Remove it there, or under {section}.{name}"
             yield Wrong(f"uncertain.{name}", f"it is also under {section}", fix)
     if len(intervals) > MOST_UNCERTAIN:
-        fix = f'Keep the {MOST_UNCERTAIN} that matter most: kind = "sensitivity" tells which'
+        fix = f'Keep the {MOST_UNCERTAIN} that matter most: kind = "sensitivity" shows which'
         yield Wrong("uncertain", f"there are {len(intervals)} of them", fix)
     if study.robust == "quantile" and study.quantile is None:
         fix = "Add quantile = 0.05 for what all but a twentieth of the parts do better than"

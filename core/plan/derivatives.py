@@ -1,7 +1,7 @@
 """Derivatives of the outputs of a plan by its parameters, at many cells in one pass.
 
 The equations of the plan are run on numbers that carry their derivative (`core.plan.duals`): each
-is exact but for rounding. What has no formula, such as a motion, comes with a rule of its own.
+is exact up to rounding. What has no formula, such as a motion, comes with a rule of its own.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Derived(NamedTuple):
     value, slope : ndarray
         The output and its derivative, NaN where there is none.
     error : ndarray
-        Estimate of the error of `slope`; 0 if exact but for rounding, NaN where there is none.
+        Estimate of the error of `slope`; 0 if exact up to rounding, NaN where there is none.
     status : ndarray of int8
         Value of a `DERIVATIVE_STATUSES` entry.
     below, above : ndarray

@@ -105,7 +105,7 @@ class Asked:
                     "units": _per(output, parameter),
                     "long_name": f"Derivative of {of[0].lower()}{of[1:]} by {by}",
                     "comment": f"d({output})/d({parameter}); NaN where "
-                    f"{status_name(parameter)} tells why there is none.",
+                    f"{status_name(parameter)} says why there is none.",
                     **about,
                 }
                 labels[elasticity_name(output, parameter)] = {

@@ -35,7 +35,7 @@ Below: v / (A ω cos β), the share of the drive's own speed along the track tha
 
 The lines say what the part does, without colours:
 {lines}
-The marks tell the curves apart. A value below 0 is a part that travels backwards or downhill.
+The marks separate the curves. A value below 0 is a part that travels backwards or downhill.
 The table beside the charts says from which Γ a part moves, and where it gets the largest share.
 
 The curves are exact, not fitted: {steps} points each, from event to event (theory 13). They hold

@@ -93,7 +93,7 @@ def _draw_posterior(
     ]
     entries.append(Line2D([], [], color=style.ink, lw=style.width(1.2), label="best"))
     return finish(
-        figure, panels[0, 0], style, name=title or "What the runs tell", facts=facts,
+        figure, panels[0, 0], style, name=title or "What the runs say", facts=facts,
         source=source_of(dataset), entries=entries,
     )  # fmt: skip
 

@@ -95,7 +95,7 @@ def _animate_file(
         raise PlotError("kind", f"a {kind} does not move", fix)
     if any(chosen):
         fix = "Leave variable, axes and --at out"
-        raise PlotError("kind", "an animation shows all of the one course that a file has", fix)
+        raise PlotError("kind", "an animation shows the whole trajectory of a file", fix)
     look = {name: value for name, value in look.items() if name != "nearest"}
     dataset = read(files[0])
     for target in targets:
@@ -105,7 +105,7 @@ def _animate_file(
 def check_format(target: Path) -> None:
     """Raise `PlotError` if pictures are not written in the format of a file's name."""
     if target.suffix.lower() not in FORMATS:
-        message = f"'{target.suffix}' is no format for pictures"
+        message = f"'{target.suffix}': unknown picture format"
         raise PlotError("output", message, "End the name in .png, .svg or .pdf")
 
 
@@ -135,5 +135,5 @@ def read(file: str | PathLike[str]) -> xarray.Dataset:
         with xarray.open_dataset(file, engine="netcdf4", decode_times=False) as dataset:
             return dataset.load()
     except (OSError, ValueError) as error:
-        message = "it is no NetCDF file, or a damaged one"
+        message = "it is not a NetCDF file, or it is damaged"
         raise PlotError("dataset", message, "Draw a file that `vibrafeed run` wrote") from error

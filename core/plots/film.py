@@ -272,7 +272,7 @@ def _frames(seconds: float) -> int:
     frames = max(2, round(seconds * FRAMES_PER_SECOND))
     if frames > MOST_FRAMES:
         message = f"the animation would have {frames:,} frames, at most {MOST_FRAMES:,} are drawn"
-        raise PlotError("slow", message, "Ask for a smaller --slow, or for a shorter course")
+        raise PlotError("slow", message, "Give a smaller --slow, or a shorter trajectory")
     return frames
 
 

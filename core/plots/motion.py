@@ -59,7 +59,7 @@ def draw(dataset: xarray.Dataset, options: Options) -> Figure:
     if "path_gap" in dataset:
         course = read_tumbling(dataset, options.units)
         top, entries = draw_tumbling(figure, course, style)
-        name, facts = "Course of the part as it falls and tumbles", course.facts
+        name, facts = "Trajectory of the part as it falls and tumbles", course.facts
     else:
         trajectory = read_trajectory(dataset, options.units)
         top, entries = draw_trajectory(figure, trajectory, style)

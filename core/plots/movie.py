@@ -71,7 +71,7 @@ def animate(
     """
     suffix = target.suffix.lower()
     if suffix not in MOVING:
-        message = f"'{target.suffix}' is no format for animations"
+        message = f"'{target.suffix}': unknown animation format"
         raise PlotError("output", message, "End the name in .gif or .mp4")
     style, film = Style(dark=dark, small=small), read_film(dataset, units_of(dataset, units), slow)
     write = _write_gif if suffix == ".gif" else _write_mp4

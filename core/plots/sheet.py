@@ -52,7 +52,7 @@ def draw_sheet(dataset: xarray.Dataset, *, title: str = "", units: str | None = 
     dataset : xarray.Dataset
         What a study gave.
     title : str
-        In the place of the study's own.
+        Instead of the study's own.
     units : str, optional
         As for `core.plots.draw`.
 

@@ -63,11 +63,11 @@ def _add_sketch(sheet: SubFigure, dataset: xarray.Dataset, options: Options) -> 
 
 
 def check_result(dataset: xarray.Dataset) -> None:
-    """Raise `PlotError` if a dataset is no result of vibrafeed."""
+    """Raise `PlotError` if a dataset is not a result of vibrafeed."""
     told = "regime" in dataset.data_vars or "reduced" in dataset.attrs
     if not told or "scene" not in dataset.attrs:
         fix = "Draw a file that `vibrafeed run` wrote"
-        raise PlotError("dataset", "it is no result of vibrafeed: no regime or no scene", fix)
+        raise PlotError("dataset", "it is not a result of vibrafeed: no regime or no scene", fix)
 
 
 def fits_as(kind: str) -> Callable[[xarray.Dataset, Options], bool]:

@@ -51,7 +51,7 @@ def draw_together(datasets: Sequence[xarray.Dataset], options: Options) -> Figur
     for dataset in datasets:
         if "regime" not in dataset.data_vars or "scene" not in dataset.attrs:
             fix = "Draw files that `vibrafeed run` wrote"
-            raise PlotError("dataset", f"{_name(dataset)} is no result of vibrafeed", fix)
+            raise PlotError("dataset", f"{_name(dataset)} is not a result of vibrafeed", fix)
     output = _output(datasets, options.variable)
     axis = _axis(datasets, output, options.axes)
     held = _held(datasets, options.at, axis)

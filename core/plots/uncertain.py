@@ -171,10 +171,12 @@ def _told(
     outputs = [name.removesuffix(LEFT_OUT) for name in names if name.endswith(LEFT_OUT)]
     if not outputs or "uncertain_parameters" not in dataset.attrs:
         fix = "Draw what `vibrafeed run` wrote of a study of kind 'sensitivity'"
-        raise PlotError("dataset", "it tells of no uncertain parameters", fix)
+        raise PlotError("dataset", "it has no uncertain parameters", fix)
     output = variable or outputs[0]
     if output not in outputs:
-        raise PlotError("variable", f"'{output[:60]}' is no output", suggestion(output, outputs))
+        raise PlotError(
+            "variable", f"'{output[:60]}' is not an output", suggestion(output, outputs)
+        )
     whole = f"{output}_{NEEDED[kind]}"
     if whole not in dataset:
         fix = f'Add "{ANALYSIS[kind]}" to the analyses of the study'
@@ -195,7 +197,7 @@ def _told(
     shown = units.of(unit, float(sizes[np.isfinite(sizes)].max()))
     told = Told(output, shown, design, tuple(facts), units)
     if not np.isfinite(told.shares(NEEDED[kind])).any():
-        message = f"no point of {words(output)} has a sound value here"
+        message = f"no point of {words(output)} has a valid value here"
         raise PlotError("dataset", message, "Draw another design, with at, or another output")
     return told
 
@@ -252,7 +254,7 @@ def _draw_distribution(axes: Axes, told: Told, style: Style) -> Drawn:
     axes.set_ylim(top=axes.get_ylim()[1] * ABOVE)  # room for the names of quantiles
     style.add_grid(axes)
     left = float(told.design[f"{told.output}{LEFT_OUT}"])
-    note = f"{_percent(left)} of the points have no sound value" if left > 0 else ""
+    note = f"{_percent(left)} of the points have no valid value" if left > 0 else ""
     return f"Distribution of the {_lower(told.label)}", entries, note
 
 

@@ -51,7 +51,7 @@ REGIMES: dict[str, Flag] = {
     "impact_stick": Flag(22, "they collide and do not slide on each other at the end"),
     "impact_slip": Flag(23, "they collide and slide on each other at the end"),
     "simultaneous": Flag(
-        24, "they meet at several points at once, or edge to edge: the law does not tell more",
+        24, "they meet at several points at once, or edge to edge: the law says no more",
         valid=False,
     ),
     "impact": Flag(25, "they collide"),
@@ -99,7 +99,9 @@ MOTION_STATUSES: dict[str, Flag] = {
     "sensitive": Flag(
         10, "the motion repeats in the end, but rounding decides in which way; mean over starts"
     ),
-    "no_drive": Flag(11, "the steps are no drive: their mean acceleration is not 0", valid=False),
+    "no_drive": Flag(
+        11, "the mean acceleration of the steps is not 0, so they cannot drive a track", valid=False
+    ),
 }
 
 OPTIMUM_STATUSES: dict[str, Flag] = {
@@ -111,7 +113,7 @@ OPTIMUM_STATUSES: dict[str, Flag] = {
         "static friction still holds the part there; next to it the output jumps to the value",
     ),
     "infeasible": Flag(4, "no choice keeps the bounds, limits and contacts", valid=False),
-    "invalid": Flag(5, "an argument is no number, or is out of its range", valid=False),
+    "invalid": Flag(5, "an argument is not a number, or is out of its range", valid=False),
     "limit_reached": Flag(6, "the limit on steps came before the last digit", valid=False),
     "no_value": Flag(7, "the outputs have no value within the bounds", valid=False),
     "not_computed": Flag(8, "the study was stopped before this design", valid=False),

@@ -152,19 +152,19 @@ BOTH: dict[str, Quantity] = {
     "impulse_z": Quantity("N s", "Lambda_z", "Impulse, z", "Impulse on body 1, z."),
     "momentum_residual_z": Quantity(
         "N s", "dp_z", "Residual of the momentum, z",
-        "Linear momentum after less before; 0 but for rounding.",
+        "Linear momentum after less before; 0 up to rounding.",
     ),
     "angular_momentum_residual_x": Quantity(
         "kg m2 s-1", "dL_x", "Residual of the angular momentum, x",
-        "Angular momentum about the origin, after less before; 0 but for rounding.",
+        "Angular momentum about the origin, after less before; 0 up to rounding.",
     ),
     "angular_momentum_residual_y": Quantity(
         "kg m2 s-1", "dL_y", "Residual of the angular momentum, y",
-        "Angular momentum about the origin, after less before; 0 but for rounding.",
+        "Angular momentum about the origin, after less before; 0 up to rounding.",
     ),
     "angular_momentum_residual_z": Quantity(
         "kg m2 s-1", "dL_z", "Residual of the angular momentum, z",
-        "Angular momentum about the origin, after less before; 0 but for rounding.",
+        "Angular momentum about the origin, after less before; 0 up to rounding.",
     ),
     "delassus_normal": Quantity(
         "kg-1", "G_NN", "Delassus number, normal", "Normal velocity that a unit normal impulse "
@@ -209,15 +209,15 @@ BOTH: dict[str, Quantity] = {
     ),
     "momentum_residual_x": Quantity(
         "N s", "dp_x", "Residual of the momentum, x",
-        "Linear momentum after less before; 0 but for rounding.",
+        "Linear momentum after less before; 0 up to rounding.",
     ),
     "momentum_residual_y": Quantity(
         "N s", "dp_y", "Residual of the momentum, y",
-        "Linear momentum after less before; 0 but for rounding.",
+        "Linear momentum after less before; 0 up to rounding.",
     ),
     "angular_momentum_residual": Quantity(
         "kg m2 s-1", "dL_z", "Residual of the angular momentum",
-        "Angular momentum about the origin, after less before; 0 but for rounding.",
+        "Angular momentum about the origin, after less before; 0 up to rounding.",
     ),
 }  # fmt: skip
 BUNDLES = {

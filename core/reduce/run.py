@@ -21,7 +21,7 @@ from core.reduce.state import State, merged
 from core.study.reduction import Reduction
 from core.watch import Watch
 
-STOPPED = "it was stopped before all cells were seen, and a part of them is no answer"
+STOPPED = "it was stopped before all cells were evaluated, so there is no result"
 TRIED = 3
 """Boxes for each thread, from which the time of all is told, and how often they are tried."""
 FASTER = 0.7

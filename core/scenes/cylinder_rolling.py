@@ -55,7 +55,7 @@ COMMON = (
         "(4.1), theory 9.1",
         force_pitch=(
             "pitch",
-            "the pitch of the force system: 0 but for rounding, whatever the data [m]",
+            "the pitch of the force system: 0 up to rounding, whatever the data [m]",
         ),
     ),
     *fields(

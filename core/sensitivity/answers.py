@@ -60,7 +60,7 @@ def answers(study: SensitivityStudy, outputs: tuple[str, ...]) -> Iterator[Answe
 
 def _of_demand(demand: Demand) -> Iterator[Answer]:
     name = f"probability_{demand.name}"
-    comment = "Points without a sound value count as ones that do not meet it."
+    comment = "Points without a valid value count as not meeting it."
     yield Answer(name, "", "1", f"Probability of {in_words(demand)}", comment,
                  demand.model_dump(exclude_none=True))  # fmt: skip
     yield Answer(f"{name}_error", "", "1", f"Error of the probability of {in_words(demand)}",
@@ -98,7 +98,7 @@ def _of_output(study: SensitivityStudy, name: str) -> Iterator[Answer]:
         yield told(f"{part}_error", error, INTERVAL, over, unit)
 
     if "distribution" in study.analyses:
-        yield from with_error("mean", "Mean", "Over the points that have a sound value.")
+        yield from with_error("mean", "Mean", "Over the points that have a valid value.")
         yield from with_error("deviation", "Standard deviation", "Over the same points.")
         comment = "The value below which so large a share of the points lies."
         yield from with_error(QUANTILE, "Quantile", comment, QUANTILE)

@@ -14,8 +14,8 @@ from core.study.sensitivity_study import SensitivityStudy
 
 KIND: Final = Kind(
     name="sensitivity",
-    title="Tell what uncertain parameters do",
-    description="Tells how outputs vary with parameters that are not known exactly: probabilities, "
+    title="Show what uncertain parameters do",
+    description="Shows how outputs vary with parameters that are not known exactly: probabilities, "
     "quantiles, Sobol indices, tolerance budgets, for each of many designs.",
     model=SensitivityStudy,
     scenes=(SCENES, SYSTEMS),

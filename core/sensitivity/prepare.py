@@ -223,7 +223,7 @@ def _wrong(study: SensitivityStudy) -> Iterable[Problem]:
             fix = 'Ask for its probability: [[demands]] regime = "hopping"'
             yield Problem("outputs", f"{name} is a name and not a number", fix)
     if study.verify is not None:
-        message = "what is told of drawn points has errors of its own, which the result states"
+        message = "statistics of sampled points have errors, which the result states"
         yield Problem("verify", message, "Leave it out, or verify a simulation or a sweep")
     seen: set[str] = set()
     for number, one in enumerate(study.demands):
@@ -233,7 +233,7 @@ def _wrong(study: SensitivityStudy) -> Iterable[Problem]:
         elif one.output is not None and one.at_least is None and one.at_most is None:
             yield Problem(place, "it asks for nothing", "Give at_least, at_most or both")
         elif one.regime is not None and (one.at_least is not None or one.at_most is not None):
-            fix = "Remove the bounds: the probability of the regime is told"
+            fix = "Remove the bounds: the result is the probability of the regime"
             yield Problem(place, "a regime has no bounds", fix)
         elif one.at_least is not None and one.at_most is not None and one.at_least > one.at_most:
             yield Problem(place, "at_least is above at_most", "Swap them")
@@ -241,7 +241,7 @@ def _wrong(study: SensitivityStudy) -> Iterable[Problem]:
             fix = 'Name the regime, for example regime = "hopping"'
             yield Problem(f"{place}.output", f"{one.output} is a name and not a number", fix)
         if one.name in seen:
-            fix = "Remove one of them; quantiles tell of any number of bounds"
+            fix = "Remove one of them; quantiles take any number of bounds"
             yield Problem(place, f"there is such a demand of {one.output or one.regime}", fix)
         seen.add(one.name)
 
@@ -252,7 +252,7 @@ def _wrong_regimes(study: SensitivityStudy, plan: Plan) -> Iterable[Problem]:
         if one.regime is not None and one.regime not in plan.regimes:
             if one.regime in REGIMES:
                 fix = f"Those of these outputs are {', '.join(plan.regimes)}"
-                message = f"'{one.regime}' is no regime that these outputs tell"
+                message = f"'{one.regime}' is not a regime of these outputs"
             else:
                 message, fix = f"'{one.regime}' is not a regime", suggestion(one.regime, REGIMES)
             yield Problem(f"demands.{number}.regime", message, fix)

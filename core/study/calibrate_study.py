@@ -103,7 +103,7 @@ def _read_doubt(raw: object) -> object:
     if isinstance(raw, int | float) and not isinstance(raw, bool) and 0 < raw < 0.5:
         return float(raw)
     fix = "Write a number above 0 and below 0.5, such as 0.01"
-    raise refusal(f"{reprlib.repr(raw)[:40]} is no such share", fix)
+    raise refusal(f"{reprlib.repr(raw)[:40]} is not a share from 0 to 1", fix)
 
 
 _DOUBT_SCHEMA = {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 0.5}
@@ -117,7 +117,7 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         tuple[Run, ...], BeforeValidator(spread_rows), WithJsonSchema(ROWS_SCHEMA)
     ] = Field(
         description="The runs: what differs between them, and what was measured; or the name of a "
-        "CSV or XLSX file beside the study.",
+        "CSV or XLSX file in the study's folder.",
         min_length=1,
     )
     error: float | Annotated[str, Field(max_length=200)] | None = Field(
@@ -137,8 +137,8 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
     )
     candidates: Parameters | None = Field(
         None,
-        description="Drives that could be run next, as values or ranges; told is which of them "
-        "tells most.",
+        description="Drives that could be run next, as values or ranges; the result says which of "
+        "them would add most.",
     )
     discrepancy: bool = Field(
         True,

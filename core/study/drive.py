@@ -35,7 +35,7 @@ class RecordedDrive(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     file: Path | None = Field(
-        None, description="Its CSV, beside the study; over HTTP give data instead."
+        None, description="Its CSV file, in the study's folder; over HTTP give data instead."
     )
     data: str | None = Field(None, description="The text of the CSV.")
     along: _Column | None = Field(
@@ -58,10 +58,12 @@ class RecordedDrive(BaseModel):
     rate: _Number = Field(None, description="Samples a second, without a column of times.")
     time: _Column | None = Field(None, description="Column of times; time or t is found.")
     line_frequency: _Number = Field(
-        None, description="What the drive truly runs at; tells the error of the recorder's clock."
+        None, description="True frequency of the drive; shows the error of the recorder's clock."
     )
     frequency: _Number = Field(None, description="About what it repeats with; found if left out.")
-    harmonics: _Count = Field(None, description="Orders to fit; as many as the data tell.")
+    harmonics: _Count = Field(
+        None, description="Number of orders to fit; as many as the data support."
+    )
 
 
 class MeasuredDrive(BaseModel):
@@ -105,7 +107,7 @@ def _fitted(raw: object) -> object:
         told = {"message": "its recording has not been fitted yet", "fix": fix}
     elif not isinstance(raw, Mapping | MeasuredDrive | None):
         fix = 'Write [drive] with file = "recording.csv" and the columns along and normal'
-        told = {"message": f"{str(raw)[:40]!r} does not tell how to read a recording", "fix": fix}
+        told = {"message": f"{str(raw)[:40]!r} does not say how to read a recording", "fix": fix}
     if told is not None:
         raise PydanticCustomError("value", "{message}", told)
     return raw

@@ -194,8 +194,8 @@ class Study(Frozen):
     )
     verify: int | None = Field(
         None,
-        description="Evaluate so many random cells again, with 50 digits or by another method, and "
-        "tell the worst of them.",
+        description="Number of random cells to evaluate again, with 50 digits or by another "
+        "method; the result states the worst of them.",
         strict=True,
         ge=1,
         le=10_000,

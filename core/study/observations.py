@@ -166,7 +166,7 @@ def spread_rows(raw: object) -> object:
         raw = [raw]
     if not isinstance(raw, list | tuple):
         fix = "Write [[observations]] with the parameters of a run and its conveying_velocity"
-        raise refusal("it is no list of runs", fix)
+        raise refusal("it is not a list of runs", fix)
     rows: list[object] = []
     for number, entry in enumerate(raw, 1):
         rows += _rows_of(entry, number) if isinstance(entry, Mapping) else [entry]
@@ -190,7 +190,7 @@ def _rows_of(entry: Mapping[str, Any], number: int) -> Iterator[dict[str, Any]]:
 
 ROWS_SCHEMA: dict[str, Any] = {
     "anyOf": [
-        {"type": "string", "description": "A CSV or XLSX file beside the study."},
+        {"type": "string", "description": "A CSV or XLSX file in the study's folder."},
         {"type": "array", "maxItems": MOST_RUNS, "items": {"type": "object"}, "minItems": 1},
     ]
 }

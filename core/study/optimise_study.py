@@ -145,7 +145,7 @@ class OptimiseStudy(DrivenStudy):
         strict=True,
     )
     outputs: OutputNames = Field(
-        (), description="Further outputs to tell at the optimum.", max_length=MOST_OUTPUTS
+        (), description="Further outputs at the optimum.", max_length=MOST_OUTPUTS
     )
 
     def intervals(self) -> dict[str, Distribution]:

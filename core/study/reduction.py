@@ -166,7 +166,7 @@ class Reduction(_Part):
     )
     statistics: Annotated[tuple[_Statistic, ...], at_most(MOST), _ordered(STATISTICS)] = Field(
         (),
-        description="What to tell of each output: max, min, mean, and where the largest and least "
+        description="Statistics of each output: max, min, mean, and where the largest and least "
         "value lie (argmax, argmin: one variable for each axis that goes).",
         max_length=MOST,
     )

@@ -20,7 +20,7 @@ def _read(raw: object) -> bool | tuple[str, ...] | None:
     if 0 < len(names) <= MOST_PARAMETERS and all(isinstance(name, str) for name in names):
         return tuple(dict.fromkeys(name[:100] for name in names))
     raise refusal(
-        f"{reprlib.repr(raw)[:40]} are no names of parameters",
+        f"{reprlib.repr(raw)[:40]} are not names of parameters",
         'Write true for all parameters that the study gives, or a list such as ["friction"]',
     )
 

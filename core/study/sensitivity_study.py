@@ -23,10 +23,10 @@ class Demand(Frozen):
     """What a part is to do: an output within bounds, or a regime; how likely it is, is told."""
 
     output: OutputName | None = Field(None, description="The output.")
-    at_least: OpenLevel = Field(None, description="Its least value that will do.")
-    at_most: OpenLevel = Field(None, description="Its largest value that will do.")
+    at_least: OpenLevel = Field(None, description="Smallest acceptable value.")
+    at_most: OpenLevel = Field(None, description="Largest acceptable value.")
     regime: str | None = Field(
-        None, description="A regime in place of an output, such as hopping.", max_length=100
+        None, description="A regime instead of an output, such as hopping.", max_length=100
     )
 
     @property
@@ -62,19 +62,19 @@ class SensitivityStudy(DrivenStudy):
     )
     analyses: Annotated[tuple[Analysis, ...], at_most(len(ANALYSES))] = Field(
         ("distribution", "sobol", "budget"),
-        description="What is told: distribution (mean, deviation, quantiles, demands), sobol "
-        "(which parameter the variance comes from), morris (a first, cheaper screening of many "
-        "parameters), budget (what each tolerance does).",
+        description="What to compute: distribution (mean, standard deviation, quantiles, "
+        "demands), sobol (which parameter the variance comes from), morris (a first, cheaper "
+        "screening of many parameters), budget (what each tolerance does).",
         min_length=1,
     )
     demands: Annotated[tuple[Demand, ...], at_most(MOST_DEMANDS)] = Field(
         (),
-        description="Outputs within bounds, or regimes, of which the probability is told.",
+        description="Outputs within bounds, or regimes, whose probability is computed.",
         max_length=MOST_DEMANDS,
     )
     quantiles: Annotated[tuple[float, ...], at_most(MOST_QUANTILES)] = Field(
         (0.05, 0.5, 0.95),
-        description="Shares of the parts below whose values of the outputs are told.",
+        description="Shares of the parts; the result has the value that this share stays below.",
         min_length=1,
         max_length=MOST_QUANTILES,
     )
@@ -95,7 +95,7 @@ class SensitivityStudy(DrivenStudy):
     def _power_of_two(cls, value: int) -> int:
         if value & (value - 1):
             below = 1 << (value.bit_length() - 1)
-            raise refusal(f"{value:,} is no power of two", f"Give {below:,} or {2 * below:,}")
+            raise refusal(f"{value:,} is not a power of two", f"Give {below:,} or {2 * below:,}")
         return value
 
     @field_validator("analyses")

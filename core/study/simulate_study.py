@@ -126,6 +126,6 @@ class SimulateStudy(MotionSettings, _Asked):
         WithJsonSchema(_TRAJECTORY_SCHEMA),
     ] = Field(
         None,
-        description="Also give the motion in time of the one point of the study: at so many equal "
-        "steps of its cycle, or at these times in seconds since the start of a period.",
+        description="Also give the motion in time of the one point of the study: at this number of "
+        "equal steps of its cycle, or at these times in seconds since the start of a period.",
     )

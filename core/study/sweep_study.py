@@ -31,7 +31,7 @@ class SweepStudy(Study):
         "and stored in 32 bits, half the bytes, each rounded once more by at most 6e-8 of itself.",
     )
     reduce: Reduction | None = Field(
-        None, description="Answers over some axes in place of all cells: docs/reduce.md."
+        None, description="Statistics over some axes instead of all cells: docs/reduce.md."
     )
 
     @field_validator("precision")

@@ -105,7 +105,7 @@ def share_of(value: float, raw: object, example: str) -> float | None:
         return abs(value) * float(text) / 100
     except ValueError:
         fix = f"Write {example}, or a value with its unit"
-        raise UnitError(f"{raw[:40]!r} is no percentage", fix) from None
+        raise UnitError(f"{raw[:40]!r} is not a percentage", fix) from None
 
 
 def problem(place: str, error: UnitError) -> Problem:

@@ -182,7 +182,7 @@ class ReducedSweep(Prepared):
         """As in `Prepared`."""
         return (
             f"{self.cells:,} cells reduced to {self.bytes // 8:,} values, {self.bytes:,} bytes; "
-            f"some {in_words(self.seconds_here)} here, as a few of {len(self.work):,} boxes tell"
+            f"some {in_words(self.seconds_here)} here, by a few of {len(self.work):,} boxes"
         )
 
 

@@ -29,7 +29,7 @@ MOST_SECONDS_OF_A_PIECE = 1.0  # else one cell at a time
 def accuracy(scene: Scene) -> str:
     """Return the error that closed forms of a scene are known to keep, in words."""
     if scene.rounding_bound is None:
-        return "rounding of 64-bit floats; how much it amounts to, the study's key verify tells"
+        return "rounding of 64-bit floats; how much it amounts to, the study's key verify says"
     return (
         f"rounding: at most {scene.rounding_bound} ulp times the condition number, which is the "
         "sum of |x dF/dx| over |F| for the parameters, and at least 1"

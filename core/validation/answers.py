@@ -64,7 +64,7 @@ def read_answers(path: Path) -> Answers:
         fix = "Name a JSON file of answers"
         raise StudyError([Problem("answers", error.strerror or str(error), fix)]) from None
     except ValueError as error:
-        raise StudyError([Problem("answers", f"it is no JSON: {error}", _FORM)]) from None
+        raise StudyError([Problem("answers", f"it is not JSON: {error}", _FORM)]) from None
     return answers_of(content)
 
 
@@ -74,9 +74,9 @@ _FORM = f'Write {{"format": "{FORMAT}", "program": "...", "answers": {{"Q-two-le
 def answers_of(content: object) -> Answers:
     """Return the answers that a mapping holds; raise `StudyError` with all that is wrong."""
     if not isinstance(content, Mapping):
-        raise StudyError([Problem("answers", "it is no object", _FORM)])
+        raise StudyError([Problem("answers", "it is not a JSON object", _FORM)])
     wrong = [
-        Problem(str(key)[:40], "it is no key of answers", suggestion(str(key), _KEYS))
+        Problem(str(key)[:40], "it is not a key of the answers", suggestion(str(key), _KEYS))
         for key in content
         if key not in _KEYS
     ]
@@ -84,7 +84,7 @@ def answers_of(content: object) -> Answers:
         wrong.append(Problem("format", "it is not given, or another one", f'Write "{FORMAT}"'))
     program = content.get("program", "the program")
     if not isinstance(program, str) or len(program) > 200:
-        wrong.append(Problem("program", "it is no name", 'Write text, such as "Another 1.2"'))
+        wrong.append(Problem("program", "it is not a name", 'Write text, such as "Another 1.2"'))
     answers = content.get("answers")
     if not isinstance(answers, Mapping) or not answers:
         wrong.append(Problem("answers", "there are none", _FORM))
@@ -92,7 +92,9 @@ def answers_of(content: object) -> Answers:
     asked, unknown = _asked(answers)
     wrong += unknown
     wrong += [
-        Problem(f"answers.{name}"[:80], f"{str(value)[:40]} is no number", "Write a number or null")
+        Problem(
+            f"answers.{name}"[:80], f"{str(value)[:40]} is not a number", "Write a number or null"
+        )
         for name, value in answers.items()
         if not _is_answer(value)
     ]

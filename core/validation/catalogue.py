@@ -73,7 +73,7 @@ def families_of(asked: Collection[str]) -> tuple[str, ...]:
     """
     letters = [letter.strip().upper() for several in asked for letter in several.split(",")]
     wrong = [
-        Problem("family", f"'{letter[:20]}' is no family", f"Known: {', '.join(FAMILIES)}")
+        Problem("family", f"'{letter[:20]}' is not a family", f"Known: {', '.join(FAMILIES)}")
         for letter in letters
         if letter not in FAMILIES
     ]

@@ -28,7 +28,7 @@ class Sensitivity(NamedTuple):
     logarithmic : float
         d ln(output)/d ln(parameter), the exponent of a power law; NaN where the output is 0.
     error : float
-        Estimate of the error of `derivative`; 0 if exact but for rounding.
+        Estimate of the error of `derivative`; 0 if exact up to rounding.
     note : str
         Why there is no derivative, or how it was found; empty for an exact one.
     """

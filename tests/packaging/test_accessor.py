@@ -68,7 +68,7 @@ def test_it_is_drawn(motion):
 def test_what_is_no_result_is_told_so():
     other = xarray.Dataset({"a": 1})
     for ask in (lambda: other.vf.study, other.vf.regime_shares):
-        with pytest.raises(vibrafeed.VibrafeedError, match="no result of vibrafeed"):
+        with pytest.raises(vibrafeed.VibrafeedError, match="not a result of vibrafeed"):
             ask()
 
 

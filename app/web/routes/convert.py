@@ -27,7 +27,7 @@ TEXT = "text/plain"
         200: {"content": {TEXT: {"schema": {"type": "string"}}}, "description": "The study"},
         **problems(
             s413="The body is too large",
-            s422="The study cannot be carried out, or there is no such form",
+            s422="The study cannot be run, or there is no such format",
         ),
     },
     openapi_extra={

@@ -93,11 +93,21 @@ def list_jobs(
     ] = None,
     least: Annotated[
         int | None,
-        Query(alias="minDuration", ge=0, le=10**9, description="Ran so many seconds or longer."),
+        Query(
+            alias="minDuration",
+            ge=0,
+            le=10**9,
+            description="Only jobs that ran for at least this many seconds.",
+        ),
     ] = None,
     longest: Annotated[
         int | None,
-        Query(alias="maxDuration", ge=0, le=10**9, description="Ran so many seconds or shorter."),
+        Query(
+            alias="maxDuration",
+            ge=0,
+            le=10**9,
+            description="Only jobs that ran for at most this many seconds.",
+        ),
     ] = None,
     limit: Annotated[int, Query(ge=1, le=MOST_LISTED)] = 100,
     offset: Annotated[int, Query(ge=0, le=10**9)] = 0,
@@ -127,7 +137,7 @@ def list_jobs(
     return json_reply({"jobs": shown, "links": links})
 
 
-@router.get("/{number}", summary="Tell how a job stands", response_model=StatusInfo,
+@router.get("/{number}", summary="Show the status of a job", response_model=StatusInfo,
             responses=NO_JOB)  # fmt: skip
 def get_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
     """Return the state of a job, its progress, and the time that is left."""
@@ -165,7 +175,7 @@ def share_job(number: Number, body: Body, desk: DeskOf, base: BaseOf, who: WhoOf
         200: {
             "content": {"text/event-stream": {"schema": {}}},
             "description": "An event `status` at each change, with the job's status as data; the "
-            "last one tells how it ended",
+            "last one says how it ended",
         },
         **NO_JOB,
     },

@@ -210,7 +210,7 @@ def _body(process: Process) -> dict[str, Any]:
         "in": "header",
         "required": False,
         "schema": {"type": "string"},
-        "description": "`respond-async` for a job in any case; `wait=10` to wait so many seconds "
+        "description": "`respond-async` for a job in any case; `wait=10` to wait up to 10 seconds "
         "for a job to end.",
     }
     return {"requestBody": {"required": True, "content": content}, "parameters": [prefer]}
@@ -247,7 +247,7 @@ for _name, _process in PROCESSES.items():
                 s413="The body is too large",
                 s422="The study cannot be carried out, or is too large",
                 s429="The queue of jobs is full, or the key has as many jobs or requests as it "
-                "may; Retry-After tells when to try again",
+                "may; Retry-After says when to try again",
                 s500="The job that was waited for failed",
                 s507="There is no room for the result",
             ),

@@ -50,7 +50,10 @@ NO_RESULT = problems(
 
 
 @router.get(
-    "/{number}/results", summary="Tell what a job gave", response_model=Results, responses=NO_RESULT
+    "/{number}/results",
+    summary="Show the results of a job",
+    response_model=Results,
+    responses=NO_RESULT,
 )
 @router.head("/{number}/results", include_in_schema=False)
 def get_results(number: Number, desk: DeskOf, base: BaseOf) -> Response:
@@ -73,7 +76,7 @@ def get_results(number: Number, desk: DeskOf, base: BaseOf) -> Response:
             in_ranges=True,
         ),
         **NO_RESULT,
-        **problems(s406="There is no form that Accept takes"),
+        **problems(s406="No format that Accept allows"),
     },
 )
 @router.head("/{number}/results/dataset", include_in_schema=False)

@@ -160,7 +160,7 @@ def _described(desk: Desk, key: str, sweep: Prepared, who: owners.Key) -> dict[s
         **kept("The slice", dict.fromkeys([BINARY_TYPE, *TABLES.values()], BINARY)),
         **problems(
             s404="No such sweep",
-            s406="There is no form that Accept takes",
+            s406="No format that Accept allows",
             s409="The sweep is another version's: post it again",
             s422="The slice cannot be taken",
             s503="Too much waits to be sent",

@@ -125,7 +125,7 @@ def grids() -> list[HardCase]:
             exact(forms.throw_number, **given),
         ),
         HardCase(
-            "10^7 values on one axis", family, "no list of cells may be made",
+            "10^7 values on one axis", family, "no cell may be stored",
             sweep("rectangle-on-plane", "throw_number", **{**given, "frequency": long_axis}),
             "throw_number", throws,
         ),

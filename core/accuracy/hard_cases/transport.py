@@ -138,7 +138,7 @@ def start_within_ulps() -> list[HardCase]:
             "t(x) at K = 0, beyond the floats", family, "the time grows as exp(s/2), s = 4e9",
             sweep("rectangle-on-track", "travel_time", **{**level, "radius": 1e-7},
                   distance=1e3),
-            "travel_time", known(math.inf, 0.0, "exp(1e9) is no float"), ("unbounded",),
+            "travel_time", known(math.inf, 0.0, "exp(1e9) is not a double"), ("unbounded",),
         ),
         HardCase(
             "stopping distance at K = 0", family, "never stops", sweep(

@@ -5,7 +5,7 @@ one driven mass,
 
     u' = C sin(tau) - k,    v(tau) = v0 + C (cos tau0 - cos tau) - k (tau - tau0),
 
-whose ends (lift-off, landing, stop, start of a slip) are isolated roots: exact but for rounding.
+whose ends (lift-off, landing, stop, start of a slip) are isolated roots: exact up to rounding.
 """
 
 from __future__ import annotations

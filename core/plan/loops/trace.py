@@ -75,7 +75,7 @@ class Node(NDArrayOperatorsMixin):
     ) -> Any:
         """Add a step; what is written in place (``a &= b``) is a new value all the same."""
         if method != "__call__" or settings or ufunc.nout != 1:
-            raise UntraceableError(f"{ufunc.__name__}.{method} is no plain step")
+            raise UntraceableError(f"{ufunc.__name__}.{method} is not a plain step")
         return self.graph.apply(LOGICAL.get(ufunc, ufunc), inputs)
 
     def __array_function__(self, func: Any, types: Any, args: Any, kwargs: Any) -> Any:

@@ -101,4 +101,4 @@ def test_a_file_that_is_no_atlas_is_refused(tmp_path):
     xarray.Dataset({"a": 1.0}).to_netcdf(file)
     result = run("lookup", *PART, "--atlas", file)
     assert result.exit_code == 2
-    assert "no result of vibrafeed" in result.stderr
+    assert "not a result of vibrafeed" in result.stderr

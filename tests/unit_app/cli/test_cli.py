@@ -217,7 +217,7 @@ def test_settings_come_from_the_environment(monkeypatch):
 @pytest.mark.parametrize(
     ("name", "why"),
     [
-        ("file", "it is no directory"),
+        ("file", "it is not a directory"),
         ("file/data", "Not a directory"),
         ("/proc/data", "No such file"),  # where nobody makes any
         ("odd", "its jobs.sqlite3: unable to open database file"),

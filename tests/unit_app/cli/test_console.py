@@ -332,7 +332,7 @@ def test_what_cannot_go_to_standard_output_is_refused(study, tmp_path, monkeypat
     other.write_text(STUDY)
     for arguments, told in (
         ((study, other, "-o", "-"), "standard output takes one study"),
-        ((study, "-o", "-.zarr"), "a Zarr group is no single file"),
+        ((study, "-o", "-.zarr"), "a Zarr group is not a single file"),
         ((study, "-o", "-", "--json"), "would both go to standard output"),
     ):
         refused = run("run", *arguments)

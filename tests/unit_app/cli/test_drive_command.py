@@ -27,7 +27,7 @@ def test_the_table_tells_numbers_and_errors():
     for words in (
         "5,000 samples, 50.1 periods", "frequency: 50 Hz, as given", "% slow",
         "left over: along 2.5 %, across 2.5 %, normal 2.6 % of the drive", "climbs by 3.38 degrees",
-        "0.200072", "amplitude (mm)", "phase (°)", "-74.70", "not told from zero",
+        "0.200072", "amplitude (mm)", "phase (°)", "-74.70", "not distinguishable from zero",
     ):  # fmt: skip
         assert words in result.output
 
@@ -62,7 +62,7 @@ def test_every_problem_is_told_at_once(tmp_path):
     assert result.exit_code == 2
     assert result.output.splitlines() == [
         f"{RECORDING}: 6 problems",
-        "  plot: '.bmp' is no format for pictures. End the name in .png, .svg or .pdf.",
+        "  plot: '.bmp': unknown picture format. End the name in .png, .svg or .pdf.",
         "  rate: 'x' is not a unit. Write rate = \"5 kHz\" (a bare number is in Hz).",
         "  mounting: it turns a sensor of three axes only. Give sensor = three columns instead of "
         "along, across and normal.",

@@ -110,7 +110,7 @@ def test_a_sweep_is_written_at_once(suffix, tmp_path):
 @pytest.mark.parametrize(
     ("output", "told"),
     [
-        ("x.txt", "'.txt' is no format of results. End it in .nc, .zarr, .csv, .parquet, .xlsx"),
+        ("x.txt", "'.txt': unknown format. End it in .nc, .zarr, .csv, .parquet, .xlsx"),
         ("x.parquett", "Did you mean .parquet?"),
         ("x.nc.gz", "or in / if it is a folder"),
     ],
@@ -169,7 +169,7 @@ def test_export_refuses_what_is_no_result(tmp_path):
     (tmp_path / "x.csv").write_text("a\n1\n")
     result = run("export", tmp_path / "x.csv", "-o", tmp_path / "y.xlsx")
     assert result.exit_code == 2
-    assert "it is no result of vibrafeed. Give a NetCDF file or a Zarr group" in result.output
+    assert "it is not a result of vibrafeed. Give a NetCDF file or a Zarr group" in result.output
     result = run("export", tmp_path / "absent.nc", "-o", tmp_path / "y.xlsx")
     assert result.exit_code == 1
     assert "cannot be read: No such file" in result.output

@@ -197,9 +197,9 @@ def test_the_command_line_computes_parts_and_joins_them(study: Path, tmp_path: P
 @pytest.mark.parametrize(
     ("part", "output", "told"),
     [
-        ("3/3", "r.nc", "part: '3/3' is no part. Parts are numbered from 0"),
-        ("x", "r.nc", "part: 'x' is no part"),
-        ("0/0", "r.nc", "part: '0/0' is no part"),
+        ("3/3", "r.nc", "part: '3/3' is not a part. Parts are numbered from 0"),
+        ("x", "r.nc", "part: 'x' is not a part"),
+        ("0/0", "r.nc", "part: '0/0' is not a part"),
         ("0/3", "r.zarr", "output: what is reduced goes to NetCDF"),
         ("0/999999", "r.nc", "part: 999,999 parts. Take 1 to 100,000."),
     ],

@@ -73,7 +73,7 @@ def test_answers_of_another_program_are_judged(tmp_path):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("--family", "K"), "'K' is no family. Known: Q"),
+        (("--family", "K"), "'K' is not a family. Known: Q"),
         (("--problems", "--format", "text"), "the problems themselves are JSON"),
         (("--answers", "nothing.json"), "No such file"),
         (("--random", -1), "--random"),

@@ -168,7 +168,7 @@ def test_what_two_frictions_explain_has_two_modes():
     assert modes[0] == pytest.approx(0.29, abs=1e-6)
     assert modes[1] > 0.45
     assert speeds(modes[1], [1e-4])[0] == pytest.approx(speed, rel=1e-6)
-    assert "The data cannot tell friction 0." in found.attrs["findings"]
+    assert "The data cannot separate friction 0." in found.attrs["findings"]
     # What to run next is where both go different ways, and it settles which it is.
     gain = found.information
     assert float(gain.max()) > 0.9
@@ -266,7 +266,7 @@ def test_a_prior_counts():
     found = vibrafeed.calibrate(study(rows, prior))
     assert found.mean_friction == pytest.approx(0.3, abs=1e-3)
     assert found.deviation_friction == pytest.approx(0.04, rel=0.02)
-    assert "tell next to nothing of friction" in found.attrs["findings"]
+    assert "say next to nothing about friction" in found.attrs["findings"]
 
 
 # --- what is wrong
@@ -342,7 +342,9 @@ def test_more_unknowns_than_a_grid_holds_are_refused_with_what_would_fit():
 def test_runs_without_errors_have_to_tell_their_scatter():
     rows = [{"amplitude": [1e-4, 2e-4], "conveying_velocity": [0.01, 0.02]}]
     (told,) = problems(study(rows))
-    assert told.startswith("error: no error is known, and 2 measured runs do not tell")
+    assert told.startswith(
+        "error: no error is known, and 2 measured runs do not show their scatter"
+    )
     assert "at least 3 runs" in told
 
 
@@ -417,9 +419,9 @@ def test_observations_stand_in_a_workbook(tmp_path):
         ("runs.csv", "0.1,0.2\n0.3,0.4\n", "has no heading"),
         ("runs.csv", "amplitude [mm]\n", "has no rows"),
         ("runs.csv", "amplitude,amplitude\n1,2\n", "two columns named amplitude"),
-        ("runs.txt", "", "is no CSV or XLSX file"),
+        ("runs.txt", "", "is not a CSV or XLSX file"),
         ("none.csv", None, "cannot be read"),
-        ("runs.xlsx", "no workbook", "it is no workbook"),
+        ("runs.xlsx", "no workbook", "it is not a workbook"),
     ],
 )
 def test_a_file_that_holds_no_observations_is_told(tmp_path, name, text, told):

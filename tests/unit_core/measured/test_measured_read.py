@@ -228,13 +228,14 @@ def test_unknown_columns_are_named_with_what_is_there():
 def test_cells_that_are_no_numbers_are_told_by_line(cell):
     (line,) = refused(changed(17, f"0.0075,{cell},1.5"))
     assert line == (
-        f"along: line 17 of column 'ax' is no number: {cell!r}. Correct the line, or leave it out."
+        f"along: line 17 of column 'ax' is not a number: {cell!r}. "
+        "Correct the line, or leave it out."
     )
 
 
 def test_of_many_faulty_cells_three_are_shown():
     lines = refused(TEXT.replace(".0,", ".0x,").replace("-", "--"))
-    assert sum("of column 'ax' is no number" in line for line in lines) == 3
+    assert sum("of column 'ax' is not a number" in line for line in lines) == 3
     assert any("cells of column 'ax' are not finite numbers. Export" in line for line in lines)
 
 

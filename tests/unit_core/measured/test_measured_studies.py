@@ -133,8 +133,8 @@ def test_a_part_that_tumbles_has_no_measured_drive():
          ["drive: both file and data are given. Give file = its name, or data = the text of the "
           "recording's CSV."]),
         ({"file": "absent.csv", "along": "ax"},
-         ["drive.file: it cannot be read: No such file or directory. Name a CSV beside the "
-          "study."]),
+         ["drive.file: it cannot be read: No such file or directory. Name a CSV file in "
+          "the study's folder."]),
         (DATA | {"along": "bx", "harmonics": 20},
          ["drive.along: the recording has no column 'bx'. Known: ax, az, time.",
           "drive.harmonics: 20 orders cannot be fitted. Give a whole number from 1 to 10, or leave "
@@ -142,7 +142,7 @@ def test_a_part_that_tumbles_has_no_measured_drive():
         ({"data": "", "along": "ax"},
          ["drive.data: the recording is empty. Give a row of names, and rows of numbers below."]),
         ("recording.csv",
-         ["drive: 'recording.csv' does not tell how to read a recording. Write [drive] with file "
+         ["drive: 'recording.csv' does not say how to read a recording. Write [drive] with file "
           '= "recording.csv" and the columns along and normal.']),
     ],
 )  # fmt: skip

@@ -285,7 +285,7 @@ def test_what_cannot_be_drawn_is_refused():
         front.draw(solved(), Options())
     with pytest.raises(PlotError, match="not ranged"):
         landscape.draw(solved(), Options(at={"gamma": 1}))
-    with pytest.raises(PlotError, match="no optimisation"):
+    with pytest.raises(PlotError, match="not the result of an optimisation"):
         front.draw(solved().drop_vars("optimum_status"), Options())
 
 

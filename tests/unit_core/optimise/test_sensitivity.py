@@ -163,7 +163,7 @@ def test_the_other_scenes_against_differences(scene, variant):
                 continue
             expected = (8 * (p1[output] - m1[output]) - (p2[output] - m2[output])) / (12 * h)
             scale = abs(at[output] / point[parameter]) + abs(expected)
-            # What is 0 but for rounding, as residuals are, has terms of order 1e-2 to 1.
+            # What is 0 up to rounding, as residuals are, has terms of order 1e-2 to 1.
             allowed = 1e-8 * scale + 1e-11
             assert one.derivative == pytest.approx(expected, abs=allowed), (output, parameter)
             compared += 1

@@ -120,12 +120,12 @@ def test_wrong_requests(hop: xarray.Dataset, tmp_path: Path):
             draw_file(tmp_path / "hop.nc", [tmp_path / target], **asked)
         return str(caught.value)
 
-    assert "'.png' is no format for animations" in told("part.png", kind="animation")
+    assert "'.png': unknown animation format" in told("part.png", kind="animation")
     assert "only an animation is slowed" in told("part.png", slow=5)
     assert "a map does not move" in told(kind="map")
     assert "'-1' is not above 0" in told(slow=-1)
-    assert "at most 1,000 are drawn. Ask for a smaller --slow" in told(slow=1e5)
-    assert "shows all of the one course" in told(variable="position_along")
+    assert "at most 1,000 are drawn. Give a smaller --slow" in told(slow=1e5)
+    assert "shows the whole trajectory" in told(variable="position_along")
     with pytest.raises(PlotError, match=r"vibrafeed\.animate"):
         draw(hop, kind="animation")
     with pytest.raises(PlotError, match="no motion over a cycle"):

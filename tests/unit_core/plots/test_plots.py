@@ -293,7 +293,7 @@ def test_other_files_are_refused(file: Path, tmp_path: Path):
     cut = tmp_path / "cut.nc"
     cut.write_bytes(file.read_bytes()[:3000])
     for wrong in (text, cut):
-        with pytest.raises(PlotError, match="no NetCDF file"):
+        with pytest.raises(PlotError, match="not a NetCDF file"):
             draw_file(wrong, [picture])
     with pytest.raises(FileNotFoundError) as caught:
         draw_file(tmp_path / "missing.nc", [picture])

@@ -186,7 +186,7 @@ def test_limits_are_of_what_is_stored() -> None:
 
 def test_what_is_stopped_is_no_answer_and_what_is_reduced_has_no_cells() -> None:
     prepared = prepare_content({**STUDY, "reduce": {"over": ["beta"], **MAX}})
-    with pytest.raises(StoppedError, match="before all cells were seen"):
+    with pytest.raises(StoppedError, match="before all cells were evaluated"):
         tabulate(prepared, Watch(stop=lambda: True))
     with pytest.raises(StudyError, match="no cells to read"):
         open_lazily(prepared)

@@ -201,13 +201,13 @@ def test_a_file_that_is_no_json_is_refused(tmp_path):
     with pytest.raises(StudyError, match="No such file"):
         read_answers(path)
     path.write_text("{", encoding="utf-8")
-    with pytest.raises(StudyError, match="it is no JSON"):
+    with pytest.raises(StudyError, match="it is not JSON"):
         read_answers(path)
 
 
 def test_families_by_letters():
     assert families_of(["w,q", "Q"]) == ("Q", "W")
-    with pytest.raises(StudyError, match="'K' is no family"):
+    with pytest.raises(StudyError, match="'K' is not a family"):
         families_of(["K"])
 
 

@@ -20,7 +20,7 @@ TERMS = NODES + 2
 """Coefficients of what is integrated twice."""
 
 NOISE = 1e-15
-"""A polynomial below this, all along a stretch, has no sign there: it is 0 but for rounding."""
+"""A polynomial below this, all along a stretch, has no sign there: it is 0 up to rounding."""
 
 NARROWEST = 2.0**-44
 """Of a stretch: no narrower part of it is cut into halves."""
@@ -87,7 +87,7 @@ def crossings(coefficients: Array) -> Iterator[tuple[float, int]]:
     A stretch is cut into halves until the coefficients prove that the polynomial keeps its sign
     there (the first is larger than all others together), or that its derivative does: then the
     signs at the ends tell of the one root. So nothing is missed but a pair of roots between which
-    the polynomial is 0 but for rounding.
+    the polynomial is 0 up to rounding.
     """
     above: bool | None = None
     stack = [(0.0, 1.0, coefficients)]
