@@ -17,8 +17,8 @@ from fastapi_offline import FastAPIOffline
 
 import core
 from app import traces
+from app.jobs.admission import Admission
 from app.jobs.cluster import Cluster
-from app.jobs.desk import Desk
 from app.jobs.keys import Keys
 from app.jobs.ledger import Ledger
 from app.jobs.runner import Runner
@@ -63,8 +63,8 @@ def create_app(settings: Settings) -> FastAPI:
     keys = Keys(ledger.database, settings.api_key_hashes)
     cluster = Cluster(settings.scheduler, settings.workers)
     runner = Runner(ledger, store, cluster, settings)
-    desk = Desk(ledger, store, settings, runner.wake, runner.waits)
-    writer = Writer(store, desk.make_room, settings)
+    admission = Admission(ledger, store, settings, runner.wake, runner.waits)
+    writer = Writer(store, admission.make_room, settings)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -74,7 +74,7 @@ def create_app(settings: Settings) -> FastAPI:
             logger.warning(lacking)
         await runner.start()
         stopping = asyncio.Event()
-        tidying = asyncio.create_task(_tidy(desk, stopping))
+        tidying = asyncio.create_task(_tidy(admission, stopping))
         yield
         await runner.stop()  # first of all: others may go on with the work
         stopping.set()
@@ -97,7 +97,7 @@ def create_app(settings: Settings) -> FastAPI:
     app.state.settings = settings
     app.state.store = store
     app.state.writer = writer
-    app.state.desk = desk
+    app.state.admission = admission
     app.state.keys = keys
     app.state.shares = Shares()
     app.state.views = ZarrViews(store, settings.zarr_cache_bytes)
@@ -107,12 +107,12 @@ def create_app(settings: Settings) -> FastAPI:
     # Of (name, check): see `app.web.routes.health.readyz`.
     app.state.readiness = [("jobs", runner.wrong), ("ledger", ledger.wrong)]
     app.state.stopping = threading.Event()  # set by a signal: open streams end
-    watch_jobs(app.state.metrics, desk, cluster, settings)
-    runner.course.witnesses.append(app.state.metrics)
+    watch_jobs(app.state.metrics, admission, cluster, settings)
+    runner.work_progress.witnesses.append(app.state.metrics)
     spans = traces.configured()
     if spans is not None:
-        runner.course.witnesses.append(spans)
-        desk.posted = spans.posted
+        runner.work_progress.witnesses.append(spans)
+        admission.posted = spans.posted
     problems.install(app)
     studies = (scenes, figures, friction, convert, sweeps)
     for part in (health, *studies, zarr, processes, jobs, results):
@@ -128,11 +128,11 @@ def create_app(settings: Settings) -> FastAPI:
     return app
 
 
-async def _tidy(desk: Desk, stopping: asyncio.Event) -> None:
+async def _tidy(admission: Admission, stopping: asyncio.Event) -> None:
     while not stopping.is_set():
         try:
-            await asyncio.to_thread(desk.tidy)
-            await asyncio.to_thread(desk.scrub, stopping.is_set)
+            await asyncio.to_thread(admission.tidy)
+            await asyncio.to_thread(admission.scrub, stopping.is_set)
         except Exception:
             logger.exception("tidying failed")
         with contextlib.suppress(TimeoutError):

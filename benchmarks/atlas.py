@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from core.atlas.build import RESOLUTIONS, build
 from core.atlas.cells import exact
-from core.atlas.find import STATUS, Found, find
+from core.atlas.find import STATUS, AtlasValues, find
 from core.atlas.numbers import AXES, Numbers
 from core.atlas.practice import practical
 from core.atlas.read import open_atlas
@@ -77,7 +77,9 @@ def main() -> None:
     print(f"  an exact cell  {1e6 * followed:.2f} us, {followed / looked_up:.1f} times as much")
 
 
-def print_row(name: str, found: Found, right: NDArray[np.float64], some: NDArray[np.bool_]) -> None:
+def print_row(
+    name: str, found: AtlasValues, right: NDArray[np.float64], some: NDArray[np.bool_]
+) -> None:
     """Print how some cells are answered; errors in the unit of the velocity number."""
     answered = (found.status == STATUS["answered"]) & some
     off, stated = np.abs(found.velocity - right)[answered], found.error[answered]

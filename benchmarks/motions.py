@@ -27,7 +27,7 @@ def planar_motion(**numbers: Any) -> Motion:
     return events.planar_motion(groups, **settings)
 
 
-def planar_path(**numbers: Any) -> events.Path:
+def planar_path(**numbers: Any) -> events.EventPath:
     """Return what `events.planar_path` does."""
     groups, _, settings = _sorted(numbers)
     return events.planar_path(groups, **settings)

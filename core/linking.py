@@ -47,12 +47,12 @@ class _Library(_NumbasLibrary):  # type: ignore[misc]
 
     def add_linking_library(self, library: Any) -> None:
         """Note a library whose functions this one calls; a part of ours stays a part."""
-        if not isinstance(library, _Part):
+        if not isinstance(library, _LinkedPart):
             library._ensure_finalized()
         self._linking_libraries.append(library)
 
 
-class _Part(_Library):
+class _LinkedPart(_Library):
     """The code of a function for compiled callers: LLVM's input, no machine code."""
 
     _shared_module: Any
@@ -91,7 +91,7 @@ def _reached(library: Any, known: dict[Any, None]) -> dict[Any, None]:
     for called in library._linking_libraries:
         if called not in known:
             known[called] = None
-            if isinstance(called, _Part):
+            if isinstance(called, _LinkedPart):
                 _reached(called, known)
     return known
 
@@ -107,7 +107,7 @@ class _Compiler(_NumbasCompiler):  # type: ignore[misc]
         flags: Any = Flags()  # type: ignore[no-untyped-call]
         self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
         flags.no_cfunc_wrapper = True
-        flags.no_cpython_wrapper = flags.no_compile = self._library is _Part
+        flags.no_cpython_wrapper = flags.no_compile = self._library is _LinkedPart
         if self._change is not None:
             self._change(flags)
         typing, target = self.targetdescr.typing_context, self.targetdescr.target_context
@@ -118,7 +118,9 @@ class _Compiler(_NumbasCompiler):  # type: ignore[misc]
                 typing, target, self.py_func, args, return_type, flags, self.locals, library,
                 self.pipeline_class,
             )  # fmt: skip
-        if self._library is _Part:  # a name by which callers find it, where numba has an address
+        if (
+            self._library is _LinkedPart
+        ):  # a name by which callers find it, where numba has an address
             result = result._replace(entry_point=object())
             target.insert_user_function(result.entry_point, result.fndesc, [library])
         return result
@@ -131,7 +133,7 @@ class _PartDispatcher(_NumbasDispatcher):  # type: ignore[misc]
 
     def __init__(self, function: Callable[..., Any], options: Options, change: Change | None):
         super().__init__(function, targetoptions=dict(options))
-        self._compiler = _Compiler(self._compiler, _Part, change)
+        self._compiler = _Compiler(self._compiler, _LinkedPart, change)
 
     def add_overload(self, result: Any) -> None:
         """Note what was compiled; Python never calls it."""

@@ -11,7 +11,7 @@ from app.jobs.accuracy import PAGE, draw
 from core.accuracy import extremes, leaving_out
 from core.accuracy.families import SECONDS
 from core.accuracy.hard_cases import HARD_CASES
-from core.accuracy.page import Section, head_of, sections_of, write_page
+from core.accuracy.page import PageSection, head_of, sections_of, write_page
 from core.accuracy.report import machine, measure_study
 from core.dataset.files import whole
 from core.dataset.netcdf import write_netcdf
@@ -59,7 +59,7 @@ def write_report(
     command = shlex.join([*words, "-o", str(folder)])
     command += "".join(f" --only {name}" for name in only)
     command += "" if seconds == SECONDS else f" --seconds {seconds:g}"
-    sections: list[Section] = []
+    sections: list[PageSection] = []
     written: list[Path] = []
     page = folder / PAGE
 
@@ -99,7 +99,7 @@ def dataset_of(folder: Path, name: str) -> Path:
     return folder / f"accuracy-{name}.nc"
 
 
-def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[Section], bool]:
+def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[PageSection], bool]:
     """Return the tables and sections of what is asked of no study, and whether all is right."""
     with console.progress("hard cases") as advance:
         outcomes = extremes.run_catalogue(Watch(advance, stopped))
@@ -107,12 +107,12 @@ def _extremes(stopped: Callable[[], bool]) -> tuple[dict[str, Table], list[Secti
         rows = leaving_out.footprints(watch=Watch(advance, stopped))
     by = "`vibrafeed report --extremes`\n\n"
     tables: dict[str, Table] = {}
-    sections: list[Section] = []
+    sections: list[PageSection] = []
     if outcomes:
         tables[EXTREMES[0]] = extremes.to_table(outcomes)
         untried = len(HARD_CASES) - len(outcomes) if stopped() else 0
-        sections.append(Section("Hard cases", by + extremes.to_markdown(outcomes, untried)))
+        sections.append(PageSection("Hard cases", by + extremes.to_markdown(outcomes, untried)))
     if rows:
         tables[EXTREMES[1]] = leaving_out.to_table(rows)
-        sections.append(Section("What a scene leaves out", by + leaving_out.to_markdown(rows)))
+        sections.append(PageSection("What a scene leaves out", by + leaving_out.to_markdown(rows)))
     return tables, sections, all(outcome.passed for outcome in outcomes)

@@ -20,7 +20,7 @@ from core.atlas.lookup import ROW, advice, lookup_grid, lookup_rows
 from core.atlas.numbers import AXES
 from core.atlas.read import MAKE, open_atlas
 from core.atlas.rows import read_rows
-from core.dataset.frame import Column, Frame
+from core.dataset.frame import Frame, FrameColumn
 from core.errors import Problem, StudyError, VibrafeedError
 from core.study.unusual import questions
 
@@ -160,7 +160,7 @@ def _write(found: Table, output: str, *, force: bool) -> None:
 
 
 def _words(found: Table, name: str) -> list[str]:
-    return [str(word) for word in Column(name, found.variables[name]).values.ravel()]
+    return [str(word) for word in FrameColumn(name, found.variables[name]).values.ravel()]
 
 
 def _show_one(found: Table, shown: Any) -> None:

@@ -26,7 +26,7 @@ from core.study.optimise_study import OptimiseStudy
 
 if TYPE_CHECKING:
     from core.dataset import Table
-    from core.dataset.table import Variable
+    from core.dataset.table import TableVariable
     from core.study.shown import ShownUnits
     from core.sweep.stream import Passed
 
@@ -195,7 +195,7 @@ def _regimes_computed(result: Table) -> NDArray[Any]:
     return regime.values
 
 
-def _outputs(result: Table) -> dict[str, Variable]:
+def _outputs(result: Table) -> dict[str, TableVariable]:
     """Return the variables of a result that are numbers, not flags."""
     return {n: v for n, v in result.variables.items() if "flag_values" not in v.attributes}
 
@@ -311,7 +311,7 @@ def _show_verified(result: Table) -> None:
         )
 
 
-def _finite_ends(variable: Variable) -> Ends:
+def _finite_ends(variable: TableVariable) -> Ends:
     """Return the least and the largest finite value."""
     values = variable.values
     least, largest = values.min(), values.max()

@@ -60,7 +60,7 @@ def serve(
     settings = settings.model_copy(update={"max_requests": most})
     service = create_app(settings)
     _check_directory(settings.data_directory.absolute())
-    _check_ledger(settings, service.state.desk.ledger)
+    _check_ledger(settings, service.state.admission.ledger)
     logs.configure()
     if port and sys.stdout.isatty():  # else it would be a line among those of the log
         address = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

@@ -31,7 +31,7 @@ from core.validation.shown import (
 from core.watch import Watch
 
 if TYPE_CHECKING:
-    from core.validation.answers import Answers
+    from core.validation.answers import ProgramAnswers
     from core.validation.problem import KnownProblem
     from core.validation.run import Outcome
 
@@ -124,7 +124,7 @@ def validate(
         raise typer.Exit(FAILED)
 
 
-def _read(path: Path) -> Answers:
+def _read(path: Path) -> ProgramAnswers:
     return read_answers(path)
 
 
@@ -138,7 +138,7 @@ def _own(problems: Sequence[KnownProblem]) -> tuple[list[Outcome], str]:
     return outcomes, f"vibrafeed {core.__version__}"
 
 
-def _others(given: Answers, letters: Sequence[str]) -> tuple[list[Outcome], str]:
+def _others(given: ProgramAnswers, letters: Sequence[str]) -> tuple[list[Outcome], str]:
     """Return the outcomes of another program in some families, and its name."""
     asked = [problem for problem in given.problems if problem.family in letters]
     if not asked:

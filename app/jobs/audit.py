@@ -18,7 +18,7 @@ Action = Literal["post", "dismiss", "share", "unshare", "add key", "withdraw key
 
 
 @dataclass(frozen=True)
-class Entry:
+class AuditEntry:
     """Something that was done.
 
     Attributes
@@ -46,11 +46,11 @@ def note(database: Database, name: str, action: Action, object_: str) -> None:
         connection.execute(AUDIT.insert().values(**entry, object=object_))
 
 
-def latest(database: Database, most: int) -> list[Entry]:
+def latest(database: Database, most: int) -> list[AuditEntry]:
     """Return so many entries, the latest first."""
     found = select(AUDIT.c.time, AUDIT.c.name, AUDIT.c.action, AUDIT.c.object)
     newest = found.order_by(AUDIT.c.time.desc(), AUDIT.c.id).limit(most)
-    return [Entry(*row) for row in database.read(newest)]
+    return [AuditEntry(*row) for row in database.read(newest)]
 
 
 def forget(database: Database, most: int = MOST_ENTRIES) -> None:

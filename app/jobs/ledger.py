@@ -25,7 +25,7 @@ from app.jobs.database import Database
 from app.jobs.disk import why
 from app.jobs.entries import ACTIVE, STATES, Job, Queue, Wanted, Work
 from app.jobs.errors import QueueFullError
-from app.jobs.lists import JOB, conditions, job_of
+from app.jobs.queries import JOB, conditions, job_of
 from app.jobs.tables import JOBS, VERSION, WORK
 
 __all__ = ["ACTIVE", "STATES", "Job", "Ledger", "Queue", "Wanted", "Work"]

@@ -16,14 +16,14 @@ from pathlib import Path
 from typing import IO, Any
 
 from app.jobs import disk
-from app.jobs.aside import Aside
-from app.jobs.carrier import Carrier, TooLongError
 from app.jobs.cluster import Cluster
+from app.jobs.dispatcher import Dispatcher, TooLongError
 from app.jobs.errors import BlindWorkerError, OtherVersionError, TornBlockError
-from app.jobs.hands import LostError, WorkersDieError
-from app.jobs.lanes import Lanes
+from app.jobs.executor import LostError, WorkersDieError
 from app.jobs.ledger import Ledger, Work
+from app.jobs.priority_classes import PriorityClasses
 from app.jobs.store import Store
+from app.jobs.thread_pool import ThreadPool
 from app.settings import Settings
 
 logger = logging.getLogger("vibrafeed.jobs")
@@ -45,7 +45,7 @@ class Runner:
 
     Attributes
     ----------
-    course : Course
+    work_progress : WorkProgress
         Tells how the work goes on.
     """
 
@@ -54,10 +54,10 @@ class Runner:
         self._settings = settings
         self._directory = str(settings.data_directory.resolve())
         self._server = f"{socket.gethostname()} {os.getpid()} {uuid.uuid4().hex[:8]}"
-        self._aside = Aside()
-        self._carrier = Carrier(ledger, store, cluster, self._aside, settings)
-        self._lanes = Lanes(store, settings)
-        self.course = self._carrier.course
+        self._thread_pool = ThreadPool()
+        self._dispatcher = Dispatcher(ledger, store, cluster, self._thread_pool, settings)
+        self._priority_classes = PriorityClasses(store, settings)
+        self.work_progress = self._dispatcher.work_progress
         self._loop: asyncio.AbstractEventLoop | None = None
         self._wake = asyncio.Event()
         self._active: dict[str, tuple[Work, asyncio.Task[None]]] = {}
@@ -67,7 +67,7 @@ class Runner:
     async def start(self) -> None:
         """Clear up what a killed server has left, and begin to work."""
         self._loop = asyncio.get_running_loop()
-        await self._aside(self._clear_up)
+        await self._thread_pool(self._clear_up)
         self._main = asyncio.create_task(self._run(), name="jobs")
 
     async def stop(self) -> None:
@@ -77,16 +77,16 @@ class Runner:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
-        await self._carrier.hands.close()
+        await self._dispatcher.executor.close()
         try:
-            await self._aside(self._ledger.release, self._server)
+            await self._thread_pool(self._ledger.release, self._server)
         except Exception:  # such as a full disk: the leases run out
             logger.exception("leases cannot be given up")
         try:
             await self._cluster.close()
         except Exception:
             logger.exception("the cluster did not close")
-        self._aside.close()
+        self._thread_pool.close()
         if self._alone is not None:
             self._alone.close()
 
@@ -99,11 +99,11 @@ class Runner:
         """Return what keeps jobs from being carried out, or None."""
         if self._main is None or self._main.done():
             return "no work is looked for"
-        return self._carrier.hands.trouble or self._carrier.trouble
+        return self._dispatcher.executor.trouble or self._dispatcher.trouble
 
     def waits(self) -> str | None:
         """Return what work that has not begun waits for, besides its turn."""
-        return self._carrier.hands.waits()
+        return self._dispatcher.executor.waits()
 
     def _clear_up(self) -> None:
         """Take over at once, if no other server uses the directory; leases say nothing then."""
@@ -142,13 +142,13 @@ class Runner:
 
     async def _claim_some(self) -> None:
         while True:
-            found = await self._aside(self._next)
+            found = await self._thread_pool(self._next)
             if found is None:
                 if not self._active:  # nothing waits for the workers
-                    self._carrier.hands.trouble = None
+                    self._dispatcher.executor.trouble = None
                 return
             lease = self._settings.lease_seconds
-            item = await self._aside(self._ledger.claim, self._server, lease, found.key)
+            item = await self._thread_pool(self._ledger.claim, self._server, lease, found.key)
             if item is not None:  # no other server was quicker
                 keeping = asyncio.create_task(self._keep(item), name=item.key)
                 self._active[item.owner] = item, keeping
@@ -156,45 +156,45 @@ class Runner:
     def _next(self) -> Work | None:
         """Return what is to be claimed next; this takes long where studies have to be read."""
         active = {item.key for item, _ in self._active.copy().values()}
-        return self._lanes.next(self._ledger.waiting(), active)
+        return self._priority_classes.next(self._ledger.waiting(), active)
 
     async def _keep(self, item: Work) -> None:
         """Carry out an item for as long as its lease is ours."""
         about = {"key": item.key, "kind": item.process, "blocks": item.blocks}
         carrying = asyncio.create_task(self._carry_out(item))
         try:
-            self.course.began(item)
+            self.work_progress.began(item)
             await self._hold(item, carrying)
             if not carrying.done():
-                self.course.ended(item, "given up")
+                self.work_progress.ended(item, "given up")
                 return
             problem = await self._problem_of(carrying)
-            if problem is not None and await self._carrier.is_there(item):
+            if problem is not None and await self._dispatcher.is_there(item):
                 problem = None  # another server, which took this one for dead, has finished it
             if problem is None:
-                await self._aside(self._ledger.succeed, item)
-                self.course.ended(item, "done")
+                await self._thread_pool(self._ledger.succeed, item)
+                self.work_progress.ended(item, "done")
             else:
-                await self._aside(self._ledger.fail, item, problem)
-                self.course.ended(item, "failed", problem["title"])
+                await self._thread_pool(self._ledger.fail, item, problem)
+                self.work_progress.ended(item, "failed", problem["title"])
         except LostError as lost:
             logger.warning("work is tried again: %s", lost, extra=about)
             await asyncio.sleep(RETRY)
             with contextlib.suppress(OSError, sqlite3.Error):  # then the lease runs out
-                await self._aside(self._ledger.release, item.owner)
+                await self._thread_pool(self._ledger.release, item.owner)
         except Exception:
             # Such as a ledger on a full disk: the lease runs out, and the work is tried again.
             logger.exception("work interrupted", extra=about)
         finally:
             carrying.cancel()
             await asyncio.gather(carrying, return_exceptions=True)
-            self.course.ended(item, "interrupted")  # if it has not ended before
+            self.work_progress.ended(item, "interrupted")  # if it has not ended before
             self._active.pop(item.owner, None)
             self._wake.set()
 
     async def _carry_out(self, item: Work) -> None:
-        seconds = await self._aside(self._lanes.block_price, item)
-        await self._carrier.carry_out(item, seconds)
+        seconds = await self._thread_pool(self._priority_classes.block_price, item)
+        await self._dispatcher.carry_out(item, seconds)
 
     async def _hold(self, item: Work, carrying: asyncio.Task[None]) -> None:
         """Keep the lease until work ends; return before that if it is lost or not wanted."""
@@ -206,10 +206,10 @@ class Runner:
                 return
             age = time.monotonic() - renewed
             try:
-                if not await self._aside(self._ledger.holds, item):
+                if not await self._thread_pool(self._ledger.holds, item):
                     return
                 if age > lease / 4:
-                    if not await self._aside(self._ledger.renew, item, lease):
+                    if not await self._thread_pool(self._ledger.renew, item, lease):
                         return
                     renewed += age
             except (OSError, sqlite3.Error):

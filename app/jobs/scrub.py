@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.jobs.groups import LIST, read_list
+from app.jobs.integrity import has_digest
 from app.jobs.manifest import MANIFEST, ZARR, Manifest
-from app.jobs.sound import has_digest
 from app.jobs.store import Store
 from app.jobs.studies import IDENTIFIER
 
@@ -18,7 +18,7 @@ OURS = ("study.json", MANIFEST, LIST, "blocks")
 
 
 @dataclass(frozen=True)
-class Found:
+class Damage:
     """What was found in the folder of a study.
 
     Attributes
@@ -40,7 +40,7 @@ class Found:
     files: tuple[str, ...] = ()
 
 
-def scrub(store: Store, after: str = "", stopped: Callable[[], bool] = bool) -> Iterator[Found]:
+def scrub(store: Store, after: str = "", stopped: Callable[[], bool] = bool) -> Iterator[Damage]:
     """Yield what is found in each folder, by name from the first after `after`; change nothing."""
     if not store.directory.exists():
         return
@@ -51,21 +51,21 @@ def scrub(store: Store, after: str = "", stopped: Callable[[], bool] = bool) -> 
             yield _look(store, folder, stopped)
 
 
-def _look(store: Store, folder: Path, stopped: Callable[[], bool]) -> Found:
+def _look(store: Store, folder: Path, stopped: Callable[[], bool]) -> Damage:
     key = folder.name
     if not IDENTIFIER.fullmatch(key) or not (folder / "study.json").is_file():
-        return Found(key, ORPHANED, files=(".",))
+        return Damage(key, ORPHANED, files=(".",))
     manifest = store.manifest_as_it_is(key)
     names = set() if manifest is None else set(manifest.files)
     try:
         others = {path.name for path in folder.iterdir() if not path.name.startswith(".")}
     except FileNotFoundError:  # it has just been removed
-        return Found(key, WAITING)
+        return Damage(key, WAITING)
     orphans = tuple(sorted(others - names - set(OURS)))
     if manifest is None:
         if (folder / MANIFEST).exists():
-            return Found(key, BROKEN, files=(MANIFEST,))
-        return Found(key, ORPHANED if orphans else WAITING, files=orphans)
+            return Damage(key, BROKEN, files=(MANIFEST,))
+        return Damage(key, ORPHANED if orphans else WAITING, files=orphans)
     size, broken = 0, []
     for name, path, digest in _files(store, folder, manifest):
         if stopped():
@@ -78,8 +78,8 @@ def _look(store: Store, folder: Path, stopped: Callable[[], bool]) -> Found:
     if broken:
         # It may have been made anew, or removed, since its manifest was read.
         is_same = store.manifest_as_it_is(key) == manifest
-        return Found(key, BROKEN, size, tuple(broken)) if is_same else Found(key, WAITING, size)
-    return Found(key, ORPHANED if orphans else WHOLE, size, orphans)
+        return Damage(key, BROKEN, size, tuple(broken)) if is_same else Damage(key, WAITING, size)
+    return Damage(key, ORPHANED if orphans else WHOLE, size, orphans)
 
 
 def _files(

@@ -25,9 +25,9 @@ from typing import Any
 import orjson
 
 import core
-from app.jobs.away import Away
 from app.jobs.blocks import Blocks
 from app.jobs.groups import LIST, complete_list, files_of, read_list, write_list
+from app.jobs.integrity import Integrity
 from app.jobs.manifest import (
     JSON,
     MANIFEST,
@@ -38,7 +38,7 @@ from app.jobs.manifest import (
     Manifest,
     fingerprint,
 )
-from app.jobs.sound import Sound
+from app.jobs.object_store import RemoteResults
 from app.jobs.studies import kept
 from core.dataset.document import to_document
 from core.dataset.files import PART, partial
@@ -59,31 +59,33 @@ class Store(Blocks):
 
     Attributes
     ----------
-    sound : Sound
+    integrity : Integrity
         Tells whether files of results are what was written.
-    away : Away or None
+    object_store : RemoteResults or None
         Where results are kept besides, if they are.
     """
 
     def __init__(self, directory: Path, results_url: str = ""):
         super().__init__(directory)
-        self.sound = Sound()
-        self.away = Away(results_url) if results_url else None
+        self.integrity = Integrity()
+        self.object_store = RemoteResults(results_url) if results_url else None
 
     def send(self, key: str) -> None:
         """Send a result to where results are kept besides; raise `OSError` if that fails."""
-        if self.away is not None:
-            self.away.send(key, self.folder(key))
+        if self.object_store is not None:
+            self.object_store.send(key, self.folder(key))
 
     def fetch(self, key: str) -> bool | None:
         """Return whether a result was there, and now is here; None if it is still on its way."""
-        return False if self.away is None else self.away.fetch(key, self.folder(key))
+        return (
+            False if self.object_store is None else self.object_store.fetch(key, self.folder(key))
+        )
 
     def close(self) -> None:
         """Look at files no more, and fetch none."""
-        self.sound.close()
-        if self.away is not None:
-            self.away.close()
+        self.integrity.close()
+        if self.object_store is not None:
+            self.object_store.close()
 
     def manifest(self, key: str) -> Manifest | None:
         """Return what is known of a result; None while there is none.

@@ -12,7 +12,7 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.exceptions import RequestValidationError
 
 from app.jobs import keys
-from app.jobs.desk import Desk
+from app.jobs.admission import Admission
 from app.jobs.store import Store
 from app.jobs.studies import unknown
 from app.jobs.writer import Writer
@@ -37,9 +37,9 @@ async def writer_of(request: Request) -> Writer:
     return cast(Writer, request.app.state.writer)
 
 
-async def desk_of(request: Request) -> Desk:
+async def desk_of(request: Request) -> Admission:
     """Return where the app's jobs are handed in."""
-    return cast(Desk, request.app.state.desk)
+    return cast(Admission, request.app.state.admission)
 
 
 async def who_of(request: Request) -> keys.Key:
@@ -91,28 +91,28 @@ async def body_of(request: Request) -> bytes:
 SettingsOf = Annotated[Settings, Depends(settings_of)]
 StoreOf = Annotated[Store, Depends(store_of)]
 WriterOf = Annotated[Writer, Depends(writer_of)]
-DeskOf = Annotated[Desk, Depends(desk_of)]
+AdmissionOf = Annotated[Admission, Depends(desk_of)]
 WhoOf = Annotated[keys.Key, Depends(who_of)]
 
 
 async def readable_sweep(
     key: Annotated[str, Path(description="Identifier of a sweep.", max_length=100)],
-    desk: DeskOf,
+    admission: AdmissionOf,
     who: WhoOf,
 ) -> str:
     """Return the identifier of a sweep that the client may read; others are as if not there."""
-    if not who.sees_all and not await run_in_threadpool(desk.may_read, key, who):
+    if not who.sees_all and not await run_in_threadpool(admission.may_read, key, who):
         raise unknown(key)
     return key
 
 
 async def readable_job(
     number: Annotated[str, Path(description="Identifier of a job.", max_length=100)],
-    desk: DeskOf,
+    admission: AdmissionOf,
     who: WhoOf,
 ) -> str:
     """Return the identifier of a job that the client may read; others are as if not there."""
-    if not who.sees_all and await run_in_threadpool(desk.job, number, who) is None:
+    if not who.sees_all and await run_in_threadpool(admission.job, number, who) is None:
         raise no_such_job(number)
     return number
 

@@ -18,7 +18,7 @@ from fastapi.responses import Response, StreamingResponse
 from starlette.types import Receive, Scope, Send
 
 from app.jobs.errors import NotFoundError
-from app.jobs.sound import Sound
+from app.jobs.integrity import Integrity
 from app.web.outgoing import expect
 from app.web.replies import problem_document
 
@@ -117,13 +117,13 @@ class Check:
 
     Attributes
     ----------
-    sound : Sound
+    integrity : Integrity
         Looks at it, unless it has done so already.
     broken : callable
         Takes what was found broken away, and returns what the client is told.
     """
 
-    sound: Sound
+    integrity: Integrity
     broken: Callable[[os.stat_result], Exception]
 
     def look(self, path: Path, digest: str) -> None:
@@ -131,7 +131,7 @@ class Check:
         with _there():
             file = path.open("rb", buffering=0)
         with file:
-            if not self.sound.look(file, digest):
+            if not self.integrity.look(file, digest):
                 raise self.broken(os.fstat(file.fileno()))
 
 
@@ -160,7 +160,7 @@ class _FileResponse(StreamingResponse):
         with file:
             if self._checked is not None:
                 check, digest = self._checked
-                if not await check.sound.is_sound(file, digest):
+                if not await check.integrity.is_sound(file, digest):
                     raise await asyncio.to_thread(check.broken, os.fstat(file.fileno()))
             self.body_iterator = _pieces(file, self._start, self._stop)
             await super().__call__(scope, receive, send)

@@ -20,8 +20,8 @@ from prometheus_client.metrics_core import GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 
 import core
+from app.jobs.admission import Admission
 from app.jobs.cluster import Cluster
-from app.jobs.desk import Desk
 from app.jobs.ledger import Work
 from app.settings import Settings
 
@@ -121,21 +121,23 @@ def _free(directory: Path) -> float:
         return math.nan
 
 
-def watch_jobs(metrics: Metrics, desk: Desk, cluster: Cluster, settings: Settings) -> None:
+def watch_jobs(
+    metrics: Metrics, admission: Admission, cluster: Cluster, settings: Settings
+) -> None:
     """Add the figures of jobs, of workers and of the disk."""
 
     def work() -> dict[str, float]:
-        queue = desk.ledger.queue()
+        queue = admission.ledger.queue()
         return {"waiting": queue.waiting, "running": queue.running}
 
-    metrics.gauges("vibrafeed_jobs", "Jobs by their state.", "state", desk.ledger.counts)
+    metrics.gauges("vibrafeed_jobs", "Jobs by their state.", "state", admission.ledger.counts)
     metrics.gauges("vibrafeed_work", "Different studies that wait or are computed.", "state", work)
     for name, description, value in (
         ("oldest_waiting_seconds", "Age of the study that has waited longest for its turn.",
-         lambda: desk.ledger.queue().oldest),
+         lambda: admission.ledger.queue().oldest),
         ("workers", "Workers that this server has; they start with the first job.", cluster.alive),
         ("disk_used_bytes", "What studies and results take, counted once a minute at most.",
-         desk.used_bytes),
+         admission.used_bytes),
         ("disk_quota_bytes", "What they may take.", lambda: settings.disk_quota_bytes),
         ("disk_free_bytes", "What the disk of the data directory has left.",
          lambda: _free(settings.data_directory)),

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from fastapi.responses import Response
 
-from app.jobs.desk import Desk
+from app.jobs.admission import Admission
 from app.jobs.errors import GoneError, NotFoundError
 from app.jobs.ledger import ACTIVE, Job
 from app.jobs.manifest import Manifest
@@ -17,9 +17,9 @@ from app.web.problems import BusyError, NoSuchJobError, NotReadyError
 from app.web.replies import json_reply, problem_document
 
 
-def find_job(desk: Desk, number: str) -> Job:
+def find_job(admission: Admission, number: str) -> Job:
     """Return a job; raise `NoSuchJobError` if there is none."""
-    job = desk.ledger.job(number)
+    job = admission.ledger.job(number)
     if job is None:
         raise no_such_job(number)
     return job
@@ -30,7 +30,7 @@ def no_such_job(number: str) -> NoSuchJobError:
     return NoSuchJobError(f"There is no job '{number[:80]}'. GET /jobs lists them.")
 
 
-def manifest_of(desk: Desk, job: Job) -> Manifest | Response:
+def manifest_of(admission: Admission, job: Job) -> Manifest | Response:
     """Return what is known of a job's result, or the problem document if it failed."""
     if job.problem is not None:
         return problem_document(**job.problem)
@@ -40,45 +40,45 @@ def manifest_of(desk: Desk, job: Job) -> Manifest | Response:
         )
     if job.state in ACTIVE:
         raise NotReadyError(f"The job {job.id} is {job.state}; its results are not there yet.")
-    manifest = None if job.state == "dismissed" else desk.store.manifest(job.key)
+    manifest = None if job.state == "dismissed" else admission.store.manifest(job.key)
     if manifest is None and job.state == "successful":
-        found = desk.store.fetch(job.key)
+        found = admission.store.fetch(job.key)
         if found is None:
             raise BusyError(f"The results of the job {job.id} are being fetched; ask again.")
-        manifest = desk.store.manifest(job.key) if found else None
+        manifest = admission.store.manifest(job.key) if found else None
     if manifest is None:
-        raise _mended(desk, job)
+        raise _mended(admission, job)
     return manifest
 
 
-def check_of(desk: Desk, job: Job, path: Path) -> Check:
+def check_of(admission: Admission, job: Job, path: Path) -> Check:
     """Return how a file of a job's result is looked at before it is served."""
 
     def broken(found: os.stat_result) -> Exception:
-        desk.store.take_away(job.key, path, found)
-        return _mended(desk, job)
+        admission.store.take_away(job.key, path, found)
+        return _mended(admission, job)
 
-    return Check(desk.store.sound, broken)
+    return Check(admission.store.integrity, broken)
 
 
-def lost(desk: Desk, job: Job, path: Path) -> Exception:
+def lost(admission: Admission, job: Job, path: Path) -> Exception:
     """Return what is told of a file that a result should have and has not."""
-    desk.store.take_away(job.key, path)
-    return _mended(desk, job)
+    admission.store.take_away(job.key, path)
+    return _mended(admission, job)
 
 
-def _mended(desk: Desk, job: Job) -> Exception:
+def _mended(admission: Admission, job: Job) -> Exception:
     """Have a result that is not there computed again; return what the client is told."""
-    if job.state == "successful" and desk.mend(job):
+    if job.state == "successful" and admission.mend(job):
         return NotReadyError(
             f"The results of the job {job.id} were damaged on the disk; they are computed again."
         )
     return NotFoundError(f"The results of the job {job.id} have been removed.")
 
 
-def results_reply(desk: Desk, job: Job, base: str) -> Response:
+def results_reply(admission: Admission, job: Job, base: str) -> Response:
     """Return the results of a job, or why there are none."""
-    manifest = manifest_of(desk, job)
+    manifest = manifest_of(admission, job)
     if isinstance(manifest, Response):
         return manifest
     return json_reply(results(job, manifest, base))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.table import Table, Variable
+from core.dataset.table import Table, TableVariable
 from core.mechanics.arrays import Array
 
 FAMILIES: dict[str, str] = {
@@ -146,7 +146,7 @@ class Measured:
     family: str
     curves: tuple[Curve, ...]
     notes: tuple[str, ...] = ()
-    cells: Mapping[str, Variable] = field(default_factory=dict)
+    cells: Mapping[str, TableVariable] = field(default_factory=dict)
 
 
 MORE: dict[str, tuple[str, str]] = {
@@ -205,24 +205,26 @@ def tabulate_curves(measured: Sequence[Measured], attributes: Mapping[str, str])
     singles = [v for v in variables.values() if v.dims == ("cell",)]
     if singles:
         count = np.arange(singles[0].values.size, dtype=np.int32)
-        coordinates["cell"] = Variable(("cell",), count, {"long_name": "number of the cell"})
+        coordinates["cell"] = TableVariable(("cell",), count, {"long_name": "number of the cell"})
     return Table(coordinates, variables, attributes)
 
 
-def single(values: Array | NDArray[np.int8], label: str, unit: str, **extra: Any) -> Variable:
+def single(values: Array | NDArray[np.int8], label: str, unit: str, **extra: Any) -> TableVariable:
     """Return values of single cells, labelled."""
-    return Variable(("cell",), values, {"long_name": label, "units": unit, **extra})
+    return TableVariable(("cell",), values, {"long_name": label, "units": unit, **extra})
 
 
-def _numbers(values: NDArray[Any], label: str, unit: str) -> Variable:
-    return Variable(("point",), values, {"long_name": label, "units": unit})
+def _numbers(values: NDArray[Any], label: str, unit: str) -> TableVariable:
+    return TableVariable(("point",), values, {"long_name": label, "units": unit})
 
 
-def _floats(values: Sequence[float], label: str, unit: str) -> Variable:
+def _floats(values: Sequence[float], label: str, unit: str) -> TableVariable:
     return _numbers(np.array(values, dtype=np.float64), label, unit)
 
 
-def _flags(words: Sequence[str], label: str, known: Mapping[str, str] | None = None) -> Variable:
+def _flags(
+    words: Sequence[str], label: str, known: Mapping[str, str] | None = None
+) -> TableVariable:
     """Return words as numbers, with their meanings; a meaning has no blanks."""
     plain = [_joined(word) for word in words]
     meanings = list(known or dict.fromkeys(plain))
@@ -234,7 +236,7 @@ def _flags(words: Sequence[str], label: str, known: Mapping[str, str] | None = N
     if known:
         attributes["comment"] = "; ".join(f"{name}: {says}" for name, says in known.items())
     values = np.array([meanings.index(word) for word in plain], dtype=np.int16)
-    return Variable(("point",), values, attributes)
+    return TableVariable(("point",), values, attributes)
 
 
 def _joined(words: str) -> str:

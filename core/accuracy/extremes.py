@@ -13,9 +13,9 @@ import numpy as np
 
 from core import kinds
 from core.accuracy.hard_cases import HARD_CASES, HardCase, result_of
-from core.accuracy.textbook import Answer
+from core.accuracy.textbook import TextbookValue
 from core.dataset.markdown import markdown_table
-from core.dataset.table import CONVENTIONS, Table, Variable
+from core.dataset.table import CONVENTIONS, Table, TableVariable
 from core.errors import StudyError
 from core.intake import prepare_content
 from core.mechanics.arrays import Array
@@ -23,8 +23,15 @@ from core.quantities import MOTION_STATUSES, REGIMES, Flag
 from core.watch import Watch
 
 __all__ = [
-    "Computed", "Outcome", "carry_out", "judge", "result_of", "run_case", "run_catalogue",
-    "to_markdown", "to_table",
+    "CaseOutcome",
+    "ComputedCase",
+    "carry_out",
+    "judge",
+    "result_of",
+    "run_case",
+    "run_catalogue",
+    "to_markdown",
+    "to_table",
 ]  # fmt: skip
 
 STATED = "conveying_velocity_error"
@@ -34,7 +41,7 @@ WITHOUT_VALUE = {"unbounded", "no_motion", "stopped"}
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CaseOutcome:
     """What became of a hard case.
 
     Attributes
@@ -74,7 +81,7 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Computed:
+class ComputedCase:
     """What the study of a case gave, and what is right for it.
 
     Attributes
@@ -87,7 +94,7 @@ class Computed:
         The judged output.
     stated : ndarray or None
         The error that the method states for its conveying velocity; None where it states none.
-    answer : Answer or None
+    answer : TextbookValue or None
         The right value; None where the case is judged by its status.
     """
 
@@ -95,19 +102,21 @@ class Computed:
     explained: bool
     value: Array
     stated: Array | None
-    answer: Answer | None
+    answer: TextbookValue | None
 
 
 Verdict = tuple[str, float, float, bool, str]
 """Status, error, stated error, whether the case passed, and a note."""
 
 
-def run_case(case: HardCase, watch: Watch | None = None) -> Outcome:
+def run_case(case: HardCase, watch: Watch | None = None) -> CaseOutcome:
     """Return what becomes of a case; warnings count as errors."""
     return carry_out(case, watch)[0]
 
 
-def carry_out(case: HardCase, watch: Watch | None = None) -> tuple[Outcome, Computed | None]:
+def carry_out(
+    case: HardCase, watch: Watch | None = None
+) -> tuple[CaseOutcome, ComputedCase | None]:
     """Return what becomes of a case, and what was computed; None where it was no study's result."""
     started = time.perf_counter()
     computed = None
@@ -115,7 +124,7 @@ def carry_out(case: HardCase, watch: Watch | None = None) -> tuple[Outcome, Comp
         warnings.simplefilter("error")
         try:
             result = _computed(case, watch)
-            if isinstance(result, Computed):
+            if isinstance(result, ComputedCase):
                 computed, result = result, judge(case, result)
             status, error, stated, passed, note = result
         except Warning as warning:
@@ -125,10 +134,10 @@ def carry_out(case: HardCase, watch: Watch | None = None) -> tuple[Outcome, Comp
             status, error, stated, passed = "error", math.nan, math.nan, False
             note = f"{type(failure).__name__}: {failure}"
     took = time.perf_counter() - started
-    return Outcome(case.name, case.family, status, error, stated, took, passed, note), computed
+    return CaseOutcome(case.name, case.family, status, error, stated, took, passed, note), computed
 
 
-def _computed(case: HardCase, watch: Watch | None) -> Computed | Verdict:
+def _computed(case: HardCase, watch: Watch | None) -> ComputedCase | Verdict:
     """Return what the study gives, or the verdict where nothing of it is left to judge."""
     if case.attempt is not None:
         error, allowed, note = case.attempt()
@@ -149,10 +158,10 @@ def _computed(case: HardCase, watch: Watch | None) -> Computed | Verdict:
     if STATED in variables:
         stated = np.asarray(variables[STATED].values, dtype=np.float64)
     answer = case.answer() if case.answer else None
-    return Computed(frozenset(names), explained, value, stated, answer)
+    return ComputedCase(frozenset(names), explained, value, stated, answer)
 
 
-def judge(case: HardCase, computed: Computed) -> Verdict:
+def judge(case: HardCase, computed: ComputedCase) -> Verdict:
     """Return the verdict on what a case's study gave; nothing is computed anew."""
     value, said, answer = computed.value, computed.stated, computed.answer
     status = ", ".join(sorted(computed.statuses))
@@ -200,7 +209,7 @@ def _shares(error: Any, stated: Any) -> Any:
     return np.where(np.isnan(share), np.inf, share)
 
 
-def _statuses(variables: Mapping[str, Variable]) -> tuple[set[str], bool]:
+def _statuses(variables: Mapping[str, TableVariable]) -> tuple[set[str], bool]:
     """Return the names of the statuses of all cells, and whether one explains a missing value."""
     regimes = _present(variables["regime"], REGIMES) if "regime" in variables else {}
     statuses = regimes
@@ -214,7 +223,7 @@ def _statuses(variables: Mapping[str, Variable]) -> tuple[set[str], bool]:
     return set(statuses), any(explained)
 
 
-def _present(variable: Variable, flags: Mapping[str, Flag]) -> dict[str, Flag]:
+def _present(variable: TableVariable, flags: Mapping[str, Flag]) -> dict[str, Flag]:
     """Return the flags that stand in a variable."""
     values = set(np.unique(variable.values).tolist())
     return {name: flag for name, flag in flags.items() if flag.value in values}
@@ -222,7 +231,7 @@ def _present(variable: Variable, flags: Mapping[str, Flag]) -> dict[str, Flag]:
 
 def run_catalogue(
     watch: Watch | None = None, cases: Sequence[HardCase] = HARD_CASES
-) -> list[Outcome]:
+) -> list[CaseOutcome]:
     """Return what becomes of every case, in order; those not started when stopped are left out."""
     watch = watch or Watch()
     outcomes = []
@@ -234,9 +243,9 @@ def run_catalogue(
     return outcomes
 
 
-def worst_of_families(outcomes: Iterable[Outcome]) -> list[Outcome]:
+def worst_of_families(outcomes: Iterable[CaseOutcome]) -> list[CaseOutcome]:
     """Return, for each family, the outcome whose error is the largest share of the stated one."""
-    worst: dict[str, Outcome] = {}
+    worst: dict[str, CaseOutcome] = {}
     for outcome in outcomes:
         known = worst.get(outcome.family)
         if known is None or outcome.share > known.share:
@@ -244,17 +253,17 @@ def worst_of_families(outcomes: Iterable[Outcome]) -> list[Outcome]:
     return list(worst.values())
 
 
-def to_table(outcomes: Sequence[Outcome]) -> Table:
+def to_table(outcomes: Sequence[CaseOutcome]) -> Table:
     """Return the outcomes as variables over the dimension `case`."""
     dims = ("case",)
 
-    def text(name: str, label: str) -> Variable:
+    def text(name: str, label: str) -> TableVariable:
         values = np.array([getattr(outcome, name) for outcome in outcomes], dtype=object)
-        return Variable(dims, values, {"long_name": label})
+        return TableVariable(dims, values, {"long_name": label})
 
-    def number(name: str, label: str, unit: str) -> Variable:
+    def number(name: str, label: str, unit: str) -> TableVariable:
         values = np.array([getattr(outcome, name) for outcome in outcomes], dtype=np.float64)
-        return Variable(dims, values, {"long_name": label, "units": unit})
+        return TableVariable(dims, values, {"long_name": label, "units": unit})
 
     passed = np.array([outcome.passed for outcome in outcomes], dtype=np.int8)
     flags = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "failed passed"}
@@ -266,14 +275,14 @@ def to_table(outcomes: Sequence[Outcome]) -> Table:
             "error": number("error", "Error, in the unit of the judged output", "1"),
             "stated_error": number("stated_error", "Largest error that is right", "1"),
             "seconds": number("seconds", "Run time", "s"),
-            "passed": Variable(dims, passed, {"long_name": "Whether it is right", **flags}),
+            "passed": TableVariable(dims, passed, {"long_name": "Whether it is right", **flags}),
             "note": text("note", "Source of the reference, or what is wrong"),
         },
         {"Conventions": CONVENTIONS, "title": "Hard cases"},
     )
 
 
-def to_markdown(outcomes: Sequence[Outcome], untried: int = 0) -> str:
+def to_markdown(outcomes: Sequence[CaseOutcome], untried: int = 0) -> str:
     """Return the outcomes as Markdown: the worst of each family first, then all.
 
     `untried` is how many cases were left when it was stopped.
@@ -304,7 +313,7 @@ def to_markdown(outcomes: Sequence[Outcome], untried: int = 0) -> str:
     )
 
 
-def _rows(outcomes: Sequence[Outcome], *, family: bool) -> list[str]:
+def _rows(outcomes: Sequence[CaseOutcome], *, family: bool) -> list[str]:
     columns = ("case", "status", "error", "allowed", "seconds", "is", "note")
     rows = [
         (

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.accuracy.curves import Curve, Measured, Point
-from core.dataset.table import Variable
+from core.dataset.table import TableVariable
 from core.plan.pieces import Computed
 
 MEASURED, MACHINE = "measured", "machine"  # among the notes
@@ -54,7 +54,9 @@ def kept(computed: Computed) -> tuple[Measured | None, dict[str, str]]:
     for name, one in content["cells"].items():
         start = f"{name}{OF}"
         found = {k.removeprefix(start): v for k, v in arrays.items() if k.startswith(start)}
-        cells[name] = Variable(tuple(one["dims"]), arrays[name], {**one["attributes"], **found})
+        cells[name] = TableVariable(
+            tuple(one["dims"]), arrays[name], {**one["attributes"], **found}
+        )
     curves = tuple(
         Curve(**{**curve, "points": tuple(Point(**point) for point in curve["points"])})
         for curve in content["curves"]

@@ -24,7 +24,7 @@ import core
 from core import kinds
 from core.catalogue import needed_parameters
 from core.dataset.markdown import markdown_table
-from core.dataset.table import CONVENTIONS, Table, Variable
+from core.dataset.table import CONVENTIONS, Table, TableVariable
 from core.errors import StudyError
 from core.intake import prepare_content
 from core.motion.systems import SYSTEMS
@@ -291,10 +291,10 @@ def to_table(rows: Sequence[Footprint]) -> Table:
         is_number = isinstance(values[0], int) if values else False
         array = np.array(values) if is_number else np.array([_text(v) for v in values], object)
         units = {"units": "byte" if name == "bytes" else "1"} if is_number else {}
-        variables[name] = Variable(("study",), array, {"long_name": label, **units})
+        variables[name] = TableVariable(("study",), array, {"long_name": label, **units})
     scenes = np.array([row.scene for row in rows], dtype=object)
     return Table(
-        {"study": Variable(("study",), scenes, {"long_name": "Scene"})}, variables,
+        {"study": TableVariable(("study",), scenes, {"long_name": "Scene"})}, variables,
         {"Conventions": CONVENTIONS, "title": "What is left out"},
     )  # fmt: skip
 

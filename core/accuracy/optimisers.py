@@ -19,7 +19,7 @@ from core.optimise.codes import STATUS
 from core.optimise.known_answers import is_closed, is_compiled
 from core.optimise.methods import METHODS, refusal
 from core.optimise.optimisation import Optimisation
-from core.optimise.problem import LIMIT, Problem, cells_of, chosen_cells
+from core.optimise.problem import LIMIT, OptimisationProblem, cells_of, chosen_cells
 from core.optimise.run import with_limit
 from core.study.optimise_study import Pareto
 from core.watch import Watch
@@ -34,7 +34,7 @@ FRONT_LIMIT = 0.25  # of the other output's scale: the point of a front that is 
 
 
 @dataclass(frozen=True)
-class Answer:
+class OptimiserResult:
     """What a method gives for some designs.
 
     Attributes
@@ -60,12 +60,12 @@ class Answer:
 
 def answer(
     name: str,
-    problem: Problem,
+    problem: OptimisationProblem,
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
     watch: Watch,
     seconds: float = math.inf,
-) -> Answer:
+) -> OptimiserResult:
     """Return what a method finds in some seconds, after a first design that loads and compiles it.
 
     scipy's methods, which take long for each design, have nothing to compile.
@@ -92,7 +92,7 @@ def answer(
     x = np.where(lost, problem.lower[:, None], found.x)
     value = np.broadcast_to(problem.judged(x, design, scales)[0], cells)
     used = np.broadcast_to(np.asarray(found.evaluations, dtype=np.float64), cells)
-    return Answer(np.where(lost, -np.inf, value), found.x, seconds, used, done)
+    return OptimiserResult(np.where(lost, -np.inf, value), found.x, seconds, used, done)
 
 
 def measure(
@@ -119,7 +119,7 @@ def measure(
             f"{FRONT_LIMIT:g} of its scale."
         )
     names = [name for name in methods if refusal(name, problem) is None]
-    answers: dict[str, Answer] = {}
+    answers: dict[str, OptimiserResult] = {}
     ends = time.monotonic() + seconds
     for position, name in enumerate(names):
         if watch.stopped():
@@ -193,8 +193,8 @@ def _found(apart: Array) -> NDArray[np.float64]:
     return np.where(np.isnan(apart), 1.0, apart)
 
 
-def _kind(name: str, problem: Problem) -> str:
-    tests: dict[str, tuple[Callable[[Problem], bool], str]] = {
+def _kind(name: str, problem: OptimisationProblem) -> str:
+    tests: dict[str, tuple[Callable[[OptimisationProblem], bool], str]] = {
         "exact": (is_closed, "the closed form (method exact)"),
         "newton": (is_compiled, "the batch solver (method newton), at its own tolerance of 1e-10"),
     }

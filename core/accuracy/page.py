@@ -11,7 +11,7 @@ from urllib.parse import quote
 
 from core.accuracy.curves import FAMILIES, STEEP, Curve, Measured, Point, numbers_of
 from core.accuracy.families import SECONDS
-from core.accuracy.report import Part
+from core.accuracy.report import ReportPart
 from core.dataset.markdown import markdown_table
 
 TITLES = {
@@ -28,14 +28,14 @@ Column = tuple[str, Callable[[Curve, Point], str]]
 
 
 @dataclass(frozen=True)
-class Section:
+class PageSection:
     """A part of the page: a heading and what stands below it, as Markdown."""
 
     title: str
     body: str
 
 
-def write_page(title: str, head: Sequence[str], sections: Sequence[Section]) -> str:
+def write_page(title: str, head: Sequence[str], sections: Sequence[PageSection]) -> str:
     """Return the page: the head's paragraphs, then the sections."""
     parts = [f"# {title}", *head]
     for section in sections:
@@ -59,8 +59,8 @@ def head_of(attributes: Mapping[str, str], command: str) -> list[str]:
 
 
 def sections_of(
-    part: Part, pictures: Mapping[str, str], seconds: float = SECONDS
-) -> Iterator[Section]:
+    part: ReportPart, pictures: Mapping[str, str], seconds: float = SECONDS
+) -> Iterator[PageSection]:
     """Yield a section for each family of a study, each of which had so many seconds.
 
     `pictures` holds the file of each family's picture, relative to the page.
@@ -68,7 +68,7 @@ def sections_of(
     for measured in part.measured:
         title = f"{TITLES[measured.family]} ({Path(part.name).stem})"
         command = command_of(part.name, measured.family, seconds)
-        yield Section(title, _body(part, measured, command, pictures.get(measured.family)))
+        yield PageSection(title, _body(part, measured, command, pictures.get(measured.family)))
 
 
 def command_of(name: str, family: str, seconds: float = SECONDS) -> str:
@@ -77,7 +77,7 @@ def command_of(name: str, family: str, seconds: float = SECONDS) -> str:
     return shlex.join(words + ([] if seconds == SECONDS else ["--seconds", f"{seconds:g}"]))
 
 
-def _body(part: Part, measured: Measured, command: str, picture: str | None) -> str:
+def _body(part: ReportPart, measured: Measured, command: str, picture: str | None) -> str:
     family = measured.family
     lines = [
         f"*{part.title}* ({part.scene}). Compared: {FAMILIES[family]}.",

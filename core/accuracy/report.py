@@ -32,7 +32,7 @@ LIBRARIES = ("numpy", "numba", "scipy", "mpmath", "netCDF4")
 
 
 @dataclass(frozen=True)
-class Part:
+class ReportPart:
     """The measurements of one study.
 
     Attributes
@@ -61,7 +61,7 @@ def measure_study(
     watch: Watch | None = None,
     seconds: float = SECONDS,
     only: Collection[str] = (),
-) -> Part:
+) -> ReportPart:
     """Return the measurements of a study.
 
     Parameters
@@ -108,10 +108,10 @@ def measure_family(
 
 def part_of(
     prepared: Prepared, name: str, measured: Sequence[Measured], facts: Mapping[str, str]
-) -> Part:
+) -> ReportPart:
     """Return the measurements of a study together; `facts` is what `machine` told."""
     plan = prepared.plan
-    return Part(
+    return ReportPart(
         name,
         prepared.study.title or plan.scene.title,
         f"{plan.scene.name}, {plan.scene.choice} {plan.variant}",

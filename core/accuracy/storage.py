@@ -26,7 +26,7 @@ BITS = {"float32": 23}
 
 
 @dataclass(frozen=True)
-class Format:
+class StorageFormat:
     """A way to store a result.
 
     Attributes
@@ -58,11 +58,11 @@ class Format:
         return f"{self.dtype}{kept} level {self.level}" if self.level else f"{self.dtype} plain"
 
 
-SERIES: dict[str, tuple[Format, ...]] = {
-    "compression": tuple(Format(level=level) for level in (0, 1, 2, 4, 6, 9)),
-    "float32": tuple(Format("float32", level) for level in (0, 1, 4, 9)),
-    "quantised": tuple(Format(bits=bits) for bits in (36, 28, 20, 16, 12, 8)),
-    "float32 quantised": tuple(Format("float32", bits=bits) for bits in (20, 16, 12, 8)),
+SERIES: dict[str, tuple[StorageFormat, ...]] = {
+    "compression": tuple(StorageFormat(level=level) for level in (0, 1, 2, 4, 6, 9)),
+    "float32": tuple(StorageFormat("float32", level) for level in (0, 1, 4, 9)),
+    "quantised": tuple(StorageFormat(bits=bits) for bits in (36, 28, 20, 16, 12, 8)),
+    "float32 quantised": tuple(StorageFormat("float32", bits=bits) for bits in (20, 16, 12, 8)),
 }
 """What is compared, by the name of its curve."""
 
@@ -104,7 +104,7 @@ def measure(table: Table, watch: Watch) -> Measured:
     return Measured("storage", tuple(curves), tuple(notes))
 
 
-def write_as(table: Table, path: Path, one: Format) -> None:
+def write_as(table: Table, path: Path, one: StorageFormat) -> None:
     """Write a table in a format."""
     if one.dtype == "float32":
         # Coordinates stay as they are: a cell is to be found again.
@@ -142,7 +142,7 @@ def errors_of_file(path: Path, values: Mapping[str, NDArray[Any]]) -> NDArray[np
 
 
 def _point(
-    table: Table, values: Mapping[str, NDArray[Any]], one: Format, path: Path, count: int
+    table: Table, values: Mapping[str, NDArray[Any]], one: StorageFormat, path: Path, count: int
 ) -> Point:
     write: Callable[[], None] = lambda: write_as(table, path, one)  # noqa: E731
     seconds = median_seconds(write, REPEATS, least=0.0) / count

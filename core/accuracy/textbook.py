@@ -22,7 +22,7 @@ BAR = 8
 Formula = Callable[..., Any]
 
 
-class Answer(NamedTuple):
+class TextbookValue(NamedTuple):
     """What is right, and by how much a result may miss it.
 
     Attributes
@@ -40,13 +40,13 @@ class Answer(NamedTuple):
     source: str
 
 
-def exact(formula: Formula, **given: float) -> Callable[[], Answer]:
+def exact(formula: Formula, **given: float) -> Callable[[], TextbookValue]:
     """Return what gives the exact value of a formula, with an error of 8 kappa ulp.
 
     kappa = sum |x dF/dx|/|F| over the inputs: what one rounding of each of them does to the value.
     """
 
-    def answer() -> Answer:
+    def answer() -> TextbookValue:
         with mp.workdps(DIGITS):
             inputs = {name: mpf(value) for name, value in given.items()}
             value = formula(**inputs)
@@ -59,23 +59,23 @@ def exact(formula: Formula, **given: float) -> Callable[[], Answer]:
                     total += abs(after - before) / 2 / mpf(10) ** -20
             # A value in the subnormal range has an absolute rounding.
             error = BAR * float(total) * EPSILON + BAR * 5e-324
-            return Answer(float(value), error, "closed form in 700 digits; 8 kappa ulp")
+            return TextbookValue(float(value), error, "closed form in 700 digits; 8 kappa ulp")
 
     return answer
 
 
-def exact_of_floats(formula: Formula, **given: float) -> Callable[[], Answer]:
+def exact_of_floats(formula: Formula, **given: float) -> Callable[[], TextbookValue]:
     """Return what gives the exact value of a formula, with an error of 8 ulp of the value itself.
 
     For formulas whose inputs cancel without a rounding, so that their condition does not count: of
     two floats within a factor of 2 of each other the difference is exact (Sterbenz).
     """
 
-    def answer() -> Answer:
+    def answer() -> TextbookValue:
         with mp.workdps(DIGITS):
             value = float(formula(**{name: mpf(number) for name, number in given.items()}))
         error = BAR * abs(value) * EPSILON + BAR * 5e-324
-        return Answer(value, error, "closed form of the floats in 700 digits; 8 ulp")
+        return TextbookValue(value, error, "closed form of the floats in 700 digits; 8 ulp")
 
     return answer
 

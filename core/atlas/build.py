@@ -18,7 +18,7 @@ from core.dataset.table import (
     CONVENTIONS,
     REFERENCES,
     Table,
-    Variable,
+    TableVariable,
     quantity_attributes,
     regime_attributes,
 )
@@ -154,12 +154,12 @@ def _labelled(
 ) -> Table:
     dims = tuple(AXES)
 
-    def stored(values: NDArray[Any], **attributes: Any) -> Variable:
+    def stored(values: NDArray[Any], **attributes: Any) -> TableVariable:
         kept = values.astype(np.float32) if values.dtype.kind == "f" else values
-        return Variable(dims, kept, attributes)
+        return TableVariable(dims, kept, attributes)
 
     coordinates = {
-        name: Variable((name,), nodes, axis.attributes())
+        name: TableVariable((name,), nodes, axis.attributes())
         for (name, axis), nodes in zip(AXES.items(), axes, strict=True)
     }
     variables = {

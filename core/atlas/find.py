@@ -34,7 +34,7 @@ LOOKUP_STATUSES: Mapping[str, Flag] = {
 STATUS: Mapping[str, int] = {name: flag.value for name, flag in LOOKUP_STATUSES.items()}
 
 
-class Found(NamedTuple):
+class AtlasValues(NamedTuple):
     """What an atlas says of some cells, arrays of shape (n,).
 
     Attributes
@@ -62,16 +62,16 @@ class Found(NamedTuple):
     status: NDArray[np.int8]
 
 
-def find(atlas: Atlas, numbers: Numbers) -> Found:
+def find(atlas: Atlas, numbers: Numbers) -> AtlasValues:
     """Return what an atlas says at some numbers, arrays of shape (n,)."""
     pieces = [
         _piece(atlas, Numbers(*(one[start : start + PIECE] for one in numbers)))
         for start in range(0, max(1, numbers.throw_number.size), PIECE)
     ]
-    return Found(*(np.concatenate(fields) for fields in zip(*pieces, strict=True)))
+    return AtlasValues(*(np.concatenate(fields) for fields in zip(*pieces, strict=True)))
 
 
-def _piece(atlas: Atlas, numbers: Numbers) -> Found:
+def _piece(atlas: Atlas, numbers: Numbers) -> AtlasValues:
     count = numbers.throw_number.size
     outside = np.logical_or.reduce(list(out_of_range(numbers).values()))
     base = np.zeros(count, dtype=np.intp)
@@ -138,7 +138,7 @@ def _with_status(
     share_error: Array,
     atlas: Atlas,
     nearest: NDArray[np.intp],
-) -> Found:
+) -> AtlasValues:
     """Return what was found, with nothing that is no answer, and rest where friction tells it."""
     status = np.where(outside, STATUS["out_of_range"], STATUS["near_border"])
     held = rests(numbers) & ~outside
@@ -151,4 +151,4 @@ def _with_status(
     exactly = np.where(held, 0.0, error), np.where(held, 0.0, share_error)
     error, share_error = (np.where(answered, one, np.nan) for one in exactly)
     pattern = np.where(answered, pattern, 0).astype(np.int8)
-    return Found._make((values[:, 0], error, *values[:, 1:].T, share_error, pattern, status))
+    return AtlasValues._make((values[:, 0], error, *values[:, 1:].T, share_error, pattern, status))

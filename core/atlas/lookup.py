@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import core
 from core.atlas.cells import regime_of
-from core.atlas.find import LOOKUP_STATUSES, STATUS, Found, find
+from core.atlas.find import LOOKUP_STATUSES, STATUS, AtlasValues, find
 from core.atlas.numbers import AXES, numbers_of
 from core.atlas.read import Atlas, open_atlas
 from core.atlas.rows import read_rows
@@ -21,7 +21,7 @@ from core.dataset.table import (
     CONVENTIONS,
     REFERENCES,
     Table,
-    Variable,
+    TableVariable,
     quantity_attributes,
     regime_attributes,
 )
@@ -193,9 +193,10 @@ def lookup_rows(
     si |= {name: parameter_to_si(name, values) for name, values in arrays.items()}
     known = _before_motion(prepared, si)
     about = {"long_name": "Row", "units": "1"}
-    coordinates = {ROW: Variable((ROW,), np.arange(1, rows + 1), about)}
+    coordinates = {ROW: TableVariable((ROW,), np.arange(1, rows + 1), about)}
     given = {
-        name: Variable((ROW,), values, quantity_attributes(name)) for name, values in arrays.items()
+        name: TableVariable((ROW,), values, quantity_attributes(name))
+        for name, values in arrays.items()
     }
     found = _looked_up(atlas, prepared, known, (ROW,), (rows,), coordinates, simulate)
     return Table(found.coordinates, {**given, **found.variables}, found.attributes)
@@ -319,7 +320,7 @@ def _looked_up(
     known: Known,
     dims: tuple[str, ...],
     shape: tuple[int, ...],
-    coordinates: Mapping[str, Variable],
+    coordinates: Mapping[str, TableVariable],
     simulate: bool,
 ) -> Table:
     """Return the table of a look-up over cells of some shape."""
@@ -345,8 +346,8 @@ def _looked_up(
             shares[name][left] = getattr(motion, name)
     scale = np.broadcast_to(known["velocity_scale"], shape).ravel()
 
-    def laid_out(values: NDArray[Any], attributes: Mapping[str, Any]) -> Variable:
-        return Variable(dims, values.reshape(shape), attributes)
+    def laid_out(values: NDArray[Any], attributes: Mapping[str, Any]) -> TableVariable:
+        return TableVariable(dims, values.reshape(shape), attributes)
 
     variables = {
         "conveying_velocity": laid_out(velocity * scale, quantity_attributes("conveying_velocity")),
@@ -370,7 +371,7 @@ def _looked_up(
     return Table(coordinates, variables, _attributes(atlas))
 
 
-def _in_way(found: Found, unit: Array) -> Found:
+def _in_way(found: AtlasValues, unit: Array) -> AtlasValues:
     """Return what was found in the axes of the track: the mirror image is turned back."""
     back = unit < 0
     return found._replace(

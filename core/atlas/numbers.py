@@ -32,7 +32,7 @@ class Numbers(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Axis:
+class AtlasAxis:
     """One of the numbers: what it is, and from where to where the atlas knows it."""
 
     label: str
@@ -45,20 +45,20 @@ class Axis:
         return {"units": "1", "long_name": self.label, "comment": self.definition}
 
 
-AXES: Mapping[str, Axis] = {
-    "throw_number": Axis(
+AXES: Mapping[str, AtlasAxis] = {
+    "throw_number": AtlasAxis(
         "Throw number",
         "A0 w^2 sin(beta) / (g cos(gamma)), with a hold-down added to g cos(gamma)",
         0.02, 3.72,
     ),
-    "angle_number": Axis(
+    "angle_number": AtlasAxis(
         "Friction times tan(beta)", "friction_kinetic tan(beta)", 0.008, 5.0
     ),
-    "slope_number": Axis(
+    "slope_number": AtlasAxis(
         "Slope over friction",
         "tan(gamma) / friction_kinetic, less if a hold-down presses the part on", -0.9, 0.9,
     ),
-    "friction_ratio": Axis(
+    "friction_ratio": AtlasAxis(
         "Static over kinetic friction", "friction_static / friction_kinetic", 1.0, 1.6,
     ),
 }  # fmt: skip

@@ -30,7 +30,7 @@ from core.calibrate.posterior import (
     posterior_of,
 )
 from core.calibrate.words import Findings, summary
-from core.dataset.table import Table, Variable, quantity_attributes
+from core.dataset.table import Table, TableVariable, quantity_attributes
 from core.mechanics.arrays import Array
 from core.plan.labels import global_attributes
 from core.plan.pieces import FOLLOWED, Computed
@@ -72,7 +72,7 @@ def label(prepared: Calibration, computed: Computed, watch: Watch) -> Table:
     model, arrays = prepared.model, computed.arrays
     attributes = _attributes(prepared)
     variables = {
-        name: Variable(prepared.dims[name], arrays[name], attributes[name])
+        name: TableVariable(prepared.dims[name], arrays[name], attributes[name])
         for name in prepared.units
     }
     words = {
@@ -175,27 +175,29 @@ def _densities(prepared: Calibration, posterior: Posterior, axes: list[Array]) -
     return found
 
 
-def _coordinates(prepared: Calibration, arrays: Mapping[str, NDArray[Any]]) -> dict[str, Variable]:
+def _coordinates(
+    prepared: Calibration, arrays: Mapping[str, NDArray[Any]]
+) -> dict[str, TableVariable]:
     """Return the axes of a result, and the parameters of the runs."""
     model = prepared.model
     coordinates = {
-        one.name: Variable((one.name,), arrays[one.name], _unknown_attributes(one))
+        one.name: TableVariable((one.name,), arrays[one.name], _unknown_attributes(one))
         for one in model.unknowns
     }
     numbers = np.arange(1.0, len(model.runs) + 1.0)
-    coordinates[RUN] = Variable((RUN,), numbers, {"units": "1", "long_name": "Run"})
+    coordinates[RUN] = TableVariable((RUN,), numbers, {"units": "1", "long_name": "Run"})
     modes = np.arange(1.0, arrays["mode_share"].size + 1.0)
-    coordinates[MODE] = Variable((MODE,), modes, {"units": "1", "long_name": "Mode"})
+    coordinates[MODE] = TableVariable((MODE,), modes, {"units": "1", "long_name": "Mode"})
     for name, column in model.runs.columns.items():
-        coordinates[name] = Variable((RUN,), column, quantity_attributes(name))
+        coordinates[name] = TableVariable((RUN,), column, quantity_attributes(name))
     if prepared.candidates is not None:
         for name in prepared.candidates.axes:
             values = prepared.candidates.coordinate(name)
             key = CANDIDATE + name
-            coordinates[key] = Variable((key,), values, quantity_attributes(name))
+            coordinates[key] = TableVariable((key,), values, quantity_attributes(name))
     known = {n: v for n, v in model.shared.items() if n not in {u.name for u in model.unknowns}}
     for name, value in known.items():
-        coordinates[name] = Variable((), np.asarray(value), quantity_attributes(name))
+        coordinates[name] = TableVariable((), np.asarray(value), quantity_attributes(name))
     return coordinates
 
 

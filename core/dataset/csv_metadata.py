@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from core.dataset.frame import Column, Frame, heading
+from core.dataset.frame import Frame, FrameColumn, heading
 
 
 def metadata_path(path: Path) -> Path:
@@ -38,7 +38,7 @@ def csv_metadata(frame: Frame, name: str) -> bytes:
     return (json.dumps(document, indent=2, ensure_ascii=False) + "\n").encode()
 
 
-def _column(column: Column) -> dict[str, Any]:
+def _column(column: FrameColumn) -> dict[str, Any]:
     attributes = column.variable.attributes
     kind = column.variable.values.dtype.kind
     found = {

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from core.dataset.table import Table, Variable
+from core.dataset.table import Table, TableVariable
 
 
 def to_document(table: Table) -> dict[str, Any]:
@@ -22,7 +22,7 @@ def to_document(table: Table) -> dict[str, Any]:
     }
 
 
-def _document(variable: Variable) -> dict[str, Any]:
+def _document(variable: TableVariable) -> dict[str, Any]:
     attributes = dict(variable.attributes)
     values, meanings = attributes.pop("flag_values", None), attributes.pop("flag_meanings", "")
     if values is not None:

@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.table import Table, Variable
+from core.dataset.table import Table, TableVariable
 from core.errors import LimitError, MissingPackageError
 from core.extras import installing
 from core.quantities import REGIMES
@@ -88,7 +88,7 @@ class Frame:
         yield ",".join(map(_quoted, map(heading, self.columns))).encode() + b"\r\n"
         # What is repeated is put into words once.
         texts = [
-            Column(c.name, c.variable, _texts(c.values)) if c.values.size < self.rows else c
+            FrameColumn(c.name, c.variable, _texts(c.values)) if c.values.size < self.rows else c
             for c in self.columns
         ]
         for start in range(0, self.rows, CSV_ROWS):
@@ -112,14 +112,14 @@ class Frame:
         return _parquet(self)
 
     @cached_property
-    def columns(self) -> list[Column]:
+    def columns(self) -> list[FrameColumn]:
         """The columns, in their order."""
         return [
-            Column(name, variable)
+            FrameColumn(name, variable)
             for name, variable in (*self.table.coordinates.items(), *self.table.variables.items())
         ]
 
-    def piece(self, column: Column, start: int, rows: int) -> NDArray[Any]:
+    def piece(self, column: FrameColumn, start: int, rows: int) -> NDArray[Any]:
         """Return the values of a column in some rows."""
         own = column.variable.dims
         order = [own.index(dim) for dim in self.sizes if dim in own]
@@ -148,11 +148,11 @@ def pyarrow() -> Any:
 
 
 @dataclass(frozen=True)
-class Column:
+class FrameColumn:
     """A variable with its name."""
 
     name: str
-    variable: Variable
+    variable: TableVariable
     texts: NDArray[Any] | None = field(default=None)
 
     @cached_property
@@ -179,7 +179,7 @@ class Column:
         return np.asarray(found[self.variable.values.astype(np.uint8)])
 
 
-def heading(column: Column) -> str:
+def heading(column: FrameColumn) -> str:
     """Return the name of a column with its unit, if it has one."""
     unit = column.variable.attributes.get("units", "1")
     return column.name if unit in ("", "1") else f"{column.name} [{unit}]"
@@ -259,7 +259,7 @@ def _parquet_pieces(arrow: Any, frame: Frame) -> Iterator[bytes]:
     yield sink.taken()
 
 
-def _type(arrow: Any, column: Column) -> Any:
+def _type(arrow: Any, column: FrameColumn) -> Any:
     if column.words:
         return arrow.dictionary(arrow.int8(), arrow.string())
     dtype = column.variable.values.dtype
@@ -268,13 +268,15 @@ def _type(arrow: Any, column: Column) -> Any:
     return arrow.from_numpy_dtype(dtype.newbyteorder("="))
 
 
-def _array(arrow: Any, frame: Frame, column: Column, start: int) -> Any:
+def _array(arrow: Any, frame: Frame, column: FrameColumn, start: int) -> Any:
     """Return some rows of a column; what has no value is null in words, and NaN in numbers."""
     if not column.words:
         piece = frame.piece(column, start, PARQUET_ROWS)
         piece = piece.astype(piece.dtype.newbyteorder("="), copy=False)
         return arrow.array(piece, type=_type(arrow, column))
-    codes = frame.piece(Column(column.name, column.variable, column.codes), start, PARQUET_ROWS)
+    codes = frame.piece(
+        FrameColumn(column.name, column.variable, column.codes), start, PARQUET_ROWS
+    )
     indices = arrow.array(codes, mask=codes == len(column.words))
     return arrow.DictionaryArray.from_arrays(indices, column.words)
 

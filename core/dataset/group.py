@@ -13,7 +13,7 @@ from core.dataset.files import partial
 from core.dataset.netcdf import tiles_of
 from core.dataset.read import check_size
 from core.dataset.shards import GrowingZarr, open_store, told_plainly
-from core.dataset.table import Table, Variable
+from core.dataset.table import Table, TableVariable
 
 if TYPE_CHECKING:
     import zarr
@@ -93,10 +93,10 @@ def read_zarr(where: str, *, most_bytes: int | None = None) -> Table:
             for array in arrays.values()
             for name in str(array.attrs.get("coordinates", "")).split()
         } | {dim for own in dims.values() for dim in own}
-        coordinates: dict[str, Variable] = {}
-        variables: dict[str, Variable] = {}
+        coordinates: dict[str, TableVariable] = {}
+        variables: dict[str, TableVariable] = {}
         for name in listed:
-            one = Variable(dims[name], _values(arrays[name]), _attributes(arrays[name].attrs))
+            one = TableVariable(dims[name], _values(arrays[name]), _attributes(arrays[name].attrs))
             (coordinates if name in named else variables)[name] = one
         return Table(coordinates, variables, dict(group.attrs))
 

@@ -81,7 +81,7 @@ class Layout:
 
 
 @dataclass(frozen=True)
-class Field:
+class StoredField:
     """Arrays over the same dimensions, which are cut alike.
 
     Attributes
@@ -103,7 +103,7 @@ class Field:
 class Tile:
     """A tile of all arrays of a field."""
 
-    field: Field
+    field: StoredField
     box: Box
 
     @property
@@ -136,7 +136,7 @@ class Tiles:
             if own:
                 together.setdefault(own, []).append(name)
         self.fields = tuple(
-            Field(tuple(names), own, Layout.of([sizes[dim] for dim in own]))
+            StoredField(tuple(names), own, Layout.of([sizes[dim] for dim in own]))
             for own, names in together.items()
         )
         self._ends = list(itertools.accumulate(field.layout.tiles for field in self.fields))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.dataset.files import whole
-from core.dataset.table import Table, Variable
+from core.dataset.table import Table, TableVariable
 from core.errors import LimitError
 
 MOST_BYTES: Final = 2**31 - 2**20  # of one variable of a file of MATLAB's version 5
@@ -88,7 +88,7 @@ def names_in_matlab(names: Iterable[str]) -> dict[str, str]:
     return found
 
 
-def _array(variable: Variable) -> NDArray[Any]:
+def _array(variable: TableVariable) -> NDArray[Any]:
     """Return values as MATLAB has them: numbers as double, texts as a cell array."""
     values = variable.values
     return values if values.dtype == object or values.dtype.kind == "f" else values.astype(float)
@@ -103,7 +103,7 @@ def _list(texts: Iterable[str]) -> NDArray[Any]:
 
 
 def _texts(
-    variables: Mapping[str, Variable], named: Mapping[str, str], attribute: str
+    variables: Mapping[str, TableVariable], named: Mapping[str, str], attribute: str
 ) -> dict[str, str]:
     return {
         named[name]: str(one.attributes[attribute])
@@ -112,7 +112,7 @@ def _texts(
     }
 
 
-def _flags(variable: Variable) -> dict[str, float]:
+def _flags(variable: TableVariable) -> dict[str, float]:
     """Return the value that stands for each word of a flag."""
     words = str(variable.attributes.get("flag_meanings", "")).split()
     named = names_in_matlab(words)

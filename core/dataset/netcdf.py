@@ -18,7 +18,7 @@ from core.dataset import layout
 from core.dataset.chunks import ChunkFile
 from core.dataset.files import whole
 from core.dataset.layout import Layout, Tiles
-from core.dataset.table import Table, Variable
+from core.dataset.table import Table, TableVariable
 
 if TYPE_CHECKING:
     import netCDF4
@@ -161,7 +161,7 @@ def _fill(
 def _add(
     file: netCDF4.Dataset,
     name: str,
-    variable: Variable,
+    variable: TableVariable,
     links: Mapping[str, str],
     storage: _Storage,
 ) -> netCDF4.Variable[Any]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from core.dataset.frame import check_rows
-from core.dataset.table import Table, Variable
+from core.dataset.table import Table, TableVariable
 from core.errors import LimitError
 
 if TYPE_CHECKING:
@@ -68,8 +68,8 @@ def read_netcdf(
         check_rows(sizes, most_rows)
         check_size(sum(one.nbytes for one in file.values()), most_bytes)
         named = " ".join(_plain(one.attrs.get("coordinates", "")) for one in file.values())
-        coordinates: dict[str, Variable] = {}
-        variables: dict[str, Variable] = {}
+        coordinates: dict[str, TableVariable] = {}
+        variables: dict[str, TableVariable] = {}
         for name, one in file.items():
             is_coordinate = one.is_scale or name in named.split()
             (coordinates if is_coordinate else variables)[name] = _variable(file, name, one)
@@ -83,12 +83,12 @@ def check_size(size: int, most: int | None) -> None:
         raise LimitError("bytes of memory", size, most, fix)
 
 
-def _variable(file: h5py.File, name: str, one: h5py.Dataset) -> Variable:
+def _variable(file: h5py.File, name: str, one: h5py.Dataset) -> TableVariable:
     dims = tuple(file[ref[0]].name[1:] for ref in one.attrs.get("DIMENSION_LIST", ()))
     if one.is_scale:
         dims = (name,)
     values = one.asstr()[()] if one.dtype == object else one[()]
-    return Variable(dims, np.asarray(values), _attributes(one.attrs))
+    return TableVariable(dims, np.asarray(values), _attributes(one.attrs))
 
 
 def _attributes(found: Mapping[str, Any]) -> dict[str, Any]:

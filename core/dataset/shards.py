@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import NDArray
 
 from core.dataset.files import Behind, partial, settle, sync
-from core.dataset.layout import Field, Layout, Tile, Tiles
+from core.dataset.layout import Layout, StoredField, Tile, Tiles
 from core.dataset.packing import index_length, is_whole, pack
 from core.dataset.table import Table
 from core.dataset.zarr_metadata import array_document, group_document
@@ -206,7 +206,7 @@ class GrowingZarr:
     def _described(self) -> dict[str, dict[str, Any]]:
         """Return the documents of all arrays."""
         table = self._table
-        fields: dict[str, Field] = {n: f for f in self.tiles.fields for n in f.names}
+        fields: dict[str, StoredField] = {n: f for f in self.tiles.fields for n in f.names}
         documents = {}
         for name, one in {**table.coordinates, **table.variables}.items():
             if name in fields:

@@ -27,7 +27,7 @@ Attributes = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
-class Variable:
+class TableVariable:
     """An array with the names of its dimensions and its attributes."""
 
     dims: tuple[str, ...]
@@ -52,8 +52,8 @@ class Table:
         leave them out.
     """
 
-    coordinates: Mapping[str, Variable]
-    variables: Mapping[str, Variable]
+    coordinates: Mapping[str, TableVariable]
+    variables: Mapping[str, TableVariable]
     attributes: Attributes
     price: Attributes = field(default_factory=dict)
 
@@ -65,9 +65,9 @@ class Table:
     def of_xarray(cls, dataset: xarray.Dataset) -> Table:
         """Return the table that a dataset shows; arrays are shared, not copied."""
 
-        def plain(arrays: Mapping[Any, xarray.DataArray]) -> dict[str, Variable]:
+        def plain(arrays: Mapping[Any, xarray.DataArray]) -> dict[str, TableVariable]:
             return {
-                str(name): Variable(tuple(map(str, a.dims)), a.values, dict(a.attrs))
+                str(name): TableVariable(tuple(map(str, a.dims)), a.values, dict(a.attrs))
                 for name, a in arrays.items()
             }
 
@@ -77,7 +77,7 @@ class Table:
         """Return the table as an xarray dataset; arrays are shared, not copied."""
         import xarray  # heavy, and a file or a reply does not need it
 
-        def view(variables: Mapping[str, Variable]) -> dict[str, Any]:
+        def view(variables: Mapping[str, TableVariable]) -> dict[str, Any]:
             return {
                 name: xarray.Variable(v.dims, v.values, dict(v.attributes))
                 for name, v in variables.items()

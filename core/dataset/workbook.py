@@ -16,7 +16,7 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.frame import Column, Frame, heading
+from core.dataset.frame import Frame, FrameColumn, heading
 from core.errors import LimitError, MissingPackageError
 from core.extras import installing
 
@@ -98,7 +98,7 @@ def _add_values(book: Any, frame: Frame) -> Iterator[None]:
         yield
 
 
-def _is_constant(frame: Frame, column: Column) -> bool:
+def _is_constant(frame: Frame, column: FrameColumn) -> bool:
     """Return whether a column is a parameter of one value."""
     return column.name in frame.table.coordinates and not column.variable.dims
 
@@ -124,7 +124,7 @@ def _add_columns(book: Any, frame: Frame) -> None:
         sheet.append([_text(sheet, text) for text in (column.name, *texts, dims)])
 
 
-def _dims(column: Column) -> str:
+def _dims(column: FrameColumn) -> str:
     return ", ".join(column.variable.dims)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from core.dataset.table import Table, Variable
+from core.dataset.table import Table, TableVariable
 
 FILL: dict[str, tuple[float, str | int]] = {
     "float64": (np.nan, "NaN"), "float32": (np.nan, "NaN"), "int8": (0, 0), "int64": (0, 0)
@@ -107,7 +107,7 @@ def array_document(
     }
 
 
-def _links(table: Table, name: str, variable: Variable) -> dict[str, str]:
+def _links(table: Table, name: str, variable: TableVariable) -> dict[str, str]:
     """Return the CF attributes by which an output names coordinates and its regime."""
     scalars = " ".join(n for n, coordinate in table.coordinates.items() if not coordinate.dims)
     links = {"coordinates": scalars} if scalars else {}

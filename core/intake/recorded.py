@@ -130,7 +130,7 @@ def _which(files: bool) -> str:
     return f"Give file = its name, or {text}" if files else f"Give {text}"
 
 
-def _table(source: str | Path, place: str, files: bool) -> measured.Table:
+def _table(source: str | Path, place: str, files: bool) -> measured.RecordingTable:
     # Most lines are rows: what has far too many is not read.
     lines = source.count("\n") if isinstance(source, str) else 0
     if not files and lines > 2 * MOST_ROWS_SENT:

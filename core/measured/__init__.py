@@ -8,13 +8,13 @@ from core.lazy import lazily
 
 __all__ = [
     "Clock",
-    "Column",
     "Fault",
     "Fit",
     "Fold",
     "Recording",
+    "RecordingColumn",
+    "RecordingTable",
     "Signal",
-    "Table",
     "Tilt",
     "fit_drive",
     "fit_signal",
@@ -25,7 +25,7 @@ __all__ = [
 if TYPE_CHECKING:
     from core.measured.drive import Clock, Fit, Fold, Tilt
     from core.measured.fit import fit_drive, fit_signal
-    from core.measured.read import Column, Fault, Table, read_table
+    from core.measured.read import Fault, RecordingColumn, RecordingTable, read_table
     from core.measured.recording import Recording, Signal, read_signal
 else:
     __getattr__ = lazily(

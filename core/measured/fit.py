@@ -12,14 +12,14 @@ from core.measured.drive import Clock, Fit, Tilt, wrapped
 from core.measured.fundamental import DRIFT, fundamental, orders_below
 from core.measured.harmonics import Array, Samples, Solution, solved
 from core.measured.noise import Noise, covariance_of, hurdle, noise_of
-from core.measured.read import Table
+from core.measured.read import RecordingTable
 from core.measured.recording import AXES, STANDARD_GRAVITY, Recording, Signal, read_signal
 from core.measured.sound import check_before, check_fit, check_orders
 
 SIZE = 0.1  # by which a constant may miss gravity and still be taken for it
 
 
-def fit_drive(source: str | Path | Table, recording: Recording) -> Fit:
+def fit_drive(source: str | Path | RecordingTable, recording: Recording) -> Fit:
     """Return the drive that a recording shows; `read_signal`, then `fit_signal`."""
     return fit_signal(read_signal(source, recording))
 

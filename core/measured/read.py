@@ -40,7 +40,7 @@ class Fault(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Column:
+class RecordingColumn:
     """One channel.
 
     Attributes
@@ -62,13 +62,13 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Table:
+class RecordingTable:
     """Columns of equal length, by name, and the line of the file on which each row stands."""
 
-    columns: Mapping[str, Column]
+    columns: Mapping[str, RecordingColumn]
     lines: NDArray[np.int64]
 
-    def column(self, name: str, place: str, problems: list[Problem]) -> Column | None:
+    def column(self, name: str, place: str, problems: list[Problem]) -> RecordingColumn | None:
         """Return a sound column; else say at `place` what is wrong with it, and return None."""
         column = self.columns.get(name)
         if column is None:
@@ -84,7 +84,7 @@ class Table:
         return None if column.faulty else column
 
 
-def read_table(source: str | Path) -> Table:
+def read_table(source: str | Path) -> RecordingTable:
     """Return the columns of a CSV file, or of its text.
 
     Comma, semicolon or tab part the cells; beside the last two a comma is a decimal comma. The
@@ -133,7 +133,7 @@ def read_table(source: str | Path) -> Table:
         name: _column(texts, unit, lines)
         for name, unit, texts in zip(names, units, cells, strict=True)
     }
-    return Table(columns, lines)
+    return RecordingTable(columns, lines)
 
 
 def _text_of(source: str | Path) -> str:
@@ -222,14 +222,14 @@ def _check_rows(body: Sequence[tuple[int, Sequence[str]]], names: Sequence[str])
         raise StudyError(problems)
 
 
-def _column(texts: Sequence[str], unit: str, lines: NDArray[np.int64]) -> Column:
+def _column(texts: Sequence[str], unit: str, lines: NDArray[np.int64]) -> RecordingColumn:
     try:
         values = np.fromiter(map(float, texts), np.float64, len(texts))
     except ValueError:
         values = np.array([float(text) if _is_number(text) else np.nan for text in texts])
     wrong = np.flatnonzero(~np.isfinite(values))
     faults = tuple(Fault(int(lines[row]), texts[row].strip()) for row in wrong[:SHOWN])
-    return Column(values, unit, faults, wrong.size)
+    return RecordingColumn(values, unit, faults, wrong.size)
 
 
 def _is_number(text: str) -> bool:

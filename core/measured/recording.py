@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from core.errors import Problem, StudyError
 from core.measured.clipped import clipped
 from core.measured.mounting import Angles, direction
-from core.measured.read import Column, Table, read_table
+from core.measured.read import RecordingColumn, RecordingTable, read_table
 from core.measured.times import read_times
 from core.quantities import QUANTITIES
 from core.study.units import UnitError, problem, read_number
@@ -109,7 +109,7 @@ class Signal(NamedTuple):
     harmonics: int | None = None
 
 
-def read_signal(source: str | Path | Table, recording: Recording) -> Signal:
+def read_signal(source: str | Path | RecordingTable, recording: Recording) -> Signal:
     """Return the track's accelerations that a recording holds.
 
     Parameters
@@ -123,7 +123,7 @@ def read_signal(source: str | Path | Table, recording: Recording) -> Signal:
     StudyError
         With everything that is wrong: columns, cells, units, times, numbers, clipped channels.
     """
-    table = source if isinstance(source, Table) else read_table(source)
+    table = source if isinstance(source, RecordingTable) else read_table(source)
     problems: list[Problem] = []
     times = read_times(table, recording.rate, recording.time, problems)
     names = _channels(recording, problems)
@@ -182,7 +182,7 @@ def _channels(recording: Recording, problems: list[Problem]) -> list[tuple[str, 
 
 
 def _channel(
-    table: Table, place: str, name: str, unit: str | None, problems: list[Problem]
+    table: RecordingTable, place: str, name: str, unit: str | None, problems: list[Problem]
 ) -> _Channel | None:
     """Return a channel in m s-2; None if something is wrong with it."""
     sign = -1.0 if name.startswith("-") and name not in table.columns else 1.0
@@ -199,7 +199,7 @@ def _channel(
 
 
 def _factor(
-    place: str, name: str, column: Column, unit: str | None, problems: list[Problem]
+    place: str, name: str, column: RecordingColumn, unit: str | None, problems: list[Problem]
 ) -> float | None:
     """Return what one unit of a channel is in m s-2."""
     said = {text for text in (column.unit, unit) if text}

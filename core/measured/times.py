@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.errors import Problem
-from core.measured.read import Table
+from core.measured.read import RecordingTable
 from core.quantities import Quantity
 from core.study.units import UnitError, problem, read_number
 
@@ -21,7 +21,7 @@ ROUNDED = 0.75  # of the unit that times are rounded to: half of it, and a littl
 
 
 def read_times(
-    table: Table, rate: float | str | None, time: str | None, problems: list[Problem]
+    table: RecordingTable, rate: float | str | None, time: str | None, problems: list[Problem]
 ) -> NDArray[np.float64] | None:
     """Return the times [s] of a table's rows; None, with problems, if they cannot be told.
 

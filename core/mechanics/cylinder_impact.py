@@ -18,7 +18,7 @@ from core.mechanics.impact import SpatialDelassus, SpatialImpulse, only_in_impac
 from core.mechanics.vectors import Vector, cross, dot, minus, plus, scaled
 
 
-class Masses(NamedTuple):
+class CylinderMasses(NamedTuple):
     """Mass, moment of inertia about the own axis and across it, of both bodies."""
 
     mass_1: Array
@@ -38,7 +38,7 @@ class SpatialMotion(NamedTuple):
     spin_2: Vector
 
 
-class Frame(NamedTuple):
+class ImpactFrame(NamedTuple):
     """Contact point, normal and two tangents; `unknown` marks lines that the law does not solve."""
 
     point: Vector
@@ -100,10 +100,10 @@ def cylinder_masses(
     mass_2: Array,
     diameter_2: Array,
     length_2: Array,
-) -> Masses:
+) -> CylinderMasses:
     """Return m, I_a = m d^2/8 and I_t = m (3/4 d^2 + h^2)/12 of both bodies."""
     square_1, square_2 = diameter_1 * diameter_1, diameter_2 * diameter_2
-    return Masses(
+    return CylinderMasses(
         mass_1,
         mass_1 * square_1 / 8,
         mass_1 * (0.75 * square_1 + length_1 * length_1) / 12,
@@ -152,7 +152,7 @@ def _turned(moment: Vector, body: Cylinder, axial: Array, transverse: Array) -> 
 
 def _delassus(
     at: Vector, e: Vector, other_at: Vector, other_e: Vector, one: Cylinder, two: Cylinder,
-    masses: Masses,
+    masses: CylinderMasses,
 ) -> Array:  # fmt: skip
     """Return the velocity at one point along e that a unit impulse at another along e' gives."""
     total = (1 / masses.mass_1 + 1 / masses.mass_2) * dot(e, other_e)
@@ -166,11 +166,11 @@ def _delassus(
     return total
 
 
-def _frame(contact: CylinderContact, share: Array, unknown: Mask) -> Frame:
+def _frame(contact: CylinderContact, share: Array, unknown: Mask) -> ImpactFrame:
     n = contact.normal
     tangent = vectors.any_across(n)
     point = plus(contact.first, minus(contact.second, contact.first), share)
-    return Frame(point, n, tangent, cross(n, tangent), contact.line & unknown)
+    return ImpactFrame(point, n, tangent, cross(n, tangent), contact.line & unknown)
 
 
 def frame_without_friction(
@@ -178,10 +178,10 @@ def frame_without_friction(
     cylinder_contact: CylinderContact,
     cylinder_1: Cylinder,
     cylinder_2: Cylinder,
-    cylinder_masses: Masses,
+    cylinder_masses: CylinderMasses,
     spatial_motion: SpatialMotion,
     restitution: Array,
-) -> Frame:
+) -> ImpactFrame:
     """Return the contact point, on a line where the resultant of both ends acts."""
     at, one, two, masses = cylinder_contact, cylinder_1, cylinder_2, cylinder_masses
     n, first, second = at.normal, at.first, at.second
@@ -207,7 +207,7 @@ def frame_with_friction(
     cylinder_1: Cylinder,
     cylinder_2: Cylinder,
     spatial_motion: SpatialMotion,
-) -> Frame:
+) -> ImpactFrame:
     """Return the contact point, on a line the end that approaches most; its impact is not solved.
 
     If that end does not approach, the line does not; else the impact is `simultaneous`.
@@ -219,7 +219,11 @@ def frame_with_friction(
 
 
 def spatial_delassus(
-    *, contact_frame: Frame, cylinder_1: Cylinder, cylinder_2: Cylinder, cylinder_masses: Masses
+    *,
+    contact_frame: ImpactFrame,
+    cylinder_1: Cylinder,
+    cylinder_2: Cylinder,
+    cylinder_masses: CylinderMasses,
 ) -> SpatialDelassus:
     """Return the Delassus numbers of the contact point."""
     p, n, t, s = contact_frame[:4]
@@ -234,7 +238,7 @@ def spatial_delassus(
     )
 
 
-def approach(at: Frame, one: Cylinder, two: Cylinder, motion: SpatialMotion) -> Approach:
+def approach(at: ImpactFrame, one: Cylinder, two: Cylinder, motion: SpatialMotion) -> Approach:
     """Return the velocity of body 1 against body 2 in the contact, along normal and tangents."""
     u = _at(at.point, one, two, motion)
     return Approach(dot(at.normal, u), (dot(at.tangent_1, u), dot(at.tangent_2, u)))
@@ -242,7 +246,7 @@ def approach(at: Frame, one: Cylinder, two: Cylinder, motion: SpatialMotion) -> 
 
 def spatial_approach(
     *,
-    contact_frame: Frame,
+    contact_frame: ImpactFrame,
     cylinder_1: Cylinder,
     cylinder_2: Cylinder,
     spatial_motion: SpatialMotion,
@@ -270,7 +274,7 @@ def is_no_single_point(*, cylinder_contact: CylinderContact) -> Mask:
     return cylinder_contact.several
 
 
-def is_line(*, contact_frame: Frame, spatial_impulse: SpatialImpulse) -> Mask:
+def is_line(*, contact_frame: ImpactFrame, spatial_impulse: SpatialImpulse) -> Mask:
     """Return where a line meets and no single impulse tells the result, or the law has none."""
     return contact_frame.unknown | np.isnan(spatial_impulse.normal)
 
@@ -286,7 +290,7 @@ def ends_in_stick(*, spatial_impulse: SpatialImpulse) -> Mask:
 
 
 def _masked(
-    impulse: SpatialImpulse, at: CylinderContact, tolerance: Array, frame: Frame
+    impulse: SpatialImpulse, at: CylinderContact, tolerance: Array, frame: ImpactFrame
 ) -> SpatialImpulse:
     nothing = is_apart(cylinder_contact=at, contact_tolerance=tolerance)
     unknown = overlaps(cylinder_contact=at, contact_tolerance=tolerance)
@@ -305,7 +309,7 @@ def frictionless_impulse(
     *,
     cylinder_contact: CylinderContact,
     contact_tolerance: Array,
-    contact_frame: Frame,
+    contact_frame: ImpactFrame,
     delassus_normal: Array,
     approach_normal: Array,
     restitution: Array,
@@ -321,7 +325,7 @@ def pfeiffer_glocker_impulse(
     *,
     cylinder_contact: CylinderContact,
     contact_tolerance: Array,
-    contact_frame: Frame,
+    contact_frame: ImpactFrame,
     spatial_delassus: SpatialDelassus,
     spatial_approach: Approach,
     friction: Array,
@@ -342,7 +346,7 @@ def moreau_impulse(
     *,
     cylinder_contact: CylinderContact,
     contact_tolerance: Array,
-    contact_frame: Frame,
+    contact_frame: ImpactFrame,
     spatial_delassus: SpatialDelassus,
     spatial_approach: Approach,
     friction: Array,
@@ -362,7 +366,7 @@ def moreau_impulse(
 # --- after the impact
 
 
-def in_space(impulse: SpatialImpulse, at: Frame) -> Vector:
+def in_space(impulse: SpatialImpulse, at: ImpactFrame) -> Vector:
     """Return the impulse on body 1 along the axes of space."""
     L_1, L_2 = impulse.tangential
     normal = scaled(at.normal, impulse.normal)
@@ -372,10 +376,10 @@ def in_space(impulse: SpatialImpulse, at: Frame) -> Vector:
 def spatial_motion_after(
     *,
     spatial_impulse: SpatialImpulse,
-    contact_frame: Frame,
+    contact_frame: ImpactFrame,
     cylinder_1: Cylinder,
     cylinder_2: Cylinder,
-    cylinder_masses: Masses,
+    cylinder_masses: CylinderMasses,
     spatial_motion: SpatialMotion,
 ) -> SpatialMotion:
     """Return all velocities after the impulse: v + L/m, w + J^-1 (rho x L), less for body 2."""
@@ -399,7 +403,11 @@ def inertial(vector: Vector, body: Cylinder, axial: Array, transverse: Array) ->
 
 
 def turning(
-    one: Cylinder, two: Cylinder, before: SpatialMotion, after: SpatialMotion, masses: Masses
+    one: Cylinder,
+    two: Cylinder,
+    before: SpatialMotion,
+    after: SpatialMotion,
+    masses: CylinderMasses,
 ) -> Vector:
     """Return the change of both bodies' angular momentum about the origin."""
     change_1, change_2 = minus(after.spin_1, before.spin_1), minus(after.spin_2, before.spin_2)

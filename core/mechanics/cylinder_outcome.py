@@ -10,8 +10,8 @@ import numpy as np
 from core.mechanics.arrays import Array
 from core.mechanics.cylinder_impact import (
     Approach,
-    Frame,
-    Masses,
+    CylinderMasses,
+    ImpactFrame,
     SpatialMotion,
     approach,
     in_space,
@@ -35,7 +35,7 @@ def sliding_before(*, spatial_approach: Approach) -> Array:
 
 def separation_normal(
     *,
-    contact_frame: Frame,
+    contact_frame: ImpactFrame,
     cylinder_1: Cylinder,
     cylinder_2: Cylinder,
     spatial_motion_after: SpatialMotion,
@@ -46,7 +46,7 @@ def separation_normal(
 
 def sliding_after(
     *,
-    contact_frame: Frame,
+    contact_frame: ImpactFrame,
     cylinder_1: Cylinder,
     cylinder_2: Cylinder,
     spatial_motion_after: SpatialMotion,
@@ -60,7 +60,7 @@ def energy_before(
     *,
     cylinder_1: Cylinder,
     cylinder_2: Cylinder,
-    cylinder_masses: Masses,
+    cylinder_masses: CylinderMasses,
     spatial_motion: SpatialMotion,
 ) -> Array:
     """Return the kinetic energy of both bodies before the impact [J]."""
@@ -78,7 +78,7 @@ def energy_before(
 def energy_lost(
     *,
     spatial_impulse: SpatialImpulse,
-    contact_frame: Frame,
+    contact_frame: ImpactFrame,
     cylinder_1: Cylinder,
     cylinder_2: Cylinder,
     spatial_motion: SpatialMotion,
@@ -94,23 +94,26 @@ def energy_lost(
     return -work / 2
 
 
-def impulse_x(*, spatial_impulse: SpatialImpulse, contact_frame: Frame) -> Array:
+def impulse_x(*, spatial_impulse: SpatialImpulse, contact_frame: ImpactFrame) -> Array:
     """Return the impulse on body 1, x [N s]."""
     return in_space(spatial_impulse, contact_frame)[0]
 
 
-def impulse_y(*, spatial_impulse: SpatialImpulse, contact_frame: Frame) -> Array:
+def impulse_y(*, spatial_impulse: SpatialImpulse, contact_frame: ImpactFrame) -> Array:
     """Return the impulse on body 1, y [N s]."""
     return in_space(spatial_impulse, contact_frame)[1]
 
 
-def impulse_z(*, spatial_impulse: SpatialImpulse, contact_frame: Frame) -> Array:
+def impulse_z(*, spatial_impulse: SpatialImpulse, contact_frame: ImpactFrame) -> Array:
     """Return the impulse on body 1, z [N s]."""
     return in_space(spatial_impulse, contact_frame)[2]
 
 
 def momentum_residual_x(
-    *, spatial_motion: SpatialMotion, spatial_motion_after: SpatialMotion, cylinder_masses: Masses
+    *,
+    spatial_motion: SpatialMotion,
+    spatial_motion_after: SpatialMotion,
+    cylinder_masses: CylinderMasses,
 ) -> Array:
     """Return what the velocities after the impact add to the linear momentum, x [N s]."""
     before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
@@ -120,7 +123,10 @@ def momentum_residual_x(
 
 
 def momentum_residual_y(
-    *, spatial_motion: SpatialMotion, spatial_motion_after: SpatialMotion, cylinder_masses: Masses
+    *,
+    spatial_motion: SpatialMotion,
+    spatial_motion_after: SpatialMotion,
+    cylinder_masses: CylinderMasses,
 ) -> Array:
     """Return what the velocities after the impact add to the linear momentum, y [N s]."""
     before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
@@ -130,7 +136,10 @@ def momentum_residual_y(
 
 
 def momentum_residual_z(
-    *, spatial_motion: SpatialMotion, spatial_motion_after: SpatialMotion, cylinder_masses: Masses
+    *,
+    spatial_motion: SpatialMotion,
+    spatial_motion_after: SpatialMotion,
+    cylinder_masses: CylinderMasses,
 ) -> Array:
     """Return what the velocities after the impact add to the linear momentum, z [N s]."""
     before, after, masses = spatial_motion, spatial_motion_after, cylinder_masses
@@ -145,7 +154,7 @@ def angular_momentum_residual_x(
     cylinder_2: Cylinder,
     spatial_motion: SpatialMotion,
     spatial_motion_after: SpatialMotion,
-    cylinder_masses: Masses,
+    cylinder_masses: CylinderMasses,
 ) -> Array:
     """Return what the impact adds to the angular momentum about the origin, x [kg m2 s-1]."""
     return turning(cylinder_1, cylinder_2, spatial_motion, spatial_motion_after, cylinder_masses)[0]
@@ -157,7 +166,7 @@ def angular_momentum_residual_y(
     cylinder_2: Cylinder,
     spatial_motion: SpatialMotion,
     spatial_motion_after: SpatialMotion,
-    cylinder_masses: Masses,
+    cylinder_masses: CylinderMasses,
 ) -> Array:
     """Return what the impact adds to the angular momentum about the origin, y [kg m2 s-1]."""
     return turning(cylinder_1, cylinder_2, spatial_motion, spatial_motion_after, cylinder_masses)[1]
@@ -169,7 +178,7 @@ def angular_momentum_residual_z(
     cylinder_2: Cylinder,
     spatial_motion: SpatialMotion,
     spatial_motion_after: SpatialMotion,
-    cylinder_masses: Masses,
+    cylinder_masses: CylinderMasses,
 ) -> Array:
     """Return what the impact adds to the angular momentum about the origin, z [kg m2 s-1]."""
     return turning(cylinder_1, cylinder_2, spatial_motion, spatial_motion_after, cylinder_masses)[2]

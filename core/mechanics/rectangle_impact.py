@@ -34,7 +34,7 @@ class Arms(NamedTuple):
     tangential_2: Array
 
 
-class Masses(NamedTuple):
+class RectangleMasses(NamedTuple):
     """Mass and moment of inertia of both bodies."""
 
     mass_1: Array
@@ -43,7 +43,7 @@ class Masses(NamedTuple):
     inertia_2: Array
 
 
-class Motion(NamedTuple):
+class BodyVelocities(NamedTuple):
     """Velocities of both bodies."""
 
     velocity_x_1: Array
@@ -81,9 +81,11 @@ def inertia_2(*, mass_2: Array, length_2: Array, width_2: Array) -> Array:
     return mass_2 * (length_2 * length_2 + width_2 * width_2) / 12
 
 
-def rectangle_masses(*, mass_1: Array, inertia_1: Array, mass_2: Array, inertia_2: Array) -> Masses:
+def rectangle_masses(
+    *, mass_1: Array, inertia_1: Array, mass_2: Array, inertia_2: Array
+) -> RectangleMasses:
     """Return mass and moment of inertia of both bodies."""
-    return Masses(mass_1, inertia_1, mass_2, inertia_2)
+    return RectangleMasses(mass_1, inertia_1, mass_2, inertia_2)
 
 
 def planar_motion(
@@ -94,16 +96,22 @@ def planar_motion(
     velocity_x_2: Array,
     velocity_y_2: Array,
     spin_2: Array,
-) -> Motion:
+) -> BodyVelocities:
     """Return the velocities before the impact."""
-    return Motion(velocity_x_1, velocity_y_1, spin_1, velocity_x_2, velocity_y_2, spin_2)
+    return BodyVelocities(velocity_x_1, velocity_y_1, spin_1, velocity_x_2, velocity_y_2, spin_2)
 
 
 # --- the place of the contact
 
 
 def _closing(
-    x: Array, y: Array, n_x: Array, n_y: Array, one: Rectangle, two: Rectangle, motion: Motion
+    x: Array,
+    y: Array,
+    n_x: Array,
+    n_y: Array,
+    one: Rectangle,
+    two: Rectangle,
+    motion: BodyVelocities,
 ) -> Array:
     """Return the velocity of body 1 relative to body 2 at a point, along a direction."""
     u = motion
@@ -117,8 +125,8 @@ def edge_action_without_friction(
     rectangle_contact: RectangleContact,
     rectangle_1: Rectangle,
     rectangle_2: Rectangle,
-    planar_motion: Motion,
-    rectangle_masses: Masses,
+    planar_motion: BodyVelocities,
+    rectangle_masses: RectangleMasses,
     restitution: Array,
 ) -> EdgeAction:
     """Return where the resultant of both ends of a touching edge acts.
@@ -158,7 +166,7 @@ def edge_action_with_friction(
     rectangle_contact: RectangleContact,
     rectangle_1: Rectangle,
     rectangle_2: Rectangle,
-    planar_motion: Motion,
+    planar_motion: BodyVelocities,
 ) -> EdgeAction:
     """Return the end of a touching edge that approaches most; friction at two ends is not solved.
 
@@ -207,14 +215,14 @@ def contact_arms(
 # --- what the law sees
 
 
-def delassus_normal(*, contact_arms: Arms, rectangle_masses: Masses) -> Array:
+def delassus_normal(*, contact_arms: Arms, rectangle_masses: RectangleMasses) -> Array:
     """Return the Delassus number 1/m1 + 1/m2 + (rho1 x n)^2/I1 + (rho2 x n)^2/I2 [kg-1]."""
     mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
     of_1, of_2 = contact_arms.normal_1, contact_arms.normal_2
     return 1 / mass_1 + 1 / mass_2 + of_1 * of_1 / inertia_1 + of_2 * of_2 / inertia_2
 
 
-def delassus_coupling(*, contact_arms: Arms, rectangle_masses: Masses) -> Array:
+def delassus_coupling(*, contact_arms: Arms, rectangle_masses: RectangleMasses) -> Array:
     """Return the Delassus number (rho1 x n)(rho1 x t)/I1 + (rho2 x n)(rho2 x t)/I2 [kg-1]."""
     arms, masses = contact_arms, rectangle_masses
     return (
@@ -223,7 +231,7 @@ def delassus_coupling(*, contact_arms: Arms, rectangle_masses: Masses) -> Array:
     )
 
 
-def delassus_tangential(*, contact_arms: Arms, rectangle_masses: Masses) -> Array:
+def delassus_tangential(*, contact_arms: Arms, rectangle_masses: RectangleMasses) -> Array:
     """Return the Delassus number 1/m1 + 1/m2 + (rho1 x t)^2/I1 + (rho2 x t)^2/I2 [kg-1]."""
     mass_1, inertia_1, mass_2, inertia_2 = rectangle_masses
     of_1, of_2 = contact_arms.tangential_1, contact_arms.tangential_2
@@ -235,7 +243,7 @@ def approach_normal(
     contact_arms: Arms,
     normal_x: Array,
     normal_y: Array,
-    planar_motion: Motion,
+    planar_motion: BodyVelocities,
 ) -> Array:
     """Return the velocity n.(v1 + w1 x rho1 - v2 - w2 x rho2) before the impact [m s-1]."""
     u = planar_motion
@@ -249,7 +257,7 @@ def approach_tangential(
     contact_arms: Arms,
     normal_x: Array,
     normal_y: Array,
-    planar_motion: Motion,
+    planar_motion: BodyVelocities,
 ) -> Array:
     """Return the velocity t.(v1 + w1 x rho1 - v2 - w2 x rho2) before the impact [m s-1]."""
     u = planar_motion

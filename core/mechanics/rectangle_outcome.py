@@ -10,8 +10,8 @@ from core.mechanics.impact import Impulse
 from core.mechanics.rectangle_contact import Rectangle
 from core.mechanics.rectangle_impact import (
     Arms,
-    Masses,
-    Motion,
+    BodyVelocities,
+    RectangleMasses,
     approach_normal,
     approach_tangential,
 )
@@ -25,14 +25,14 @@ def motion_after(
     contact_arms: Arms,
     normal_x: Array,
     normal_y: Array,
-    planar_motion: Motion,
-    rectangle_masses: Masses,
-) -> Motion:
+    planar_motion: BodyVelocities,
+    rectangle_masses: RectangleMasses,
+) -> BodyVelocities:
     """Return all velocities after the impulse, qdot + M^-1 (W_N L_N + W_T L_T)."""
     L_N, L_T, arms = planar_impulse.normal, planar_impulse.tangential, contact_arms
     L_x, L_y = normal_x * L_N - normal_y * L_T, normal_y * L_N + normal_x * L_T
     u, (mass_1, inertia_1, mass_2, inertia_2) = planar_motion, rectangle_masses
-    return Motion(
+    return BodyVelocities(
         u.velocity_x_1 + L_x / mass_1,
         u.velocity_y_1 + L_y / mass_1,
         u.spin_1 + (arms.normal_1 * L_N + arms.tangential_1 * L_T) / inertia_1,
@@ -43,7 +43,7 @@ def motion_after(
 
 
 def separation_normal(
-    *, planar_motion_after: Motion, contact_arms: Arms, normal_x: Array, normal_y: Array
+    *, planar_motion_after: BodyVelocities, contact_arms: Arms, normal_x: Array, normal_y: Array
 ) -> Array:
     """Return the normal velocity of the contact after the impact, u_N [m s-1]."""
     return approach_normal(
@@ -55,7 +55,7 @@ def separation_normal(
 
 
 def separation_tangential(
-    *, planar_motion_after: Motion, contact_arms: Arms, normal_x: Array, normal_y: Array
+    *, planar_motion_after: BodyVelocities, contact_arms: Arms, normal_x: Array, normal_y: Array
 ) -> Array:
     """Return the tangential velocity of the contact after the impact, u_T [m s-1]."""
     return approach_tangential(
@@ -66,7 +66,7 @@ def separation_tangential(
     )
 
 
-def energy_before(*, planar_motion: Motion, rectangle_masses: Masses) -> Array:
+def energy_before(*, planar_motion: BodyVelocities, rectangle_masses: RectangleMasses) -> Array:
     """Return the kinetic energy of both bodies before the impact [J]."""
     u, (mass_1, inertia_1, mass_2, inertia_2) = planar_motion, rectangle_masses
     return (
@@ -97,7 +97,10 @@ def energy_lost(
 
 
 def momentum_residual_x(
-    *, planar_motion: Motion, planar_motion_after: Motion, rectangle_masses: Masses
+    *,
+    planar_motion: BodyVelocities,
+    planar_motion_after: BodyVelocities,
+    rectangle_masses: RectangleMasses,
 ) -> Array:
     """Return what the velocities after the impact add to the linear momentum, x [N s]."""
     before, after, masses = planar_motion, planar_motion_after, rectangle_masses
@@ -107,7 +110,10 @@ def momentum_residual_x(
 
 
 def momentum_residual_y(
-    *, planar_motion: Motion, planar_motion_after: Motion, rectangle_masses: Masses
+    *,
+    planar_motion: BodyVelocities,
+    planar_motion_after: BodyVelocities,
+    rectangle_masses: RectangleMasses,
 ) -> Array:
     """Return what the velocities after the impact add to the linear momentum, y [N s]."""
     before, after, masses = planar_motion, planar_motion_after, rectangle_masses
@@ -120,13 +126,15 @@ def angular_momentum_residual(
     *,
     rectangle_1: Rectangle,
     rectangle_2: Rectangle,
-    planar_motion: Motion,
-    planar_motion_after: Motion,
-    rectangle_masses: Masses,
+    planar_motion: BodyVelocities,
+    planar_motion_after: BodyVelocities,
+    rectangle_masses: RectangleMasses,
 ) -> Array:
     """Return what the velocities after add to the angular momentum about the origin [kg m2 s-1]."""
     one, two, masses = rectangle_1, rectangle_2, rectangle_masses
-    change = Motion(*(u - v for u, v in zip(planar_motion_after, planar_motion, strict=True)))
+    change = BodyVelocities(
+        *(u - v for u, v in zip(planar_motion_after, planar_motion, strict=True))
+    )
     return (
         masses.mass_1 * (one.x * change.velocity_y_1 - one.y * change.velocity_x_1)
         + masses.inertia_1 * change.spin_1

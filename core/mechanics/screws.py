@@ -102,7 +102,7 @@ class Twist:
         """Return w + e v_P."""
         return DualVector(self.angular, self.linear)
 
-    def reduced(self) -> Reduction:
+    def reduced(self) -> ScrewReduction:
         """Return pitch and axis of the motion; a translation has none."""
         return reduce_screw(self.angular, self.linear)
 
@@ -135,7 +135,7 @@ class Wrench:
         """Return f + e m_P."""
         return DualVector(self.force, self.moment)
 
-    def reduced(self) -> Reduction:
+    def reduced(self) -> ScrewReduction:
         """Return pitch and axis, (4.1) to (4.7); a pure couple has none."""
         return reduce_screw(self.force, self.moment)
 
@@ -185,7 +185,7 @@ class ScrewKind(IntEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Reduction:
+class ScrewReduction:
     """A screw as pitch and axis: moment = axis_point x resultant + pitch resultant.
 
     Attributes
@@ -203,7 +203,7 @@ class Reduction:
     kind: NDArray[np.int8]
 
 
-def reduce_screw(resultant: Array, moment: Array) -> Reduction:
+def reduce_screw(resultant: Array, moment: Array) -> ScrewReduction:
     """Return pitch S.S0/S^2 and axis S x S0/S^2 of a screw, (2.9), (4.1).
 
     Both halves are scaled by powers of two first, so that no square leaves the range of floats: it
@@ -229,7 +229,7 @@ def reduce_screw(resultant: Array, moment: Array) -> Reduction:
         ScrewKind.GENERAL,
         np.where(has_moment, ScrewKind.PURE_COUPLE, ScrewKind.ZERO),
     ).astype(np.int8)
-    return Reduction(
+    return ScrewReduction(
         np.where(has_force, pitch, np.nan), np.where(has_force[..., None], axis, np.nan), kind
     )
 

@@ -14,7 +14,7 @@ import numpy as np
 from core.mechanics.angles import cosine, sine
 from core.mechanics.arrays import Array, Mask, hypot, ratio
 from core.mechanics.rolling import is_rolling
-from core.mechanics.screws import Reduction, ScrewKind, Wrench, vector
+from core.mechanics.screws import ScrewKind, ScrewReduction, Wrench, vector
 
 
 def level_gravity(*, gravity: Array) -> Array:
@@ -156,22 +156,22 @@ def force_wrench(
     return Wrench(force, vector(drilling_moment, precession, diameter / 2 * rolling_friction))
 
 
-def floor_reduction(*, floor_wrench: Wrench) -> Reduction:
+def floor_reduction(*, floor_wrench: Wrench) -> ScrewReduction:
     """Return pitch F.M/F^2 and axis F x M/F^2 of the floor's wrench."""
     return floor_wrench.reduced()
 
 
-def force_reduction(*, force_wrench: Wrench) -> Reduction:
+def force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
     """Return pitch F.M/F^2 and axis F x M/F^2 of the force system."""
     return force_wrench.reduced()
 
 
-def printed_floor_reduction(*, floor_wrench: Wrench) -> Reduction:
+def printed_floor_reduction(*, floor_wrench: Wrench) -> ScrewReduction:
     """Return pitch and axis of the floor's wrench with the sign of (4.3), (4.5), (4.6)."""
     return _as_printed(floor_wrench.reduced())
 
 
-def printed_force_reduction(*, force_wrench: Wrench) -> Reduction:
+def printed_force_reduction(*, force_wrench: Wrench) -> ScrewReduction:
     """Return pitch and axis of the force system with the sign of (4.3), (4.5), (4.6)."""
     return _as_printed(force_wrench.reduced())
 
@@ -205,7 +205,7 @@ def has_no_printed_yaw_rate(*, printed_yaw_rate: Array) -> Mask:
     return ~np.isfinite(printed_yaw_rate)
 
 
-def has_no_force_axis(*, force_reduction: Reduction) -> Mask:
+def has_no_force_axis(*, force_reduction: ScrewReduction) -> Mask:
     """Return where the force system has no axis: it is a pure couple, or nothing."""
     return np.asarray(force_reduction.kind != ScrewKind.GENERAL)
 
@@ -221,5 +221,5 @@ def _turning_of_spin(mass: Array, diameter: Array, spin_rate: Array, yaw_rate: A
     return -mass * np.square(diameter) / 8 * spin_rate * yaw_rate
 
 
-def _as_printed(reduction: Reduction) -> Reduction:
-    return Reduction(reduction.pitch, -reduction.axis_point, reduction.kind)
+def _as_printed(reduction: ScrewReduction) -> ScrewReduction:
+    return ScrewReduction(reduction.pitch, -reduction.axis_point, reduction.kind)

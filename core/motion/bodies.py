@@ -20,7 +20,7 @@ class Body(NamedTuple):
     turning: Array
 
 
-class Rectangle(NamedTuple):
+class TumblingRectangle(NamedTuple):
     """A rectangular part; at pitch 0 it lies on a side of its length [m]."""
 
     length: ArrayLike
@@ -37,7 +37,7 @@ class Rectangle(NamedTuple):
         )
 
 
-class Cylinder(NamedTuple):
+class TumblingCylinder(NamedTuple):
     """A cylindrical part whose axis stays in the plane of motion; at pitch 0 it lies on its side.
 
     Its rim strikes the plane; it does not roll about its axis [m].
@@ -69,4 +69,4 @@ class Ball(NamedTuple):
         return Body(radius, np.full((), 2.5), np.full((), np.pi / 2), np.zeros(()))
 
 
-Part = Rectangle | Cylinder | Ball
+Part = TumblingRectangle | TumblingCylinder | Ball

@@ -18,7 +18,7 @@ COURSE_FLAGS: dict[str, Mapping[str, Flag]] = {"motion_mode": MOTION_MODES}
 """The flags of courses, with their meanings."""
 
 
-class Course(NamedTuple):
+class TrajectoryValues(NamedTuple):
     """Times [s] and what the part does at them: quantities, and flags of `COURSE_FLAGS`."""
 
     times: Array
@@ -26,7 +26,7 @@ class Course(NamedTuple):
     flags: Mapping[str, NDArray[np.int8]]
 
 
-class CourseAsked(NamedTuple):
+class TrajectoryRequest(NamedTuple):
     """What a study asks of a course.
 
     Attributes
@@ -87,7 +87,7 @@ class CourseAsked(NamedTuple):
         modes: NDArray[np.int8],
         wall: bool,
         start: float = 0.0,
-    ) -> Course:
+    ) -> TrajectoryValues:
         """Return the course of a part from its places and velocities, in the scales of the drive.
 
         Places along are told from `start`; `wall` says whether there is one, to be far from.
@@ -102,4 +102,4 @@ class CourseAsked(NamedTuple):
         }
         if wall:
             values["distance_from_wall"] = position[:, 1] * length
-        return Course(self.times()[0], values, {"motion_mode": modes})
+        return TrajectoryValues(self.times()[0], values, {"motion_mode": modes})

@@ -20,11 +20,10 @@ from core.motion import compiled, planar
 from core.motion.cells import run_cells
 from core.motion.groups import Contacts, Groups, cells_of, in_plane
 from core.motion.kernels.planar.slope_tables import DERIVED_BY, TOLD
-from core.motion.result import COLUMNS, Energy, Motion, motion_of
-from core.motion.result import STATUS as MOTION_STATUS
+from core.motion.result import COLUMNS, STATUS, Energy, Motion, motion_of
 from core.motion.systems import CONTACTS
 from core.plan.derivatives import (
-    STATUS,
+    DERIVATIVE_STATUS,
     Derivatives,
     Derived,
     Rule,
@@ -149,16 +148,18 @@ class PlanarRules:
 
     def _status(self, groups: Groups, motion: Motion, margin: Array) -> Any:
         """Return how the derivative of each cell was found."""
-        status = np.where(margin > compiled.derive.KINK, STATUS["exact"], STATUS["kink"])
+        status = np.where(
+            margin > compiled.derive.KINK, DERIVATIVE_STATUS["exact"], DERIVATIVE_STATUS["kink"]
+        )
         if self.contacts.wall:  # a push across presses the part to the wall, or off it
             pushed = [np.asarray(slope_of(getattr(groups, name))) != 0 for name in ACROSS]
-            status = np.where(reduce(np.logical_or, pushed), STATUS["kink"], status)
-        repeats = np.isin(motion.status, [MOTION_STATUS["periodic"], MOTION_STATUS["at_rest"]])
-        status = np.where(repeats, status, STATUS["not_periodic"])
+            status = np.where(reduce(np.logical_or, pushed), DERIVATIVE_STATUS["kink"], status)
+        repeats = np.isin(motion.status, [STATUS["periodic"], STATUS["at_rest"]])
+        status = np.where(repeats, status, DERIVATIVE_STATUS["not_periodic"])
         # Without friction the speed is that of the start; with the least friction it is another.
-        status = np.where(motion.status == MOTION_STATUS["neutral"], STATUS["kink"], status)
-        left = motion.status == MOTION_STATUS["not_computed"]
-        return np.where(left, STATUS["not_computed"], status).astype(np.int8)
+        status = np.where(motion.status == STATUS["neutral"], DERIVATIVE_STATUS["kink"], status)
+        left = motion.status == STATUS["not_computed"]
+        return np.where(left, DERIVATIVE_STATUS["not_computed"], status).astype(np.int8)
 
 
 def _chained(slopes: Array, by: list[Array]) -> Array:
@@ -245,7 +246,7 @@ def derivatives_at(
 
 def _nothing(shape: tuple[int, ...]) -> Derived:
     value, slope, error, below, above = (np.full(shape, np.nan) for _ in range(5))
-    status = np.full(shape, STATUS["not_computed"], dtype=np.int8)
+    status = np.full(shape, DERIVATIVE_STATUS["not_computed"], dtype=np.int8)
     return Derived(value, slope, error, status, below, above, np.zeros(shape, dtype=bool))
 
 
@@ -322,5 +323,10 @@ def _lost(value: float, status: str) -> Derived:
 
 def _one(value: float, slope: float, error: float, status: str) -> Derived:
     one = _nothing((1,))
-    one.value[:], one.slope[:], one.error[:], one.status[:] = value, slope, error, STATUS[status]
+    one.value[:], one.slope[:], one.error[:], one.status[:] = (
+        value,
+        slope,
+        error,
+        DERIVATIVE_STATUS[status],
+    )
     return one

@@ -70,7 +70,7 @@ class HalfWave:
         return Wave(harmonics, np.zeros((4, 0, *shape)))
 
 
-class Unit(NamedTuple):
+class ChosenUnit(NamedTuple):
     """Which drive unit a study gives.
 
     Attributes
@@ -90,7 +90,7 @@ class Unit(NamedTuple):
     shape: Shape | None
 
 
-def unit_of(given: Iterable[str]) -> tuple[Unit | None, list[Problem]]:
+def unit_of(given: Iterable[str]) -> tuple[ChosenUnit | None, list[Problem]]:
     """Return the drive unit that the names of a study's parameters give, None if they give none.
 
     The second is what is wrong with them.
@@ -126,7 +126,7 @@ def unit_of(given: Iterable[str]) -> tuple[Unit | None, list[Problem]]:
         message = "it follows from the motion of the parts, whose conveyed_mass is given"
         problems.append(Problem("parameters.load_damping", message, "Give one of the two"))
     shape = HalfWave() if "force_harmonic" in told else None
-    return Unit(SCENES[name], variant, loaded, shape), problems
+    return ChosenUnit(SCENES[name], variant, loaded, shape), problems
 
 
 # --- equations
@@ -192,7 +192,7 @@ _GIVES_WAY = (Equation("amplitude", amplitude, SOURCE), Equation("beta", beta, S
 class _Spliced:
     """The equations of a part on a drive unit."""
 
-    unit: Unit
+    unit: ChosenUnit
     contacts: Contacts
 
     def equations(self, of_part: Collection[Equation]) -> tuple[Equation, ...]:
@@ -223,7 +223,7 @@ class _Spliced:
         )
 
 
-def on_unit(system: Scene, unit: Unit, contacts: Contacts) -> Scene:
+def on_unit(system: Scene, unit: ChosenUnit, contacts: Contacts) -> Scene:
     """Return a system whose plain sine comes from a drive unit."""
     spliced = _Spliced(unit, contacts)
     follows = {equation.gives for equation in _RESULTS} if unit.loaded else set()

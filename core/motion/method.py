@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from core.motion.course import Course, CourseAsked
+from core.motion.course import TrajectoryRequest, TrajectoryValues
 from core.motion.groups import Contacts
 from core.motion.price import Pricing
 from core.scenes import Constraint
@@ -16,7 +16,7 @@ Follow = Callable[..., Any]
 """An equation: takes by keyword a part's numbers, the settings that it needs and a `watch`; returns
 a `Motion`, or a `Tumble` of a part that tumbles, or the `Energy` of a motion."""
 
-FollowCourse = Callable[[CourseAsked], Course]
+FollowCourse = Callable[[TrajectoryRequest], TrajectoryValues]
 
 
 def everything(contacts: Contacts) -> bool:

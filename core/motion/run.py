@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from core.dataset.table import (
     Table,
-    Variable,
+    TableVariable,
     flag_attributes,
     quantity_attributes,
     regime_attributes,
 )
-from core.motion.course import COURSE_FLAGS, Course, CourseAsked
+from core.motion.course import COURSE_FLAGS, TrajectoryRequest, TrajectoryValues
 from core.motion.derivatives import derivatives_at
 from core.motion.groups import Contacts
 from core.motion.prepare import Simulation
@@ -55,7 +55,7 @@ def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
         if name in variables:
             told = flag_attributes(name, states, tuple(states))
             variables[name] = replace(variables[name], attributes=told)
-    variables["regime"] = Variable(
+    variables["regime"] = TableVariable(
         prepared.dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
     )
     if prepared.derived is not None:
@@ -63,13 +63,13 @@ def label(prepared: Simulation, computed: Computed, watch: Watch) -> Table:
     coordinates = coordinates_of(plan, prepared.grid)
     for name in arrays:
         if name == TIME:
-            coordinates[name] = Variable((TIME,), arrays[name], quantity_attributes(name))
+            coordinates[name] = TableVariable((TIME,), arrays[name], quantity_attributes(name))
         elif name in COURSE_FLAGS:
             flags = COURSE_FLAGS[name]
             attributes = flag_attributes(name, flags, tuple(flags))
-            variables[name] = Variable((TIME,), arrays[name], attributes)
+            variables[name] = TableVariable((TIME,), arrays[name], attributes)
         elif name not in variables:
-            variables[name] = Variable((TIME,), arrays[name], quantity_attributes(name))
+            variables[name] = TableVariable((TIME,), arrays[name], quantity_attributes(name))
     attributes = {
         **global_attributes(prepared, f"motion in time, method {plan.variant}"),
         "accuracy": accuracy(plan),
@@ -88,7 +88,7 @@ def _evaluate(prepared: Simulation, watch: Watch) -> dict[str, Any]:
     return run_equations(plan, {name: given[name] for name in plan.parameters}, watch)
 
 
-def _course(prepared: Simulation, known: dict[str, Any], watch: Watch) -> Course:
+def _course(prepared: Simulation, known: dict[str, Any], watch: Watch) -> TrajectoryValues:
     """Return what the part does at the asked times."""
     samples, scene = prepared.study.trajectory, prepared.plan.scene.name
     follow = prepared.method.course
@@ -96,7 +96,9 @@ def _course(prepared: Simulation, known: dict[str, Any], watch: Watch) -> Course
     assert follow is not None  # the study would have been refused
     motion = next(equation for equation in prepared.plan.equations if equation.takes_long)
     arguments = {name: known[name] for name in motion.inputs}
-    return follow(CONTACTS.get(scene, Contacts()))(CourseAsked(samples, arguments, known, watch))
+    return follow(CONTACTS.get(scene, Contacts()))(
+        TrajectoryRequest(samples, arguments, known, watch)
+    )
 
 
 def _squeezed(prepared: Simulation, name: str, values: NDArray[Any]) -> NDArray[Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from core.mechanics.arrays import Array, Mask
-from core.motion.bodies import Cylinder, Part, Rectangle
+from core.motion.bodies import Part, TumblingCylinder, TumblingRectangle
 from core.motion.groups import Contacts
 from core.motion.methods import METHODS
 from core.motion.methods.tumbling import Throw, Tumble
@@ -22,12 +22,12 @@ from core.scenes.scene import (
 
 def rectangle(*, length: Array, height: Array) -> Part:
     """Return the rectangular part."""
-    return Rectangle(length, height)
+    return TumblingRectangle(length, height)
 
 
 def cylinder(*, length: Array, diameter: Array) -> Part:
     """Return the cylindrical part, seen along its side."""
-    return Cylinder(length, diameter)
+    return TumblingCylinder(length, diameter)
 
 
 def throw(

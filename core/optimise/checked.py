@@ -12,12 +12,12 @@ from core.mechanics.arrays import Array
 from core.optimise import known_answers
 from core.optimise.codes import STATUS
 from core.optimise.conditions import residual
-from core.optimise.found import Found
+from core.optimise.found import Optima
 from core.optimise.front import knee
 from core.optimise.grid import dense_grid, standing_grid
 from core.optimise.methods import METHODS
 from core.optimise.optimisation import Optimisation
-from core.optimise.problem import LIMIT, ROUNDING, Problem, chosen_cells
+from core.optimise.problem import LIMIT, ROUNDING, OptimisationProblem, chosen_cells
 from core.optimise.single import spread
 from core.optimise.slopes import slopes
 from core.plan.grid import from_si
@@ -36,7 +36,7 @@ AT_BOUND = 1e-9  # of a variable's range: it lies on its bound
 
 def checked(
     prepared: Optimisation,
-    found: Found,
+    found: Optima,
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
 ) -> dict[str, NDArray[Any]]:
@@ -114,7 +114,7 @@ def checked(
 
 
 def _status(
-    problem: Problem,
+    problem: OptimisationProblem,
     status: NDArray[np.int8],
     known: Mapping[str, Any],
     design: Mapping[str, Array],
@@ -143,8 +143,8 @@ def _status(
 
 
 def _of_each_point(
-    problem: Problem, known: Mapping[str, Any], design: Mapping[str, Array]
-) -> tuple[Problem, Mapping[str, Array]]:
+    problem: OptimisationProblem, known: Mapping[str, Any], design: Mapping[str, Array]
+) -> tuple[OptimisationProblem, Mapping[str, Array]]:
     """Return the problem that each answer solves: on a front, with the limit at its own value."""
     if not isinstance(problem.criterion, Pareto):
         return problem, design
@@ -154,7 +154,7 @@ def _of_each_point(
 
 def _gap(
     method: str,
-    problem: Problem,
+    problem: OptimisationProblem,
     value: Array,
     lost: NDArray[np.bool_],
     design: Mapping[str, Array],

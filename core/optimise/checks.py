@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from core.errors import Problem as Wrong
+from core.errors import Problem
 from core.optimise.robust import MOST_UNCERTAIN
 from core.quantities import FLAGS
 from core.scenes import SCENES, Scene
@@ -14,36 +14,36 @@ from core.study.optimise_study import Limited, OptimiseStudy, Pareto
 from core.study.values import Between, Values
 
 
-def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Wrong]:
+def misplaced(study: OptimiseStudy, values: Mapping[str, Values]) -> Iterable[Problem]:
     """Yield what is wrong between the parts of a study."""
     criterion = study.criterion
     if isinstance(criterion, Limited) and criterion.limit < 0:
         fix = "Give the largest absolute value, 0 or more"
-        yield Wrong("criterion.limit", f"it is {criterion.limit:g}", fix)
+        yield Problem("criterion.limit", f"it is {criterion.limit:g}", fix)
     places = {f"constraints.{i}.output": one.output for i, one in enumerate(study.constraints)}
     places |= {"criterion.output": criterion.output}
     places |= {"criterion.against": getattr(criterion, "against", "")}
     for place, name in places.items():
         if name in FLAGS:
-            yield Wrong(place, f"{name} is a name and not a number", "Take another output")
+            yield Problem(place, f"{name} is a name and not a number", "Take another output")
     if len(set(study.criterion_outputs())) < len(study.criterion_outputs()):
-        yield Wrong("criterion.against", "it is the output itself", "Name another output")
+        yield Problem("criterion.against", "it is the output itself", "Name another output")
     for name in study.bounds():
         if name in values:
             fix = f"Remove it there, or under parameters.{name}"
-            yield Wrong(f"variables.{name}", "it is also given as a parameter", fix)
+            yield Problem(f"variables.{name}", "it is also given as a parameter", fix)
     seen: set[str] = set()
     for number, one in enumerate(study.constraints):
         place = f"constraints.{number}"
         if one.lower is None and one.upper is None:
-            yield Wrong(place, "it bounds nothing", "Give lower, upper or both")
+            yield Problem(place, "it bounds nothing", "Give lower, upper or both")
         elif one.lower is not None and one.upper is not None and one.lower > one.upper:
-            yield Wrong(place, "lower is above upper", "Swap them")
+            yield Problem(place, "lower is above upper", "Swap them")
         if one.absolute and one.upper is not None and one.upper < 0:
-            yield Wrong(f"{place}.upper", "no absolute value is below 0", "Give 0 or more")
+            yield Problem(f"{place}.upper", "no absolute value is below 0", "Give 0 or more")
         for name, _ in one.ends():
             if name in seen:
-                yield Wrong(place, f"{one.output} has such a bound already", "Remove one of them")
+                yield Problem(place, f"{one.output} has such a bound already", "Remove one of them")
             seen.add(name)
 
 
@@ -52,30 +52,30 @@ def wrong_intervals(
     intervals: Mapping[str, Distribution],
     values: Mapping[str, Values],
     bounds: Mapping[str, Between],
-) -> Iterable[Wrong]:
+) -> Iterable[Problem]:
     """Yield what is wrong with the uncertain parameters."""
     for name in intervals:
         if name in values or name in bounds:
             section = "parameters" if name in values else "variables"
             fix = f"Remove it there, or under {section}.{name}"
-            yield Wrong(f"uncertain.{name}", f"it is also under {section}", fix)
+            yield Problem(f"uncertain.{name}", f"it is also under {section}", fix)
     if len(intervals) > MOST_UNCERTAIN:
         fix = f'Keep the {MOST_UNCERTAIN} that matter most: kind = "sensitivity" shows which'
-        yield Wrong("uncertain", f"there are {len(intervals)} of them", fix)
+        yield Problem("uncertain", f"there are {len(intervals)} of them", fix)
     if study.robust == "quantile" and study.quantile is None:
         fix = "Add quantile = 0.05 for what all but a twentieth of the parts do better than"
-        yield Wrong("quantile", "it is missing", fix)
+        yield Problem("quantile", "it is missing", fix)
     if study.quantile is not None and study.robust != "quantile":
-        yield Wrong("quantile", "nothing asks for it", 'Remove it, or set robust = "quantile"')
+        yield Problem("quantile", "nothing asks for it", 'Remove it, or set robust = "quantile"')
     if study.robust is not None and not intervals:
         fix = "Add [uncertain], for example friction = { lower = 0.2, upper = 0.4 }"
-        yield Wrong("robust", "nothing is uncertain", fix)
+        yield Problem("robust", "nothing is uncertain", fix)
     if intervals and isinstance(study.criterion, Pareto):
         fix = "Use the criterion limit, at some limits"
-        yield Wrong("uncertain", "a whole front is not traced over an interval", fix)
+        yield Problem("uncertain", "a whole front is not traced over an interval", fix)
 
 
-def of_other_drive(problem: Wrong, scene: Scene) -> Wrong:
+def of_other_drive(problem: Problem, scene: Scene) -> Problem:
     """Return a problem of the plan, in words that say why if only the plain sine has the output."""
     producers = scene.producers(scene.default_variant)
     closed = SCENES.get(scene.name)

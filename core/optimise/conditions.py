@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array, Mask
-from core.optimise.problem import Problem
+from core.optimise.problem import OptimisationProblem
 
 STEP = 1e-6  # of a variable's range; differences of the outputs then keep about ten digits
 MOST_SUBSETS = 4000
 
 
 def residual(
-    problem: Problem,
+    problem: OptimisationProblem,
     x: Array,
     design: Mapping[str, Array],
     scales: Mapping[str, Array],

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.optimise.codes import STATUS
-from core.optimise.problem import Problem
+from core.optimise.problem import OptimisationProblem
 from core.watch import Watch
 
 
 @dataclass(frozen=True)
-class Found:
+class Optima:
     """The answers to every design; all arrays but `x` have the shape (cells,).
 
     Attributes
@@ -43,7 +43,7 @@ class Found:
     says: str = ""
 
 
-Solver = Callable[[Problem, Mapping[str, Array], Mapping[str, Array], Watch], Found]
+Solver = Callable[[OptimisationProblem, Mapping[str, Array], Mapping[str, Array], Watch], Optima]
 """Takes problem, designs (arrays of shape (cells,)), scales of the outputs, and a watch."""
 
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from core.mechanics.arrays import Array, ratio
 from core.optimise import known_answers
 from core.optimise.codes import STATUS
-from core.optimise.found import Found
+from core.optimise.found import Optima
 from core.optimise.methods import METHODS
-from core.optimise.problem import LIMIT, Problem, cells_of
+from core.optimise.problem import LIMIT, OptimisationProblem, cells_of
 from core.study.optimise_study import Pareto, Weighted
 from core.study.spacing import evenly
 from core.watch import Watch
@@ -25,12 +25,12 @@ SLACK = 1e-9  # of its scale, of a limit that only single points would keep
 
 
 def find_front(
-    problem: Problem,
+    problem: OptimisationProblem,
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
     method: str,
     watch: Watch,
-) -> Found:
+) -> Optima:
     """Return the front of every design, from the largest output to the least other one.
 
     Where there is no closed form: both ends, then the largest output at equally spaced limits of
@@ -65,13 +65,13 @@ def find_front(
 
 
 def _least(
-    problem: Problem,
-    inner: Problem,
+    problem: OptimisationProblem,
+    inner: OptimisationProblem,
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
     method: str,
     watch: Watch,
-) -> Found:
+) -> Optima:
     """Return the end with the least other output."""
     criterion = problem.criterion
     assert isinstance(criterion, Pareto)
@@ -93,10 +93,10 @@ def _least(
     )
     x, status = none.x.copy(), none.status.copy()
     x[:, open_cells], status[open_cells] = part.x, part.status
-    return Found(x, status)
+    return Optima(x, status)
 
 
-def _other(problem: Problem, found: Found, design: Mapping[str, Array]) -> Array:
+def _other(problem: OptimisationProblem, found: Optima, design: Mapping[str, Array]) -> Array:
     """Return the other output's absolute value at an end; NaN without one."""
     assert problem.against is not None
     lost = np.isnan(found.x).any(axis=0)

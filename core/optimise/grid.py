@@ -10,8 +10,8 @@ import numpy as np
 
 from core.mechanics.arrays import Array
 from core.optimise.codes import STATUS
-from core.optimise.found import Found, status_of
-from core.optimise.problem import Problem, cells_of, chosen_cells
+from core.optimise.found import Optima, status_of
+from core.optimise.problem import OptimisationProblem, cells_of, chosen_cells
 from core.optimise.single import spread
 from core.optimise.standing import standing
 from core.watch import Watch
@@ -27,8 +27,11 @@ BLOCK = 262_144
 
 
 def by_grid(
-    problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
-) -> Found:
+    problem: OptimisationProblem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    watch: Watch,
+) -> Optima:
     """Return the best point of a grid, then of ever finer ones around it."""
     cells, count = cells_of(design), len(problem.names)
     size = problem.scale(scales)
@@ -59,16 +62,16 @@ def by_grid(
         status[:] = STATUS["not_computed"]
     x = problem.lower[:, None] + (problem.upper - problem.lower)[:, None] * best
     x = np.where(status == STATUS["optimal"], x, np.nan)
-    return Found(x, status, evaluations=np.full(cells, evaluations))
+    return Optima(x, status, evaluations=np.full(cells, evaluations))
 
 
 def with_best_rest(
-    problem: Problem,
-    found: Found,
+    problem: OptimisationProblem,
+    found: Optima,
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
     watch: Watch,
-) -> Found:
+) -> Optima:
     """Return the answers with the best choice, too, where no choice moves the part forwards.
 
     Known answers look for forward motion only. Without any, nothing is better than a part that
@@ -111,7 +114,10 @@ def _filled(variables: int, cells: int, points: int) -> Array:
 
 
 def _top(
-    problem: Problem, unit: Array, design: Mapping[str, Array], scales: Mapping[str, Array]
+    problem: OptimisationProblem,
+    unit: Array,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
 ) -> tuple[Any, Array, Array]:
     """Return the place of the best of points (variables, cells, n), its violation and value."""
     cells = unit.shape[1]
@@ -134,7 +140,10 @@ def _top(
 
 
 def standing_grid(
-    problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], points: int
+    problem: OptimisationProblem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    points: int,
 ) -> Array:
     """Return the same for motions: the objective that stands once chance has been asked again."""
     count, cells = len(problem.names), cells_of(design)
@@ -151,7 +160,10 @@ def standing_grid(
 
 
 def dense_grid(
-    problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], points: int
+    problem: OptimisationProblem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    points: int,
 ) -> Array:
     """Return the best objective on a grid of at most so many points a design; -inf without one."""
     count, cells = len(problem.names), cells_of(design)

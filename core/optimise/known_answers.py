@@ -10,8 +10,8 @@ import numpy as np
 
 from core.mechanics.arrays import Array
 from core.optimise import exact, newton
-from core.optimise.found import Found
-from core.optimise.problem import LIMIT, Problem
+from core.optimise.found import Optima
+from core.optimise.problem import LIMIT, OptimisationProblem
 from core.study.optimise_study import Limited, Maximise, Pareto, Weighted
 
 Family = Literal[
@@ -70,7 +70,7 @@ class Answered:
     wall: bool
 
 
-def answered(problem: Problem) -> Answered | None:
+def answered(problem: OptimisationProblem) -> Answered | None:
     """Return the answered problem that a problem is, if any; its bounds and criterion apart."""
     plan, criterion = problem.plan, problem.criterion
     family = FAMILIES.get((plan.scene.name, plan.variant, criterion.output))
@@ -96,7 +96,7 @@ def answered(problem: Problem) -> Answered | None:
     return Answered(family, floor, wall)
 
 
-def _within_reach(problem: Problem) -> bool:
+def _within_reach(problem: OptimisationProblem) -> bool:
     """Return whether the bounds are within half a turn of alpha, and beta within a right angle."""
     for variable in problem.variables:
         if variable.name == "alpha" and variable.upper - variable.lower > np.pi:
@@ -109,7 +109,7 @@ def _within_reach(problem: Problem) -> bool:
     return True
 
 
-def is_closed(problem: Problem) -> bool:
+def is_closed(problem: OptimisationProblem) -> bool:
     """Return whether there is a closed form: both angles from 0 to 90 degrees."""
     which = answered(problem)
     whole = (
@@ -120,19 +120,19 @@ def is_closed(problem: Problem) -> bool:
     return which is not None and whole and isinstance(problem.criterion, CLOSED[which.family])
 
 
-def is_compiled(problem: Problem) -> bool:
+def is_compiled(problem: OptimisationProblem) -> bool:
     """Return whether the batch solver has the answer, or that of each point of a front."""
     which = answered(problem)
     criterion = problem.limited().criterion if is_front(problem) else problem.criterion
     return which is not None and isinstance(criterion, COMPILED[which.family])
 
 
-def is_front(problem: Problem) -> bool:
+def is_front(problem: OptimisationProblem) -> bool:
     """Return whether a whole front is asked for."""
     return isinstance(problem.criterion, Pareto)
 
 
-def groups(problem: Problem, design: Mapping[str, Array]) -> dict[str, Array]:
+def groups(problem: OptimisationProblem, design: Mapping[str, Array]) -> dict[str, Array]:
     """Return what the answers take, each of shape (cells,): drive, gravity and friction."""
     known = problem.known(np.broadcast_to(problem.lower[:, None], (len(problem.names), 1)), design)
     names = ("vibration_acceleration", "gravity_along", "gravity_normal", "friction_kinetic")
@@ -147,7 +147,7 @@ def groups(problem: Problem, design: Mapping[str, Array]) -> dict[str, Array]:
     return {n: np.broadcast_to(np.asarray(v, dtype=np.float64), cells) for n, v in given.items()}
 
 
-def by_closed_form(problem: Problem, design: Mapping[str, Array]) -> Found:
+def by_closed_form(problem: OptimisationProblem, design: Mapping[str, Array]) -> Optima:
     """Return the closed answer of every design."""
     which = answered(problem)
     assert which is not None
@@ -185,10 +185,12 @@ def by_closed_form(problem: Problem, design: Mapping[str, Array]) -> Found:
         value = best.starting_acceleration
     else:
         value = best.acceleration_x - problem.weight * np.abs(best.acceleration_y)
-    return Found(_ordered(problem, best.alpha, best.beta), best.status, value)
+    return Optima(_ordered(problem, best.alpha, best.beta), best.status, value)
 
 
-def by_closed_front(problem: Problem, design: Mapping[str, Array], points: int) -> Found:
+def by_closed_front(
+    problem: OptimisationProblem, design: Mapping[str, Array], points: int
+) -> Optima:
     """Return the closed front of every design, as `by_closed_form`; shape (cells * points,)."""
     which = answered(problem)
     assert which is not None
@@ -202,10 +204,10 @@ def by_closed_front(problem: Problem, design: Mapping[str, Array], points: int) 
         points=points,
     )
     x = _ordered(problem, front.alpha.ravel(), front.beta.ravel())
-    return Found(x, np.repeat(front.status, points), front.acceleration_x.ravel())
+    return Optima(x, np.repeat(front.status, points), front.acceleration_x.ravel())
 
 
-def by_newton(problem: Problem, design: Mapping[str, Array]) -> Found:
+def by_newton(problem: OptimisationProblem, design: Mapping[str, Array]) -> Optima:
     """Return the compiled answer of every design."""
     which = answered(problem)
     assert which is not None
@@ -231,10 +233,10 @@ def by_newton(problem: Problem, design: Mapping[str, Array]) -> Found:
     # The solver's residual is per radian, in units of the drive.
     span = float(np.max(problem.upper - problem.lower))
     residual = best.residual * given["vibration_acceleration"] * span
-    return Found(_ordered(problem, best.alpha, best.beta), best.status, best.objective, residual)
+    return Optima(_ordered(problem, best.alpha, best.beta), best.status, best.objective, residual)
 
 
-def _ordered(problem: Problem, alpha: Array, beta: Array) -> Array:
+def _ordered(problem: OptimisationProblem, alpha: Array, beta: Array) -> Array:
     """Return the angles that are variables, shape (variables, cells)."""
     angles = {"alpha": alpha, "beta": beta}
     return np.stack([np.broadcast_to(angles[name], alpha.shape) for name in problem.names])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.dataset.table import (
     Table,
-    Variable,
+    TableVariable,
     flag_attributes,
     quantity_attributes,
     regime_attributes,
@@ -36,7 +36,9 @@ def label(prepared: Optimisation, computed: Computed, watch: Watch) -> Table:
     """Return what was computed of an optimisation, labelled; `watch` may stop verifying it."""
     arrays, dims = computed.arrays, tuple(prepared.grid.axes)
     attributes = _attributes(prepared, arrays["regime"])
-    variables = {name: Variable(dims, arrays[name], attributes[name]) for name in prepared.units}
+    variables = {
+        name: TableVariable(dims, arrays[name], attributes[name]) for name in prepared.units
+    }
     words = {
         **_global_attributes(prepared),
         "message": _message(prepared, arrays),

@@ -11,16 +11,19 @@ from dataclasses import dataclass
 
 from core.mechanics.arrays import Array
 from core.optimise import known_answers, scipy_methods
-from core.optimise.found import Found, Solver
+from core.optimise.found import Optima, Solver
 from core.optimise.grid import MOST_GRIDDED, by_grid, with_best_rest
 from core.optimise.population import by_population
-from core.optimise.problem import Problem
+from core.optimise.problem import OptimisationProblem
 from core.watch import Watch
 
 
 def _exact(
-    problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
-) -> Found:
+    problem: OptimisationProblem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    watch: Watch,
+) -> Optima:
     found = known_answers.by_closed_form(problem, design)
     found = with_best_rest(problem, found, design, scales, watch)
     watch.advance(1.0)
@@ -28,8 +31,11 @@ def _exact(
 
 
 def _newton(
-    problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
-) -> Found:
+    problem: OptimisationProblem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    watch: Watch,
+) -> Optima:
     found = known_answers.by_newton(problem, design)
     found = with_best_rest(problem, found, design, scales, watch)
     watch.advance(1.0)
@@ -37,7 +43,7 @@ def _newton(
 
 
 @dataclass(frozen=True)
-class Method:
+class OptimisationMethod:
     """An optimiser.
 
     Attributes
@@ -58,44 +64,46 @@ class Method:
     at_once: bool = False
 
 
-METHODS: dict[str, Method] = {
-    "exact": Method(_exact, 1e-10, "closed form", at_once=True),
-    "newton": Method(_newton, 1e-10, "compiled batch solver", at_once=True),
-    "population": Method(
+METHODS: dict[str, OptimisationMethod] = {
+    "exact": OptimisationMethod(_exact, 1e-10, "closed form", at_once=True),
+    "newton": OptimisationMethod(_newton, 1e-10, "compiled batch solver", at_once=True),
+    "population": OptimisationMethod(
         by_population, 1e-8, "differential evolution of all designs at once", at_once=True
     ),
-    "search": Method(
+    "search": OptimisationMethod(
         scipy_methods.one_by_one(scipy_methods.search, 0.0, scipy_methods.search_budget),
         1e-6,
         "global search for outputs that jump",
     ),
-    "grid": Method(by_grid, 1e-6, "a dense grid, then finer ones around its best", at_once=True),
-    "differential_evolution": Method(
+    "grid": OptimisationMethod(
+        by_grid, 1e-6, "a dense grid, then finer ones around its best", at_once=True
+    ),
+    "differential_evolution": OptimisationMethod(
         scipy_methods.one_by_one(scipy_methods.differential_evolution, 1e-9, lambda _: 6_000),
         1e-7,
         "scipy's differential evolution",
     ),
-    "shgo": Method(
+    "shgo": OptimisationMethod(
         scipy_methods.one_by_one(scipy_methods.shgo, 1e-8, lambda _: 5_000),
         1e-6,
         "scipy's simplicial homology search",
     ),
-    "direct": Method(
+    "direct": OptimisationMethod(
         scipy_methods.one_by_one(scipy_methods.direct, 1e-3, lambda _: scipy_methods.MOST_DIRECT),
         1e-3,
         "scipy's dividing rectangles",
     ),
-    "slsqp": Method(
+    "slsqp": OptimisationMethod(
         scipy_methods.one_by_one(scipy_methods.slsqp, 1e-8, lambda _: 3_000),
         1e-7,
         "scipy's SLSQP from several starts",
     ),
-    "trust-constr": Method(
+    "trust-constr": OptimisationMethod(
         scipy_methods.one_by_one(scipy_methods.trust_constr, 1e-6, lambda _: 6_000),
         1e-6,
         "scipy's trust region from several starts",
     ),
-    "minimize_scalar": Method(
+    "minimize_scalar": OptimisationMethod(
         scipy_methods.one_by_one(scipy_methods.minimize_scalar, 1e-8, lambda _: 300),
         1e-6,
         "scipy's bounded search of one variable",
@@ -104,7 +112,7 @@ METHODS: dict[str, Method] = {
 """Every optimiser, by the name that a study gives."""
 
 
-def refusal(name: str, problem: Problem) -> tuple[str, str] | None:
+def refusal(name: str, problem: OptimisationProblem) -> tuple[str, str] | None:
     """Return why a method cannot solve a problem and what could, or None if it can."""
     if problem.uncertain is not None and name in ("slsqp", "trust-constr"):
         return "the worst case has kinks, and it needs slopes", "Leave method out"
@@ -119,7 +127,7 @@ def refusal(name: str, problem: Problem) -> tuple[str, str] | None:
     return None
 
 
-def default_method(problem: Problem, cells: int) -> str:
+def default_method(problem: OptimisationProblem, cells: int) -> str:
     """Return the method of a study that names none.
 
     The known answers where there are; else what `benchmarks/optimise.py` shows to be the fastest

@@ -9,7 +9,7 @@ from typing import Any
 from core.motion.method import Method
 from core.motion.prepare import other_method, price_of
 from core.motion.systems import methods_of
-from core.optimise.problem import Problem
+from core.optimise.problem import OptimisationProblem
 from core.optimise.robust import NODES
 from core.optimise.scipy_methods import search_budget
 from core.optimise.sentences import criterion_in_words
@@ -35,7 +35,7 @@ class Optimisation(Prepared):
     ----------
     designs : Grid
         The grid without the front.
-    problem : Problem
+    problem : OptimisationProblem
         What is solved at each of its points.
     method : str
         A key of `METHODS`.
@@ -43,7 +43,7 @@ class Optimisation(Prepared):
 
     study: OptimiseStudy
     designs: Grid
-    problem: Problem
+    problem: OptimisationProblem
     method: str
 
     @cached_property

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.optimise.codes import STATUS
-from core.optimise.found import Found
-from core.optimise.problem import Problem, cells_of, chosen_cells, columns
+from core.optimise.found import Optima
+from core.optimise.problem import OptimisationProblem, cells_of, chosen_cells, columns
 from core.optimise.robust import NODES
 from core.optimise.single import spread
 from core.watch import Watch
@@ -28,8 +28,11 @@ SEED = 1
 
 
 def by_population(
-    problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
-) -> Found:
+    problem: OptimisationProblem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    watch: Watch,
+) -> Optima:
     """Return the best member of every design's population.
 
     What keeps the constraints beats what does not; of two that do not, the smaller violation wins.
@@ -40,7 +43,7 @@ def by_population(
         _evolve(problem, chosen_cells(design, piece), chosen_cells(scales, piece), watch, cells)
         for piece in (slice(start, start + step) for start in range(0, cells, step))
     ]
-    return Found(
+    return Optima(
         np.concatenate([piece.x for piece in pieces], axis=1),
         np.concatenate([piece.status for piece in pieces]),
         evaluations=np.concatenate([np.asarray(piece.evaluations) for piece in pieces]),
@@ -48,12 +51,12 @@ def by_population(
 
 
 def _evolve(
-    problem: Problem,
+    problem: OptimisationProblem,
     design: Mapping[str, Array],
     scales: Mapping[str, Array],
     watch: Watch,
     all_cells: int,
-) -> Found:
+) -> Optima:
     cells, count = cells_of(design), len(problem.names)
     members = MEMBERS + 8 * count
     random = np.random.default_rng(SEED)
@@ -100,7 +103,7 @@ def _evolve(
     status = np.where(done, status, STATUS["not_computed"]).astype(np.int8)
     x = problem.lower[:, None] + (problem.upper - problem.lower)[:, None] * best
     x = np.where(best == 1, problem.upper[:, None], x)
-    return Found(np.where(status == STATUS["optimal"], x, np.nan), status, evaluations=used)
+    return Optima(np.where(status == STATUS["optimal"], x, np.nan), status, evaluations=used)
 
 
 def _share_done(widths: Array, cells: int) -> float:
@@ -113,7 +116,10 @@ def _share_done(widths: Array, cells: int) -> float:
 
 
 def _first(
-    problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], members: int
+    problem: OptimisationProblem,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
+    members: int,
 ) -> tuple[Array, Array, Array]:
     """Return the first members with their ranks: half are the best of many, half fill the box.
 
@@ -145,7 +151,10 @@ def _first(
 
 
 def _judge(
-    problem: Problem, unit: Array, design: Mapping[str, Array], scales: Mapping[str, Array]
+    problem: OptimisationProblem,
+    unit: Array,
+    design: Mapping[str, Array],
+    scales: Mapping[str, Array],
 ) -> tuple[Array, Array]:
     lower, upper = problem.lower[:, None, None], problem.upper[:, None, None]
     x = np.where(unit == 1, upper, lower + unit * (upper - lower))

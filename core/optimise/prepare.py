@@ -6,15 +6,13 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from core.errors import Problem as Wrong
-from core.errors import StudyError
+from core.errors import Problem, StudyError
 from core.motion.prepare import choose_system
-from core.motion.systems import CONTACTS as DRIVEN
-from core.motion.systems import SYSTEMS
+from core.motion.systems import CONTACTS, SYSTEMS
 from core.optimise.checks import misplaced, of_other_drive, wrong_intervals
 from core.optimise.methods import METHODS, default_method, refusal
 from core.optimise.optimisation import Optimisation
-from core.optimise.problem import CONTACTS, LIMIT, Kept, Problem, Variable
+from core.optimise.problem import CONTACT_OUTPUTS, LIMIT, Kept, OptimisationProblem, Variable
 from core.optimise.robust import uncertain_of
 from core.optimise.search import MOST_VARIABLES
 from core.optimise.slopes import MOST_SENSITIVE
@@ -41,7 +39,7 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         With every problem of scene, criterion, constraints, variables, parameters and method.
     """
     values = study.values()
-    problems: list[Wrong] = []
+    problems: list[Problem] = []
     asked = tuple(dict.fromkeys((*study.criterion_outputs(), *study.outputs)))
     intervals = study.intervals()
     given = (*values, *study.bounds(), *intervals)
@@ -50,8 +48,8 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     except StudyError as error:
         raise StudyError(placed(one, study) for one in error.problems) from None
     scene, variant, _ = chosen
-    if study.drive is not None and (scene.choice != "method" or scene.name not in DRIVEN):
-        fix = f"Ask for conveying_velocity of {', '.join(DRIVEN)}, or give these"
+    if study.drive is not None and (scene.choice != "method" or scene.name not in CONTACTS):
+        fix = f"Ask for conveying_velocity of {', '.join(CONTACTS)}, or give these"
         raise StudyError([only_the_plain_sine(fix)])
     kept = tuple(_kept(study, scene, variant))
     outputs = tuple(dict.fromkeys((*asked, *(one.output for one in kept))))
@@ -61,10 +59,10 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     if not bounds:
         message = "nothing is left to choose"
         fix = 'Name some, for example [variables] beta = { lower = 0, upper = "90 deg" }'
-        problems.append(Wrong("variables", message, fix))
+        problems.append(Problem("variables", message, fix))
     if len(bounds) > MOST_VARIABLES:
         message = f"there are {len(bounds)} of them"
-        problems.append(Wrong("variables", message, f"Choose at most {MOST_VARIABLES}"))
+        problems.append(Problem("variables", message, f"Choose at most {MOST_VARIABLES}"))
     problems += wrong_intervals(study, intervals, values, bounds)
     ends = {name: (one.lower, one.upper) for name, one in bounds.items()}
     ends |= {name: tolerance(name, one) for name, one in intervals.items()}
@@ -75,13 +73,13 @@ def prepare(study: OptimiseStudy) -> Optimisation:
         problems += (placed(of_other_drive(one, scene), study) for one in error.problems)
     if study.method is not None and study.method not in METHODS:
         message = f"'{study.method[:60]}' is not a method"
-        problems.append(Wrong("method", message, suggestion(study.method, METHODS)))
+        problems.append(Problem("method", message, suggestion(study.method, METHODS)))
     if problems:
         raise StudyError(dict.fromkeys(problems))
     variables = tuple(_variable(name, between) for name, between in bounds.items())
     how = study.robust or "worst"
     unsure = uncertain_of(intervals, how, study.quantile) if intervals else None
-    problem = Problem(
+    problem = OptimisationProblem(
         plan,
         variables,
         study.criterion,
@@ -93,11 +91,11 @@ def prepare(study: OptimiseStudy) -> Optimisation:
     if study.sensitivities and designs.cells > MOST_SENSITIVE:
         message = f"each of {designs.cells:,} designs would be derived singly"
         fix = f"Range over at most {MOST_SENSITIVE:,} designs, or leave sensitivities out"
-        raise StudyError([Wrong("sensitivities", message, fix)])
+        raise StudyError([Problem("sensitivities", message, fix)])
     method = study.method or default_method(problem, designs.cells)
     why_not = refusal(method, problem)
     if why_not is not None:
-        raise StudyError([Wrong("method", *why_not)])
+        raise StudyError([Problem("method", *why_not)])
     if isinstance(study.criterion, Pareto):
         shares = Span(0.0, 1.0, study.criterion.points)
         grid = Grid({**designs.axes, FRONT: shares}, designs.fixed)
@@ -133,7 +131,7 @@ def choose_problem_scene(
         sine = system is SYSTEMS[name]
         if not sine or any(o not in closed and o in system.outputs(method) for o in outputs):
             fix = "Remove it, or ask for outputs of the closed forms alone" if sine else "Remove it"
-            told = [Wrong("variant", "motion in time has no variants", fix)] if variant else []
+            told = [Problem("variant", "motion in time has no variants", fix)] if variant else []
             return system, method, told
     return scene, chosen, problems
 
@@ -143,7 +141,7 @@ def _kept(study: OptimiseStudy, scene: Scene, variant: str) -> Iterable[Kept]:
     if isinstance(study.criterion, Limited):
         yield Kept(LIMIT, study.criterion.against, study.criterion.limit, True, True)
     switches = {"floor_contact": study.floor_contact, "wall_contact": study.wall_contact}
-    for name, output in CONTACTS.items():
+    for name, output in CONTACT_OUTPUTS.items():
         if switches[name] and output in scene.outputs(variant):
             yield Kept(name, output, 0.0, upper=False)
     for one in study.constraints:

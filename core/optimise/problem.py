@@ -72,7 +72,7 @@ class Kept:
 
 
 @dataclass(frozen=True)
-class Problem:
+class OptimisationProblem:
     """What an optimiser solves, for any number of designs at once.
 
     A design is a mapping of every fixed parameter (and of `limit`) to an array; all of them, and
@@ -236,7 +236,7 @@ class Problem:
         """Whether the output is a mean over a motion, whose error is known."""
         return self.is_motion and self.criterion.output == "conveying_velocity"
 
-    def longer(self, times: float = LONGEST) -> Problem:
+    def longer(self, times: float = LONGEST) -> OptimisationProblem:
         """Return the problem with motions that do not repeat followed so many times as long."""
         if not self.is_motion or "most_periods" not in self.plan.defaults:
             return self
@@ -330,13 +330,13 @@ class Problem:
         """
         snapped = dict(known)
         for kept in self.kept:
-            if kept.name in CONTACTS:
+            if kept.name in CONTACT_OUTPUTS:
                 value = np.asarray(known[kept.output])
                 near = np.abs(value) <= touching * scales[kept.output]
                 snapped[kept.output] = np.where(near, np.finfo(np.float64).tiny, value)
         return regimes(self.plan, snapped)
 
-    def limited(self) -> Problem:
+    def limited(self) -> OptimisationProblem:
         """Return the problem of one point of a front: the output within a limit of the other."""
         criterion = self.criterion
         assert isinstance(criterion, Pareto | Limited | Weighted)
@@ -346,7 +346,7 @@ class Problem:
         return replace(self, criterion=inner, kept=(limit, *kept))
 
 
-CONTACTS: dict[str, str] = {
+CONTACT_OUTPUTS: dict[str, str] = {
     "floor_contact": "normal_acceleration",
     "wall_contact": "wall_balance",
 }

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from core.mechanics.arrays import Array
-from core.plan.draws import points as drawn_points
+from core.plan import draws
 from core.plan.draws import values_at
 from core.plan.grid import parameter_to_si
 from core.study.distributions import Distribution, tolerance
@@ -107,7 +107,7 @@ def uncertain_of(
     if how == "worst":
         values = _box(distributions)
     else:
-        values = values_at(distributions, drawn_points(len(distributions), DRAWN, 0)[:, 0])
+        values = values_at(distributions, draws.points(len(distributions), DRAWN, 0)[:, 0])
     return Uncertain(distributions, values, how, None, 0.5 if quantile is None else quantile)
 
 

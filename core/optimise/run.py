@@ -14,7 +14,7 @@ from core.optimise.front import find_front
 from core.optimise.labels import label
 from core.optimise.methods import METHODS
 from core.optimise.optimisation import Optimisation
-from core.optimise.problem import LIMIT, Problem, cells_of, chosen_cells
+from core.optimise.problem import LIMIT, OptimisationProblem, cells_of, chosen_cells
 from core.plan.grid import Grid
 from core.plan.pieces import Computed
 from core.study.optimise_study import Limited, Pareto
@@ -57,7 +57,7 @@ def _solved(
     return checked(prepared, found, design, scales), found.says
 
 
-def designs_of(problem: Problem, grid: Grid) -> dict[str, Array]:
+def designs_of(problem: OptimisationProblem, grid: Grid) -> dict[str, Array]:
     """Return the fixed parameters of every design, and the limit; arrays of shape (cells,)."""
     shape = tuple(grid.shape.values())
     design = {
@@ -66,7 +66,9 @@ def designs_of(problem: Problem, grid: Grid) -> dict[str, Array]:
     return with_limit(problem, design, grid.cells)
 
 
-def with_limit(problem: Problem, design: Mapping[str, Array], cells: int) -> dict[str, Array]:
+def with_limit(
+    problem: OptimisationProblem, design: Mapping[str, Array], cells: int
+) -> dict[str, Array]:
     """Return designs, arrays of shape (cells,), with the limit that the study sets."""
     criterion = problem.criterion
     limit = criterion.limit if isinstance(criterion, Limited) else np.inf

@@ -14,8 +14,8 @@ import scipy
 
 from core.mechanics.arrays import Array
 from core.optimise.codes import STATUS
-from core.optimise.found import Found, Solver, status_of
-from core.optimise.problem import Problem, cells_of, chosen_cells
+from core.optimise.found import Optima, Solver, status_of
+from core.optimise.problem import OptimisationProblem, cells_of, chosen_cells
 from core.optimise.search import parts_of, search_maximum
 from core.optimise.single import NO_VALUE, Single, spread
 from core.watch import Watch
@@ -31,7 +31,7 @@ SEARCH_BUDGET = 12_000
 """Points of a design that the search for outputs that jump may take, of one or two variables."""
 
 
-class StoppedError(Exception):
+class SearchStoppedError(Exception):
     """The watch asked to stop amid a design."""
 
 
@@ -199,7 +199,7 @@ def search(single: Single, budget: int | None = None) -> tuple[Array, str]:
     ends = np.zeros(single.variables), np.ones(single.variables)
     found = search_maximum(ranked, *ends, budget=budget, watch=single.watch)
     if found.status == "stopped":
-        raise StoppedError
+        raise SearchStoppedError
     if single.problem.is_motion and np.isfinite(found.value):
         unit, *judged = (np.concatenate(parts, axis=-1) for parts in zip(*seen, strict=True))
         return unit[:, single.standing(unit, *judged)], found.message
@@ -263,8 +263,11 @@ def one_by_one(one: One, tolerance: float, about: Callable[[int], int]) -> Solve
     """
 
     def solve(
-        problem: Problem, design: Mapping[str, Array], scales: Mapping[str, Array], watch: Watch
-    ) -> Found:
+        problem: OptimisationProblem,
+        design: Mapping[str, Array],
+        scales: Mapping[str, Array],
+        watch: Watch,
+    ) -> Optima:
         cells = cells_of(design)
         x = np.full((len(problem.names), cells), np.nan)
         status = np.full(cells, STATUS["not_computed"], dtype=np.int8)
@@ -284,7 +287,7 @@ def one_by_one(one: One, tolerance: float, about: Callable[[int], int]) -> Solve
             )
             try:
                 unit, says = one(single)
-            except StoppedError:
+            except SearchStoppedError:
                 break
             if problem.is_motion and watch.stopped():
                 break  # the points that were asked for last have no value
@@ -294,6 +297,6 @@ def one_by_one(one: One, tolerance: float, about: Callable[[int], int]) -> Solve
                 x[:, cell] = single.place(unit)[:, 0]
             evaluations[cell] = single.evaluations
             single.end()
-        return Found(x, status, evaluations=evaluations, says=says)
+        return Optima(x, status, evaluations=evaluations, says=says)
 
     return solve

@@ -46,7 +46,7 @@ BEYOND = 0.05  # of the box, by which it is widened on each side
 NEARBY = 1e-3  # of the width of the box: where `drop` looks
 
 
-class Found(NamedTuple):
+class SearchResult(NamedTuple):
     """What a search found.
 
     Attributes
@@ -83,7 +83,7 @@ def search_maximum(
     tolerance: float = 1e-6,
     seed: int = 0,
     watch: Watch | None = None,
-) -> Found:
+) -> SearchResult:
     """Return the largest value that a search of a box finds, and where.
 
     Parameters
@@ -181,14 +181,14 @@ class _Search:
         nearby = self.values(np.clip(np.nan_to_num(self.point) + NEARBY * self.around, 0.0, 1.0))
         self.drop = self.value - float(nearby.min())
 
-    def found(self, status: SearchStatus) -> Found:
+    def found(self, status: SearchStatus) -> SearchResult:
         """Return what is known."""
         point, value = np.full(self.lower.size, np.nan), math.nan
         if math.isfinite(self.value):
             point, value = self.place(self.point[None])[0], self.value
         if status != "stopped" and self.least == self.value:
             status = "flat" if math.isfinite(value) else "no_value"
-        return Found(point, value, self.drop, self.used, status, MESSAGES[status])
+        return SearchResult(point, value, self.drop, self.used, status, MESSAGES[status])
 
 
 def parts_of(variables: int) -> int:

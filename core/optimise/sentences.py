@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from core.optimise.problem import Problem
+from core.optimise.problem import OptimisationProblem
 from core.quantities import QUANTITIES
 from core.study.distributions import Distribution, nominal, tolerance
 from core.study.optimise_study import Limited, Pareto, Weighted
 from core.study.values import Between
 
 
-def criterion_in_words(problem: Problem) -> str:
+def criterion_in_words(problem: OptimisationProblem) -> str:
     """Return what is looked for, in a few words."""
     return _looked_for(problem) + _over_interval(problem)
 
 
-def _over_interval(problem: Problem) -> str:
+def _over_interval(problem: OptimisationProblem) -> str:
     if problem.uncertain is None:
         return ""
     how = {"worst": "in the worst case", "mean": "on average"}.get(problem.uncertain.how)
@@ -32,7 +32,7 @@ def _known(name: str, one: Distribution) -> str:
     return f"{name} about {nominal(one):g} ({lower:.4g} to {upper:.4g}){unit}"
 
 
-def _looked_for(problem: Problem) -> str:
+def _looked_for(problem: OptimisationProblem) -> str:
     criterion = problem.criterion
     output, against = criterion.output, problem.against
     if isinstance(criterion, Weighted):

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from core.mechanics.arrays import Array
-from core.optimise.problem import Problem, columns
+from core.optimise.problem import OptimisationProblem, columns
 from core.optimise.standing import standing
 from core.watch import Watch
 
@@ -33,7 +33,7 @@ class Single:
 
     def __init__(
         self,
-        problem: Problem,
+        problem: OptimisationProblem,
         design: Mapping[str, Array],
         scales: Mapping[str, Array],
         watch: Watch | None = None,

@@ -9,22 +9,22 @@ from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
 from core.motion.derivatives import derivatives_at
-from core.optimise.problem import Problem
-from core.plan.derivatives import STATUS, values_of
+from core.optimise.problem import OptimisationProblem
+from core.plan.derivatives import DERIVATIVE_STATUS, values_of
 from core.plan.plan import plan_scene
 
 MOST_SENSITIVE = 1_000
 """Designs of a study that asks for sensitivities: each is derived by itself."""
 
 
-def sensitive(problem: Problem) -> tuple[str, ...]:
+def sensitive(problem: OptimisationProblem) -> tuple[str, ...]:
     """Return the parameters that the output of the criterion is derived by."""
     plan = problem.plan.only(problem.criterion.output)
     return tuple(dict.fromkeys((*problem.names, *plan.parameters)))
 
 
 def slopes(
-    problem: Problem, x: Array, design: Mapping[str, Array], lost: NDArray[np.bool_]
+    problem: OptimisationProblem, x: Array, design: Mapping[str, Array], lost: NDArray[np.bool_]
 ) -> dict[str, Array]:
     """Return the logarithmic derivatives at optima x, shape (variables, cells).
 
@@ -44,5 +44,5 @@ def slopes(
     values = values_of(plan, cells, names)
     for (_, name), derived in derivatives_at(plan, cells, names).items():
         exponents = derived.logarithmic(values[name])
-        found[name][kept] = np.where(derived.status < STATUS["kink"], exponents, np.nan)
+        found[name][kept] = np.where(derived.status < DERIVATIVE_STATUS["kink"], exponents, np.nan)
     return found

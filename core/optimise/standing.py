@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.mechanics.arrays import Array
-from core.optimise.problem import LONGEST, UNKNOWN, Problem
+from core.optimise.problem import LONGEST, UNKNOWN, OptimisationProblem
 
 NICHES = 128  # along each variable: of the points in one cell of such a grid the best competes
 FOLLOWED = 32  # followed again: so many of largest mean less each share of its error
@@ -23,7 +23,7 @@ ROUNDS = ((8.0, 4), (LONGEST, 1))
 
 
 def standing(
-    problem: Problem,
+    problem: OptimisationProblem,
     unit: Array,
     judged: tuple[Array, Array, Array],
     design: Mapping[str, Array],
@@ -37,7 +37,7 @@ def standing(
 
     Parameters
     ----------
-    problem : Problem
+    problem : OptimisationProblem
     unit : ndarray, shape (variables, n)
         Points that were evaluated, as shares of the bounds.
     judged : tuple of ndarray, each of shape (n,)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from core.errors import Problem, StudyError
 from core.mechanics import yawing
 from core.mechanics.arrays import Array
-from core.mechanics.screws import Reduction, ScrewKind, Wrench, cross, dot
+from core.mechanics.screws import ScrewKind, ScrewReduction, Wrench, cross, dot
 from core.plan.duals import Dual, NotDifferentiableError, slope_of, unboxed, value_of
 from core.plan.plan import Plan
 from core.quantities.derivative import DERIVATIVE_STATUSES
@@ -28,7 +28,9 @@ ROUNDING = 1e-12  # of a value, relative
 AGREE = 1e-5  # relative difference of the derivatives of both sides that are still one
 
 Statuses: TypeAlias = NDArray[np.int8]
-STATUS: Mapping[str, int] = {name: flag.value for name, flag in DERIVATIVE_STATUSES.items()}
+DERIVATIVE_STATUS: Mapping[str, int] = {
+    name: flag.value for name, flag in DERIVATIVE_STATUSES.items()
+}
 
 Ruled: TypeAlias = tuple[Any, "Statuses | int"]
 Rule: TypeAlias = Callable[[Mapping[str, Any]], Ruled]
@@ -161,8 +163,8 @@ class _One(NamedTuple):
     @property
     def is_doubtful(self) -> NDArray[np.bool_]:
         """Where both sides have to be asked."""
-        open_ = self.status < STATUS["kink"]
-        unsure = (self.status > STATUS["exact"]) | ~np.isfinite(self.slope)
+        open_ = self.status < DERIVATIVE_STATUS["kink"]
+        unsure = (self.status > DERIVATIVE_STATUS["exact"]) | ~np.isfinite(self.slope)
         return np.asarray(open_ & unsure & np.isfinite(self.value))
 
 
@@ -184,7 +186,7 @@ def _carried(
         else:
             known[equation.gives] = unboxed(_run(equation, given, parameter))
         before = [status[name] for name in equation.inputs if name in status]
-        switches = [STATUS["both_sides"] * _by_cell(where, cells) for where in ties]
+        switches = [DERIVATIVE_STATUS["both_sides"] * _by_cell(where, cells) for where in ties]
         status[equation.gives] = reduce(np.maximum, [told, *before, *switches])
     shape = values[parameter].shape
     return {
@@ -224,9 +226,9 @@ def _run(equation: Equation, given: Mapping[str, Any], parameter: str) -> Any:
 
 def _told(one: _One) -> Derived:
     """Return what is told where no switch is near."""
-    lost = ~np.isfinite(one.value) & (one.status < STATUS["kink"])
-    status = np.where(lost, np.int8(STATUS["no_value"]), one.status)
-    none = status >= STATUS["kink"]
+    lost = ~np.isfinite(one.value) & (one.status < DERIVATIVE_STATUS["kink"])
+    status = np.where(lost, np.int8(DERIVATIVE_STATUS["no_value"]), one.status)
+    none = status >= DERIVATIVE_STATUS["kink"]
     empty = np.full(one.value.shape, np.nan)
     slope = np.where(none, np.nan, one.slope)
     error = np.where(none, np.nan, 0.0)
@@ -267,23 +269,25 @@ def _from_both_sides(
         bends = apart <= np.fmax(AGREE * largest, far_apart * 2 / WIDER)
         smooth = np.isfinite(apart) & bends & ~jumps
         mean = (below.slope + above.slope) / 2
-    status = np.where(smooth, STATUS["both_sides"], STATUS["kink"]).astype(np.int8)
+    status = np.where(smooth, DERIVATIVE_STATUS["both_sides"], DERIVATIVE_STATUS["kink"]).astype(
+        np.int8
+    )
     slope, error = np.where(smooth, mean, np.nan), np.where(smooth, apart, np.nan)
     return Derived(value, slope, error, status, below.slope, above.slope, jumps)
 
 
-def _reduced(wrench: Wrench) -> Reduction:
+def _reduced(wrench: Wrench) -> ScrewReduction:
     """Return pitch and axis of a wrench without the scaling of `reduce_screw`."""
     square = unboxed(dot(wrench.force, wrench.force))
     pitch = unboxed(dot(wrench.force, wrench.moment)) / square
     force = np.any(value_of(wrench.force) != 0)
     kind = np.asarray(ScrewKind.GENERAL if force else ScrewKind.ZERO, dtype=np.int8)
-    return Reduction(pitch, cross(wrench.force, wrench.moment) / square[..., None], kind)
+    return ScrewReduction(pitch, cross(wrench.force, wrench.moment) / square[..., None], kind)
 
 
-def _printed(wrench: Wrench) -> Reduction:
+def _printed(wrench: Wrench) -> ScrewReduction:
     reduction = _reduced(wrench)
-    return Reduction(reduction.pitch, -reduction.axis_point, reduction.kind)
+    return ScrewReduction(reduction.pitch, -reduction.axis_point, reduction.kind)
 
 
 IN_PLACE_OF: dict[Callable[..., Any], Callable[..., Any]] = {

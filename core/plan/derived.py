@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from core.dataset.table import Variable, flag_attributes
+from core.dataset.table import TableVariable, flag_attributes
 from core.errors import Problem, StudyError
 from core.plan.plan import Plan
 from core.quantities import QUANTITIES
@@ -93,7 +93,7 @@ class Asked:
             arrays[name] = squeezed(name, worst)
         return arrays
 
-    def variables(self, dims: Dims, arrays: Mapping[str, NDArray[Any]]) -> dict[str, Variable]:
+    def variables(self, dims: Dims, arrays: Mapping[str, NDArray[Any]]) -> dict[str, TableVariable]:
         """Return the variables, labelled."""
         labels: dict[str, dict[str, Any]] = {}
         for parameter in self.parameters:
@@ -117,7 +117,9 @@ class Asked:
             labels[status_name(parameter)] = flag_attributes(
                 "motion_status", DERIVATIVE_STATUSES, tuple(DERIVATIVE_STATUSES)
             ) | {"long_name": f"Status of the derivatives by {by}"}
-        return {name: Variable(dims[name], arrays[name], told) for name, told in labels.items()}
+        return {
+            name: TableVariable(dims[name], arrays[name], told) for name, told in labels.items()
+        }
 
 
 def derivative_name(output: str, parameter: str) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import core
-from core.dataset.table import CONVENTIONS, REFERENCES, Variable, quantity_attributes
+from core.dataset.table import CONVENTIONS, REFERENCES, TableVariable, quantity_attributes
 from core.plan.grid import Grid
 from core.plan.plan import Plan
 from core.plan.prepared import Prepared
@@ -19,26 +19,26 @@ from core.study.grid_study import DrivenStudy
 from core.study.values import Fixed, Values
 
 
-def coordinates_of(plan: Plan, grid: Grid) -> dict[str, Variable]:
+def coordinates_of(plan: Plan, grid: Grid) -> dict[str, TableVariable]:
     """Return the axes of a grid, and the values of fixed parameters and defaults of the plan."""
     coordinates = {
-        name: Variable((name,), grid.coordinate(name), quantity_attributes(name))
+        name: TableVariable((name,), grid.coordinate(name), quantity_attributes(name))
         for name in grid.axes
     }
     fixed = {name: value for name, value in grid.fixed.items() if name in plan.parameters}
     fixed |= {name: _edge(name, value) for name, value in plan.defaults.items()}
     return coordinates | {
-        name: Variable((), np.asarray(value, dtype=np.float64), quantity_attributes(name))
+        name: TableVariable((), np.asarray(value, dtype=np.float64), quantity_attributes(name))
         for name, value in fixed.items()
     }
 
 
-def outputs_of(prepared: Prepared, arrays: Mapping[str, NDArray[Any]]) -> dict[str, Variable]:
+def outputs_of(prepared: Prepared, arrays: Mapping[str, NDArray[Any]]) -> dict[str, TableVariable]:
     """Return the asked outputs, labelled; `arrays` are in the units of the code."""
     plan = prepared.plan
     equations = {equation.gives: equation for equation in plan.equations}
     return {
-        name: Variable(
+        name: TableVariable(
             prepared.dims[name],
             prepared.in_files(name, arrays[name]),
             quantity_attributes(

@@ -25,7 +25,7 @@ MILLI = 1000.0
 Array = NDArray[np.float64]
 
 
-class Body(NamedTuple):
+class Outline(NamedTuple):
     """The corners of a body, or points of its rims, and its centre and velocity, by axes."""
 
     points: Array
@@ -43,7 +43,7 @@ def views(dataset: xarray.Dataset) -> tuple[tuple[int, int], ...]:
     return ((0, 2), (0, 1)) if "position_z_1" in dataset.coords else ((0, 1),)
 
 
-def read_bodies(dataset: xarray.Dataset, places: Mapping[str, int]) -> tuple[Body, ...]:
+def read_bodies(dataset: xarray.Dataset, places: Mapping[str, int]) -> tuple[Outline, ...]:
     """Return both bodies [mm, m/s]; `places` holds positions of ranged parameters, else middles."""
 
     def value(name: str, body: int) -> float:
@@ -67,7 +67,7 @@ def read_bodies(dataset: xarray.Dataset, places: Mapping[str, int]) -> tuple[Bod
             angles = (np.radians(value(name, body)) for name in ("azimuth", "elevation"))
             points = _cylinder(length, value("diameter", body), *angles)
         centre = vector("position", body)
-        bodies.append(Body(MILLI * (centre + points), MILLI * centre, vector("velocity", body)))
+        bodies.append(Outline(MILLI * (centre + points), MILLI * centre, vector("velocity", body)))
     return tuple(bodies)
 
 
@@ -93,7 +93,9 @@ def _cylinder(length: float, diameter: float, azimuth: float, elevation: float) 
     return np.concatenate([rim + axis * length / 2, rim - axis * length / 2])
 
 
-def draw_bodies(axes: Axes, bodies: tuple[Body, ...], view: tuple[int, int], style: Style) -> None:
+def draw_bodies(
+    axes: Axes, bodies: tuple[Outline, ...], view: tuple[int, int], style: Style
+) -> None:
     """Draw the outlines of both bodies, numbered, and arrows of their velocities."""
     seen = [body.points[:, view] for body in bodies]
     every = np.concatenate(seen)
@@ -126,7 +128,7 @@ def draw_bodies(axes: Axes, bodies: tuple[Body, ...], view: tuple[int, int], sty
     axes.set_ylabel(f"{AXES[view[1]]} (mm)")
 
 
-def arrows_in_words(bodies: tuple[Body, ...]) -> str:
+def arrows_in_words(bodies: tuple[Outline, ...]) -> str:
     """Return what the arrows of a sketch say."""
     speeds = [float(np.linalg.norm(body.velocity)) for body in bodies]
     told = " and ".join(f"{number(speed, 3)}\N{NO-BREAK SPACE}m/s" for speed in speeds)

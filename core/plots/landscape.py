@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from core.dataset.table import quantity_attributes
 from core.optimise import Optimisation
 from core.optimise.codes import STATUS
-from core.optimise.problem import Problem, chosen_cells
+from core.optimise.problem import OptimisationProblem, chosen_cells
 from core.optimise.run import designs_of
 from core.optimise.sentences import criterion_in_words
 from core.plan.grid import from_si, to_si
@@ -134,7 +134,7 @@ def held_of(
     return [criterion_in_words(prepared.problem), *held, *held_fixed(dataset, units)]
 
 
-def name_of(problem: Problem) -> str:
+def name_of(problem: OptimisationProblem) -> str:
     """Return the name of the objective."""
     label = QUANTITIES[problem.criterion.output].label
     return f"{label[0].lower()}{label[1:]}{', weighted' if problem.weight else ''}"
@@ -176,7 +176,7 @@ def curves_of(
     return curves
 
 
-def _sides(problem: Problem, count: int) -> list[Array]:
+def _sides(problem: OptimisationProblem, count: int) -> list[Array]:
     return [
         np.linspace(low, high, count)
         for low, high in zip(problem.lower, problem.upper, strict=True)

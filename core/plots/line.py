@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from core.plots.parts import add_room, cell_edges, say_nothing_is_finite, set_log
 from core.plots.regimes import HATCH_WIDTH, MOTION, PLAIN, Look, swatch
 from core.plots.scale import value_range
-from core.plots.selection import FEW, Axis, Selection, thin
+from core.plots.selection import FEW, PlotAxis, Selection, thin
 from core.plots.sliced import drawn_by, fits_as
 from core.plots.style import Style, mix
 from core.plots.text import axis_label, number, short_label, with_unit
@@ -153,7 +153,7 @@ def _add_bands(
 
 def _add_strips(
     axes: Axes,
-    across: Axis,
+    across: PlotAxis,
     regimes: NDArray[np.int64],
     looks: Sequence[Look],
     labels: list[str],
@@ -244,7 +244,7 @@ def _mark_edges(
 
 
 def _spans(
-    axes: Axes, across: Axis, states: NDArray[np.int64], looks: Sequence[Look], style: Style
+    axes: Axes, across: PlotAxis, states: NDArray[np.int64], looks: Sequence[Look], style: Style
 ) -> None:
     """Colour the background by regime; borders lie halfway between two points."""
     edges = cell_edges(across)
@@ -283,7 +283,7 @@ def _name_curves(
     )
 
 
-def _limit(axes: Axes, across: Axis, values: NDArray[np.float64], style: Style) -> None:
+def _limit(axes: Axes, across: PlotAxis, values: NDArray[np.float64], style: Style) -> None:
     axes.set_xlim(across.values[0], across.values[-1])
     ends = value_range(values)
     if ends is None:

@@ -16,7 +16,7 @@ from scipy.ndimage import distance_transform_edt, uniform_filter
 
 from core.plots.parts import cell_edges
 from core.plots.regimes import ON_FILL, Look
-from core.plots.selection import Axis
+from core.plots.selection import PlotAxis
 from core.plots.style import NARROW, SMALL, Style
 from core.plots.text import words
 
@@ -54,7 +54,7 @@ def leave_out_what_meets(figure: Figure) -> None:
             text.set_visible(False)
 
 
-def _cells_at(axis: Axis, edges: NDArray[np.float64], count: int) -> NDArray[np.intp]:
+def _cells_at(axis: PlotAxis, edges: NDArray[np.float64], count: int) -> NDArray[np.intp]:
     """Return the cells at points spread evenly over the axis as it is drawn."""
     drawn = np.log(edges) if axis.is_log else edges
     points = drawn[0] + (np.arange(count) + 0.5) / count * (drawn[-1] - drawn[0])
@@ -63,8 +63,8 @@ def _cells_at(axis: Axis, edges: NDArray[np.float64], count: int) -> NDArray[np.
 
 def add_names(
     axes: Axes,
-    across: Axis,
-    up: Axis,
+    across: PlotAxis,
+    up: PlotAxis,
     regimes: NDArray[np.int64],
     looks: Sequence[Look],
     style: Style,

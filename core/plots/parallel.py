@@ -47,7 +47,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Column:
+class ParallelColumn:
     """One axis of the picture: its name, and the value of each design."""
 
     name: str
@@ -66,7 +66,7 @@ class Column:
 class Designs:
     """What is drawn of a dataset: columns, the output last, and the place of the best design."""
 
-    columns: tuple[Column, ...]
+    columns: tuple[ParallelColumn, ...]
     best: int
     best_is: str
     total: int
@@ -187,7 +187,9 @@ def read_designs(dataset: xarray.Dataset, units: ShownUnits, variable: str | Non
     )
 
 
-def _column(array: xarray.DataArray, values: Array, units: ShownUnits, gridded: bool) -> Column:
+def _column(
+    array: xarray.DataArray, values: Array, units: ShownUnits, gridded: bool
+) -> ParallelColumn:
     shown = shown_in(array, units)
     values = scaled(xarray.DataArray(values), shown.factor)
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
@@ -197,7 +199,7 @@ def _column(array: xarray.DataArray, values: Array, units: ShownUnits, gridded: 
         spread = SPREAD * float(np.diff(steps).min())
     if high - low <= 1e-9 * max(abs(low), abs(high)):
         low, high = add_room(low, high)
-    return Column(_name(array), shown.unit, values, low - spread, high + spread, spread)
+    return ParallelColumn(_name(array), shown.unit, values, low - spread, high + spread, spread)
 
 
 def _draw_lines(axes: Axes, designs: Designs, style: Style) -> None:
@@ -266,7 +268,7 @@ def _wrapped(name: str, width: int) -> list[str]:
     return textwrap.wrap(name, width, break_long_words=False)
 
 
-def _ticks(column: Column) -> Sequence[float]:
+def _ticks(column: ParallelColumn) -> Sequence[float]:
     values = np.unique(column.values)
     if column.spread and values.size <= TICKS:
         return [float(value) for value in values]

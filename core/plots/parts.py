@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis as Spine
+from matplotlib.axis import Axis
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import FigureBase
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
 from core.plots.scale import Scale
-from core.plots.selection import Axis, Selection
+from core.plots.selection import PlotAxis, Selection
 from core.plots.style import Style
 from core.plots.text import long_name, number, short_label
 
@@ -25,7 +25,7 @@ def plain(value: float, _: object = None) -> str:
     return number(value)
 
 
-def set_log(spine: Spine, values: NDArray[np.float64]) -> None:
+def set_log(spine: Axis, values: NDArray[np.float64]) -> None:
     """Space an axis by factors, with plain numbers at the ticks."""
     if spine.axis_name == "x":  # type: ignore[attr-defined]
         spine.axes.set_xscale("log")
@@ -38,7 +38,7 @@ def set_log(spine: Spine, values: NDArray[np.float64]) -> None:
         spine.set_minor_locator(NullLocator())
 
 
-def cell_edges(axis: Axis) -> NDArray[np.float64]:
+def cell_edges(axis: PlotAxis) -> NDArray[np.float64]:
     """Return the borders of the cells about the points of an axis, shape (n + 1,).
 
     They lie halfway between two points, as the axis is drawn, and at both ends.

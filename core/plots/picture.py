@@ -7,7 +7,7 @@ from io import BytesIO
 from matplotlib.figure import Figure
 
 
-class Picture(Figure):
+class NotebookFigure(Figure):
     """A figure that a notebook shows by itself: matplotlib teaches it that with pyplot only."""
 
     def _repr_png_(self) -> bytes:

@@ -17,7 +17,7 @@ from core.plots.islands import without_specks
 from core.plots.names import add_names
 from core.plots.parts import cell_edges, set_log
 from core.plots.regimes import HATCH_WIDTH, Look, swatch
-from core.plots.selection import Axis, Selection, thin
+from core.plots.selection import PlotAxis, Selection, thin
 from core.plots.sliced import drawn_by, fits_as
 from core.plots.style import RGB, Style
 
@@ -50,8 +50,8 @@ def draw_map(
 
 def fill_cells(
     axes: Axes,
-    across: Axis,
-    up: Axis,
+    across: PlotAxis,
+    up: PlotAxis,
     regimes: NDArray[np.int64],
     looks: Sequence[Look],
     fills: Sequence[RGB],
@@ -77,8 +77,8 @@ def fill_cells(
 
 def add_borders(
     axes: Axes,
-    across: Axis,
-    up: Axis,
+    across: PlotAxis,
+    up: PlotAxis,
     regimes: NDArray[np.int64],
     looks: Sequence[Look],
     colour: str | RGB = BORDER,

@@ -39,7 +39,7 @@ FEW = 7  # values of an axis between which nothing is drawn: curves, not contour
 
 
 @dataclass(frozen=True)
-class Axis:
+class PlotAxis:
     """A dimension that is drawn, values ascending, in the unit in which it is read."""
 
     name: str
@@ -85,7 +85,7 @@ class Selection:
     """
 
     variable: xarray.DataArray
-    axes: tuple[Axis, ...]
+    axes: tuple[PlotAxis, ...]
     values: NDArray[np.float64]
     unit: str
     regimes: NDArray[np.int64]
@@ -268,10 +268,10 @@ def _axes(whole: xarray.DataArray, names: tuple[str, ...] | None, most: int) -> 
     return names
 
 
-def _axis(coordinate: xarray.DataArray, units: ShownUnits) -> Axis:
+def _axis(coordinate: xarray.DataArray, units: ShownUnits) -> PlotAxis:
     shown = shown_in(coordinate, units)
     label = axis_label(coordinate, shown.unit)
-    return Axis(str(coordinate.name), label, shown.unit, scaled(coordinate, shown.factor))
+    return PlotAxis(str(coordinate.name), label, shown.unit, scaled(coordinate, shown.factor))
 
 
 def held_at(coordinate: xarray.DataArray, units: ShownUnits, position: int | None = None) -> str:

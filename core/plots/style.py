@@ -14,7 +14,7 @@ from matplotlib.legend import Legend
 from mpl_toolkits.mplot3d import Axes3D  # type: ignore[import-untyped]
 from numpy import linspace
 
-from core.plots.picture import Picture
+from core.plots.picture import NotebookFigure
 
 RGB = tuple[float, float, float]
 SMALL = 0.8  # text of a small picture over that of a normal one
@@ -115,7 +115,9 @@ class Style:
         """Return an empty figure with a canvas of its own, of a normal picture's size in inches."""
         if self.small:
             width, height = NARROW * width, LOW * height
-        figure = Picture(figsize=(width, height), layout="constrained", facecolor=self.ground)
+        figure = NotebookFigure(
+            figsize=(width, height), layout="constrained", facecolor=self.ground
+        )
         FigureCanvasAgg(figure)
         return figure
 

@@ -33,7 +33,7 @@ STILL = 1e-3  # of the part's size, and of a turn
 Array = NDArray[np.float64]
 
 
-class Course(NamedTuple):
+class TumblingTrajectory(NamedTuple):
     """The course of one part in the units in which it is drawn.
 
     Attributes
@@ -65,7 +65,7 @@ class Course(NamedTuple):
     facts: list[str]
 
 
-def read_tumbling(dataset: xarray.Dataset, units: ShownUnits) -> Course:
+def read_tumbling(dataset: xarray.Dataset, units: ShownUnits) -> TumblingTrajectory:
     """Return the course of the one part that the dataset shows.
 
     Raises
@@ -100,7 +100,7 @@ def read_tumbling(dataset: xarray.Dataset, units: ShownUnits) -> Course:
     length = shown_in(xarray.DataArray(outlines, attrs={"units": "m"}), units)
     time, angle = shown_in(dataset[TIME], units), shown_in(dataset["path_pitch"], units)
     shown = slice(0, _end(outlines, pitch, float(np.hypot(*corners[0]))))
-    return Course(
+    return TumblingTrajectory(
         time=(time.factor * dataset[TIME].values)[shown],
         time_unit=time.unit,
         along=length.factor * along[shown],
@@ -115,7 +115,9 @@ def read_tumbling(dataset: xarray.Dataset, units: ShownUnits) -> Course:
     )
 
 
-def draw_tumbling(figure: Figure, shown: Course, style: Style) -> tuple[Axes, list[Artist]]:
+def draw_tumbling(
+    figure: Figure, shown: TumblingTrajectory, style: Style
+) -> tuple[Axes, list[Artist]]:
     """Draw the course; return the upper axes and the legend's entries."""
     side, gaps, turns = figure.subplots(3, 1, height_ratios=PANELS)
     gaps.sharex(turns)
@@ -139,7 +141,7 @@ def draw_tumbling(figure: Figure, shown: Course, style: Style) -> tuple[Axes, li
     return side, _entries(style)
 
 
-def _draw_side(axes: Axes, shown: Course, style: Style) -> None:
+def _draw_side(axes: Axes, shown: TumblingTrajectory, style: Style) -> None:
     """Draw the part as it is seen from the side, at times that are far enough apart."""
     moved = np.abs(np.diff(shown.outlines, axis=0)).sum(axis=(1, 2))
     passed = np.concatenate([[0.0], np.cumsum(moved)])

@@ -51,7 +51,7 @@ ROOM = 0.08  # beyond the largest value
 
 
 @dataclass(frozen=True)
-class Told:
+class UncertainOutput:
     """What is known of one output at one design, in the unit in which it is read.
 
     Attributes
@@ -166,7 +166,7 @@ def _told(
     units: ShownUnits,
     *,
     nearest: bool,
-) -> Told:
+) -> UncertainOutput:
     names = [str(name) for name in dataset.data_vars]
     outputs = [name.removesuffix(LEFT_OUT) for name in names if name.endswith(LEFT_OUT)]
     if not outputs or "uncertain_parameters" not in dataset.attrs:
@@ -195,7 +195,7 @@ def _told(
     ]
     sizes = np.concatenate([*own, [0.0]])
     shown = units.of(unit, float(sizes[np.isfinite(sizes)].max()))
-    told = Told(output, shown, design, tuple(facts), units)
+    told = UncertainOutput(output, shown, design, tuple(facts), units)
     if not np.isfinite(told.shares(NEEDED[kind])).any():
         message = f"no point of {words(output)} has a valid value here"
         raise PlotError("dataset", message, "Draw another design, with at, or another output")
@@ -206,7 +206,7 @@ Drawn = tuple[str, Sequence[Artist], str]
 """The name of a picture, the entries of its legend, and a note."""
 
 
-def _draw_distribution(axes: Axes, told: Told, style: Style) -> Drawn:
+def _draw_distribution(axes: Axes, told: UncertainOutput, style: Style) -> Drawn:
     """Draw how the values spread, with quantiles, and the bounds of demands."""
     levels = np.asarray(told.design[LEVEL].values, dtype=np.float64)
     values = told.values("distribution")
@@ -278,7 +278,7 @@ def _rising(
     return values[last], levels[last]
 
 
-def _draw_indices(axes: Axes, told: Told, style: Style) -> Drawn:
+def _draw_indices(axes: Axes, told: UncertainOutput, style: Style) -> Drawn:
     """Draw first and total indices as bars with their intervals, the largest on top."""
     total = told.shares("total")
     order = np.argsort(total)
@@ -300,7 +300,7 @@ def _draw_indices(axes: Axes, told: Told, style: Style) -> Drawn:
     return f"Where the variance of the {_lower(told.label)} comes from", entries, note
 
 
-def _draw_effects(axes: Axes, told: Told, style: Style) -> Drawn:
+def _draw_effects(axes: Axes, told: UncertainOutput, style: Style) -> Drawn:
     """Draw Morris's plane: how much a parameter does, and how much that varies."""
     size, deviation = told.values("effect"), told.values("effect_deviation")
     most = float(np.nanmax(size)) * (1 + 2 * ROOM)
@@ -326,7 +326,7 @@ def _draw_effects(axes: Axes, told: Told, style: Style) -> Drawn:
     return f"Which parameters the {_lower(told.label)} depends on", entries, note
 
 
-def _draw_tornado(axes: Axes, told: Told, style: Style) -> Drawn:
+def _draw_tornado(axes: Axes, told: UncertainOutput, style: Style) -> Drawn:
     """Draw what each tolerance does by itself, the widest on top, and the worst cases of all."""
     lower, upper = told.values("at_lower"), told.values("at_upper")
     middle = float(told.values("nominal"))
@@ -384,7 +384,7 @@ def _percent(share: float) -> str:
     return with_unit(number(100 * share, 3), "%")
 
 
-PAINTERS: dict[str, Callable[[Axes, Told, Style], Drawn]] = {
+PAINTERS: dict[str, Callable[[Axes, UncertainOutput, Style], Drawn]] = {
     "distribution": _draw_distribution,
     "indices": _draw_indices,
     "effects": _draw_effects,

@@ -18,10 +18,10 @@ from core.reduce.cutting import Box, Cutting, Rows
 from core.reduce.kernels import others
 from core.reduce.kernels.bits import LEAST, MAGNITUDE, MOST
 from core.reduce.kernels.rows import HUGE, across_rows, along_rows
-from core.reduce.questions import EXACT_CELLS, Field, valid_regimes
+from core.reduce.questions import EXACT_CELLS, ReducedField, valid_regimes
 from core.reduce.state import State
 from core.reduce.sums import FEW, anchors, by_level, exponent_of, units_of
-from core.study.reduction import Condition, Reduction
+from core.study.reduction import Reduction, ShareCondition
 
 COMPARED = {"<": 1, "==": 2, "<=": 3, ">": 4, "!=": 5, ">=": 6}
 Buffers = dict[str, NDArray[Any]]
@@ -38,7 +38,7 @@ class Boxes:
         The whole grid.
     asked : Reduction
         What is asked.
-    field : Field
+    field : ReducedField
         The field.
     cells : int
         Most cells of a box, `BOX_CELLS` or fewer.
@@ -57,7 +57,7 @@ class Boxes:
         Points of the whole grid for each of them.
     """
 
-    def __init__(self, plan: Plan, grid: Grid, asked: Reduction, field: Field, cells: int):
+    def __init__(self, plan: Plan, grid: Grid, asked: Reduction, field: ReducedField, cells: int):
         self.field, self._asked, self._grid = field, asked, grid
         self._valid = valid_regimes(plan, asked)
         self.flags = tuple(int(REGIMES[name].value) for name in plan.regimes)
@@ -187,7 +187,7 @@ class Boxes:
         return {f"{name}.quantiles": exact_quantiles(lines, self._asked.quantiles, self.times)}
 
     def _met(
-        self, conditions: tuple[Condition, ...], values: Buffers, rows: Rows
+        self, conditions: tuple[ShareCondition, ...], values: Buffers, rows: Rows
     ) -> NDArray[np.int64]:
         met = np.ones(values["regime"].size, np.int8)
         for one in conditions:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from core.plan.grid import Grid
 from core.plan.plan import Plan
 from core.quantities import REGIMES
-from core.study.reduction import Condition, LevelSet, Reduction
+from core.study.reduction import LevelSet, Reduction, ShareCondition
 
 EVERY_REGIME = (1 << 63) - 1
 EXACT_CELLS = 1 << 22
@@ -16,7 +16,7 @@ EXACT_CELLS = 1 << 22
 
 
 @dataclass(frozen=True)
-class Field:
+class ReducedField:
     """What is told of cells over the same axes.
 
     Attributes
@@ -41,14 +41,14 @@ class Field:
     plan: Plan
     outputs: tuple[str, ...] = ()
     regimes: bool = False
-    shares: dict[str, tuple[Condition, ...]] = field(default_factory=dict)
+    shares: dict[str, tuple[ShareCondition, ...]] = field(default_factory=dict)
     levels: dict[str, LevelSet] = field(default_factory=dict)
     along: str = ""
 
 
-def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[Field, ...]:
+def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[ReducedField, ...]:
     """Return the fields of a reduction, each with all that is asked of it."""
-    found: dict[tuple[tuple[str, ...], str], Field] = {}
+    found: dict[tuple[tuple[str, ...], str], ReducedField] = {}
     needed: dict[tuple[tuple[str, ...], str], set[str]] = {}
     depends = plan.depends_on(grid.axes)
     for names, one in _questions(plan, asked):
@@ -56,7 +56,7 @@ def fields_of(plan: Plan, grid: Grid, asked: Reduction) -> tuple[Field, ...]:
             names = {*names, "regime"}
         dims = grid.dims(frozenset().union(*(depends[name] for name in names)))
         key = (dims, one.along)
-        known = found.get(key, Field(dims, plan, along=one.along))
+        known = found.get(key, ReducedField(dims, plan, along=one.along))
         needed[key] = needed.get(key, set()) | names
         found[key] = replace(
             known,
@@ -86,17 +86,17 @@ def outputs_of(plan: Plan, asked: Reduction) -> tuple[str, ...]:
     return tuple(name for name in plan.outputs if name in wanted)
 
 
-def _questions(plan: Plan, asked: Reduction) -> Iterator[tuple[set[str], Field]]:
+def _questions(plan: Plan, asked: Reduction) -> Iterator[tuple[set[str], ReducedField]]:
     """Yield each thing that is asked, and the arrays that it is asked of."""
     if asked.statistics or asked.quantiles:
         for name in outputs_of(plan, asked):
-            yield {name}, Field((), plan, outputs=(name,))
+            yield {name}, ReducedField((), plan, outputs=(name,))
     if asked.regimes:
-        yield {"regime"}, Field((), plan, regimes=True)
+        yield {"regime"}, ReducedField((), plan, regimes=True)
     for name, conditions in asked.shares.items():
-        yield {one.name for one in conditions}, Field((), plan, shares={name: conditions})
+        yield {one.name for one in conditions}, ReducedField((), plan, shares={name: conditions})
     for name, level in asked.levels.items():
-        yield {level.output}, Field((), plan, levels={name: level}, along=level.along)
+        yield {level.output}, ReducedField((), plan, levels={name: level}, along=level.along)
 
 
 def _pulled(plan: Plan, names: Iterable[str]) -> Plan:

@@ -34,7 +34,7 @@ def cores() -> int:
 
 
 @dataclass(frozen=True)
-class Unit:
+class ReductionBox:
     """A box of a reduction: one round of a block of a field."""
 
     field: int
@@ -76,13 +76,13 @@ class Units:
         """Return the number of boxes."""
         return self._ends[-1]
 
-    def __getitem__(self, index: int) -> Unit:
+    def __getitem__(self, index: int) -> ReductionBox:
         """Return a box by its number."""
         field = next(k for k, end in enumerate(self._ends) if index < end)
         own = self.boxes[field].cutting
         start = self._ends[field] - own.blocks * own.rounds
         block, turn = divmod(index - start, own.rounds)
-        return Unit(field, block, own.box(block, turn))
+        return ReductionBox(field, block, own.box(block, turn))
 
     def states(self, start: int, stop: int, watch: Watch) -> Iterator[tuple[int, int, State]]:
         """Yield, for each block that the boxes from `start` to `stop` are of, what they tell.
@@ -92,10 +92,10 @@ class Units:
         StoppedError
             If `watch` stops it.
         """
-        indices, running = iter(range(start, stop)), deque[tuple[Unit, Future[State]]]()
+        indices, running = iter(range(start, stop)), deque[tuple[ReductionBox, Future[State]]]()
         threads = watch.threads or cores()
         state: State | None = None
-        before: Unit | None = None
+        before: ReductionBox | None = None
         cells = max(1, sum(self[k].cells for k in (start, stop - 1)) // 2 * (stop - start))
         with ThreadPoolExecutor(threads, thread_name_prefix="reduce") as pool:
             try:
@@ -126,7 +126,7 @@ class Units:
         if before is not None and state is not None:
             yield before.field, before.block, state
 
-    def _seen(self, unit: Unit, watch: Watch) -> State:
+    def _seen(self, unit: ReductionBox, watch: Watch) -> State:
         if watch.stopped():
             raise StoppedError(STOPPED)
         return self.boxes[unit.field].seen(unit.box)

@@ -18,7 +18,7 @@ INTERVAL = "Half the width of the interval that holds the true value in 95 % of 
 
 
 @dataclass(frozen=True)
-class Answer:
+class ResultVariable:
     """A variable of the result.
 
     Attributes
@@ -50,7 +50,7 @@ class Answer:
         )
 
 
-def answers(study: SensitivityStudy, outputs: tuple[str, ...]) -> Iterator[Answer]:
+def answers(study: SensitivityStudy, outputs: tuple[str, ...]) -> Iterator[ResultVariable]:
     """Yield every variable of the result of a study, in order, `regime` left out."""
     for demand in study.demands:
         yield from _of_demand(demand)
@@ -58,13 +58,13 @@ def answers(study: SensitivityStudy, outputs: tuple[str, ...]) -> Iterator[Answe
         yield from _of_output(study, name)
 
 
-def _of_demand(demand: Demand) -> Iterator[Answer]:
+def _of_demand(demand: Demand) -> Iterator[ResultVariable]:
     name = f"probability_{demand.name}"
     comment = "Points without a valid value count as not meeting it."
-    yield Answer(name, "", "1", f"Probability of {in_words(demand)}", comment,
+    yield ResultVariable(name, "", "1", f"Probability of {in_words(demand)}", comment,
                  demand.model_dump(exclude_none=True))  # fmt: skip
-    yield Answer(f"{name}_error", "", "1", f"Error of the probability of {in_words(demand)}",
-                 INTERVAL)  # fmt: skip
+    error = f"Error of the probability of {in_words(demand)}"
+    yield ResultVariable(f"{name}_error", "", "1", error, INTERVAL)
 
 
 def in_words(demand: Demand) -> str:
@@ -85,12 +85,14 @@ def _lower(label: str) -> str:
     return label[:1].lower() + label[1:]
 
 
-def _of_output(study: SensitivityStudy, name: str) -> Iterator[Answer]:
+def _of_output(study: SensitivityStudy, name: str) -> Iterator[ResultVariable]:
     quantity = QUANTITIES[name]
     unit, what = quantity.unit, _lower(quantity.label)
 
-    def told(part: str, words: str, comment: str, over: str = "", unit: str = unit) -> Answer:
-        return Answer(f"{name}_{part}", over, unit, f"{words} of the {what}", comment)
+    def told(
+        part: str, words: str, comment: str, over: str = "", unit: str = unit
+    ) -> ResultVariable:
+        return ResultVariable(f"{name}_{part}", over, unit, f"{words} of the {what}", comment)
 
     def with_error(part: str, words: str, comment: str, over: str = "", unit: str = unit) -> Any:
         yield told(part, words, comment, over, unit)

@@ -36,7 +36,7 @@ BENT = 0.1
 
 
 @dataclass(frozen=True)
-class Told:
+class BudgetValues:
     """What a budget tells of an output; arrays of shape (cells,), or (parameters, cells).
 
     Attributes
@@ -123,7 +123,7 @@ class Budget:
             for name, values in zip(self.distributions, self._places, strict=True)
         }
 
-    def told(self, values: Array) -> Told:
+    def told(self, values: Array) -> BudgetValues:
         """Return the budget from the values of an output, shape (cells, points)."""
         count = len(self.middle)
         values = values.T
@@ -147,7 +147,7 @@ class Budget:
         lost = np.isnan(seen).all(axis=0)
         seen = np.where(lost, 0.0, seen)
         least, most = np.nanmin(seen, axis=0), np.nanmax(seen, axis=0)
-        return Told(
+        return BudgetValues(
             values[0], at_lower, at_upper, slope * half, share,
             np.where(lost, np.nan, least), np.where(lost, np.nan, most),
         )  # fmt: skip

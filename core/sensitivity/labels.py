@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 
-from core.dataset.table import Table, Variable, regime_attributes
+from core.dataset.table import Table, TableVariable, regime_attributes
 from core.plan.labels import coordinates_of, global_attributes
 from core.plan.pieces import Computed
 from core.quantities import QUANTITIES
@@ -21,12 +21,12 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
     """Return what was computed of a study, labelled."""
     arrays, dims = computed.arrays, prepared.dims
     variables = {
-        name: Variable(dims[name], arrays[name], one.attributes)
+        name: TableVariable(dims[name], arrays[name], one.attributes)
         for name, one in prepared.answers.items()
     }
     attributes = regime_attributes(prepared.plan.regimes)
     attributes["comment"] += "; of the nominal values"
-    variables["regime"] = Variable(dims["regime"], arrays["regime"], attributes)
+    variables["regime"] = TableVariable(dims["regime"], arrays["regime"], attributes)
     return Table(
         {**coordinates_of(prepared.plan, prepared.grid), **_coordinates(prepared)},
         variables,
@@ -41,7 +41,7 @@ def label(prepared: Sensitivity, computed: Computed, _: Watch) -> Table:
     )
 
 
-def _coordinates(prepared: Sensitivity) -> dict[str, Variable]:
+def _coordinates(prepared: Sensitivity) -> dict[str, TableVariable]:
     """Return the dimensions beside the grid, as far as some variable has them."""
     names = [*prepared.uncertain]
     ends = np.linspace(0.0, 1.0, LEVELS)
@@ -53,11 +53,11 @@ def _coordinates(prepared: Sensitivity) -> dict[str, Variable]:
     }
     share = {"units": "1", "comment": "Share of the points below the value."}
     found = {
-        UNCERTAIN: Variable((UNCERTAIN,), np.arange(len(names), dtype=np.int8), uncertain),
-        QUANTILE: Variable(
+        UNCERTAIN: TableVariable((UNCERTAIN,), np.arange(len(names), dtype=np.int8), uncertain),
+        QUANTILE: TableVariable(
             (QUANTILE,), np.array(prepared.study.quantiles), {**share, "long_name": "Quantile"}
         ),
-        LEVEL: Variable((LEVEL,), ends, {**share, "long_name": "Level of the distribution"}),
+        LEVEL: TableVariable((LEVEL,), ends, {**share, "long_name": "Level of the distribution"}),
     }
     used = {dim for dims in prepared.dims.values() for dim in dims}
     return {name: one for name, one in found.items() if name in used}

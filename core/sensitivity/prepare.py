@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from core.errors import Problem, StudyError
 from core.motion.prepare import choose_system, price_of
-from core.motion.systems import CONTACTS as DRIVEN
-from core.motion.systems import methods_of
+from core.motion.systems import CONTACTS, methods_of
 from core.optimise.prepare import choose_problem_scene
 from core.plan.grid import Grid, to_si
 from core.plan.plan import Plan
@@ -21,7 +20,7 @@ from core.plan.prepared import Chosen, Prepared, placed, plan_study
 from core.plan.price import pace
 from core.plan.sketch import Sketch
 from core.quantities import FLAGS, REGIMES
-from core.sensitivity.answers import LEVEL, QUANTILE, UNCERTAIN, Answer, answers
+from core.sensitivity.answers import LEVEL, QUANTILE, UNCERTAIN, ResultVariable, answers
 from core.sensitivity.budget import Budget
 from core.sensitivity.indices import MOST_INPUTS
 from core.sensitivity.statistics import LEVELS
@@ -59,7 +58,7 @@ class Sensitivity(Prepared):
         return tuple(name for name in self.plan.outputs if name in self.study.outputs)
 
     @cached_property
-    def answers(self) -> dict[str, Answer]:
+    def answers(self) -> dict[str, ResultVariable]:
         """Every variable of the result, `regime` left out."""
         return {one.name: one for one in answers(self.study, self.outputs)}
 
@@ -173,8 +172,8 @@ def prepare(study: SensitivityStudy) -> Sensitivity:
     except StudyError as error:
         raise StudyError([*problems, *error.problems]) from None
     scene = chosen[0]
-    if study.drive is not None and (scene.choice != "method" or scene.name not in DRIVEN):
-        fix = f"Ask for conveying_velocity of {', '.join(DRIVEN)}, or give these"
+    if study.drive is not None and (scene.choice != "method" or scene.name not in CONTACTS):
+        fix = f"Ask for conveying_velocity of {', '.join(CONTACTS)}, or give these"
         problems.append(only_the_plain_sine(fix))
     values = study.values()
     spans = {n: _span(n, one) for n, one in uncertain.items() if n not in values}

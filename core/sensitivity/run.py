@@ -34,7 +34,7 @@ Arrays = dict[str, NDArray[Any]]
 
 
 @dataclass(frozen=True)
-class Values:
+class SampledOutputs:
     """Outputs of some designs at points, in the units of studies.
 
     Attributes
@@ -48,9 +48,9 @@ class Values:
     outputs: Mapping[str, Array]
     regime: NDArray[np.int8]
 
-    def shaped(self, *shape: int) -> Values:
+    def shaped(self, *shape: int) -> SampledOutputs:
         """Return the same with the points in another shape."""
-        return Values(
+        return SampledOutputs(
             {name: one.reshape(-1, *shape) for name, one in self.outputs.items()},
             self.regime.reshape(-1, *shape),
         )
@@ -92,12 +92,12 @@ class _Evaluator:
         self.prepared, self.designs, self.count, self.watch = prepared, designs, count, watch
         self.long = sum(one.takes_long for one in prepared.plan.equations)
 
-    def at(self, shares: Array) -> Values:
+    def at(self, shares: Array) -> SampledOutputs:
         """Return the outputs at points of the unit box, shape (parameters, ...)."""
         drawn = values_at(self.prepared.uncertain, shares.reshape(len(shares), -1))
         return self.of(drawn).shaped(*shares.shape[1:])
 
-    def of(self, drawn: Mapping[str, Array]) -> Values:
+    def of(self, drawn: Mapping[str, Array]) -> SampledOutputs:
         """Return the outputs where uncertain parameters have values, each of shape (n,)."""
         number = next(iter(drawn.values())).size
         step = max(1, BLOCK // self.count)
@@ -106,12 +106,12 @@ class _Evaluator:
             parts.append(self._some({n: one[start : start + step] for n, one in drawn.items()}))
             if self.watch.stopped():
                 raise StoppedError("it was stopped before all points were computed")
-        return Values(
+        return SampledOutputs(
             {n: np.concatenate([one.outputs[n] for one in parts], -1) for n in parts[0].outputs},
             np.concatenate([one.regime for one in parts], -1),
         )
 
-    def _some(self, drawn: Mapping[str, Array]) -> Values:
+    def _some(self, drawn: Mapping[str, Array]) -> SampledOutputs:
         plan, number = self.prepared.plan, next(iter(drawn.values())).size
         shape = (self.count, number)
         with np.errstate(all="ignore"):
@@ -126,7 +126,7 @@ class _Evaluator:
             values = np.asarray(from_si(name, np.asarray(known[name], dtype=np.float64)))
             values = np.broadcast_to(values, shape)
             outputs[name] = np.where(sound[name] & np.isfinite(values), values, np.nan)
-        return Values(outputs, regime)
+        return SampledOutputs(outputs, regime)
 
     def _sound(self, known: Mapping[str, Any], shape: tuple[int, ...]) -> dict[str, Mask]:
         """Return where each output describes a real part, by the conditions that concern it."""
@@ -200,7 +200,7 @@ def _of_points(evaluator: _Evaluator) -> Iterator[tuple[str, NDArray[Any]]]:
                 yield f"{name}_{part}", told.T
 
 
-def _met(demand: Demand, values: Values) -> Mask:
+def _met(demand: Demand, values: SampledOutputs) -> Mask:
     """Return where a demand is met, shape (designs, replicates, count)."""
     if demand.regime is not None:
         return np.asarray(values.regime[:, 0] == REGIMES[demand.regime].value)

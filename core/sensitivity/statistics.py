@@ -14,14 +14,14 @@ LEVELS = 129
 """Quantiles that make up the picture of a distribution, from the least to the largest value."""
 
 
-class Told(NamedTuple):
+class Estimate(NamedTuple):
     """An estimate and its error: half the width of its 95 % interval."""
 
     value: Array
     error: Array
 
 
-def mean_and_deviation(values: Array) -> tuple[Told, Told]:
+def mean_and_deviation(values: Array) -> tuple[Estimate, Estimate]:
     """Return mean and standard deviation of values, shape (..., replicates, count); NaN left out.
 
     Where all have no value, neither has the mean.
@@ -43,10 +43,10 @@ def mean_and_deviation(values: Array) -> tuple[Told, Told]:
 
         estimate, error = jackknife(sums, moments)
     mean = estimate[0] + centre[..., 0, 0]
-    return Told(mean, error[0]), Told(estimate[1], error[1])
+    return Estimate(mean, error[0]), Estimate(estimate[1], error[1])
 
 
-def quantiles(values: Array, shares: Array) -> Told:
+def quantiles(values: Array, shares: Array) -> Estimate:
     """Return quantiles of values, shape (..., replicates, count); NaN left out.
 
     Returns
@@ -59,7 +59,7 @@ def quantiles(values: Array, shares: Array) -> Told:
     found = quantile(flat, shares)
     each = quantile(values, shares)
     # Where one scrambling has no value at all, there is no telling how far they lie apart.
-    return Told(found, wide(count) * each.std(axis=-1, ddof=1) / np.sqrt(count))
+    return Estimate(found, wide(count) * each.std(axis=-1, ddof=1) / np.sqrt(count))
 
 
 def quantile(values: Array, shares: Array) -> Array:
@@ -78,7 +78,7 @@ def quantile(values: Array, shares: Array) -> Array:
     return np.where(part == 0, low, low + (high - low) * part)
 
 
-def probability(met: Mask) -> Told:
+def probability(met: Mask) -> Estimate:
     """Return how likely something is, from where it was met, shape (..., replicates, count).
 
     Where all points agree, chance may have left out one: the error then is one point's share.
@@ -86,7 +86,7 @@ def probability(met: Mask) -> Told:
     replicates, count = met.shape[-2:]
     each = met.mean(axis=-1)
     error = wide(replicates) * each.std(axis=-1, ddof=1) / np.sqrt(replicates)
-    return Told(each.mean(axis=-1), np.maximum(error, 1 / (replicates * count)))
+    return Estimate(each.mean(axis=-1), np.maximum(error, 1 / (replicates * count)))
 
 
 def share(lost: NDArray[np.bool_]) -> Any:

@@ -38,7 +38,7 @@ HOW = "Write, for example, 'throw_number < 1' or 'regime == slip'"
 
 
 @dataclass(frozen=True)
-class Condition:
+class ShareCondition:
     """One thing that a cell has to meet.
 
     Attributes
@@ -60,8 +60,8 @@ class Condition:
         return f"{self.name} {self.comparison} {value}"
 
 
-def _read_condition(raw: object) -> Condition:
-    if isinstance(raw, Condition):
+def _read_condition(raw: object) -> ShareCondition:
+    if isinstance(raw, ShareCondition):
         return raw
     found = _CONDITION.fullmatch(raw) if isinstance(raw, str) else None
     if found is None:
@@ -73,7 +73,7 @@ def _read_condition(raw: object) -> Condition:
             raise refusal("regimes have no order", fix)
         if value not in REGIMES:
             raise refusal(f"'{value[:60]}' is not a regime", partial(suggestion, value, REGIMES))
-        return Condition(name, comparison, value)
+        return ShareCondition(name, comparison, value)
     if name not in QUANTITIES:
         raise refusal(f"'{name[:60]}' is not an output", partial(suggestion, name, QUANTITIES))
     try:
@@ -81,7 +81,7 @@ def _read_condition(raw: object) -> Condition:
     except ValueError:
         number = value
     try:
-        return Condition(name, comparison, read_level(name, number))
+        return ShareCondition(name, comparison, read_level(name, number))
     except UnitError as error:
         raise refusal(error.message, error.fix) from error
 
@@ -126,7 +126,7 @@ def _ordered(order: Iterable[str]) -> Any:
 _BY_NAME = AfterValidator(lambda named: dict(sorted(named.items())))
 _TEXT = {"type": "string", "maxLength": 300}
 _Condition = Annotated[
-    Condition, PlainValidator(_read_condition), PlainSerializer(str), WithJsonSchema(_TEXT)
+    ShareCondition, PlainValidator(_read_condition), PlainSerializer(str), WithJsonSchema(_TEXT)
 ]
 _Conditions = Annotated[tuple[_Condition, ...], at_most(MOST), Field(max_length=MOST)]
 _Statistic = Annotated[

@@ -14,7 +14,7 @@ _WORDS = {"max": "Largest", "min": "Least", "mean": "Mean of"}
 
 
 @dataclass(frozen=True)
-class Answer:
+class ReducedVariable:
     """What an answer is.
 
     Attributes
@@ -32,19 +32,19 @@ class Answer:
     axis: str = ""
 
 
-def answer_of(name: str, asked: Reduction, outputs: Collection[str]) -> Answer:
+def answer_of(name: str, asked: Reduction, outputs: Collection[str]) -> ReducedVariable:
     """Return what the answer of some name is."""
     for what, named in (("share", asked.shares), ("level", asked.levels)):
         rest = name.removeprefix(f"{what}_")
         if name != rest and rest in named:
             along = asked.levels[rest].along if what == "level" else ""
-            return Answer(what, rest, along)
+            return ReducedVariable(what, rest, along)
     if name.startswith("regime_") and name.endswith("_count"):
-        return Answer("regime", name[len("regime_") : -len("_count")])
+        return ReducedVariable("regime", name[len("regime_") : -len("_count")])
     for output in sorted(outputs, key=len, reverse=True):
         what, _, axis = name.removeprefix(f"{output}_").partition("_")
         if name.startswith(f"{output}_") and what in ("count", "quantile", *asked.statistics):
-            return Answer(what, output, axis)
+            return ReducedVariable(what, output, axis)
     raise KeyError(name)
 
 

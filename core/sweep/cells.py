@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.dataset.table import Table, Variable, regime_attributes
+from core.dataset.table import Table, TableVariable, regime_attributes
 from core.mechanics.arrays import Array
 from core.plan.derivatives import derivatives
 from core.plan.derived import cells_of
@@ -34,7 +34,7 @@ def label(prepared: Prepared, computed: Computed, watch: Watch) -> Table:
         return {name: sample.at(arrays[name], dims[name]) for name in plan.outputs}
 
     variables = outputs_of(prepared, arrays)
-    variables["regime"] = Variable(
+    variables["regime"] = TableVariable(
         dims["regime"], arrays["regime"], regime_attributes(plan.regimes)
     )
     if prepared.derived is not None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from core import reduce
 from core.dataset.netcdf import write_netcdf
-from core.dataset.table import Table, Variable, quantity_attributes
+from core.dataset.table import Table, TableVariable, quantity_attributes
 from core.errors import Problem
 from core.mechanics.arrays import Array
 from core.plan.labels import coordinates_of
@@ -148,7 +148,7 @@ class ReducedSweep(Prepared):
         for name, values in computed.arrays.items():
             is_exact = exact.get(name.removesuffix(f"_{QUANTILE}"), True)
             attributes = attributes_of_answer(name, asked, plan.outputs, is_exact=is_exact)
-            variables[name] = Variable(self.dims[name], values, attributes)
+            variables[name] = TableVariable(self.dims[name], values, attributes)
         return Table(
             _coordinates(self),
             variables,
@@ -159,9 +159,9 @@ class ReducedSweep(Prepared):
             },
         )
 
-    def parts(self, where: str, count: int) -> Answers:
+    def parts(self, where: str, count: int) -> ReducedParts:
         """As in `Prepared`: ranges of its boxes, of which records hold what they tell."""
-        return Answers(self.study, self.cells, where, count, self.boxes, self)
+        return ReducedParts(self.study, self.cells, where, count, self.boxes, self)
 
     @property
     def boxes(self) -> int:
@@ -187,7 +187,7 @@ class ReducedSweep(Prepared):
 
 
 @dataclass(frozen=True)
-class Answers(Parts):
+class ReducedParts(Parts):
     """The parts of a reduced sweep on their way to a NetCDF file.
 
     Attributes
@@ -246,7 +246,7 @@ def _blocks(arrays: Mapping[str, NDArray[Any]]) -> dict[tuple[int, int], State]:
     return dict(sorted(found.items()))
 
 
-def _coordinates(prepared: ReducedSweep) -> dict[str, Variable]:
+def _coordinates(prepared: ReducedSweep) -> dict[str, TableVariable]:
     """Return the axes that stay; one that went is its middle, and says from where to where.
 
     Bounds would say it in CF's own words, but its checker knows none of a scalar.
@@ -256,11 +256,11 @@ def _coordinates(prepared: ReducedSweep) -> dict[str, Variable]:
     for axis in asked.over:
         ends = np.array(sorted((float(found[axis].values[0]), float(found[axis].values[-1]))))
         attributes = {**quantity_attributes(axis), "reduced_range": ends}
-        found[axis] = Variable((), np.asarray(ends.mean()), attributes)
+        found[axis] = TableVariable((), np.asarray(ends.mean()), attributes)
     if asked.quantiles:
         attributes = {"units": "1", "long_name": "Quantile"}
         values = np.array(asked.quantiles)
-        found[QUANTILE] = Variable((QUANTILE,), values, attributes)
+        found[QUANTILE] = TableVariable((QUANTILE,), values, attributes)
     return found
 
 

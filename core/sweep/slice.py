@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from core.dataset.table import Table, Variable, quantity_attributes, regime_attributes
+from core.dataset.table import Table, TableVariable, quantity_attributes, regime_attributes
 from core.errors import LimitError, Problem, StudyError
 from core.plan.evaluate import evaluate
 from core.plan.grid import Grid, from_si
@@ -24,7 +24,7 @@ MOST_AXES = 2
 
 
 @dataclass(frozen=True)
-class Cut:
+class SliceCut:
     """A slice that can be taken: nothing of it is computed yet.
 
     Attributes
@@ -80,7 +80,7 @@ def cut(
 
 def prepare_cut(
     sweep: Prepared, *, output: str, axes: Sequence[str], at: Mapping[str, str], most: int
-) -> Cut:
+) -> SliceCut:
     """Return what `cut` would compute; takes and raises what that does."""
     problems = list(_problems(sweep, output, axes, at))
     if problems:
@@ -103,10 +103,10 @@ def prepare_cut(
     )
     if grid.cells > most:
         raise LimitError("values", grid.cells, most, "Free one axis less, or download the NetCDF")
-    return Cut(output, plan, grid)
+    return SliceCut(output, plan, grid)
 
 
-def carried_out(prepared: Cut) -> dict[str, Any]:
+def carried_out(prepared: SliceCut) -> dict[str, Any]:
     """Return the values of a slice, as `cut` does."""
     output, plan, grid = prepared.output, prepared.plan, prepared.grid
     arrays = evaluate(plan, grid)
@@ -137,11 +137,11 @@ def table_of(sweep: Prepared, piece: Mapping[str, Any]) -> Table:
     axes = {axis["name"]: (axis["values"], (axis["name"],)) for axis in piece["axes"]}
     fixed = {name: (np.float64(value), ()) for name, value in piece["fixed"].items()}
     coordinates = {
-        name: Variable(dims, np.asarray(values), quantity_attributes(name))
+        name: TableVariable(dims, np.asarray(values), quantity_attributes(name))
         for name, (values, dims) in (axes | fixed).items()
     }
     variables = {
-        name: Variable(tuple(part["dims"]), part["data"], attributes)
+        name: TableVariable(tuple(part["dims"]), part["data"], attributes)
         for name, part, attributes in (
             (output, piece["values"], quantity_attributes(output)),
             ("regime", piece["regime"], regime_attributes(tuple(piece["regimes"]))),

@@ -32,7 +32,7 @@ _KEYS = {"format", "program", "answers"}
 
 
 @dataclass(frozen=True)
-class Answers:
+class ProgramAnswers:
     """The answers of a program.
 
     Attributes
@@ -50,7 +50,7 @@ class Answers:
     values: Mapping[str, float | None]
 
 
-def read_answers(path: Path) -> Answers:
+def read_answers(path: Path) -> ProgramAnswers:
     """Return the answers in a file.
 
     Raises
@@ -71,7 +71,7 @@ def read_answers(path: Path) -> Answers:
 _FORM = f'Write {{"format": "{FORMAT}", "program": "...", "answers": {{"Q-two-levels-1": 15.88}}}}'
 
 
-def answers_of(content: object) -> Answers:
+def answers_of(content: object) -> ProgramAnswers:
     """Return the answers that a mapping holds; raise `StudyError` with all that is wrong."""
     if not isinstance(content, Mapping):
         raise StudyError([Problem("answers", "it is not a JSON object", _FORM)])
@@ -100,7 +100,7 @@ def answers_of(content: object) -> Answers:
     ]
     if wrong:
         raise StudyError(wrong[:MOST_PROBLEMS])
-    return Answers(program, asked, answers)
+    return ProgramAnswers(program, asked, answers)
 
 
 def _is_answer(value: Any) -> bool:

@@ -11,11 +11,11 @@ import numpy as np
 from core.errors import StudyError
 from core.motion.derivatives import derivatives_at
 from core.motion.prepare import choose_system
-from core.plan.derivatives import STATUS, Derived, derivatives, values_of
+from core.plan.derivatives import DERIVATIVE_STATUS, Derived, derivatives, values_of
 from core.plan.plan import make_plan, plan_scene
 from core.quantities.derivative import DERIVATIVE_STATUSES
 
-NAMES = {value: name for name, value in STATUS.items()}
+NAMES = {value: name for name, value in DERIVATIVE_STATUS.items()}
 
 
 class Sensitivity(NamedTuple):
@@ -77,20 +77,20 @@ def sensitivities(
 def in_words(derived: Derived, at: float) -> Sensitivity:
     """Return the derivative at a single cell, where the parameter has the value `at`."""
     _, slope, error, status, below, above, jumps = (field[0] for field in derived)
-    if status == STATUS["both_sides"]:
+    if status == DERIVATIVE_STATUS["both_sides"]:
         note = "from both sides of a switch"
-    elif status == STATUS["differences"]:
+    elif status == DERIVATIVE_STATUS["differences"]:
         note = "from differences"
-    elif status == STATUS["no_value"]:
+    elif status == DERIVATIVE_STATUS["no_value"]:
         note = "the output has no finite value here"
-    elif status == STATUS["kink"] and not math.isnan(below + above):
+    elif status == DERIVATIVE_STATUS["kink"] and not math.isnan(below + above):
         sides = f"{below:g} below and {above:g} above"
         note = f"at a switch: {sides}{', with a jump' if jumps else ''}"
-    elif status == STATUS["exact"]:
+    elif status == DERIVATIVE_STATUS["exact"]:
         note = ""
     else:
         note = DERIVATIVE_STATUSES[NAMES[int(status)]].description.removeprefix("none: ")
-    if status >= STATUS["kink"]:
+    if status >= DERIVATIVE_STATUS["kink"]:
         return Sensitivity(math.nan, math.nan, math.nan, note)
     logarithmic = float(derived.logarithmic(np.asarray([at]))[0])
     return Sensitivity(float(slope), logarithmic, float(error), note)

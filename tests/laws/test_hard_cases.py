@@ -14,7 +14,7 @@ import pytest
 from benchmarks.worked_values import MEAN_VELOCITIES
 from core.accuracy import extremes
 from core.accuracy.extremes import (
-    Computed,
+    ComputedCase,
     carry_out,
     judge,
     run_case,
@@ -25,7 +25,7 @@ from core.accuracy.extremes import (
 )
 from core.accuracy.hard_cases import HARD_CASES, HardCase
 from core.accuracy.hard_cases.studies import WORKED
-from core.accuracy.textbook import Answer, exact
+from core.accuracy.textbook import TextbookValue, exact
 from core.motion import cells
 from core.watch import Watch
 
@@ -62,7 +62,7 @@ def wrong_values(value: np.ndarray, right: np.ndarray) -> Iterator[np.ndarray]:
             yield changed
 
 
-def passing_though_wrong(case: HardCase, computed: Computed) -> list[np.ndarray]:
+def passing_though_wrong(case: HardCase, computed: ComputedCase) -> list[np.ndarray]:
     right = np.broadcast_to(computed.answer.value, computed.value.shape)
     wrongs = wrong_values(computed.value, right)
     return [wrong for wrong in wrongs if judge(case, replace(computed, value=wrong))[3]]
@@ -123,7 +123,7 @@ def test_an_exact_answer_knows_its_condition() -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"answer": lambda: Answer(1.0, 1e-9, "wrong")}, "wrong"),
+        ({"answer": lambda: TextbookValue(1.0, 1e-9, "wrong")}, "wrong"),
         ({"status": ("flight",)}, "not flight"),
         ({"refused": "parameters.beta"}, "should be refused"),
         ({"content": {**EASY.content, "outputs": ["nonsense"]}}, "refused"),
@@ -152,7 +152,7 @@ def test_a_warning_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_what_is_not_finite_needs_a_reason() -> None:
     value = BY_NAME["stopping distance at K = 0"]
     assert run_case(value).passed
-    held = replace(value, answer=lambda: Answer(1.0, math.inf, "anything"))
+    held = replace(value, answer=lambda: TextbookValue(1.0, math.inf, "anything"))
     assert run_case(held).passed  # infinite where the regime says so
     unexplained = replace(EASY, answer=None)
     table = extremes.result_of(EASY.content)

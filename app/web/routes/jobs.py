@@ -14,10 +14,10 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response, StreamingResponse
 from pydantic import AfterValidator
 
-from app.jobs.desk import Desk
+from app.jobs.admission import Admission
 from app.jobs.keys import NOBODY, Key, Keys
 from app.jobs.ledger import ACTIVE, STATES, Wanted
-from app.web.dependencies import BaseOf, Body, DeskOf, Number, WhoOf, once
+from app.web.dependencies import AdmissionOf, BaseOf, Body, Number, WhoOf, once
 from app.web.documents import (
     JobList,
     StatusInfo,
@@ -71,7 +71,7 @@ def checked(text: str | None) -> str | None:
 @router.get("", summary="List jobs", response_model=JobList, responses=problems(s422="Bad query"),
             dependencies=[once("processID", "status", "type")])  # fmt: skip
 def list_jobs(
-    desk: DeskOf,
+    admission: AdmissionOf,
     base: BaseOf,
     who: WhoOf,
     process: Annotated[
@@ -118,7 +118,7 @@ def list_jobs(
     wanted = Wanted(tuple(known), tuple(status), interval(created), (least, longest), seen_by)
     found = []
     if (known or not process) and (not kind or "process" in kind):
-        found = desk.ledger.jobs(wanted, limit=limit + 1, offset=offset)
+        found = admission.ledger.jobs(wanted, limit=limit + 1, offset=offset)
     wishes = {
         "processID": process, "status": status, "type": kind, "datetime": created,
         "minDuration": least, "maxDuration": longest, "limit": limit,
@@ -133,24 +133,24 @@ def list_jobs(
         asked = {k: v for k, v in {**wishes, "offset": start}.items() if v is not None}
         href = f"{base}/jobs?{urlencode(asked, doseq=True)}"
         links.append({"href": href, "rel": rel, "type": "application/json"})
-    shown = [status_info(job, base, waits=desk.waits()) for job in found[:limit]]
+    shown = [status_info(job, base, waits=admission.waits()) for job in found[:limit]]
     return json_reply({"jobs": shown, "links": links})
 
 
 @router.get("/{number}", summary="Show the status of a job", response_model=StatusInfo,
             responses=NO_JOB)  # fmt: skip
-def get_job(number: Number, desk: DeskOf, base: BaseOf) -> Response:
+def get_job(number: Number, admission: AdmissionOf, base: BaseOf) -> Response:
     """Return the state of a job, its progress, and the time that is left."""
-    job = find_job(desk, number)
-    is_group = job.state in ("running", "successful") and desk.store.in_group(job.key).exists()
-    return json_reply(status_info(job, base, is_group=is_group, waits=desk.waits()))
+    job = find_job(admission, number)
+    is_group = job.state in ("running", "successful") and admission.store.in_group(job.key).exists()
+    return json_reply(status_info(job, base, is_group=is_group, waits=admission.waits()))
 
 
 @router.delete("/{number}", summary="Dismiss a job", response_model=StatusInfo,
                responses={**NO_JOB, **NOT_OWNER})  # fmt: skip
-def dismiss_job(number: Number, desk: DeskOf, base: BaseOf, who: WhoOf) -> Response:
+def dismiss_job(number: Number, admission: AdmissionOf, base: BaseOf, who: WhoOf) -> Response:
     """Dismiss a job; what is computed for it alone is stopped."""
-    job = desk.dismiss(number, who)
+    job = admission.dismiss(number, who)
     if job is None:
         raise no_such_job(number)
     return json_reply(status_info(job, base))
@@ -159,12 +159,14 @@ def dismiss_job(number: Number, desk: DeskOf, base: BaseOf, who: WhoOf) -> Respo
 @router.patch("/{number}", summary="Share a job, or share it no more", response_model=StatusInfo,
               responses={**NO_JOB, **NOT_OWNER, **NO_SHARING},
               openapi_extra=SHARING_BODY, dependencies=[placed()])  # fmt: skip
-def share_job(number: Number, body: Body, desk: DeskOf, base: BaseOf, who: WhoOf) -> Response:
+def share_job(
+    number: Number, body: Body, admission: AdmissionOf, base: BaseOf, who: WhoOf
+) -> Response:
     """Let all keys read a job and its results, or its owner only."""
-    job = desk.share_job(number, read_sharing(body), who)
+    job = admission.share_job(number, read_sharing(body), who)
     if job is None:
         raise no_such_job(number)
-    return json_reply(status_info(job, base, waits=desk.waits()))
+    return json_reply(status_info(job, base, waits=admission.waits()))
 
 
 @router.get(
@@ -181,10 +183,10 @@ def share_job(number: Number, body: Body, desk: DeskOf, base: BaseOf, who: WhoOf
     },
 )
 async def follow_job(
-    request: Request, number: Number, desk: DeskOf, base: BaseOf, who: WhoOf
+    request: Request, number: Number, admission: AdmissionOf, base: BaseOf, who: WhoOf
 ) -> Response:
     """Return the changes of a job's state and progress as server-sent events."""
-    await asyncio.to_thread(find_job, desk, number)
+    await asyncio.to_thread(find_job, admission, number)
     keys: Keys = request.app.state.keys
 
     def over() -> bool:
@@ -197,22 +199,22 @@ async def follow_job(
         found = keys.of_hash(who.hash)
         return found is None or not found.stands(time.time())
 
-    events = _events(desk, number, who, base, over)
+    events = _events(admission, number, who, base, over)
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     return StreamingResponse(events, media_type="text/event-stream", headers=headers)
 
 
 async def _events(
-    desk: Desk, number: str, who: Key, base: str, over: Callable[[], bool]
+    admission: Admission, number: str, who: Key, base: str, over: Callable[[], bool]
 ) -> AsyncIterator[bytes]:
     told, at = None, time.monotonic()
     while not await asyncio.to_thread(over):
-        job = await asyncio.to_thread(desk.job, number, who)
+        job = await asyncio.to_thread(admission.job, number, who)
         if job is None:
             return
         if (job.state, job.done) != told:
             told, at = (job.state, job.done), time.monotonic()
-            status = orjson.dumps(status_info(job, base, waits=desk.waits()))
+            status = orjson.dumps(status_info(job, base, waits=admission.waits()))
             yield b"event: status\ndata: " + status + b"\n\n"
             if job.state not in ACTIVE:
                 return

@@ -14,14 +14,14 @@ from fastapi import APIRouter, Path, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
-from app.jobs.desk import Desk
+from app.jobs.admission import Admission
 from app.jobs.keys import Key
 from app.jobs.ledger import ACTIVE, Job
 from app.jobs.manifest import MOST_JSON_VALUES
 from app.jobs.parts import check_length, is_in_parts
 from app.settings import Settings
 from app.web.accept import preferred
-from app.web.dependencies import BaseOf, Body, DeskOf, SettingsOf, WhoOf, base_of
+from app.web.dependencies import AdmissionOf, BaseOf, Body, SettingsOf, WhoOf, base_of
 from app.web.documents import (
     CONFORMANCE,
     Conformance,
@@ -109,24 +109,24 @@ def describe_process(process: Annotated[str, Path(max_length=100)], base: BaseOf
 
 
 async def execute(
-    request: Request, name: str, body: bytes, settings: Settings, desk: Desk, who: Key
+    request: Request, name: str, body: bytes, settings: Settings, admission: Admission, who: Key
 ) -> Response:
     """Carry out the study in a body at once, or as a job."""
     base = await base_of(request)
     wishes = preferences(request.headers.getlist("prefer"))
     async with place_of(request, who, len(body)):
-        begun = await run_in_threadpool(_begin, name, body, wishes, settings, desk, who)
+        begun = await run_in_threadpool(_begin, name, body, wishes, settings, admission, who)
     if isinstance(begun, Response):
         return begun
     job = begun
     if wishes.wait is not None:
         seconds = min(wishes.wait, int(settings.max_wait_seconds))
         wishes = replace(wishes, wait=seconds)  # as it is applied
-        job = await _waited(desk, job, seconds, request.app.state.stopping.is_set)
+        job = await _waited(admission, job, seconds, request.app.state.stopping.is_set)
     if job.state in ACTIVE or wishes.wait is None:
         reply = json_reply(status_info(job, base), 201)
     else:
-        reply = await asyncio.to_thread(results_reply, desk, job, base)
+        reply = await asyncio.to_thread(results_reply, admission, job, base)
     reply.headers["Location"] = f"{base}/jobs/{job.id}"
     applied = _applied(wishes)
     if applied:
@@ -135,14 +135,14 @@ async def execute(
 
 
 def _begin(
-    name: str, body: bytes, wishes: Preferences, settings: Settings, desk: Desk, who: Key
+    name: str, body: bytes, wishes: Preferences, settings: Settings, admission: Admission, who: Key
 ) -> Response | Job:
     """Return the dataset of a short study, or the job that it has become."""
     asked, prepared = _read(name, body, settings)
     prepared.check_limits(cells=who.cells, bytes_=None)
     if name != ACCURACY and is_small(prepared, settings) and not wishes.respond_async:
         return _carry_out(asked, prepared, settings)
-    return desk.post(prepared, name, who)
+    return admission.post(prepared, name, who)
 
 
 def _read(name: str, body: bytes, settings: Settings) -> tuple[Execution, Prepared]:
@@ -180,7 +180,9 @@ def _carry_out(asked: Execution, prepared: Prepared, settings: Settings) -> Resp
     return json_reply(content)
 
 
-async def _waited(desk: Desk, job: Job, seconds: float, stopping: Callable[[], bool]) -> Job:
+async def _waited(
+    admission: Admission, job: Job, seconds: float, stopping: Callable[[], bool]
+) -> Job:
     """Return a job when it is over, after a time, or when the service stops."""
     until, look = time.monotonic() + seconds, LOOK
     while job.state in ACTIVE and time.monotonic() < until and not stopping():
@@ -189,7 +191,7 @@ async def _waited(desk: Desk, job: Job, seconds: float, stopping: Callable[[], b
         with contextlib.suppress(
             OSError, sqlite3.OperationalError
         ):  # the client is to learn of its job
-            found = await asyncio.to_thread(desk.ledger.job, job.id)
+            found = await asyncio.to_thread(admission.ledger.job, job.id)
             job = found or job
     return job
 
@@ -218,9 +220,9 @@ def _body(process: Process) -> dict[str, Any]:
 
 def _route(name: str) -> Callable[..., Awaitable[Response]]:
     async def execution(
-        request: Request, body: Body, settings: SettingsOf, desk: DeskOf, who: WhoOf
+        request: Request, body: Body, settings: SettingsOf, admission: AdmissionOf, who: WhoOf
     ) -> Response:
-        return await execute(request, name, body, settings, desk, who)
+        return await execute(request, name, body, settings, admission, who)
 
     return execution
 

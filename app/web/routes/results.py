@@ -12,11 +12,11 @@ from fastapi import Path as InPath
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
-from app.jobs.desk import Desk
+from app.jobs.admission import Admission
 from app.jobs.errors import NotFoundError
 from app.jobs.manifest import JSON, NETCDF, ZARR
 from app.web.accept import form_for
-from app.web.dependencies import BaseOf, DeskOf, Number, SettingsOf
+from app.web.dependencies import AdmissionOf, BaseOf, Number, SettingsOf
 from app.web.documents import NETCDF_TYPE, Results, media_type_of
 from app.web.downloads import ASK_AGAIN, etag_of, file_reply, not_modified
 from app.web.outcomes import check_of, find_job, lost, manifest_of, results_reply
@@ -56,9 +56,9 @@ NO_RESULT = problems(
     responses=NO_RESULT,
 )
 @router.head("/{number}/results", include_in_schema=False)
-def get_results(number: Number, desk: DeskOf, base: BaseOf) -> Response:
+def get_results(number: Number, admission: AdmissionOf, base: BaseOf) -> Response:
     """Return where the dataset is, how large it is, and what it cost."""
-    return results_reply(desk, find_job(desk, number), base)
+    return results_reply(admission, find_job(admission, number), base)
 
 
 @router.get(
@@ -83,7 +83,7 @@ def get_results(number: Number, desk: DeskOf, base: BaseOf) -> Response:
 async def get_dataset(
     request: Request,
     number: Number,
-    desk: DeskOf,
+    admission: AdmissionOf,
     settings: SettingsOf,
     form: Annotated[
         ResultForm | None,
@@ -99,7 +99,7 @@ async def get_dataset(
     Ranges of NetCDF and JSON can be asked for.
     """
     chosen = form or form_for(request, FORMS | tables_there(), missing=missing())
-    found = await run_in_threadpool(_found, request, desk, number, chosen)
+    found = await run_in_threadpool(_found, request, admission, number, chosen)
     if isinstance(found, Response):
         reply = found
     else:
@@ -117,10 +117,12 @@ async def get_dataset(
     return reply
 
 
-def _found(request: Request, desk: Desk, number: str, form: str) -> Response | tuple[Path, str]:
+def _found(
+    request: Request, admission: Admission, number: str, form: str
+) -> Response | tuple[Path, str]:
     """Return the reply; or, of a table that is to be made, the NetCDF file and the table's ETag."""
-    job = find_job(desk, number)
-    manifest = manifest_of(desk, job)
+    job = find_job(admission, number)
+    manifest = manifest_of(admission, job)
     if isinstance(manifest, Response):
         return manifest
     if ZARR in manifest.files:
@@ -129,8 +131,8 @@ def _found(request: Request, desk: Desk, number: str, form: str) -> Response | t
     if name not in manifest.files:
         raise NotFoundError("The result is too large for JSON: download it as NetCDF.")
     digest = manifest.files[name]["sha256"]
-    path = desk.store.folder(job.key) / name
-    check = check_of(desk, job, path)
+    path = admission.store.folder(job.key) / name
+    check = check_of(admission, job, path)
     if form in TABLES:
         etag = etag_of(digest, written_by(form))
         known = not_modified(request, etag, ASK_AGAIN)
@@ -163,24 +165,24 @@ def _found(request: Request, desk: Desk, number: str, form: str) -> Response | t
     },
 )
 @router.head("/{number}/results/zarr/{path:path}", include_in_schema=False)
-def get_group(request: Request, number: Number, path: ZarrKey, desk: DeskOf) -> Response:
+def get_group(request: Request, number: Number, path: ZarrKey, admission: AdmissionOf) -> Response:
     """Return a key of the Zarr v3 group of a sweep too large for one file.
 
     Clients open the address without the key, as in `xarray.open_zarr(".../results/zarr")`. It can
     be read as soon as the job runs: a shard that is not there yet is 404, which clients read as
     NaN, or as regime 0.
     """
-    job = find_job(desk, number)
-    manifest = None if job.state == "running" else manifest_of(desk, job)
+    job = find_job(admission, number)
+    manifest = None if job.state == "running" else manifest_of(admission, job)
     if isinstance(manifest, Response):
         return manifest
     if not _KEY.fullmatch(path):
         raise NotFoundError(f"A Zarr group has no key '{path[:80]}'.")
-    file = desk.store.in_group(job.key, path)
-    digest = None if manifest is None else desk.store.digest(job.key, path, manifest)
+    file = admission.store.in_group(job.key, path)
+    digest = None if manifest is None else admission.store.digest(job.key, path, manifest)
     if not file.is_file():
         if digest is not None:
-            raise lost(desk, job, file)
+            raise lost(admission, job, file)
         raise NotFoundError(f"The group of this job has no key '{path[:80]}', or not yet.")
     is_document = path.endswith(".json")
     return file_reply(
@@ -189,7 +191,7 @@ def get_group(request: Request, number: Number, path: ZarrKey, desk: DeskOf) -> 
         # A shard appears whole and never changes; the group's document does when it is complete.
         etag=etag_of(job.key, path, file.name),
         digest=digest,
-        check=check_of(desk, job, file),
+        check=check_of(admission, job, file),
         media_type="application/json" if is_document else "application/octet-stream",
         filename=path.rpartition("/")[2],
     )
@@ -211,22 +213,22 @@ def get_file(
     request: Request,
     number: Number,
     name: Annotated[str, InPath(description="As the results name it.", max_length=100)],
-    desk: DeskOf,
+    admission: AdmissionOf,
 ) -> Response:
     """Return a page or a picture that the results name."""
-    job = find_job(desk, number)
-    manifest = manifest_of(desk, job)
+    job = find_job(admission, number)
+    manifest = manifest_of(admission, job)
     if isinstance(manifest, Response):
         return manifest
     # Only names that the manifest holds reach the disk.
     if name not in manifest.files or name == ZARR:
         raise NotFoundError(f"The job has no file '{name[:80]}'; its results name those it has.")
-    file = desk.store.folder(job.key) / name
+    file = admission.store.folder(job.key) / name
     return file_reply(
         request,
         file,
         digest=manifest.files[name]["sha256"],
-        check=check_of(desk, job, file),
+        check=check_of(admission, job, file),
         media_type=media_type_of(name),
         filename=name,
     )

@@ -15,11 +15,11 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import Response
 
 from app.jobs import keys as owners
-from app.jobs.desk import Desk
+from app.jobs.admission import Admission
 from app.jobs.manifest import NETCDF
 from app.settings import Settings
 from app.web.accept import form_for
-from app.web.dependencies import Body, DeskOf, Key, SettingsOf, StoreOf, WhoOf, WriterOf, once
+from app.web.dependencies import AdmissionOf, Body, Key, SettingsOf, StoreOf, WhoOf, WriterOf, once
 from app.web.documents import NETCDF_TYPE
 from app.web.downloads import ASK_AGAIN, FOR_EVER, etag_of, file_reply, not_modified
 from app.web.execution import PROCESSES
@@ -43,7 +43,7 @@ from core.intake import prepare_content, read_json
 from core.plan.prepared import Prepared
 from core.study import SweepStudy
 from core.study.grid_study import PARAMETERS
-from core.sweep.slice import Cut, carried_out, prepare_cut, table_of
+from core.sweep.slice import SliceCut, carried_out, prepare_cut, table_of
 
 router = APIRouter(prefix="/sweeps", tags=["sweeps"])
 
@@ -94,7 +94,7 @@ AXIS_VALUES = {
     dependencies=[placed()],
 )
 def post_sweep(
-    request: Request, body: Body, settings: SettingsOf, desk: DeskOf, who: WhoOf
+    request: Request, body: Body, settings: SettingsOf, admission: AdmissionOf, who: WhoOf
 ) -> Response:
     """Check a study and keep it; equal studies share one identifier. Nothing is computed yet.
 
@@ -103,10 +103,12 @@ def post_sweep(
     sweep = prepare_content(read_json(body), "sweep")
     _check_size(sweep, settings)
     sweep.check_limits(cells=who.cells, bytes_=None)
-    key, is_new = desk.keep(sweep, who)
+    key, is_new = admission.keep(sweep, who)
     location = str(request.url_for("get_sweep", key=key))
     return json_reply(
-        _described(desk, key, sweep, who), 201 if is_new else 200, headers={"Location": location}
+        _described(admission, key, sweep, who),
+        201 if is_new else 200,
+        headers={"Location": location},
     )
 
 
@@ -121,9 +123,9 @@ def post_sweep(
     ),
 )
 @router.head("/{key}", include_in_schema=False)
-def get_sweep(key: Key, desk: DeskOf, who: WhoOf) -> Response:
+def get_sweep(key: Key, admission: AdmissionOf, who: WhoOf) -> Response:
     """Return the study of a sweep, its size, its axes, and the dimensions of its outputs."""
-    return json_reply(_described(desk, key, desk.store.sweep(key), who))
+    return json_reply(_described(admission, key, admission.store.sweep(key), who))
 
 
 @router.patch(
@@ -138,17 +140,17 @@ def get_sweep(key: Key, desk: DeskOf, who: WhoOf) -> Response:
     openapi_extra=SHARING_BODY,
     dependencies=[placed()],
 )
-def share_sweep(key: Key, body: Body, desk: DeskOf, who: WhoOf) -> Response:
+def share_sweep(key: Key, body: Body, admission: AdmissionOf, who: WhoOf) -> Response:
     """Let all keys read a sweep, or those only who have posted it."""
-    sweep = desk.store.sweep(key)
-    desk.share_sweep(key, read_sharing(body), who)
-    return json_reply(_described(desk, key, sweep, who))
+    sweep = admission.store.sweep(key)
+    admission.share_sweep(key, read_sharing(body), who)
+    return json_reply(_described(admission, key, sweep, who))
 
 
-def _described(desk: Desk, key: str, sweep: Prepared, who: owners.Key) -> dict[str, Any]:
+def _described(admission: Admission, key: str, sweep: Prepared, who: owners.Key) -> dict[str, Any]:
     """Return what the service says of a sweep; who has posted it is told of their own sharing."""
-    is_own = desk.holdings.of(who.name, key) is not None and not who.sees_all
-    shared = desk.holdings.is_shared(who.name if is_own else None, key)
+    is_own = admission.ownership.of(who.name, key) is not None and not who.sees_all
+    shared = admission.ownership.is_shared(who.name if is_own else None, key)
     return description(key, sweep, shared=shared)
 
 
@@ -208,7 +210,7 @@ async def get_slice(
         lane = request.app.state.large_slices if values > LARGE else None
         place = nullcontext() if lane is None else place_of(request, who)
 
-        def prepare() -> Cut:
+        def prepare() -> SliceCut:
             return prepare_cut(sweep, output=output, axes=names, at=fixed, most=most)
 
         def content() -> bytes:
@@ -255,7 +257,7 @@ async def get_slice(
 )
 @router.head("/{key}/netcdf", include_in_schema=False)
 async def get_netcdf(
-    request: Request, key: Key, store: StoreOf, writer: WriterOf, desk: DeskOf, who: WhoOf
+    request: Request, key: Key, store: StoreOf, writer: WriterOf, admission: AdmissionOf, who: WhoOf
 ) -> Response:
     """Return the whole sweep as a CF-1.11 NetCDF-4 file; the first request computes it.
 
@@ -264,14 +266,15 @@ async def get_netcdf(
     """
     sweep = await run_in_threadpool(store.sweep, key)
     if request.method == "HEAD" and (
-        await writer.known(key) is None or not await run_in_threadpool(desk.knows_result, key, who)
+        await writer.known(key) is None
+        or not await run_in_threadpool(admission.knows_result, key, who)
     ):
         writer.check(sweep)
         return _not_made(key)
     if await writer.known(key) is None:
         writer.check(sweep)
     if not who.sees_all:
-        await run_in_threadpool(desk.take_result, key, sweep.bytes, who)
+        await run_in_threadpool(admission.take_result, key, sweep.bytes, who)
     manifest = await writer.result(key, sweep, who)
     return await asyncio.to_thread(
         file_reply,

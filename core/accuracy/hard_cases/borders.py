@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from core.accuracy import textbook as forms
+from core.accuracy import textbook
 from core.accuracy.hard_cases.case import HardCase
 from core.accuracy.hard_cases.studies import (
     G,
@@ -27,7 +27,7 @@ def regime_borders() -> list[HardCase]:
     upright = {"frequency": 50.0, "amplitude": 1e-4, "beta": 90.0}
     P = 1e-4 * W * W
     for offset in (-1e-14, -1e-15, 0.0, 1e-15, 1e-14):
-        case = plane("throw_number", forms.throw_number, **upright, gravity=P / (1 + offset))
+        case = plane("throw_number", textbook.throw_number, **upright, gravity=P / (1 + offset))
         sure = ("contact",) if offset < -5e-15 else ("flight",) if offset > 5e-15 else ()
         cases.append(HardCase(
             f"throw number 1{offset:+g}", family, "drive and gravity cancel to the last digits",
@@ -42,7 +42,7 @@ def regime_borders() -> list[HardCase]:
             ("periodic",),
         ))  # fmt: skip
     first = math.sqrt(1 + math.pi**2)
-    formula = exact(forms.hop_after_hop, frequency=50.0, beta=30.0, gamma=0.0, gravity=G)
+    formula = exact(textbook.hop_after_hop, frequency=50.0, beta=30.0, gamma=0.0, gravity=G)
     for name, throw in (("1e-12 above", first * (1 + 1e-12)), ("1e-15 above", first * (1 + 1e-15)),
                         ("at", first)):  # fmt: skip
         # A rest on the floor of a rounding's length is possible on either side.
@@ -74,18 +74,18 @@ def painleve() -> list[HardCase]:
         mu = limit * (1 + offset)
         cases.append(HardCase(
             f"m tau, mu = mu_c (1{offset:+g})", family, "the response to a force vanishes",
-            **corner("normal_response_right", forms.normal_response, friction=mu),
+            **corner("normal_response_right", textbook.normal_response, friction=mu),
         ))  # fmt: skip
     for offset in (-1e-3, -1e-9, -1e-12):
         cases.append(HardCase(
             f"contact force, mu = mu_c (1{offset:+g})", family, "it grows as 1/tau",
             status=("sliding",), **corner(
-                "floor_acceleration", forms.contact_acceleration,
+                "floor_acceleration", textbook.contact_acceleration,
                 friction=limit * (1 + offset)),
         ))  # fmt: skip
     for offset, rate, status in ((1e-12, 2.0, "no_solution"), (1e-12, 60.0, "two_solutions"),
                                  (-1e-12, 60.0, "separation")):  # fmt: skip
-        given = corner("floor_acceleration", forms.contact_acceleration,
+        given = corner("floor_acceleration", textbook.contact_acceleration,
                        friction=limit * (1 + offset), pitch_rate=rate)  # fmt: skip
         if status != "two_solutions":
             value = math.nan if status == "no_solution" else 0.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from core import kinds
-from core.accuracy.textbook import Answer
+from core.accuracy.textbook import TextbookValue
 from core.dataset.table import Table
 from core.intake import prepare_content
 from core.watch import Watch
@@ -51,7 +51,7 @@ class HardCase:
     why: str
     content: Mapping[str, Any]
     output: str = ""
-    answer: Callable[[], Answer] | None = None
+    answer: Callable[[], TextbookValue] | None = None
     status: tuple[str, ...] = ()
     refused: str = ""
     says: bool = False

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from core.accuracy import textbook as forms
+from core.accuracy import textbook
 from core.accuracy.hard_cases.case import HardCase
 from core.accuracy.hard_cases.studies import (
     DRIVE,
@@ -43,7 +43,7 @@ def slow_and_fast_drives() -> list[HardCase]:
     for frequency in (1e-3, 1e5):
         cases.append(HardCase(
             f"v(x), {frequency:g} Hz", family, "the drive is 4e-10 or 4e6 times the usual",
-            **track("transport_velocity", forms.velocity_after, frequency=frequency, gamma=-1.0,
+            **track("transport_velocity", textbook.velocity_after, frequency=frequency, gamma=-1.0,
                     delta=-2.0),
         ))  # fmt: skip
     for frequency in (0.0, 1e-10, 1e13):

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from core.accuracy import textbook as forms
+from core.accuracy import textbook
 from core.accuracy.hard_cases.case import HardCase
 from core.accuracy.hard_cases.studies import (
     DRIVE,
@@ -23,7 +23,7 @@ from core.accuracy.hard_cases.studies import (
     sweep,
     track,
 )
-from core.accuracy.textbook import EPSILON, Answer, exact
+from core.accuracy.textbook import EPSILON, TextbookValue, exact
 from core.motion.methods.regularised.laws import Cell, laws
 
 
@@ -36,8 +36,8 @@ def little_and_much_friction() -> list[HardCase]:
             status=("slip",) if mu < 1 else ("wall_lost",), **track(
                 output, formula, friction=mu, alpha=alpha, delta=5.0 if mu < 1 else 2.0),
         )
-        for output, formula in (("transport_velocity", forms.velocity_after),
-                                ("travel_time", forms.time_over))
+        for output, formula in (("transport_velocity", textbook.velocity_after),
+                                ("travel_time", textbook.time_over))
         for mu, alpha in ((0.0, 1.0), (5e-324, 1.0), (1e-300, 1.0), (1e-16, 1.0), (30.0, 15.0),
                           (1e6, 15.0), (1e100, 15.0))  # with much friction the lean would hold it
     ]  # fmt: skip
@@ -72,7 +72,7 @@ def little_and_much_friction() -> list[HardCase]:
         HardCase(
             "motion, mu = 1e9, hop after hop", family, "an impact that stops every slip",
             motion(**hopping(3.5, friction=1e9)), "conveying_velocity",
-            exact(forms.hop_after_hop, frequency=50.0, beta=30.0, gamma=0.0, gravity=G),
+            exact(textbook.hop_after_hop, frequency=50.0, beta=30.0, gamma=0.0, gravity=G),
             ("periodic",), says=True,
         ),
         HardCase(
@@ -87,7 +87,7 @@ def little_and_much_friction() -> list[HardCase]:
     ]  # fmt: skip
 
 
-def _sliding_on_both_sides(mu: float) -> Callable[[], Answer]:
+def _sliding_on_both_sides(mu: float) -> Callable[[], TextbookValue]:
     """Return what gives the mean velocity of a part that never sticks, for mu -> 0.
 
     At the mean velocity 0 it slides forward as long as backward, -cos(tau) being positive, and the

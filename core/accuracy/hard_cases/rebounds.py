@@ -16,7 +16,7 @@ from core.accuracy.hard_cases.studies import (
     motion,
     sweep,
 )
-from core.accuracy.textbook import EPSILON, Answer
+from core.accuracy.textbook import EPSILON, TextbookValue
 
 
 def full_rebound() -> list[HardCase]:
@@ -86,14 +86,14 @@ def full_rebound() -> list[HardCase]:
     return cases
 
 
-def _fall_of_the_highest_hop(given: Content) -> Callable[[], Answer]:
+def _fall_of_the_highest_hop(given: Content) -> Callable[[], TextbookValue]:
     """Return what gives the largest landing speed, from how high above the floor the part came.
 
     The floor moves by +-a, so the apex of that hop is within H +- 2a of where the part lands, and
     the floor comes to meet it or flees at up to a w; no other hop falls further than H + 2a.
     """
 
-    def answer() -> Answer:
+    def answer() -> TextbookValue:
         table = result_of(motion("events", "hop_height", **given)).variables
         height = float(table["hop_height"].values)
         a = given["amplitude"] * math.sin(math.radians(given["beta"]))
@@ -102,21 +102,21 @@ def _fall_of_the_highest_hop(given: Content) -> Callable[[], Answer]:
             for way in (-1, 1)
         )
         source = "free fall from the largest height H: sqrt(2 g (H +- 2a)) +- a w"
-        return Answer((least + most) / 2, (most - least) / 2, source)
+        return TextbookValue((least + most) / 2, (most - least) / 2, source)
 
     return answer
 
 
-def _other_phase(given: Content) -> Callable[[], Answer]:
+def _other_phase(given: Content) -> Callable[[], TextbookValue]:
     """Return what gives the mean by time stepping, with its own spread."""
 
-    def answer() -> Answer:
+    def answer() -> TextbookValue:
         content = motion("time-stepping", **given, steps_per_period=500)
         table = result_of(content).variables
         value, error = (
             float(table[name].values) for name in ("conveying_velocity", "conveying_velocity_error")
         )
-        return Answer(value, error, "time stepping, another method, with its own error")
+        return TextbookValue(value, error, "time stepping, another method, with its own error")
 
     return answer
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from core.accuracy import textbook as forms
+from core.accuracy import textbook
 from core.accuracy.hard_cases.case import Content, HardCase
 from core.accuracy.hard_cases.studies import (
     DRIVE,
@@ -19,7 +19,7 @@ from core.accuracy.hard_cases.studies import (
     motion,
     sweep,
 )
-from core.accuracy.textbook import EPSILON, Answer, exact
+from core.accuracy.textbook import EPSILON, TextbookValue, exact
 
 
 def masses_and_sizes() -> list[HardCase]:
@@ -102,27 +102,27 @@ def grids() -> list[HardCase]:
     one = {name: [value] for name, value in given.items()}
     long_axis = {"start": 1.0, "stop": 100.0, "num": 10_000_000}
 
-    def throws() -> Answer:
+    def throws() -> TextbookValue:
         frequencies = np.linspace(1.0, 100.0, 10_000_000)
         scale = 5e-5 * 4 * math.pi**2 * math.sin(math.radians(20)) / G
         values = scale * frequencies**2
-        return Answer(values, 16 * EPSILON * values, "C f^2; 16 ulp")
+        return TextbookValue(values, 16 * EPSILON * values, "C f^2; 16 ulp")
 
     quarters = hopping(0.88)
 
-    def equal() -> Answer:
+    def equal() -> TextbookValue:
         # A0 w^2 is that of (50 Hz, A0) and (100 Hz, A0/4): one motion, at half the speed.
         once = by_reference(quarters)()
-        hops = exact(forms.hop_after_hop, frequency=100.0, beta=30.0, gamma=0.0, gravity=G)()
+        hops = exact(textbook.hop_after_hop, frequency=100.0, beta=30.0, gamma=0.0, gravity=G)()
         value = np.array([[0.0, once.value], [once.value / 2, hops.value]])
         error = np.array([[0.0, once.error], [once.error / 2, hops.error]])
-        return Answer(value, error, "held, reference method, half of it, hop after hop")
+        return TextbookValue(value, error, "held, reference method, half of it, hop after hop")
 
     return [
         HardCase(
             "every axis of one value", family, "axes that are none",
             sweep("rectangle-on-plane", "throw_number", **one), "throw_number",
-            exact(forms.throw_number, **given),
+            exact(textbook.throw_number, **given),
         ),
         HardCase(
             "10^7 values on one axis", family, "no cell may be stored",
@@ -144,9 +144,9 @@ def grids() -> list[HardCase]:
             "values an ulp apart", family, "two labels that print alike",
             sweep("rectangle-on-plane", "throw_number",
                   **{**given, "frequency": [50.0, float(np.nextafter(50.0, 60.0))]}),
-            "throw_number", lambda: Answer(
-                np.full(2, exact(forms.throw_number, **given)().value),
-                np.full(2, 2 * exact(forms.throw_number, **given)().error),
+            "throw_number", lambda: TextbookValue(
+                np.full(2, exact(textbook.throw_number, **given)().value),
+                np.full(2, 2 * exact(textbook.throw_number, **given)().error),
                 "the first, and 2 ulp"),
         ),
         HardCase(

@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from core.accuracy import textbook as forms
+from core.accuracy import textbook
 from core.accuracy.hard_cases.case import Content, result_of
-from core.accuracy.textbook import Answer, exact
+from core.accuracy.textbook import TextbookValue, exact
 
 DRIVE = {"frequency": 50.0, "amplitude": 4e-4, "beta": 20.0}
 # The part stays on floor and wall.
@@ -25,7 +25,7 @@ def sweep(scene: str, output: str, **parameters: Any) -> Content:
     return {"kind": "sweep", "scene": scene, "outputs": [output], "parameters": parameters}
 
 
-def track(output: str, formula: forms.Formula, **changes: float) -> dict[str, Any]:
+def track(output: str, formula: textbook.Formula, **changes: float) -> dict[str, Any]:
     """Return study, output and answer of a velocity law on the track."""
     given = {**TRACK, **changes}
     if "time" in given:
@@ -37,7 +37,7 @@ def track(output: str, formula: forms.Formula, **changes: float) -> dict[str, An
     }
 
 
-def plane(output: str, formula: forms.Formula | None = None, **given: float) -> dict[str, Any]:
+def plane(output: str, formula: textbook.Formula | None = None, **given: float) -> dict[str, Any]:
     """Return study, output and answer on the plane, of a formula of all that is given."""
     content = sweep("rectangle-on-plane", output, **given)
     return {
@@ -47,7 +47,7 @@ def plane(output: str, formula: forms.Formula | None = None, **given: float) -> 
     }
 
 
-def corner(output: str, formula: forms.Formula, **changes: float) -> dict[str, Any]:
+def corner(output: str, formula: textbook.Formula, **changes: float) -> dict[str, Any]:
     """Return study, output and answer of a corner that slips to the right."""
     given = {"height": 0.03, "length": 0.02, "pitch": 5.0, "pitch_rate": 2.0, "gravity": G}
     given |= changes
@@ -83,42 +83,44 @@ def hopping(throw: float, **changes: Any) -> dict[str, Any]:
     return {**given, "amplitude": amplitude}
 
 
-def known(value: Any, error: Any, source: str) -> Callable[[], Answer]:
+def known(value: Any, error: Any, source: str) -> Callable[[], TextbookValue]:
     """Return what gives a value that stands here."""
-    return lambda: Answer(value, error, source)
+    return lambda: TextbookValue(value, error, source)
 
 
 def from_study(
     content: Content, output: str, relative: float, source: str, factor: float = 1.0
-) -> Callable[[], Answer]:
+) -> Callable[[], TextbookValue]:
     """Return what gives the output of another study, times a factor, with a relative error."""
 
-    def answer() -> Answer:
+    def answer() -> TextbookValue:
         value = factor * float(result_of(content).variables[output].values)
-        return Answer(value, relative * abs(value), source)
+        return TextbookValue(value, relative * abs(value), source)
 
     return answer
 
 
-def near(answer: Callable[[], Answer], relative: float) -> Callable[[], Answer]:
+def near(answer: Callable[[], TextbookValue], relative: float) -> Callable[[], TextbookValue]:
     """Return the same value with a larger error: a limit, not reached."""
 
-    def near() -> Answer:
+    def near() -> TextbookValue:
         value = answer().value
-        return Answer(value, relative * abs(value), "closed form of the limit that it is near")
+        return TextbookValue(
+            value, relative * abs(value), "closed form of the limit that it is near"
+        )
 
     return near
 
 
-def by_reference(given: Content) -> Callable[[], Answer]:
+def by_reference(given: Content) -> Callable[[], TextbookValue]:
     """Return what gives the mean without rebound, integrated at high order.
 
     Hops that die out while the part slides leave the mean as it is (theory 13.5).
     """
 
-    def answer() -> Answer:
+    def answer() -> TextbookValue:
         table = result_of(motion("reference", **given)).variables
         value = float(table["conveying_velocity"].values)
-        return Answer(value, 1e-9 * G / W, "restitution 0, reference method, to 1e-9 g/w")
+        return TextbookValue(value, 1e-9 * G / W, "restitution 0, reference method, to 1e-9 g/w")
 
     return answer

@@ -8,7 +8,7 @@ from typing import Any
 
 from mpmath import mp
 
-from core.accuracy import textbook as forms
+from core.accuracy import textbook
 from core.accuracy.hard_cases.case import HardCase
 from core.accuracy.hard_cases.studies import (
     K_INPUTS,
@@ -21,7 +21,7 @@ from core.accuracy.hard_cases.studies import (
     sweep,
     track,
 )
-from core.accuracy.textbook import EPSILON, Answer, exact, exact_of_floats
+from core.accuracy.textbook import EPSILON, TextbookValue, exact, exact_of_floats
 
 
 def large_and_small_bowls() -> list[HardCase]:
@@ -33,8 +33,8 @@ def large_and_small_bowls() -> list[HardCase]:
             f"{output}, R = {R:g} m", family, "R/mu times 1 - exp(-2 mu x/R) cancels",
             status=("slip",), **track(output, formula, radius=R),
         )
-        for output, formula in (("transport_velocity", forms.velocity_after),
-                                ("travel_time", forms.time_over))
+        for output, formula in (("transport_velocity", textbook.velocity_after),
+                                ("travel_time", textbook.time_over))
         for R in (1e-9, 1e9, 1e15, 1e300)
     ]  # fmt: skip
     for ulps in (0, 1, 10, 1000):
@@ -43,7 +43,7 @@ def large_and_small_bowls() -> list[HardCase]:
             f"R = h/2 and {ulps} ulp", family, "cos(sigma) goes to 0 as a root",
             sweep("rectangle-on-track", "chord_cosine", length=h, radius=R), "chord_cosine",
             # (R - h/2)(R + h/2): the difference is exact, five roundings follow.
-            exact_of_floats(forms.chord_cosine, length=h, radius=R),
+            exact_of_floats(textbook.chord_cosine, length=h, radius=R),
             ("contact", "invalid_geometry", "not_assessed"),
         ))  # fmt: skip
     cases.append(HardCase(
@@ -74,17 +74,17 @@ def large_and_small_bowls() -> list[HardCase]:
     return cases
 
 
-def _corner_force(given: Mapping[str, float]) -> Callable[[], Answer]:
+def _corner_force(given: Mapping[str, float]) -> Callable[[], TextbookValue]:
     """Return what gives lambda2 of theory 4.4 at rest: m s (h + mu a)/(2 h c)."""
     names = ("mass", "length", "width", "radius", *K_INPUTS)
 
     def force(*, mass: Any, length: Any, width: Any, radius: Any, friction: Any, **p: Any) -> Any:
         rad = {name: p[name] * mp.pi / 180 for name in ("alpha", "beta", "gamma", "delta")}
-        P = forms.drive(frequency=p["frequency"], amplitude=p["amplitude"])
+        P = textbook.drive(frequency=p["frequency"], amplitude=p["amplitude"])
         across = p["gravity"] * mp.cos(rad["gamma"]) * mp.sin(rad["delta"])
         load = across - P * mp.cos(rad["beta"]) * mp.sin(rad["alpha"])
         S = mass * max(mp.zero, load)
-        cosine = forms.chord_cosine(length=length, radius=radius)
+        cosine = textbook.chord_cosine(length=length, radius=radius)
         return S * (length + friction * width) / (2 * length * cosine)
 
     return exact(force, **{name: given[name] for name in names})
@@ -103,7 +103,7 @@ def start_within_ulps() -> list[HardCase]:
         cases.append(HardCase(
             f"K, gravity {ulps:+d} ulp from the drive", family, "two accelerations cancel",
             sweep("rectangle-on-track", "starting_acceleration", **steep, gravity=g),
-            "starting_acceleration", exact(forms.starting_acceleration, **steep, gravity=g),
+            "starting_acceleration", exact(textbook.starting_acceleration, **steep, gravity=g),
             ("flight",),  # the floor is upright: nothing presses on it
         ))  # fmt: skip
         # |K| is at most the roundings of P and g: 64 ulp of P.
@@ -158,8 +158,8 @@ def long_and_short_ways() -> list[HardCase]:
             f"{output}, x = {x:g} m", family, "1 - exp(-s) cancels at one end, saturates at the "
             "other", status=("slip", "faster_than_track"), **track(output, formula, distance=x),
         )
-        for output, formula in (("transport_velocity", forms.velocity_after),
-                                ("travel_time", forms.time_over))
+        for output, formula in (("transport_velocity", textbook.velocity_after),
+                                ("travel_time", textbook.time_over))
         for x in (1e-30, 1e-9, 1.0, 1e9)
     ]  # fmt: skip
     times = [
@@ -167,8 +167,8 @@ def long_and_short_ways() -> list[HardCase]:
             f"{output}, t = {t:g} s", family, "cosh overflows at one end, ln cosh vanishes at the "
             "other", status=("slip", "faster_than_track"), **track(output, formula, time=t),
         )
-        for output, formula in (("velocity_at_time", forms.velocity_at),
-                                ("distance_at_time", forms.distance_at))
+        for output, formula in (("velocity_at_time", textbook.velocity_at),
+                                ("distance_at_time", textbook.distance_at))
         for t in (1e-30, 1e-9, 1.0, 1e9)
     ]  # fmt: skip
     return lengths + times

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from core.mechanics.arrays import Array
 from core.motion import compiled, planar
 from core.motion.cells import run_cells
-from core.motion.course import Course, CourseAsked
+from core.motion.course import TrajectoryRequest, TrajectoryValues
 from core.motion.groups import Contacts, Groups, cells_of, groups_of, in_plane
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.methods.spatial_events import spatial_course, spatial_motion
@@ -29,7 +29,7 @@ from core.quantities import MOTION_MODES
 from core.watch import Watch
 
 
-class Path(NamedTuple):
+class EventPath(NamedTuple):
     """The motion of one part at asked phases of its cycle, in the scales of `Motion`.
 
     Attributes
@@ -75,7 +75,7 @@ def planar_path(
     most_periods: float,
     phases: Array,
     watch: Watch | None = None,
-) -> Path:
+) -> EventPath:
     """Return the motion of one part at phases since the start of its cycle, exact at each.
 
     Parameters
@@ -95,7 +95,7 @@ def planar_path(
     with (watch or Watch()).flag() as stop:
         pieces, shift, way, repeats = planar.follow(cell, stop)
     samples = planar.sample(pieces, cell, shift, phases, repeats)
-    return Path(
+    return EventPath(
         phases,
         way * samples[:, 0],
         samples[:, 1],
@@ -239,7 +239,7 @@ def _energy(contacts: Contacts) -> Follow:
 def _course(contacts: Contacts) -> FollowCourse:
     """Return what gives the course over a cycle of a part."""
 
-    def course(asked: CourseAsked) -> Course:
+    def course(asked: TrajectoryRequest) -> TrajectoryValues:
         settings = {name: asked.setting(name) for name in ("tolerance", "most_periods")}
         if not in_plane(asked.groups, contacts):
             return spatial_course(asked, contacts, **settings)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from core.mechanics.arrays import Array
 from core.motion import compiled
 from core.motion.cells import run_cells
-from core.motion.course import Course, CourseAsked
+from core.motion.course import TrajectoryRequest, TrajectoryValues
 from core.motion.groups import Contacts, Groups, cells_of
 from core.motion.path import Path
 from core.motion.result import Motion, motion_of
@@ -94,8 +94,8 @@ def spatial_path(
 
 
 def spatial_course(
-    asked: CourseAsked, contacts: Contacts, *, tolerance: float, most_periods: float
-) -> Course:
+    asked: TrajectoryRequest, contacts: Contacts, *, tolerance: float, most_periods: float
+) -> TrajectoryValues:
     """Return the course of one part over a cycle, or as asked."""
     settings = {"tolerance": tolerance, "most_periods": most_periods}
     _, phases = asked.times()

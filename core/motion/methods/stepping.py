@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from core.mechanics.arrays import Array
 from core.motion import compiled
 from core.motion.cells import run_cells
-from core.motion.course import Course, CourseAsked
+from core.motion.course import TrajectoryRequest, TrajectoryValues
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, cells_of
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.path import Path
@@ -266,7 +266,7 @@ def _course(contacts: Contacts) -> FollowCourse:
     run that gave its mean.
     """
 
-    def course(asked: CourseAsked) -> Course:
+    def course(asked: TrajectoryRequest) -> TrajectoryValues:
         _, phases = asked.times()
         steps = 2 * int(asked.setting("steps_per_period")) + 1
         before = 2 * np.pi * asked.setting("most_periods")

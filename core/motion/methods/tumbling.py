@@ -34,7 +34,7 @@ from core.mechanics.arrays import Array, Mask
 from core.motion import compiled
 from core.motion.bodies import Part
 from core.motion.cells import run_cells
-from core.motion.course import Course, CourseAsked
+from core.motion.course import TrajectoryRequest, TrajectoryValues
 from core.motion.groups import Contacts, table
 from core.motion.method import Follow, FollowCourse, Method
 from core.motion.price import Price, Priced, Pricing
@@ -333,7 +333,7 @@ def _course(contacts: Contacts) -> FollowCourse:
     """Return what gives the course of a tumbling part from its start."""
     del contacts
 
-    def course(asked: CourseAsked) -> Course:
+    def course(asked: TrajectoryRequest) -> TrajectoryValues:
         throw: Throw = asked.arguments["throw"]
         duration, samples = np.asarray(throw.duration).item(), asked.samples
         if isinstance(samples, int):
@@ -348,7 +348,7 @@ def _course(contacts: Contacts) -> FollowCourse:
             "path_gap": path.gap_normal,
             "path_corners": path.touching.sum(axis=1).astype(float),
         }
-        return Course(times, values, {})
+        return TrajectoryValues(times, values, {})
 
     return course
 

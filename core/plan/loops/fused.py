@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.plan.grid import Grid
-from core.plan.loops import program as programs
 from core.plan.loops.order import Order
-from core.plan.loops.program import Program, edge_of, program_of
+from core.plan.loops.program import FEW_CELLS, Program, edge_of, program_of
 from core.plan.loops.source import LONGEST_ROW
 from core.plan.loops.trace import Node, Traced
 from core.plan.plan import Plan
@@ -52,7 +51,7 @@ class Fused:
             self._programs = {
                 dims: self._program(dims, names)
                 for dims, names in self._groups.items()
-                if grid.size(dims) > programs.FEW_CELLS
+                if grid.size(dims) > FEW_CELLS
             }
 
     @property

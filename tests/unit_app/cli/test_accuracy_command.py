@@ -15,7 +15,7 @@ from app.cli import app
 from app.cli.accuracy import write_report
 from core.accuracy.curves import FAMILIES
 from core.accuracy.report import families_of
-from core.accuracy.textbook import Answer
+from core.accuracy.textbook import TextbookValue
 from core.intake import prepare_content, read_content
 
 ROOT = Path(__file__).parents[3]
@@ -176,7 +176,7 @@ def few_extremes(monkeypatch):
     from core.accuracy.hard_cases import HARD_CASES
 
     easy = next(case for case in HARD_CASES if case.name == "every axis of one value")
-    wrong = replace(easy, name="wrong", answer=lambda: Answer(-1.0, 1e-9, "made up"))
+    wrong = replace(easy, name="wrong", answer=lambda: TextbookValue(-1.0, 1e-9, "made up"))
     cases = [easy, wrong]
     everything = extremes.run_catalogue
     monkeypatch.setattr(extremes, "run_catalogue", lambda watch: everything(watch, cases))

@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 
 from app.jobs import work
-from app.jobs.carrier import MOST_TORN
-from app.jobs.desk import Desk
+from app.jobs.admission import Admission
+from app.jobs.dispatcher import MOST_TORN
 from app.jobs.errors import OtherVersionError, TornBlockError
 from app.jobs.ledger import ACTIVE, Job, Ledger
 from app.jobs.runner import Runner
@@ -91,7 +91,7 @@ class Workers:
         self.restarted.append(worker)
 
 
-Play = Callable[[Runner, Desk, Job], Coroutine[Any, Any, None]]
+Play = Callable[[Runner, Admission, Job], Coroutine[Any, Any, None]]
 
 
 def carried_out(folder: Path, workers: Workers, play: Play | None = None, **settings: Any) -> Job:
@@ -101,12 +101,12 @@ def carried_out(folder: Path, workers: Workers, play: Play | None = None, **sett
         limits = Settings(data_directory=folder, **settings)
         ledger, store = Ledger(folder / "jobs.sqlite3"), Store(folder)
         runner = Runner(ledger, store, workers, limits)  # type: ignore[arg-type]
-        desk = Desk(ledger, store, limits, runner.wake)
+        admission = Admission(ledger, store, limits, runner.wake)
         await runner.start()
         try:
-            job = desk.post(prepare_content(STUDY), "simulate")
+            job = admission.post(prepare_content(STUDY), "simulate")
             if play is not None:
-                await play(runner, desk, job)
+                await play(runner, admission, job)
             else:
                 await awaited(lambda: ledger.job(job.id).state not in ACTIVE)
             found = ledger.job(job.id)
@@ -131,8 +131,8 @@ def test_time_runs_out_while_a_block_runs(tmp_path):
     done = threading.Event()
     workers = Workers(1, compute_block=lambda *_: done.wait(30))
 
-    async def play(runner: Runner, desk: Desk, job: Job) -> None:
-        await awaited(lambda: desk.ledger.job(job.id).state == "failed")
+    async def play(runner: Runner, admission: Admission, job: Job) -> None:
+        await awaited(lambda: admission.ledger.job(job.id).state == "failed")
         done.set()
 
     job = carried_out(tmp_path, workers, play, max_job_seconds=0.5)
@@ -142,13 +142,13 @@ def test_time_runs_out_while_a_block_runs(tmp_path):
 
 
 def test_time_does_not_run_out_while_a_job_waits_and_it_says_for_what(tmp_path, monkeypatch):
-    monkeypatch.setattr("app.jobs.hands.LOOK_AT_WORKERS", 0.1)
+    monkeypatch.setattr("app.jobs.executor.LOOK_AT_WORKERS", 0.1)
     workers = Workers(0)
 
-    async def play(runner: Runner, desk: Desk, job: Job) -> None:
+    async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: runner.waits() == "there are no workers")
         await asyncio.sleep(0.6)  # longer than it may run
-        found = desk.ledger.job(job.id)
+        found = admission.ledger.job(job.id)
         assert found is not None
         assert (found.state, found.started) == ("accepted", None)
 
@@ -159,9 +159,9 @@ def test_a_worker_that_does_not_stop_what_was_dismissed_is_killed(tmp_path):
     done = threading.Event()
     workers = Workers(1, compute_block=lambda *_: done.wait(60))
 
-    async def play(runner: Runner, desk: Desk, job: Job) -> None:
-        await awaited(lambda: desk.ledger.job(job.id).state == "running")
-        desk.dismiss(job.id)
+    async def play(runner: Runner, admission: Admission, job: Job) -> None:
+        await awaited(lambda: admission.ledger.job(job.id).state == "running")
+        admission.dismiss(job.id)
         await awaited(lambda: workers.restarted == ["worker"])
         done.set()
 
@@ -173,13 +173,13 @@ def test_a_worker_without_a_nanny_is_waited_for(tmp_path, caplog):
     workers = Workers(1, compute_block=lambda *_: done.wait(60))
     workers.nannies = False
 
-    async def play(runner: Runner, desk: Desk, job: Job) -> None:
-        await awaited(lambda: desk.ledger.job(job.id).state == "running")
-        desk.dismiss(job.id)
+    async def play(runner: Runner, admission: Admission, job: Job) -> None:
+        await awaited(lambda: admission.ledger.job(job.id).state == "running")
+        admission.dismiss(job.id)
         await awaited(lambda: "has no nanny" in caplog.text)
-        assert runner._carrier.hands._ending  # its place is taken
+        assert runner._dispatcher.executor._ending  # its place is taken
         done.set()
-        await awaited(lambda: not runner._carrier.hands._ending)
+        await awaited(lambda: not runner._dispatcher.executor._ending)
 
     carried_out(tmp_path, workers, play, grace_seconds=0.1)
     assert workers.restarted == []
@@ -189,12 +189,12 @@ def test_a_worker_that_stops_in_time_is_left_alone(tmp_path):
     done = threading.Event()
     workers = Workers(1, compute_block=lambda *_: done.wait(60))
 
-    async def play(runner: Runner, desk: Desk, job: Job) -> None:
-        await awaited(lambda: desk.ledger.job(job.id).state == "running")
-        desk.dismiss(job.id)
+    async def play(runner: Runner, admission: Admission, job: Job) -> None:
+        await awaited(lambda: admission.ledger.job(job.id).state == "running")
+        admission.dismiss(job.id)
         await awaited(lambda: not runner._active)
         done.set()
-        await awaited(lambda: not runner._carrier.hands._ending)
+        await awaited(lambda: not runner._dispatcher.executor._ending)
 
     carried_out(tmp_path, workers, play)
     assert workers.restarted == []
@@ -211,23 +211,23 @@ def test_a_worker_without_the_shared_files_is_told(tmp_path):
 
 
 def test_that_there_are_no_workers_is_told_while_work_waits_for_them(tmp_path, monkeypatch):
-    monkeypatch.setattr("app.jobs.hands.LOOK_AT_WORKERS", 0.1)
+    monkeypatch.setattr("app.jobs.executor.LOOK_AT_WORKERS", 0.1)
 
-    async def play(runner: Runner, desk: Desk, job: Job) -> None:
+    async def play(runner: Runner, admission: Admission, job: Job) -> None:
         assert runner.wrong() is None
         await awaited(lambda: runner.wrong() == "there are no workers")
-        desk.dismiss(job.id)
+        admission.dismiss(job.id)
         await awaited(lambda: runner.wrong() is None)
 
     carried_out(tmp_path, Workers(0), play, lease_seconds=0.4)
 
 
 def test_workers_that_go_and_come_again_are_noticed(tmp_path, monkeypatch):
-    monkeypatch.setattr("app.jobs.hands.LOOK_AT_WORKERS", 0.1)
+    monkeypatch.setattr("app.jobs.executor.LOOK_AT_WORKERS", 0.1)
     go_on = threading.Event()
     workers = Workers(1, compute_block=lambda *_: go_on.wait(30))
 
-    async def play(runner: Runner, desk: Desk, job: Job) -> None:
+    async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: "compute_block" in workers.calls)
         assert runner.wrong() is None
         workers.count = 0
@@ -258,10 +258,10 @@ def test_a_scheduler_that_goes_away_is_no_failure_of_the_job(tmp_path, monkeypat
 def test_a_dismissal_is_noticed_soon(tmp_path):
     """By another server, which cannot wake this one, and long before the lease is renewed."""
 
-    async def play(runner: Runner, desk: Desk, job: Job) -> None:
+    async def play(runner: Runner, admission: Admission, job: Job) -> None:
         await awaited(lambda: bool(runner._active))
         await asyncio.sleep(0.1)
-        desk.ledger.dismiss(job.id)
+        admission.ledger.dismiss(job.id)
         assert await awaited(lambda: not runner._active) < 2.5
 
     carried_out(tmp_path, Workers(0), play, lease_seconds=600)
@@ -296,12 +296,12 @@ def test_a_runner_stops_though_it_is_woken_at_that_moment(tmp_path):
     async def scene() -> None:
         limits = Settings(data_directory=tmp_path)
         ledger, store = Ledger(tmp_path / "jobs.sqlite3"), Store(tmp_path)
-        for turns in range(6):  # of the event loop between both
+        for fair_queue in range(6):  # of the event loop between both
             runner = Runner(ledger, store, Workers(), limits)  # type: ignore[arg-type]
             await runner.start()
             await asyncio.sleep(0.1)
             runner._wake.set()
-            for _ in range(turns):
+            for _ in range(fair_queue):
                 await asyncio.sleep(0)
             await runner.stop()
             await asyncio.sleep(0.05)

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from app.cli import app
-from app.jobs.desk import Desk
+from app.jobs.admission import Admission
 from app.jobs.ledger import Ledger
 from app.jobs.manifest import MANIFEST, NETCDF
 from app.jobs.scrub import BROKEN, ORPHANED, WAITING, WHOLE, scrub
@@ -96,18 +96,18 @@ def test_the_command_prints_what_is_broken_and_repairs(store, tmp_path):
 
 def test_a_service_looks_at_some_each_turn_and_at_all_in_the_end(store, tmp_path, monkeypatch):
     keys = sorted(finished(store, 0.1 * k) for k in range(1, 5))
-    monkeypatch.setattr("app.jobs.desk.SCRUBBED", 1)
+    monkeypatch.setattr("app.jobs.admission.SCRUBBED", 1)
     ledger = Ledger(tmp_path / "jobs.sqlite3")
-    desk = Desk(ledger, store, Settings(data_directory=tmp_path), lambda: None)
+    admission = Admission(ledger, store, Settings(data_directory=tmp_path), lambda: None)
     for key in keys:
         flip(store.folder(key) / NETCDF)
     seen = []
     for _ in keys:
-        desk.scrub(lambda: False)
+        admission.scrub(lambda: False)
         seen.append([key for key in keys if store.manifest(key) is None])
     assert seen[-1] == keys
     assert seen[0] != keys or len(keys) == 1
-    desk.scrub(lambda: False)
+    admission.scrub(lambda: False)
     again = finished(store, 0.1)  # it is computed again, and whole
     assert states(store)[again] == WHOLE
     ledger.close()

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from app.jobs import work
-from app.jobs.desk import Desk
+from app.jobs.admission import Admission
 from app.jobs.errors import (
     NoRoomError,
     NotFoundError,
@@ -312,38 +312,38 @@ def test_a_write_that_fails_leaves_nothing(store, monkeypatch):
 
 class TestDesk:
     @pytest.fixture
-    def desk(self, store, tmp_path):
+    def admission(self, store, tmp_path):
         ledger = Ledger(tmp_path / "jobs.sqlite3")
-        yield lambda **values: Desk(
+        yield lambda **values: Admission(
             ledger, store, Settings(data_directory=tmp_path, **values), lambda: None
         )
         ledger.close()
 
-    def test_a_study_that_is_there_is_successful_at_once(self, desk, store):
+    def test_a_study_that_is_there_is_successful_at_once(self, admission, store):
         carried_out(store, SWEEP)
-        assert desk().post(prepare_content(SWEEP), "sweep").state == "successful"
-        assert desk().post(prepare_content(SIMULATION), "simulate").state == "accepted"
+        assert admission().post(prepare_content(SWEEP), "sweep").state == "successful"
+        assert admission().post(prepare_content(SIMULATION), "simulate").state == "accepted"
 
-    def test_results_used_longest_ago_make_room(self, desk, store):
+    def test_results_used_longest_ago_make_room(self, admission, store):
         old, new = carried_out(store, SWEEP), carried_out(store, SIMULATION)
         os.utime(store.folder(old) / "study.json", (1, 1))
         taken = store.bytes(old) + store.bytes(new)
-        desk(disk_quota_bytes=taken + 10).make_room(OTHER, 100)
+        admission(disk_quota_bytes=taken + 10).make_room(OTHER, 100)
         assert store.manifest(old) is None
         assert store.manifest(new) is not None
 
-    def test_what_cannot_fit_removes_nothing(self, desk, store):
+    def test_what_cannot_fit_removes_nothing(self, admission, store):
         kept = carried_out(store, SWEEP)
         with pytest.raises(NoRoomError, match="quota"):
-            desk(disk_quota_bytes=50).make_room(OTHER, 100)
+            admission(disk_quota_bytes=50).make_room(OTHER, 100)
         with pytest.raises(NoRoomError, match="the disk lacks"):
-            desk(disk_quota_bytes=10**29 + 10).make_room(OTHER, 10**29)
+            admission(disk_quota_bytes=10**29 + 10).make_room(OTHER, 10**29)
         assert store.manifest(kept) is not None
 
-    def test_a_full_queue_removes_nothing(self, desk, store):
+    def test_a_full_queue_removes_nothing(self, admission, store):
         kept = carried_out(store, SWEEP)
         needed = 2 * prepare_content(SIMULATION).bytes
-        full = desk(max_queue=1, disk_quota_bytes=store.bytes(kept) + needed + 100)
+        full = admission(max_queue=1, disk_quota_bytes=store.bytes(kept) + needed + 100)
         full.post(prepare_content(SIMULATION), "simulate")
         other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
         with pytest.raises(QueueFullError):
@@ -351,7 +351,7 @@ class TestDesk:
         assert store.manifest(kept) is not None
         assert len(store.studies()) == 2  # the refused one is not kept
 
-    def test_the_study_that_is_posted_makes_no_room_for_itself(self, desk, store):
+    def test_the_study_that_is_posted_makes_no_room_for_itself(self, admission, store):
         """Its folder is the oldest one: it was given up half done."""
         key = identifier(prepare_content(SIMULATION).study)
         store.add(prepare_content(SIMULATION).study)
@@ -359,58 +359,58 @@ class TestDesk:
         os.utime(store.folder(key) / "study.json", (1, 1))
         other = carried_out(store, SWEEP)
         needed = 2 * prepare_content(SIMULATION).bytes
-        desk(disk_quota_bytes=needed + 100).post(prepare_content(SIMULATION), "simulate")
+        admission(disk_quota_bytes=needed + 100).post(prepare_content(SIMULATION), "simulate")
         assert store.has_block(key, 5, 0)
         assert not store.folder(other).exists()
 
-    def test_what_is_dismissed_makes_nothing_leave(self, desk, store):
+    def test_what_is_dismissed_makes_nothing_leave(self, admission, store):
         """What it was promised is on no disk, and no promise any more."""
         kept, needed = carried_out(store, SWEEP), 2 * prepare_content(SIMULATION).bytes
-        service = desk(disk_quota_bytes=store.bytes(kept) + 2 * needed + 2000)
+        service = admission(disk_quota_bytes=store.bytes(kept) + 2 * needed + 2000)
         for friction in (0.5, 0.6, 0.7, 0.8):
             other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": friction}}
             service.dismiss(service.post(prepare_content(other), "simulate").id)
         assert store.manifest(kept) is not None
 
-    def test_the_disk_is_promised_once(self, desk, store, monkeypatch):
+    def test_the_disk_is_promised_once(self, admission, store, monkeypatch):
         needed = 2 * prepare_content(SIMULATION).bytes
         usage = namedtuple("usage", "total used free")
         free = [int(1.5 * needed)]
         monkeypatch.setattr("shutil.disk_usage", lambda _: usage(0, 0, free[0]))
-        service = desk()
+        service = admission()
         key = service.post(prepare_content(SIMULATION), "simulate").key
         other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
         with pytest.raises(NoRoomError, match="the disk lacks"):
             service.post(prepare_content(other), "simulate")
         # What has been written of a promise is owed no more.
         (store.folder(key) / "blocks").write_bytes(bytes(needed))
-        monkeypatch.setattr("app.jobs.room.RIGHT_FOR", 0.0)
+        monkeypatch.setattr("app.jobs.quota.RIGHT_FOR", 0.0)
         assert service.post(prepare_content(other), "simulate").state == "accepted"
 
-    def test_what_is_promised_to_work_is_not_promised_again(self, desk, store):
+    def test_what_is_promised_to_work_is_not_promised_again(self, admission, store):
         """However many servers: it stands in the ledger."""
         needed = 2 * prepare_content(SIMULATION).bytes
         tight, loose = ({"disk_quota_bytes": needed + spare} for spare in (10, 1000))
-        desk(**tight).post(prepare_content(SIMULATION), "simulate")
+        admission(**tight).post(prepare_content(SIMULATION), "simulate")
         other = {**SIMULATION, "parameters": {**SIMULATION["parameters"], "friction": 0.5}}
         with pytest.raises(NoRoomError, match="promised to work under way"):
-            desk(**tight).post(prepare_content(other), "simulate")
+            admission(**tight).post(prepare_content(other), "simulate")
         with pytest.raises(NoRoomError):
-            desk(**tight).keep(prepare_content(SWEEP))
-        assert desk(**loose).keep(prepare_content(SWEEP))[1]
+            admission(**tight).keep(prepare_content(SWEEP))
+        assert admission(**loose).keep(prepare_content(SWEEP))[1]
         assert store.get(identifier(prepare_content(SIMULATION).study)).cells == 35
 
-    def test_what_nobody_has_used_is_removed(self, desk, store):
+    def test_what_nobody_has_used_is_removed(self, admission, store):
         old, new = carried_out(store, SWEEP), carried_out(store, SIMULATION)
-        job = desk().post(prepare_content(SWEEP), "sweep")
+        job = admission().post(prepare_content(SWEEP), "sweep")
         year_ago = time.time() - 365 * 86_400
         os.utime(store.folder(old) / "study.json", (year_ago, year_ago))
-        desk().tidy()
+        admission().tidy()
         assert not store.folder(old).exists()
         assert store.manifest(new) is not None
-        assert desk().ledger.job(job.id) is not None  # it is young
-        desk(retention_days=1e-9).tidy()
-        assert desk().ledger.job(job.id) is None
+        assert admission().ledger.job(job.id) is not None  # it is young
+        admission(retention_days=1e-9).tidy()
+        assert admission().ledger.job(job.id) is None
 
     def test_use_is_noted(self, store):
         key = carried_out(store, SWEEP)
@@ -427,22 +427,24 @@ class TestDesk:
             use()
             assert store.used(key) > 2 * 365 * 86_400 + long_ago
 
-    def test_tidying_removes_what_late_workers_left_and_what_killed_writers_left(self, desk, store):
+    def test_tidying_removes_what_late_workers_left_and_what_killed_writers_left(
+        self, admission, store
+    ):
         done, half = carried_out(store, SWEEP), store.add(prepare_content(SIMULATION).study)[0]
         for key in (done, half):
             store.write_block(key, 5, 0, Computed({"x": np.zeros(5)}))
         (store.folder(half) / ".x.part").write_bytes(b"")
         os.utime(store.folder(half) / ".x.part", (1, 1))
-        desk().tidy()
+        admission().tidy()
         assert not (store.folder(done) / "blocks").exists()
         assert store.has_block(half, 5, 0)  # it may be posted again
         assert not (store.folder(half) / ".x.part").exists()
 
-    def test_what_is_just_being_added_is_in_use(self, desk, store):
+    def test_what_is_just_being_added_is_in_use(self, admission, store):
         """Its folder is made before its file: tidying at that moment took it from the writer."""
         folder = store.directory / ("0" * 64)
         folder.mkdir(parents=True)
-        desk().tidy()
+        admission().tidy()
         assert folder.exists()
 
 

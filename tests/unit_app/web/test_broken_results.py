@@ -186,10 +186,10 @@ class TestSound:
         client.get(f"/sweeps/{key}/netcdf")  # it may be written for this request
         whole = client.get(f"/sweeps/{key}/netcdf")
         read: list[object] = []
-        digest = "app.jobs.sound._digest"
-        from app.jobs import sound
+        digest = "app.jobs.integrity._digest"
+        from app.jobs import integrity
 
-        plain = sound._digest
+        plain = integrity._digest
         monkeypatch.setattr(digest, lambda file: read.append(file) or plain(file))
         for _ in range(3):
             assert client.get(f"/sweeps/{key}/netcdf").content == whole.content
@@ -207,9 +207,9 @@ class TestSound:
             assert client.get(f"/sweeps/{one}/netcdf").status_code == 200
         store = client.app.state.store
         looking, go_on = threading.Event(), threading.Event()
-        from app.jobs import sound
+        from app.jobs import integrity
 
-        plain, held = sound._digest, (store.folder(key) / NETCDF).stat()
+        plain, held = integrity._digest, (store.folder(key) / NETCDF).stat()
 
         def slow(file):
             if os.path.samestat(os.fstat(file.fileno()), held):
@@ -217,8 +217,8 @@ class TestSound:
                 assert go_on.wait(60)
             return plain(file)
 
-        monkeypatch.setattr("app.jobs.sound._digest", slow)
-        monkeypatch.setattr("app.jobs.sound.LARGE", held.st_size - 1)
+        monkeypatch.setattr("app.jobs.integrity._digest", slow)
+        monkeypatch.setattr("app.jobs.integrity.LARGE", held.st_size - 1)
         os.utime(store.folder(key) / NETCDF)
         os.utime(store.folder(other) / NETCDF)
         replies: list[Any] = []

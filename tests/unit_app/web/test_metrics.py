@@ -16,8 +16,8 @@ from fastapi.testclient import TestClient
 from prometheus_client.parser import text_string_to_metric_families
 
 import core
-from app.jobs.course import Course
 from app.jobs.ledger import Work
+from app.jobs.work_progress import WorkProgress
 from app.main import create_app
 from app.settings import Settings
 from local_client import local_client
@@ -107,7 +107,7 @@ def test_parts_add_gauges_and_apps_share_nothing(client, tmp_path):
 
 
 def test_jobs_are_counted_by_their_state_in_one_look(client, monkeypatch):
-    ledger = client.app.state.desk.ledger
+    ledger = client.app.state.admission.ledger
     looks = []
     counts = ledger.counts
     monkeypatch.setattr(ledger, "_read", lambda s, read=ledger._read: looks.append(s) or read(s))
@@ -119,7 +119,7 @@ def test_jobs_are_counted_by_their_state_in_one_look(client, monkeypatch):
 
 def test_the_queue_tells_what_waits_and_for_how_long(client, monkeypatch):
     post = {"cells": 1, "block_cells": 1, "blocks": 1, "bytes_": 1, "finished_seconds": None}
-    ledger = client.app.state.desk.ledger
+    ledger = client.app.state.admission.ledger
     assert figures(client)["vibrafeed_oldest_waiting_seconds",] == 0
     now = time.time()
     monkeypatch.setattr(time, "time", lambda: now - 100)
@@ -152,12 +152,12 @@ def test_version_workers_and_disk_are_told(client):
 
 def test_blocks_and_work_are_timed(client):
     item = Work("key", "sweep", 1, 2, 0.0, "owner")
-    course = Course()
-    course.witnesses.append(client.app.state.metrics)
-    course.began(item)
-    course.computed(item, [0.25, 2.0])
-    course.ended(item, "done")
-    course.ended(item, "interrupted")  # it has ended before
+    work_progress = WorkProgress()
+    work_progress.witnesses.append(client.app.state.metrics)
+    work_progress.began(item)
+    work_progress.computed(item, [0.25, 2.0])
+    work_progress.ended(item, "done")
+    work_progress.ended(item, "interrupted")  # it has ended before
     found = figures(client)
     assert found["vibrafeed_block_seconds_count", "sweep"] == 2
     assert found["vibrafeed_block_seconds_sum", "sweep"] == 2.25

@@ -32,7 +32,7 @@ class House:
     def __init__(self, client: TestClient):
         self.client = client
         self.keys = client.app.state.keys
-        self.desk = client.app.state.desk
+        self.admission = client.app.state.admission
 
     def key(self, name: str, role: str = "run", days: float | None = None, **limits: int) -> Any:
         """Return what asks with a new key."""
@@ -65,7 +65,7 @@ def house(tmp_path) -> Iterator[House]:
     """Give a service that has not been started: its jobs wait."""
     app = create_app(Settings(data_directory=tmp_path))
     yield House(local_client(app))
-    app.state.desk.ledger.close()
+    app.state.admission.ledger.close()
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +128,7 @@ class TestLimits:
             app.state.stopping.set()
         for reply in refused:
             assert problem(reply, 429)["type"] == "urn:vibrafeed:problem:rate"
-        app.state.desk.ledger.close()
+        app.state.admission.ledger.close()
 
     def test_requests_a_second(self, house):
         ask, other = house.key("lab", requests=3), house.key("other")
@@ -172,9 +172,9 @@ class TestLimits:
         assert ask("GET", f"/sweeps/{more[-1]}").status_code == 200
         for key in (shared, theirs):
             assert other("GET", f"/sweeps/{key}").status_code == 200
-        held = house.desk.holdings.of_owner("lab")
+        held = house.admission.ownership.of_owner("lab")
         assert sum(one.bytes for one in held) <= 3 * size
-        assert house.desk.store.used(first) == 0
+        assert house.admission.store.used(first) == 0
         refused = ask("POST", EXECUTION, json=study(60, 2000), headers=ASYNC)
         assert "your key may keep" in problem(refused, 507)["detail"]
         assert ask("GET", f"/sweeps/{more[-1]}").status_code == 200, "removed for nothing"
@@ -243,7 +243,7 @@ class TestOwners:
         one("PATCH", f"/jobs/{number}", json={"shared": True})
         one("DELETE", f"/jobs/{number}")
         house.asking("vf_wrong")("GET", "/scenes")
-        entries = reversed(audit.latest(house.desk.ledger.database, 9))
+        entries = reversed(audit.latest(house.admission.ledger.database, 9))
         assert [(entry.name, entry.action, entry.object) for entry in entries] == [
             ("", "add key", "one"),
             ("one", "post", number),
@@ -262,10 +262,10 @@ class TestOwners:
         for number in range(11, 40):
             reply = two("POST", "/sweeps", json=study(number))
             assert reply.status_code == 201, reply.text
-        assert house.desk.store.used(mine) == 0, "nothing had to make room"
+        assert house.admission.store.used(mine) == 0, "nothing had to make room"
         for key in keys:
             assert one("GET", f"/sweeps/{key}").status_code == 200
-        app.state.desk.ledger.close()
+        app.state.admission.ledger.close()
 
 
 @pytest.mark.service
@@ -285,7 +285,7 @@ class TestResults:
         ]
         assert files[0] == files[1]
         key = reply["study"]
-        entries = [path.name for path in running.desk.store.folder(key).iterdir()]
+        entries = [path.name for path in running.admission.store.folder(key).iterdir()]
         assert entries.count("result.nc") == 1
 
     def test_head_tells_nothing_of_a_file_that_another_has_made(self, running):
@@ -303,7 +303,7 @@ class TestResults:
         number = running.carried_out(one, 100)
         key = one("GET", f"/jobs/{number}").json()["study"]
         for other in range(101, 112):
-            if running.desk.holdings.of("fifth", key) is None:
+            if running.admission.ownership.of("fifth", key) is None:
                 break
             running.carried_out(one, other)
         job = one("GET", f"/jobs/{number}").json()
@@ -365,7 +365,7 @@ class TestWithdrawn:
 class TestOver:
     def test_a_job_that_is_over_does_not_follow_the_work_of_others(self, house):
         one, other = house.key("one"), house.key("other")
-        ledger = house.desk.ledger
+        ledger = house.admission.ledger
         mine = one("POST", EXECUTION, json=study(0), headers=ASYNC).json()["jobID"]
         one("DELETE", f"/jobs/{mine}")
         theirs = other("POST", EXECUTION, json=study(0), headers=ASYNC).json()["jobID"]
@@ -376,7 +376,7 @@ class TestOver:
         assert ledger.job(mine).done == 0
 
     def test_what_nobody_waits_for_is_not_entered_again(self, house):
-        ledger = house.desk.ledger
+        ledger = house.admission.ledger
         job = house.key("one")("POST", EXECUTION, json=study(0), headers=ASYNC).json()["jobID"]
         key = ledger.job(job).key
         ledger.succeed(ledger.claim("server", 60.0))
@@ -385,7 +385,7 @@ class TestOver:
         assert ledger.promised() == {}
 
     def test_each_owner_keeps_jobs_of_their_own(self, house):
-        ledger, numbers = house.desk.ledger, {}
+        ledger, numbers = house.admission.ledger, {}
         for name, count in (("one", 2), ("other", 6)):
             numbers[name] = [
                 ledger.post(

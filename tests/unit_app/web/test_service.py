@@ -245,7 +245,7 @@ def test_a_ledger_that_another_process_holds_is_asked_again(client, tmp_path, mo
             two.execute("CREATE TABLE jobs (id)")
 
     with monkeypatch.context() as busy:
-        busy.setattr(client.app.state.desk.ledger, "jobs", held)
+        busy.setattr(client.app.state.admission.ledger, "jobs", held)
         response = client.get("/jobs")
     document = problem(response, 503)
     assert document["type"] == "urn:vibrafeed:problem:busy"

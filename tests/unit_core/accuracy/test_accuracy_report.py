@@ -13,10 +13,10 @@ from core.accuracy import closed_forms, model, motion, optimisers, storage
 from core.accuracy.cells import random_cells
 from core.accuracy.curves import STEEP, Curve, Measured, Point, fitted_slope, tabulate_curves
 from core.accuracy.families import families_of
-from core.accuracy.page import Section, head_of, sections_of, write_page
+from core.accuracy.page import PageSection, head_of, sections_of, write_page
 from core.accuracy.report import measure_study, thinned
 from core.dataset.netcdf import write_netcdf
-from core.dataset.table import Table, Variable
+from core.dataset.table import Table, TableVariable
 from core.errors import StudyError
 from core.intake import prepare_content
 from core.plan.grid import Grid
@@ -161,10 +161,10 @@ def result() -> Table:
     values = np.random.default_rng(3).normal(size=5000) * 10.0 ** np.arange(5000).clip(0, 12)
     place = np.arange(5000.0)
     return Table(
-        {"beta": Variable(("beta",), place, {"units": "degree"})},
+        {"beta": TableVariable(("beta",), place, {"units": "degree"})},
         {
-            "throw_number": Variable(("beta",), values, {"units": "1"}),
-            "regime": Variable(("beta",), np.ones(5000, np.int8), {"long_name": "regime"}),
+            "throw_number": TableVariable(("beta",), values, {"units": "1"}),
+            "regime": TableVariable(("beta",), np.ones(5000, np.int8), {"long_name": "regime"}),
         },
         {"Conventions": "CF-1.11"},
     )
@@ -357,7 +357,7 @@ def test_the_page_names_every_curve_and_its_command():
     part = measure_study(
         prepare_content(PLANE), name="configs/plane.toml", only=("closed_forms", "storage")
     )
-    more = Section("Extremes", "What others add.")
+    more = PageSection("Extremes", "What others add.")
     sections = [*sections_of(part, {"storage": "files.png"}), more]
     page = write_page("Accuracy", head_of(part.table.attributes, "vibrafeed report x"), sections)
     for one in part.measured:

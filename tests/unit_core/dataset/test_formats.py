@@ -18,7 +18,7 @@ from core.dataset import matlab, workbook
 from core.dataset.formats import FORMATS, read_result, suffix_of, write_result
 from core.dataset.frame import Frame
 from core.dataset.matlab import names_in_matlab
-from core.dataset.table import Table, Variable
+from core.dataset.table import Table, TableVariable
 from core.errors import LimitError, MissingPackageError, VibrafeedError
 from results import check_same, rows, table_of_motion, written
 
@@ -41,17 +41,17 @@ def awkward() -> Table:
     """Return a table with everything that no ordinary result has."""
     return Table(
         {
-            "a": Variable(("a",), np.array([1.0, 0.1, 1e-300]), {"units": "Hz"}),
-            "b": Variable(("b",), np.array([1, 2]), {"long_name": "Second"}),
-            "c": Variable((), np.array(7.5), {"units": "1"}),
+            "a": TableVariable(("a",), np.array([1.0, 0.1, 1e-300]), {"units": "Hz"}),
+            "b": TableVariable(("b",), np.array([1, 2]), {"long_name": "Second"}),
+            "c": TableVariable((), np.array(7.5), {"units": "1"}),
         },
         {
-            "turned": Variable(("b", "a"), np.arange(6.0).reshape(2, 3), {"units": "m"}),
-            "short": Variable(("b",), np.array([np.nan, -np.inf]), {"comment": "=1+1"}),
-            "count": Variable(("a",), np.array([2**40, 0, -1]), {}),
-            "told": Variable(("a",), np.array(['=x,"y"', "", "#z\x01"], dtype=object), {}),
-            "single": Variable(("a",), np.array([0.1, 1, 2], dtype=np.float32), {}),
-            "regime": Variable(("a",), np.array([1, 5, 9], dtype=np.int8), FLAGS),
+            "turned": TableVariable(("b", "a"), np.arange(6.0).reshape(2, 3), {"units": "m"}),
+            "short": TableVariable(("b",), np.array([np.nan, -np.inf]), {"comment": "=1+1"}),
+            "count": TableVariable(("a",), np.array([2**40, 0, -1]), {}),
+            "told": TableVariable(("a",), np.array(['=x,"y"', "", "#z\x01"], dtype=object), {}),
+            "single": TableVariable(("a",), np.array([0.1, 1, 2], dtype=np.float32), {}),
+            "regime": TableVariable(("a",), np.array([1, 5, 9], dtype=np.int8), FLAGS),
         },
         {"title": "=T", "source": "vibrafeed 0", "study": STUDY, "study_sha256": "f" * 64},
         {"elapsed_seconds": 0.5},

@@ -11,7 +11,7 @@ import pytest
 from core.dataset.frame import Frame
 from core.dataset.netcdf import write_netcdf
 from core.dataset.read import read_netcdf
-from core.dataset.table import Table, Variable
+from core.dataset.table import Table, TableVariable
 from core.errors import LimitError
 from core.intake import prepare_content
 from core.kinds import tabulate
@@ -25,15 +25,15 @@ def table() -> Table:
     """Return a table with everything that is awkward."""
     return Table(
         {
-            "a": Variable(("a",), np.array([1.0, 0.1, 1e-300]), {"units": "Hz"}),
-            "b": Variable(("b",), np.array([1, 2]), {}),
-            "c": Variable((), np.array(7.5), {"units": "1"}),
+            "a": TableVariable(("a",), np.array([1.0, 0.1, 1e-300]), {"units": "Hz"}),
+            "b": TableVariable(("b",), np.array([1, 2]), {}),
+            "c": TableVariable((), np.array(7.5), {"units": "1"}),
         },
         {
-            "turned": Variable(("b", "a"), np.arange(6.0).reshape(2, 3), {"units": "m"}),
-            "short": Variable(("b",), np.array([np.nan, -np.inf]), {}),
-            "told": Variable(("a",), np.array(['x,"y"', "", "z"], dtype=object), {}),
-            "regime": Variable(("a",), np.array([1, 5, 9], dtype=np.int8), FLAGS),
+            "turned": TableVariable(("b", "a"), np.arange(6.0).reshape(2, 3), {"units": "m"}),
+            "short": TableVariable(("b",), np.array([np.nan, -np.inf]), {}),
+            "told": TableVariable(("a",), np.array(['x,"y"', "", "z"], dtype=object), {}),
+            "regime": TableVariable(("a",), np.array([1, 5, 9], dtype=np.int8), FLAGS),
         },
         {"title": "T"},
     )

@@ -17,8 +17,8 @@ from core.motion.groups import Groups, cells_of
 from core.motion.kernels.planar.derive import KINK
 from core.motion.kernels.planar.slope_tables import TOLD
 from core.motion.prepare import choose_system
-from core.motion.result import STATUS as MOTION
-from core.plan.derivatives import STATUS
+from core.motion.result import STATUS
+from core.plan.derivatives import DERIVATIVE_STATUS
 from core.plan.plan import plan_scene
 from point_slopes import motion_sensitivities
 
@@ -131,7 +131,7 @@ def test_the_least_restitution_moves_a_mean_as_the_derivative_at_none_says(more,
         steps.append((there.results[:, [0, 3, 4, 5, 6]] - here.results[:, [0, 3, 4, 5, 6]]) / step)
     told = [TOLD.velocity, TOLD.stick, TOLD.forward, TOLD.backward, TOLD.flight]
     slopes = here.slopes[:, told, 6]
-    sure = (here.margin > 1e-5) & (here.status == MOTION["periodic"])
+    sure = (here.margin > 1e-5) & (here.status == STATUS["periodic"])
     jump = np.isnan(slopes[:, 0])
     assert sure.sum() > 100
     assert jump.sum() >= jumps
@@ -161,7 +161,7 @@ def test_energies_move_with_the_least_restitution_as_the_derivative_at_none_says
     here, near, step = derived(cells), cells.copy(), 1e-6
     near[:, 6] = step
     slopes = here.slopes[:, [TOLD.friction, TOLD.impact, TOLD.drive], 6]
-    sure = (here.margin > 1e-5) & (here.status == MOTION["periodic"])
+    sure = (here.margin > 1e-5) & (here.status == STATUS["periodic"])
     off = np.abs((spent(near) - spent(cells)) / step - slopes)[sure]
     assert sure.sum() > 100
     assert (np.abs(slopes[sure, :2]) > 0.01).mean() > 0.5
@@ -205,7 +205,7 @@ def test_a_landing_that_stops_a_slip_leaves_one_of_the_first_order():
 )
 def test_at_an_edge_there_is_none(row):
     found = derived(row)
-    periodic = found.status[0] in (MOTION["periodic"], MOTION["at_rest"])
+    periodic = found.status[0] in (STATUS["periodic"], STATUS["at_rest"])
     assert not periodic or found.margin[0] <= KINK
 
 
@@ -298,7 +298,7 @@ def test_scaling_binds_the_exponents():
     for output, of_f, of_a in zip(outputs, (1, 1, 0, 0), (1, 1, 1, 0), strict=True):
         derived_by = {name: found[output, name] for name in names}
         one = derived_by["gravity"]
-        sure = (one.status == STATUS["exact"]) & (one.value != 0)
+        sure = (one.status == DERIVATIVE_STATUS["exact"]) & (one.value != 0)
         assert sure.sum() > 50
         f, g, a = (
             derived_by[name].logarithmic(np.broadcast_to(cells[name], (200,)))[sure]
@@ -318,7 +318,7 @@ def test_a_grid_tells_cell_by_cell_what_points_tell():
     amplitudes = throws * POINT["gravity"] * math.cos(POINT["gamma"])
     amplitudes = amplitudes / (w * w * math.sin(POINT["beta"]))
     found = derivatives_at(plan, {**POINT, "amplitude": amplitudes}, ["amplitude", "gamma"])
-    assert (found["efficiency", "gamma"].status == STATUS["exact"]).tolist() == [
+    assert (found["efficiency", "gamma"].status == DERIVATIVE_STATUS["exact"]).tolist() == [
         True, False, True, True,
     ]  # fmt: skip
     for place, amplitude in enumerate(amplitudes.tolist()):
@@ -365,7 +365,7 @@ def test_a_simulation_gives_derivatives_with_units_and_how_they_were_found():
     np.testing.assert_allclose(of_beta, step / 1e-3, rtol=1e-3)
     exponent = found.sensitivity_conveying_velocity_to_beta
     np.testing.assert_allclose(exponent, of_beta * 25 / found.conveying_velocity, rtol=1e-12)
-    assert (found.derivative_status_beta == STATUS["exact"]).all()
+    assert (found.derivative_status_beta == DERIVATIVE_STATUS["exact"]).all()
     assert "exact" in found.derivative_status_beta.attrs["flag_meanings"]
     assert not [name for name in found if "motion_status_" in name]
     np.testing.assert_array_equal(found.conveying_velocity, plain.conveying_velocity)
@@ -384,7 +384,7 @@ def test_derivatives_by_a_default_and_in_few_names():
 def test_motion_in_space_is_derived_by_differences():
     parameters = {**STUDY["parameters"], "alpha": "5 deg", "amplitude": "0.3 mm"}
     found = told(parameters=parameters, sensitivities=["friction"])
-    assert found.derivative_status_friction == STATUS["differences"]
+    assert found.derivative_status_friction == DERIVATIVE_STATUS["differences"]
     assert np.isfinite(found.derivative_conveying_velocity_by_friction)
 
 
@@ -392,7 +392,7 @@ def test_motion_in_space_is_derived_by_differences():
     ("changes", "words"),
     [
         ({"sensitivities": ["fricton"]}, "friction"),
-        ({"sensitivities": []}, "no names of parameters"),
+        ({"sensitivities": []}, "not names of parameters"),
         ({"sensitivities": "friction"}, 'such as ["friction"]'),
         ({"outputs": ["motion_status"]}, "none of the outputs"),
         (
@@ -443,7 +443,7 @@ def test_a_sweep_is_derived_exactly_on_the_axes_that_each_output_has():
     by_beta = found.derivative_throw_number_by_beta * found.throw_number**-1
     cotangent = np.radians(1 / np.tan(np.radians(found.beta)))
     np.testing.assert_allclose(by_beta, 0 * by_beta + cotangent, rtol=1e-13)
-    assert (found.derivative_status_amplitude == STATUS["exact"]).all()
+    assert (found.derivative_status_amplitude == DERIVATIVE_STATUS["exact"]).all()
     plain = tabulate(prepare_content({**SWEEP, "sensitivities": None})).to_xarray()
     np.testing.assert_array_equal(found.acceleration_x, plain.acceleration_x)
 

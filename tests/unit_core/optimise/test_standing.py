@@ -7,7 +7,7 @@ import pytest
 
 from core.intake import parse_study
 from core.optimise.prepare import prepare
-from core.optimise.problem import Problem, chosen_cells
+from core.optimise.problem import OptimisationProblem, chosen_cells
 from core.optimise.run import designs_of
 from core.optimise.standing import standing
 
@@ -72,7 +72,7 @@ def test_what_breaks_a_constraint_is_not_kept():
     assert unit[0, place] <= 0.4
 
 
-def simulated(restitution: float) -> tuple[Problem, dict, dict]:
+def simulated(restitution: float) -> tuple[OptimisationProblem, dict, dict]:
     study = parse_study({
         "kind": "optimise", "scene": "rectangle-on-plane",
         "criterion": {"kind": "maximise", "output": "conveying_velocity"},

@@ -47,7 +47,8 @@ def both_ways(plan: Plan, grid: Grid, threads: int | None = None):
 @pytest.fixture
 def few_cells(monkeypatch):
     """Let loops take what numpy otherwise would because it is small."""
-    monkeypatch.setattr(program, "FEW_CELLS", 1000)
+    for module in (program, fused):
+        monkeypatch.setattr(module, "FEW_CELLS", 1000)
     for cached in (program.edge_of, program.program_of):
         cached.cache_clear()
     yield

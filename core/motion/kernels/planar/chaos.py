@@ -54,7 +54,7 @@ COARSER = 1.0 / (KEPT_BITS * EPSILON)
 """Times the error of a cycle, that of roundings of `EPSILON`: what the bits left out do."""
 
 
-class Run(NamedTuple):
+class FollowedRun(NamedTuple):
     """What a run tells.
 
     `time` is what its sums are taken over, 0 if the hops allowed did not reach beyond the part that
@@ -100,7 +100,7 @@ def share_out(travel: Floats, begin: float, end: float, distance: float) -> int:
 def long_run(
     run: int, phase: float, periods: int, patience: int, drive: Drive, e: float,
     travel: Floats, rows: Floats, sums: Floats, stop: Stop,
-) -> Run:  # fmt: skip
+) -> FollowedRun:  # fmt: skip
     """Follow a part from rest on the floor, each run from another phase of the drive.
 
     The run lasts so many periods, and until the part comes to rest, if it did not lately, or has
@@ -173,7 +173,7 @@ def long_run(
             look_at = count + count // 2
             cycle, turns = find_cycle(drive, e, rows, count, tau, w)
             if cycle:
-                return Run(TURN * turns, 0, 0, 0.0, 0.0, False, least, most, cycle)
+                return FollowedRun(TURN * turns, 0, 0, 0.0, 0.0, False, least, most, cycle)
         if count >= MOST_SEGMENTS - LONGEST_CYCLE - 2:
             count, look_at = 0, FIRST_LOOK
         if began < math.inf:
@@ -182,13 +182,13 @@ def long_run(
     uphill = sums[TIMES + (MODE.forward if gs > 0 else MODE.backward)] + sums[TIMES + MODE.stick]
     away = slips_down and uphill == 0 and abs(u) > abs(u_began)
     time = max(0.0, total - began)
-    return Run(time, complete, impacts, fastest, highest, away, least, most, 0)
+    return FollowedRun(time, complete, impacts, fastest, highest, away, least, most, 0)
 
 
 @compiled
 def means_of(
-    run: Run, phase: float, cell: Cell, drive: Drive, rows: Floats, sums: Floats, result: Floats,
-    stop: Stop,
+    run: FollowedRun, phase: float, cell: Cell, drive: Drive, rows: Floats, sums: Floats,
+    result: Floats, stop: Stop,
 ) -> int:  # fmt: skip
     """Fill `result` with the means of the motion of one run; return a status.
 

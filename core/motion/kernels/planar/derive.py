@@ -10,7 +10,7 @@ from core.compiled import borrowing, compiled, raised
 from core.motion.kernels.arrays import Floats, Statuses, Stop
 from core.motion.kernels.cells import cell_of
 from core.motion.kernels.planar.drive import lifts
-from core.motion.kernels.planar.flow import NO_WAVES, TURN, Sine, upright
+from core.motion.kernels.planar.flow import NO_WAVES, TURN, SineDrive, upright
 from core.motion.kernels.planar.sine_slip import two_sided
 from core.motion.kernels.planar.slope_tables import (
     BY,
@@ -41,7 +41,7 @@ DERIVED_COLUMNS = MARGIN + 1
 
 
 @borrowing
-def start_of_cycle(drive: Sine, rows: Floats, count: int, d: Floats) -> int:
+def start_of_cycle(drive: SineDrive, rows: Floats, count: int, d: Floats) -> int:
     """Fill the derivatives at the start of a cycle; return how many directions there are.
 
     A cycle with a rest starts at a lift-off, one without contact at a landing, whose phase and
@@ -68,7 +68,7 @@ def start_of_cycle(drive: Sine, rows: Floats, count: int, d: Floats) -> int:
 
 @borrowing
 def carry(
-    drive: Sine, e: float, rows: Floats, count: int, cycles: int, u: float, energy: bool,
+    drive: SineDrive, e: float, rows: Floats, count: int, cycles: int, u: float, energy: bool,
     d: Floats, nearest: Floats,
 ) -> int:  # fmt: skip
     """Carry the derivatives over so many rounds of a cycle; return how many directions."""
@@ -126,7 +126,7 @@ def close(size: int, d: Floats, nearest: Floats) -> None:
 
 
 @borrowing
-def carry_two_sided(drive: Sine, energy: bool, d: Floats, nearest: Floats) -> None:
+def carry_two_sided(drive: SineDrive, energy: bool, d: Floats, nearest: Floats) -> None:
     """Do what `carry` and `close` do where a part slides to and fro without a stick.
 
     The cycle starts where it turns forward, at a phase that is free.
@@ -156,7 +156,7 @@ def carry_two_sided(drive: Sine, energy: bool, d: Floats, nearest: Floats) -> No
 
 
 @borrowing
-def tell(drive: Sine, result: Floats, d: Floats, slopes: Floats) -> None:
+def tell(drive: SineDrive, result: Floats, d: Floats, slopes: Floats) -> None:
     """Fill the derivatives of the means, shape (told, groups).
 
     A sum over the cycle, over its time; drive = friction + impacts + sin(gamma) v (theory 13.15).
@@ -192,7 +192,7 @@ def turn_slopes(c: float, s: float, slopes: Floats) -> None:
 
 
 @borrowing
-def from_edges(drive: Sine) -> float:
+def from_edges(drive: SineDrive) -> float:
     """Return how far a drive is from lifting off, letting go or running away, or from not doing it.
 
     Relative; beside these a motion changes its kind.

@@ -20,10 +20,10 @@ from core.motion.kernels.planar import (
     wave_flight,
     wave_slip,
 )
-from core.motion.kernels.planar.flow import NoWaves, Sine, phase_to
-from core.motion.kernels.planar.wave import Wave
+from core.motion.kernels.planar.flow import NoWaves, SineDrive, phase_to
+from core.motion.kernels.planar.wave import WaveDrive
 
-Drive: TypeAlias = Sine | Wave
+Drive: TypeAlias = SineDrive | WaveDrive
 Waves: TypeAlias = NoWaves | wave.WaveTable
 """Room for the wave that stands behind a cell in its row; its type tells whether there is one."""
 
@@ -32,7 +32,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def _by_drive(for_sine: Any, for_wave: Any) -> Callable[[Function], Function]:
-    return by_type("drive", {Sine: for_sine, Wave: for_wave})
+    return by_type("drive", {SineDrive: for_sine, WaveDrive: for_wave})
 
 
 @by_type("waves", {NoWaves: flow.upright, wave.WaveTable: wave.wave_of})
@@ -57,7 +57,7 @@ def track_speed(drive: Drive, tau: float) -> float:
     raise NotImplementedError
 
 
-@by_type("drive", {Sine: flow.rounded, Wave: wave.rounded})
+@by_type("drive", {SineDrive: flow.rounded, WaveDrive: wave.rounded})
 def rounded(drive: Drive) -> Drive:
     """Return a drive with the first bits of its numbers only."""
     raise NotImplementedError

@@ -30,7 +30,7 @@ class NoWaves(NamedTuple):
 NO_WAVES = NoWaves()
 
 
-class Sine(NamedTuple):
+class SineDrive(NamedTuple):
     """Drive and gravity along and normal to the floor, and both coefficients of friction.
 
     `up_at` is the phase at which a part on the floor lifts off, NaN if it never does; the rest is
@@ -77,15 +77,15 @@ def stick_range(
 
 
 @compiled
-def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) -> Sine:
+def sine_of(c: float, s: float, gs: float, gn: float, mu_s: float, mu_k: float) -> SineDrive:
     """Return the sine of these numbers, s not below 0."""
     least, largest, way = stick_range(c, s, gs, gn, mu_s)
     up_at = math.asin(gn / s) if s > gn else math.nan
-    return Sine(c, s, gs, gn, mu_s, mu_k, up_at, least, largest, way)
+    return SineDrive(c, s, gs, gn, mu_s, mu_k, up_at, least, largest, way)
 
 
 @compiled
-def upright(cell: Cell, row: Floats, waves: NoWaves) -> tuple[Sine, float, float]:
+def upright(cell: Cell, row: Floats, waves: NoWaves) -> tuple[SineDrive, float, float]:
     """Return the drive with c and s positive, phase and way.
 
     A drive that points down pushes up half a turn later; one that points back is the mirror image.
@@ -109,7 +109,7 @@ def kept(value: float) -> float:
 
 
 @compiled
-def rounded(drive: Sine) -> Sine:
+def rounded(drive: SineDrive) -> SineDrive:
     """Return a drive with its first bits only, where a part still lifts off."""
     few = sine_of(
         kept(drive.c), kept(drive.s), kept(drive.gs), kept(drive.gn),

@@ -11,7 +11,7 @@ from core.motion.kernels.planar.flow import (
     MOST_PIECES,
     SMOOTH,
     TURN,
-    Sine,
+    SineDrive,
     distance_after,
     flow,
     phase_to,
@@ -20,63 +20,63 @@ from core.motion.kernels.planar.flow import (
 
 
 @compiled
-def sizes(drive: Sine) -> tuple[float, float]:
+def sizes(drive: SineDrive) -> tuple[float, float]:
     """Return the drive along and normal to the floor."""
     return abs(drive.c), drive.s
 
 
 @compiled
-def track_speed(drive: Sine, tau: float) -> float:
+def track_speed(drive: SineDrive, tau: float) -> float:
     """Return the velocity of the track along itself."""
     return drive.c * math.cos(tau)
 
 
 @compiled
-def push(drive: Sine, tau: float) -> tuple[float, float]:
+def push(drive: SineDrive, tau: float) -> tuple[float, float]:
     """Return the push along and normal to the floor."""
     sine = math.sin(tau)
     return drive.c * sine, drive.s * sine
 
 
 @compiled
-def push_slope(drive: Sine, tau: float) -> tuple[float, float]:
+def push_slope(drive: SineDrive, tau: float) -> tuple[float, float]:
     """Return the derivative of the push by the phase, along and normal to the floor."""
     cosine = math.cos(tau)
     return drive.c * cosine, drive.s * cosine
 
 
 @compiled
-def smooth_span(drive: Sine, tau: float) -> float:
+def smooth_span(drive: SineDrive, tau: float) -> float:
     """Return a phase over which the push is nearly a polynomial."""
     return SMOOTH
 
 
 @compiled
-def lifts(drive: Sine) -> bool:
+def lifts(drive: SineDrive) -> bool:
     """Return whether the drive ever lifts a part off the floor."""
     return drive.s > drive.gn
 
 
 @compiled
-def load(drive: Sine, tau: float) -> float:
+def load(drive: SineDrive, tau: float) -> float:
     """Return the load on the floor of a part that rests on it."""
     return drive.gn - drive.s * math.sin(tau)
 
 
 @compiled
-def lift_off(drive: Sine, tau: float) -> float:
+def lift_off(drive: SineDrive, tau: float) -> float:
     """Return the phase of the next lift-off."""
     return drive.up_at
 
 
 @compiled
-def rise(drive: Sine, w: float, tau: float, d: float) -> tuple[float, float]:
+def rise(drive: SineDrive, w: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity off the floor and height a phase d after take-off."""
     return flow(w, drive.s, drive.gn, math.sin(tau), math.cos(tau), d)
 
 
 @compiled
-def fly(drive: Sine, u: float, tau: float, d: float) -> tuple[float, float]:
+def fly(drive: SineDrive, u: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity and distance along the track a phase d after velocity u, in the air."""
     return flow(u, drive.c, drive.gs, math.sin(tau), math.cos(tau), d)
 
@@ -121,7 +121,7 @@ def lowest_at(w: float, s: float, gn: float, tau: float, low: float, high: float
 
 
 @compiled
-def landing(drive: Sine, w: float, tau: float) -> float:
+def landing(drive: SineDrive, w: float, tau: float) -> float:
     """Return the phase from take-off at tau to landing, for s > gn and w >= 0; -1 if none is found.
 
     The height bends down where s sin(tau) < gn, and up elsewhere. Where it bends down and ends
@@ -170,7 +170,7 @@ def landing(drive: Sine, w: float, tau: float) -> float:
 
 
 @compiled
-def hop_height(drive: Sine, w: float, tau: float, span: float, known: float) -> float:
+def hop_height(drive: SineDrive, w: float, tau: float, span: float, known: float) -> float:
     """Return the largest height of a flight, or `known` if that is larger."""
     if (drive.gn + drive.s) * span * span / 8 <= known:
         return known
@@ -179,7 +179,7 @@ def hop_height(drive: Sine, w: float, tau: float, span: float, known: float) -> 
 
 
 @compiled
-def top_at(drive: Sine, w: float, tau: float, span: float) -> float:
+def top_at(drive: SineDrive, w: float, tau: float, span: float) -> float:
     """Return the phase from take-off to the top of a flight."""
     s, gn = drive.s, drive.gn
     # The height is a parabola and a sine: its top lies near that of the parabola.

@@ -10,7 +10,7 @@ from core.motion.kernels.planar.flow import (
     MOST_ITERATIONS,
     MOST_PIECES,
     TURN,
-    Sine,
+    SineDrive,
     arc_sine,
     flow,
     phase_to,
@@ -77,13 +77,13 @@ def phase_to_stop(v: float, C: float, k: float, at: float, span: float) -> float
 
 
 @compiled
-def holds(drive: Sine, at: float) -> bool:
+def holds(drive: SineDrive, at: float) -> bool:
     """Return whether static friction holds a part that does not slip."""
     return drive.least <= math.sin(at) <= drive.largest
 
 
 @compiled
-def hold(drive: Sine, at: float, end: float) -> tuple[bool, float, bool]:
+def hold(drive: SineDrive, at: float, end: float) -> tuple[bool, float, bool]:
     """Return whether a part without slip sticks, until when, and whether it then slips forward."""
     least, largest = drive.least, drive.largest
     sine = math.sin(at)
@@ -102,13 +102,13 @@ def hold(drive: Sine, at: float, end: float) -> tuple[bool, float, bool]:
 
 
 @compiled
-def always_holds(drive: Sine) -> bool:
+def always_holds(drive: SineDrive) -> bool:
     """Return whether friction holds a part all the time."""
     return drive.s <= drive.gn and drive.least <= -1 and drive.largest >= 1
 
 
 @compiled
-def first_slip(drive: Sine, tau: float) -> float:
+def first_slip(drive: SineDrive, tau: float) -> float:
     """Return a phase at which a part that never lifts off starts to slip; NaN if there is none."""
     rises, falls = drive.largest < 1, drive.least > -1
     if rises and (math.cos(tau) > 0 or not falls):
@@ -117,28 +117,28 @@ def first_slip(drive: Sine, tau: float) -> float:
 
 
 @compiled
-def stop_after(drive: Sine, sign: float, u: float, at: float, span: float) -> float:
+def stop_after(drive: SineDrive, sign: float, u: float, at: float, span: float) -> float:
     """Return the phase until a slip in the way of `sign` stops; -1 if it does not."""
     C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
     return phase_to_stop(abs(u), sign * C, sign * k, at, span)
 
 
 @compiled
-def slide(drive: Sine, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
+def slide(drive: SineDrive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
     """Return velocity and distance a phase d after velocity u, in a slip in the way of `sign`."""
     C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
     return flow(u, C, k, math.sin(at), math.cos(at), d)
 
 
 @compiled
-def slip_acceleration(drive: Sine, sign: float, at: float) -> float:
+def slip_acceleration(drive: SineDrive, sign: float, at: float) -> float:
     """Return the acceleration of a slip in the way of `sign`."""
     C, k = drive.c + sign * drive.mu_k * drive.s, drive.gs + sign * drive.mu_k * drive.gn
     return C * math.sin(at) - k
 
 
 @compiled
-def slip_doubt(drive: Sine) -> float:
+def slip_doubt(drive: SineDrive) -> float:
     """Return how much velocity hangs on the rounding of the phases where a slip starts.
 
     The phase, asin of the threshold, is known the less, the nearer the threshold is to 1.
@@ -152,7 +152,7 @@ def slip_doubt(drive: Sine) -> float:
 
 
 @compiled
-def two_sided(drive: Sine) -> tuple[float, float]:
+def two_sided(drive: SineDrive) -> tuple[float, float]:
     """Return mean velocity and forward share of sliding without stick, theory 13.8 (i).
 
     The share is 0 where there is no such motion: the part lifts off, or sticks.

@@ -20,7 +20,7 @@ from core.motion.kernels.planar.drive import (
     slip_acceleration,
     stop_after,
 )
-from core.motion.kernels.planar.flow import TURN, Sine, flow, phase_to, swings
+from core.motion.kernels.planar.flow import TURN, SineDrive, flow, phase_to, swings
 from core.motion.kernels.planar.sine_flight import lowest_at, top_at
 from core.motion.kernels.planar.slide import MOST_MODES, skids
 from core.motion.kernels.planar.slope_tables import BY, ROW
@@ -40,7 +40,7 @@ def copy_row(d: Floats, to: int, of: int) -> None:
 
 
 @borrowing
-def force(drive: Sine, sign: float, at: float, span: float, d: Floats) -> None:
+def force(drive: SineDrive, sign: float, at: float, span: float, d: Floats) -> None:
     """Fill what the groups change of velocity and distance along, at a fixed phase.
 
     C. swing - k. D and C. sway - k. D^2/2 over the phase D, of C = c +- mu_k s and
@@ -61,7 +61,7 @@ def force(drive: Sine, sign: float, at: float, span: float, d: Floats) -> None:
 
 @borrowing
 def along(
-    drive: Sine, sign: float, u: float, after: float, at: float, span: float, stops: bool,
+    drive: SineDrive, sign: float, u: float, after: float, at: float, span: float, stops: bool,
     mode: int, size: int, d: Floats,
 ) -> None:  # fmt: skip
     """Carry the derivatives along a slip or a flight to its end: a stop, or the segment's end.
@@ -90,7 +90,9 @@ def along(
 
 
 @borrowing
-def rub(drive: Sine, sign: float, u: float, at: float, span: float, size: int, d: Floats) -> None:
+def rub(
+    drive: SineDrive, sign: float, u: float, at: float, span: float, size: int, d: Floats
+) -> None:
     """Add what changes of the work of friction over a slip at fixed phases; after `along`.
 
     The derivative of the integral of mu_k n |u|, n = n0 - s sin(tau), by the rule of 13.15.
@@ -125,7 +127,7 @@ def rub(drive: Sine, sign: float, u: float, at: float, span: float, size: int, d
 
 
 @borrowing
-def release(drive: Sine, by_least: bool, way: float, leave: float, d: Floats) -> None:
+def release(drive: SineDrive, by_least: bool, way: float, leave: float, d: Floats) -> None:
     """Fill how the phase moves at which static friction lets go, sin(tau) = S (theory 13.3).
 
     tau. = S./cos(tau) with S = (sin(gamma) +- mu_s n)/(c +- mu_s s).
@@ -145,7 +147,7 @@ def release(drive: Sine, by_least: bool, way: float, leave: float, d: Floats) ->
 
 
 @borrowing
-def lift(drive: Sine, row: int, d: Floats) -> None:
+def lift(drive: SineDrive, row: int, d: Floats) -> None:
     """Fill how the phase of lift-off moves, into a row: (n. - s. sin(tau))/(s cos(tau))."""
     sine = drive.gn / drive.s
     rate = drive.s * math.sqrt((1.0 - sine) * (1.0 + sine))
@@ -154,7 +156,7 @@ def lift(drive: Sine, row: int, d: Floats) -> None:
 
 
 @borrowing
-def slow_passage(drive: Sine, sign: float, u: float, at: float, span: float) -> float:
+def slow_passage(drive: SineDrive, sign: float, u: float, at: float, span: float) -> float:
     """Return by how much a slip misses a stop: its least speed on the way, relative."""
     C, k = sign * drive.c + drive.mu_k * drive.s, sign * drive.gs + drive.mu_k * drive.gn
     if C < 0:
@@ -170,7 +172,7 @@ def slow_passage(drive: Sine, sign: float, u: float, at: float, span: float) -> 
 
 
 @borrowing
-def low_passage(drive: Sine, w: float, at: float, span: float) -> float:
+def low_passage(drive: SineDrive, w: float, at: float, span: float) -> float:
     """Return by how much a flight misses the floor on its way, relative."""
     s, gn = drive.s, drive.gn
     least, since = 1.0, phase_to(drive.up_at, at)
@@ -185,8 +187,8 @@ def low_passage(drive: Sine, w: float, at: float, span: float) -> float:
 
 @borrowing
 def on_floor(
-    drive: Sine, tau: float, span: float, u: float, fresh: bool, energy: bool, size: int, d: Floats,
-    nearest: Floats,
+    drive: SineDrive, tau: float, span: float, u: float, fresh: bool, energy: bool, size: int,
+    d: Floats, nearest: Floats,
 ) -> float:  # fmt: skip
     """Carry the derivatives over a stretch on the floor; return the velocity at its end.
 
@@ -245,7 +247,7 @@ def on_floor(
 
 
 @borrowing
-def in_hops(drive: Sine, e: float, at: float, nearest: Floats) -> tuple[float, float, float]:
+def in_hops(drive: SineDrive, e: float, at: float, nearest: Floats) -> tuple[float, float, float]:
     """Return what small hops, left out after a landing that stops the slip, do to a part.
 
     The way in which they drive it into a slip, as `skids`; the way in which it then slips, which at
@@ -264,7 +266,7 @@ def in_hops(drive: Sine, e: float, at: float, nearest: Floats) -> tuple[float, f
 
 @borrowing
 def land(
-    drive: Sine, w: float, tau: float, span: float, speed: float, size: int, d: Floats
+    drive: SineDrive, w: float, tau: float, span: float, speed: float, size: int, d: Floats
 ) -> None:
     """Fill how a landing moves: its phase by (delta z)/w, its speed by n tau1. - delta w.
 
@@ -285,7 +287,7 @@ def land(
 
 @borrowing
 def in_air(
-    drive: Sine, e: float, rows: Floats, row: int, rests: bool, u: float, size: int,
+    drive: SineDrive, e: float, rows: Floats, row: int, rests: bool, u: float, size: int,
     d: Floats, nearest: Floats,
 ) -> float:  # fmt: skip
     """Carry the derivatives over a flight and its landing; return the velocity along after it.
@@ -375,7 +377,7 @@ def in_air(
 
 @borrowing
 def highest(
-    drive: Sine, w: float, tau: float, span: float, size: int, d: Floats, nearest: Floats
+    drive: SineDrive, w: float, tau: float, span: float, size: int, d: Floats, nearest: Floats
 ) -> None:
     """Fill how the largest height changes, if this flight has it; before its end is carried."""
     s, gn = drive.s, drive.gn

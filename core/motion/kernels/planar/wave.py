@@ -40,7 +40,7 @@ SLACK = 1e-13
 """Of a phase: what is so little behind counts as now."""
 
 
-class Wave(NamedTuple):
+class WaveDrive(NamedTuple):
     """A wave with gravity and friction; the table is as above.
 
     `forward` and `backward` are the kinds of slip at the static coefficient: those at the kinetic
@@ -70,14 +70,14 @@ TABLE = (ROOTS + KINDS, WIDTH)
 
 
 @compiled
-def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[Wave, float, float]:
+def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[WaveDrive, float, float]:
     """Return the wave of a row, which stands there behind the cell; phase and way as `upright`."""
     table = waves.table
     orders, steps = int(row[GROUPS]), int(row[GROUPS + 1])
     gs, gn = cell.gravity_number_along, cell.gravity_number_normal
     mu_s, mu_k = cell.friction_static, cell.friction_kinetic
     alike = mu_s == mu_k
-    drive = Wave(
+    drive = WaveDrive(
         table, orders, steps, gs, gn, mu_s, mu_k,
         abs(cell.drive_number_along), abs(cell.drive_number_normal),
         FORWARD if alike else STATIC_FORWARD, BACKWARD if alike else STATIC_BACKWARD,
@@ -100,7 +100,7 @@ def wave_of(cell: Cell, row: Floats, waves: WaveTable) -> tuple[Wave, float, flo
 
 
 @borrowing
-def fill_kinds(drive: Wave, part: int, column: int, along: float, normal: float) -> None:
+def fill_kinds(drive: WaveDrive, part: int, column: int, along: float, normal: float) -> None:
     """Fill one number of every kind, and its pull, from the pushes along and normal to the floor.
 
     `part` is 0 for sines and for steps, 1 for cosines.
@@ -117,7 +117,7 @@ def fill_kinds(drive: Wave, part: int, column: int, along: float, normal: float)
 
 
 @borrowing
-def fill_passages(drive: Wave, kind: int) -> None:
+def fill_passages(drive: WaveDrive, kind: int) -> None:
     """Fill the phases in [0, 2 pi) at which the acceleration of a kind changes sign."""
     table, row = drive.table, ROOTS + kind
     if drive.steps == 0:
@@ -148,7 +148,7 @@ def folded(tau: float) -> float:
 
 
 @borrowing
-def step_at(drive: Wave, tau: float) -> int:
+def step_at(drive: WaveDrive, tau: float) -> int:
     """Return the number of the step at a phase in [0, 2 pi); a hair before its start is in it."""
     for step in range(drive.steps - 1):
         if tau < drive.table[ENDS, step] - SLACK:
@@ -157,7 +157,7 @@ def step_at(drive: Wave, tau: float) -> int:
 
 
 @borrowing
-def acceleration(drive: Wave, kind: int, tau: float) -> float:
+def acceleration(drive: WaveDrive, kind: int, tau: float) -> float:
     """Return the acceleration of a kind at a phase."""
     table = drive.table
     if drive.steps > 0:
@@ -167,7 +167,7 @@ def acceleration(drive: Wave, kind: int, tau: float) -> float:
 
 
 @borrowing
-def next_passage(drive: Wave, kind: int, tau: float) -> tuple[float, bool]:
+def next_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
     """Return the phase from tau on at which an acceleration changes sign; whether it rises there.
 
     Infinite if it never does. What is a hair behind is told as tau itself.
@@ -187,13 +187,13 @@ def next_passage(drive: Wave, kind: int, tau: float) -> tuple[float, bool]:
 
 
 @borrowing
-def later_passage(drive: Wave, kind: int, tau: float) -> tuple[float, bool]:
+def later_passage(drive: WaveDrive, kind: int, tau: float) -> tuple[float, bool]:
     """Return what `next_passage` does, of the passages beyond tau."""
     return next_passage(drive, kind, tau + 2.0 * SLACK * (1.0 + tau))
 
 
 @borrowing
-def next_of_way(drive: Wave, kind: int, tau: float, rising: bool) -> float:
+def next_of_way(drive: WaveDrive, kind: int, tau: float, rising: bool) -> float:
     """Return the first phase from tau on at which an acceleration rises, or falls, through 0."""
     at, rises = next_passage(drive, kind, tau)
     if rises != rising and at < math.inf:
@@ -202,7 +202,7 @@ def next_of_way(drive: Wave, kind: int, tau: float, rising: bool) -> float:
 
 
 @borrowing
-def integrals(drive: Wave, kind: int, tau: float) -> tuple[float, float, float, float]:
+def integrals(drive: WaveDrive, kind: int, tau: float) -> tuple[float, float, float, float]:
     """Return slope and push of a kind at tau, and its first and second integral without a mean."""
     table, sines, cosines = drive.table, 2 * kind, 2 * kind + 1
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
@@ -220,7 +220,7 @@ def integrals(drive: Wave, kind: int, tau: float) -> tuple[float, float, float, 
 
 @borrowing
 def speed_from(
-    drive: Wave, kind: int, v: float, tau: float, start: float, d: float
+    drive: WaveDrive, kind: int, v: float, tau: float, start: float, d: float
 ) -> tuple[float, float, float]:
     """Return velocity, acceleration and its slope a phase d after the velocity was v.
 
@@ -235,13 +235,13 @@ def speed_from(
 
 
 @borrowing
-def speed_start(drive: Wave, kind: int, tau: float) -> float:
+def speed_start(drive: WaveDrive, kind: int, tau: float) -> float:
     """Return what `speed_from` asks for as `start`."""
     return 0.0 if drive.steps > 0 else integrals(drive, kind, tau)[2]
 
 
 @borrowing
-def flow(drive: Wave, kind: int, v: float, tau: float, d: float) -> tuple[float, float]:
+def flow(drive: WaveDrive, kind: int, v: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity and distance a phase d after the velocity was v, in a mode of a kind."""
     if drive.steps > 0:
         return stepped_flow(drive, kind, v, tau, d)
@@ -257,7 +257,7 @@ def flow(drive: Wave, kind: int, v: float, tau: float, d: float) -> tuple[float,
 
 
 @borrowing
-def near_flow(drive: Wave, kind: int, tau: float, d: float) -> tuple[float, float]:
+def near_flow(drive: WaveDrive, kind: int, tau: float, d: float) -> tuple[float, float]:
     """Return what the push alone gives over a short phase, to the last digits of small numbers."""
     table, sines, cosines = drive.table, 2 * kind, 2 * kind + 1
     sine_1, cosine_1 = math.sin(tau), math.cos(tau)
@@ -273,7 +273,9 @@ def near_flow(drive: Wave, kind: int, tau: float, d: float) -> tuple[float, floa
 
 
 @borrowing
-def stepped_flow(drive: Wave, kind: int, v: float, tau: float, d: float) -> tuple[float, float]:
+def stepped_flow(
+    drive: WaveDrive, kind: int, v: float, tau: float, d: float
+) -> tuple[float, float]:
     """Return what `flow` does where the acceleration is constant from step to step."""
     table, pull = drive.table, drive.table[PULLS, kind]
     at, left, distance = folded(tau), d, 0.0
@@ -295,7 +297,7 @@ def stepped_flow(drive: Wave, kind: int, v: float, tau: float, d: float) -> tupl
 
 @borrowing
 def zero_of_velocity(
-    drive: Wave, kind: int, v: float, tau: float, start: float, low: float, high: float,
+    drive: WaveDrive, kind: int, v: float, tau: float, start: float, low: float, high: float,
     first: float, last: float,
 ) -> float:  # fmt: skip
     """Return where a velocity that runs one way passes 0, by Halley's iteration in a bracket.
@@ -323,6 +325,6 @@ def zero_of_velocity(
 
 
 @compiled
-def rounded(drive: Wave) -> Wave:
+def rounded(drive: WaveDrive) -> WaveDrive:
     """Return the drive: what its passages are made from keeps all bits."""
     return drive

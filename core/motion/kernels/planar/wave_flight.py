@@ -13,7 +13,7 @@ from core.motion.kernels.planar.wave import (
     NORMAL,
     ROOTS,
     SLACK,
-    Wave,
+    WaveDrive,
     acceleration,
     flow,
     folded,
@@ -29,13 +29,13 @@ from core.motion.kernels.waves import halley, is_near_root
 
 
 @borrowing
-def sizes(drive: Wave) -> tuple[float, float]:
+def sizes(drive: WaveDrive) -> tuple[float, float]:
     """Return what the push along and normal to the floor does not exceed."""
     return drive.along, drive.normal
 
 
 @borrowing
-def track_speed(drive: Wave, tau: float) -> float:
+def track_speed(drive: WaveDrive, tau: float) -> float:
     """Return the velocity of the track along itself: minus what the push gives, without mean."""
     if drive.steps == 0:
         velocity = 0.0
@@ -54,19 +54,19 @@ def track_speed(drive: Wave, tau: float) -> float:
 
 
 @borrowing
-def push(drive: Wave, tau: float) -> tuple[float, float]:
+def push(drive: WaveDrive, tau: float) -> tuple[float, float]:
     """Return the push along and normal to the floor."""
     return acceleration(drive, AIR, tau) + drive.gs, acceleration(drive, NORMAL, tau) + drive.gn
 
 
 @borrowing
-def push_slope(drive: Wave, tau: float) -> tuple[float, float]:
+def push_slope(drive: WaveDrive, tau: float) -> tuple[float, float]:
     """Return NaN: a step has no slope, and masses of several harmonics are no single one."""
     return math.nan, math.nan
 
 
 @borrowing
-def smooth_span(drive: Wave, tau: float) -> float:
+def smooth_span(drive: WaveDrive, tau: float) -> float:
     """Return a phase over which the push is nearly a polynomial: of steps, that to the next one."""
     if drive.steps == 0:
         return SMOOTH / drive.orders
@@ -75,37 +75,37 @@ def smooth_span(drive: Wave, tau: float) -> float:
 
 
 @borrowing
-def lifts(drive: Wave) -> bool:
+def lifts(drive: WaveDrive) -> bool:
     """Return whether the drive ever lifts a part off the floor."""
     return drive.table[ROOTS + NORMAL, 0] > 0.0
 
 
 @borrowing
-def load(drive: Wave, tau: float) -> float:
+def load(drive: WaveDrive, tau: float) -> float:
     """Return the load on the floor of a part that rests on it."""
     return -acceleration(drive, NORMAL, tau)
 
 
 @borrowing
-def lift_off(drive: Wave, tau: float) -> float:
+def lift_off(drive: WaveDrive, tau: float) -> float:
     """Return the phase of the next lift-off."""
     return next_of_way(drive, NORMAL, tau, True) % TURN
 
 
 @borrowing
-def rise(drive: Wave, w: float, tau: float, d: float) -> tuple[float, float]:
+def rise(drive: WaveDrive, w: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity off the floor and height a phase d after take-off."""
     return flow(drive, NORMAL, w, tau, d)
 
 
 @borrowing
-def fly(drive: Wave, u: float, tau: float, d: float) -> tuple[float, float]:
+def fly(drive: WaveDrive, u: float, tau: float, d: float) -> tuple[float, float]:
     """Return velocity and distance along the track a phase d after velocity u, in the air."""
     return flow(drive, AIR, u, tau, d)
 
 
 @borrowing
-def landing(drive: Wave, w: float, tau: float) -> float:
+def landing(drive: WaveDrive, w: float, tau: float) -> float:
     """Return the phase from take-off at tau with velocity w >= 0 to landing; -1 if none is found.
 
     Between two changes of sign of its acceleration the height bends one way: where it bends down
@@ -143,7 +143,7 @@ def landing(drive: Wave, w: float, tau: float) -> float:
 
 
 @borrowing
-def landing_root(drive: Wave, w: float, tau: float, low: float, high: float) -> float:
+def landing_root(drive: WaveDrive, w: float, tau: float, low: float, high: float) -> float:
     """Return where the height falls through 0, between phases above and below it.
 
     By Halley's iteration in a bracket. It starts where the parabola at `high` falls through 0,
@@ -175,7 +175,7 @@ def landing_root(drive: Wave, w: float, tau: float, low: float, high: float) -> 
 
 
 @borrowing
-def hop_height(drive: Wave, w: float, tau: float, span: float, known: float) -> float:
+def hop_height(drive: WaveDrive, w: float, tau: float, span: float, known: float) -> float:
     """Return the largest height of a flight, or `known` if that is larger."""
     if (drive.gn + drive.normal) * span * span / 8 <= known:
         return known

@@ -11,7 +11,7 @@ from core.motion.kernels.planar.wave import (
     BACKWARD,
     FORWARD,
     ROOTS,
-    Wave,
+    WaveDrive,
     acceleration,
     flow,
     later_passage,
@@ -27,7 +27,7 @@ THRESHOLD = 4e-16  # rounding of the push at which friction is overcome, over it
 
 
 @borrowing
-def holds(drive: Wave, at: float) -> bool:
+def holds(drive: WaveDrive, at: float) -> bool:
     """Return whether static friction holds a part that does not slip."""
     return (
         acceleration(drive, drive.forward, at) <= 0.0
@@ -36,7 +36,7 @@ def holds(drive: Wave, at: float) -> bool:
 
 
 @borrowing
-def hold(drive: Wave, at: float, end: float) -> tuple[bool, float, bool]:
+def hold(drive: WaveDrive, at: float, end: float) -> tuple[bool, float, bool]:
     """Return whether a part without slip sticks, until when, and whether it then slips forward."""
     if not holds(drive, at):
         return False, at, acceleration(drive, AIR, at) > 0.0
@@ -46,14 +46,14 @@ def hold(drive: Wave, at: float, end: float) -> tuple[bool, float, bool]:
 
 
 @borrowing
-def always_holds(drive: Wave) -> bool:
+def always_holds(drive: WaveDrive) -> bool:
     """Return whether friction holds a part all the time."""
     never = drive.table[ROOTS + drive.forward, 0] + drive.table[ROOTS + drive.backward, 0] == 0.0
     return never and not lifts(drive) and holds(drive, 0.0)
 
 
 @borrowing
-def first_slip(drive: Wave, tau: float) -> float:
+def first_slip(drive: WaveDrive, tau: float) -> float:
     """Return a phase at which a part that never lifts off starts to slip; NaN if there is none."""
     forward = next_of_way(drive, drive.forward, tau, True)
     slip = min(forward, next_of_way(drive, drive.backward, tau, False))
@@ -67,7 +67,7 @@ def kind_of(sign: float) -> int:
 
 
 @borrowing
-def stop_after(drive: Wave, sign: float, u: float, at: float, span: float) -> float:
+def stop_after(drive: WaveDrive, sign: float, u: float, at: float, span: float) -> float:
     """Return the phase until a slip in the way of `sign` stops; -1 if it does not.
 
     Between two changes of sign of its acceleration the velocity runs one way.
@@ -89,19 +89,19 @@ def stop_after(drive: Wave, sign: float, u: float, at: float, span: float) -> fl
 
 
 @borrowing
-def slide(drive: Wave, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
+def slide(drive: WaveDrive, sign: float, u: float, at: float, d: float) -> tuple[float, float]:
     """Return velocity and distance a phase d after velocity u, in a slip in the way of `sign`."""
     return flow(drive, kind_of(sign), u, at, d)
 
 
 @borrowing
-def slip_acceleration(drive: Wave, sign: float, at: float) -> float:
+def slip_acceleration(drive: WaveDrive, sign: float, at: float) -> float:
     """Return the acceleration of a slip in the way of `sign`."""
     return acceleration(drive, kind_of(sign), at)
 
 
 @borrowing
-def slip_doubt(drive: Wave) -> float:
+def slip_doubt(drive: WaveDrive) -> float:
     """Return how much velocity hangs on the rounding of the phases where a slip starts.
 
     A phase at which a sum of sines passes a threshold is known the less, the slower it passes it;
@@ -122,6 +122,6 @@ def slip_doubt(drive: Wave) -> float:
 
 
 @borrowing
-def two_sided(drive: Wave) -> tuple[float, float]:
+def two_sided(drive: WaveDrive) -> tuple[float, float]:
     """Return 0, 0: there is no closed form."""
     return 0.0, 0.0

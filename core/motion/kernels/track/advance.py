@@ -12,7 +12,7 @@ from core.motion.kernels.statuses import MODE
 from core.motion.kernels.track import modes
 from core.motion.kernels.track.contacts import begin_slip, change_contacts
 from core.motion.kernels.track.drive import fill_push, jumps, next_jump, to_lift_off
-from core.motion.kernels.track.modes import Begin, Step, fill_multiple, fill_place
+from core.motion.kernels.track.modes import Begin, StepSettings, fill_multiple, fill_place
 from core.motion.kernels.track.polynomials import first_fall, value
 from core.motion.kernels.track.spend import kinetic, spend
 from core.motion.kernels.track.tables import (
@@ -59,7 +59,7 @@ def advance(
         jump = next_jump(tau, work)
         rest = jump - tau
         even = rest if jumps(work) else math.inf
-        step = Step(wall, rolling, order, tolerance, rest, to_lift_off(work, tau), even)
+        step = StepSettings(wall, rolling, order, tolerance, rest, to_lift_off(work, tau), even)
         fill_push(cell, tau, order, work)
         work[ROW.free, 0] -= cell.gravity_number_along
         work[ROW.free + 1, 0] -= cell.gravity_number_across
@@ -107,7 +107,9 @@ def advance(
 
 
 @borrowing
-def meet(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work, spent: Floats) -> None:
+def meet(
+    step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work, spent: Floats
+) -> None:
     """Change contacts at an event; count what an impact takes, if that is asked for."""
     before = kinetic(state, step.rolling)
     change_contacts(step, cell, state, hold, work)
@@ -134,8 +136,8 @@ def go_on(contacts: int, slips: bool, span: float, rest: float) -> tuple[float, 
 
 @borrowing
 def move(
-    step: Step, state: Floats, contacts: int, slips: bool, event: int, span: float, order: int,
-    work: Work,
+    step: StepSettings, state: Floats, contacts: int, slips: bool, event: int, span: float,
+    order: int, work: Work,
 ) -> None:  # fmt: skip
     """Move a state to the end of a step."""
     slip = 0.0

@@ -10,7 +10,7 @@ from core.motion.kernels.cells import Cell
 from core.motion.kernels.rebounds import SETTLED_EXACTLY, SETTLED_TIME
 from core.motion.kernels.stepping.contacts import friction_impulse
 from core.motion.kernels.track import drive
-from core.motion.kernels.track.modes import Begin, Step
+from core.motion.kernels.track.modes import Begin, StepSettings
 from core.motion.kernels.track.tables import BOTH, EVENT, FLOOR, FREE, HOLD, ROW, STATE, WALL, Work
 
 MOST_SWEEPS = 500
@@ -36,7 +36,13 @@ def rebound(speed: float, load: float, restitution: float, ahead: float) -> floa
 
 @borrowing
 def strike(
-    step: Step, cell: Cell, state: Floats, floor: float, wall: float, bounce: float, rear: float
+    step: StepSettings,
+    cell: Cell,
+    state: Floats,
+    floor: float,
+    wall: float,
+    bounce: float,
+    rear: float,
 ) -> None:
     """Change the velocities by impacts: at the floor with speed `floor`, at the wall with `wall`.
 
@@ -103,7 +109,7 @@ def pushed_across(cell: Cell, state: Floats, work: Work) -> float:
 
 
 @borrowing
-def change_contacts(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work) -> None:
+def change_contacts(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work) -> None:
     """Change contacts as the event asks that ended the last stretch; `ROW.free` is at its phase.
 
     What opened or closed is told by the event: where it says that a force is 0 it is 0, whatever
@@ -136,7 +142,7 @@ def change_contacts(step: Step, cell: Cell, state: Floats, hold: Flags, work: Wo
 
 
 @borrowing
-def begin_slip(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work) -> Begin:
+def begin_slip(step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work) -> Begin:
     """Return how the contact's slip stands; decide whether it sticks where it does not move."""
     contacts, event = hold[HOLD.contacts], hold[HOLD.event]
     ux, uy, uz, spin = STATE.ux, STATE.uy, STATE.uz, STATE.spin
@@ -193,7 +199,7 @@ def begin_slip(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work) -
 
 
 @borrowing
-def stop_slip(step: Step, state: Floats, contacts: int, slip_2: float) -> None:
+def stop_slip(step: StepSettings, state: Floats, contacts: int, slip_2: float) -> None:
     """Set the slip to exactly 0; what a cylinder rolls with is kept."""
     state[STATE.ux] = 0.0
     if contacts == WALL:

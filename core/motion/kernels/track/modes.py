@@ -45,7 +45,7 @@ REACH = 0.02
 """Of a slip: its part along its first direction falls no lower within a step."""
 
 
-class Step(NamedTuple):
+class StepSettings(NamedTuple):
     """What a step is computed with: contacts, order, tolerance of a term.
 
     `rest` is the phase to the end of the period or to a jump of the drive, `lift` that to the next
@@ -119,7 +119,7 @@ def stand(work: Work, axis: int, order: int) -> None:
 
 
 @borrowing
-def flight(step: Step, cell: Cell, state: Floats, work: Work) -> tuple[float, int, int]:
+def flight(step: StepSettings, cell: Cell, state: Floats, work: Work) -> tuple[float, int, int]:
     """Fill the series of a part that nothing carries."""
     order = step.order
     for axis in range(3):
@@ -142,7 +142,9 @@ def flight(step: Step, cell: Cell, state: Floats, work: Work) -> tuple[float, in
 
 
 @borrowing
-def stick(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work) -> tuple[float, int, int]:
+def stick(
+    step: StepSettings, cell: Cell, state: Floats, hold: Flags, work: Work
+) -> tuple[float, int, int]:
     """Fill those of a part that friction holds at floor, wall or both; a cylinder rolls across."""
     order, contacts, before = step.order, hold[HOLD.contacts], hold[HOLD.event]
     response, event = 1.0 + step.rolling, ROW.event
@@ -185,7 +187,7 @@ def stick(step: Step, cell: Cell, state: Floats, hold: Flags, work: Work) -> tup
 
 @borrowing
 def to_slip(
-    step: Step, cell: Cell, contacts: int, span: float, name: int, work: Work
+    step: StepSettings, cell: Cell, contacts: int, span: float, name: int, work: Work
 ) -> tuple[float, int]:
     """Return the span to where friction gives way, and what happens there, or what is known."""
     along, across, normal, event = ROW.free, ROW.free + 1, ROW.free + 2, ROW.event
@@ -212,7 +214,7 @@ def to_slip(
 
 @borrowing
 def slide_in_corner(
-    step: Step, cell: Cell, state: Floats, begin: Begin, work: Work
+    step: StepSettings, cell: Cell, state: Floats, begin: Begin, work: Work
 ) -> tuple[float, int, int]:
     """Fill those of a slip along floor and wall at once: in one direction only."""
     order, way, event = step.order, begin.cosine, ROW.event
@@ -245,7 +247,7 @@ def slide_in_corner(
 
 @borrowing
 def slide(
-    step: Step, cell: Cell, state: Floats, contacts: int, begin: Begin, work: Work
+    step: StepSettings, cell: Cell, state: Floats, contacts: int, begin: Begin, work: Work
 ) -> tuple[float, int, int]:
     """Fill those of a slip on floor or wall, in two directions."""
     order, on_floor, event = step.order, contacts == FLOOR, ROW.event

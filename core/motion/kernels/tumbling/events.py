@@ -20,7 +20,7 @@ from core.motion.kernels.tumbling.geometry import (
 from core.motion.kernels.tumbling.impact import strike
 from core.motion.kernels.tumbling.run import (
     MOST_STEPS,
-    Run,
+    TumblingRun,
     record_rest,
     record_until,
     side_of,
@@ -128,7 +128,7 @@ def slowed(time: float, end: float, pitch_rate: float) -> float:
 
 
 @compiled
-def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop) -> Run:
+def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop) -> TumblingRun:
     """Run one cell from event to event, and write its state at the times into the rows."""
     after, trial = np.empty_like(state), np.empty_like(state)
     start_of(cell, state)
@@ -182,4 +182,6 @@ def run_events(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Sto
         support, sigma = choose(cell, state, time)
     if status in (STATUS.settled, STATUS.moving) or time >= cell.duration:
         record_rest(cell, state, support, times, written, rows)
-    return Run(status, time, settling, impacts, bounce, side_of(cell, support, state[STATE.pitch]))
+    return TumblingRun(
+        status, time, settling, impacts, bounce, side_of(cell, support, state[STATE.pitch])
+    )

@@ -13,7 +13,7 @@ from core.motion.kernels.tumbling.tables import COLUMN, FLAT, PATH, STATE, Cell
 MOST_STEPS = 20_000_000
 
 
-class Run(NamedTuple):
+class TumblingRun(NamedTuple):
     """What a run leaves besides its state; the table's columns follow `Tumble`."""
 
     status: int
@@ -81,7 +81,7 @@ def side_of(cell: Cell, support: int, pitch: float) -> int:
 
 
 @compiled
-def fill(cell: Cell, run: Run, state: Floats, row: Floats) -> None:
+def fill(cell: Cell, run: TumblingRun, state: Floats, row: Floats) -> None:
     """Write the results of a run, the fields of `Tumble` without the status."""
     row[COLUMN.pitch] = state[STATE.pitch]
     row[COLUMN.resting_side] = run.side

@@ -23,7 +23,7 @@ from core.motion.kernels.tumbling.geometry import (
 from core.motion.kernels.tumbling.impact import arrest, delassus, push
 from core.motion.kernels.tumbling.run import (
     MOST_STEPS,
-    Run,
+    TumblingRun,
     record_rest,
     record_until,
     side_of,
@@ -114,7 +114,7 @@ def drift(state: Floats, rates: Floats, time: float) -> None:
 
 
 @compiled
-def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop) -> Run:
+def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop) -> TumblingRun:
     """Run one cell by the midpoint rule of Moreau and Jean (theory 13.9), with Moreau's law.
 
     u(t + h) = u(t) + h a(t + h/2) + i,    q(t + h) = q(t) + h (u(t) + u(t + h))/2.
@@ -166,4 +166,6 @@ def run_steps(cell: Cell, state: Floats, times: Floats, rows: Floats, stop: Stop
     if status in (STATUS.settled, STATUS.moving) or time >= cell.duration:
         record_rest(cell, state, support, times, written, rows)
     settling = last_motion if status == STATUS.settled else np.nan
-    return Run(status, time, settling, impacts, bounce, side_of(cell, support, state[STATE.pitch]))
+    return TumblingRun(
+        status, time, settling, impacts, bounce, side_of(cell, support, state[STATE.pitch])
+    )

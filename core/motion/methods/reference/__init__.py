@@ -20,9 +20,9 @@ from core.errors import StoppedError
 from core.mechanics.arrays import Array
 from core.motion.groups import BLOCK_ON_FLOOR, Contacts, Groups, each
 from core.motion.method import Follow, Method
-from core.motion.methods.reference.laws import UX, UZ, Laws, X, Y, Z
+from core.motion.methods.reference.laws import UX, UZ, ReferenceLaws, X, Y, Z
 from core.motion.methods.reference.part import FailedError, Part
-from core.motion.methods.reference.repeats import PERIOD, Run
+from core.motion.methods.reference.repeats import PERIOD, ReferenceRun
 from core.motion.path import Path
 from core.motion.price import Price, Priced
 from core.motion.result import STATUS, Motion, motion_of, with_whole_shares
@@ -66,7 +66,7 @@ def reference_path(
     if not _is_finite(groups):
         raise ValueError("groups must be finite")
     state = np.array([*position, *velocity, spin], dtype=np.float64)
-    part = Part(Laws(groups, contacts, absolute_speed), state)
+    part = Part(ReferenceLaws(groups, contacts, absolute_speed), state)
     part.phase = float(asked[0])
     rows = np.full((asked.size, 7), np.nan)
     with contextlib.suppress(FailedError):  # what was not reached stays NaN
@@ -115,7 +115,7 @@ def reference_motion(
         return _nothing()
     if max(np.abs(part).max(initial=0.0) for part in _numbers(groups)) > LARGEST:
         return _nothing("limit_reached")
-    run = Run(Laws(groups, contacts, absolute_speed), watch or Watch())
+    run = ReferenceRun(ReferenceLaws(groups, contacts, absolute_speed), watch or Watch())
     for _ in range(most_periods):
         try:
             run.follow()
@@ -179,7 +179,13 @@ def _nothing(status: str = "no_solution") -> Motion:
 
 
 def _result(
-    velocity: float, error: float, spread: float, run: Run, periods: int, multiple: int, status: str
+    velocity: float,
+    error: float,
+    spread: float,
+    run: ReferenceRun,
+    periods: int,
+    multiple: int,
+    status: str,
 ) -> Motion:
     """Return the counts of the last periods as a result."""
     tallies = run.tallies[-periods:]

@@ -45,7 +45,7 @@ class Forces(NamedTuple):
     rates: tuple[Numbers, Numbers, Numbers, Numbers]
 
 
-class Laws:
+class ReferenceLaws:
     """The laws of one part: its forces in each mode, and the equations that integrate them.
 
     Parameters
@@ -72,10 +72,10 @@ class Laws:
         self.drive = drive or next(pieces(groups, 0.0, TURN))[0]
         self.response = 1.0 + contacts.rolling
 
-    def pieces(self, begin: float, end: float) -> Iterator[tuple[Laws, float]]:
+    def pieces(self, begin: float, end: float) -> Iterator[tuple[ReferenceLaws, float]]:
         """Yield the laws from a phase to another, from jump to jump, each with its end."""
         for drive, reached in pieces(self.groups, begin, end):
-            yield Laws(self.groups, self.contacts, self.absolute_speed, drive), reached
+            yield ReferenceLaws(self.groups, self.contacts, self.absolute_speed, drive), reached
 
     def free(self, phase: Numbers, ux: Numbers) -> tuple[Numbers, Numbers, Numbers]:
         """Return the acceleration of a free part relative to the track (theory 13.1)."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.mechanics.arrays import Array
-from core.motion.methods.reference.laws import SPIN, UX, UY, UZ, Laws, Mode, Y, Z
+from core.motion.methods.reference.laws import SPIN, UX, UY, UZ, Mode, ReferenceLaws, Y, Z
 from core.motion.methods.reference.polynomials import (
     AT,
     FROM_NODES,
@@ -96,7 +96,7 @@ class Part:
     """One part on its way: its state, the contacts that touch, the phase; the watch may stop it."""
 
     def __init__(
-        self, laws: Laws, state: Array, care: Care = USUAL, watch: Watch | None = None
+        self, laws: ReferenceLaws, state: Array, care: Care = USUAL, watch: Watch | None = None
     ) -> None:
         self.laws, self.state, self.phase, self.tally = laws, state, 0.0, Tally()
         self.care, self.reach, self.watch = care, care.longest, watch or Watch()

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.mechanics.arrays import Array
-from core.motion.methods.reference.laws import SPIN, UX, UY, UZ, Laws, X, Y, Z
+from core.motion.methods.reference.laws import SPIN, UX, UY, UZ, ReferenceLaws, X, Y, Z
 from core.motion.methods.reference.part import FINER, USUAL, Care, FailedError, Part, Tally
 from core.motion.waves import size
 from core.watch import Watch
@@ -96,7 +96,7 @@ class Growth:
         return np.asarray(np.linalg.solve(left, self.travel), np.float64)
 
 
-class Run:
+class ReferenceRun:
     """A part followed from rest, period by period.
 
     Attributes
@@ -110,7 +110,7 @@ class Run:
         Whether one did by a change that neither grows nor dies out so that it could be seen.
     """
 
-    def __init__(self, laws: Laws, watch: Watch) -> None:
+    def __init__(self, laws: ReferenceLaws, watch: Watch) -> None:
         self.laws, self.watch = laws, watch
         self.part = Part(laws, np.zeros(7), watch=watch)
         p = laws.groups

@@ -18,7 +18,7 @@ import numpy as np
 
 from core.mechanics.arrays import Array
 from core.motion.groups import Numbers
-from core.motion.methods.reference.laws import SPIN, UX, Laws, Mode
+from core.motion.methods.reference.laws import SPIN, UX, Mode, ReferenceLaws
 from core.motion.methods.reference.polynomials import (
     AT,
     FROM_NODES,
@@ -91,7 +91,7 @@ class Stretch:
 
 
 def solve(
-    laws: Laws, mode: Mode, state: Array, start: float, length: float, begins: bool
+    laws: ReferenceLaws, mode: Mode, state: Array, start: float, length: float, begins: bool
 ) -> Stretch | None:
     """Return a part's stretch in a mode; None if the iteration does not come to an end.
 
@@ -131,7 +131,7 @@ def solve(
 
 
 def _slip(
-    laws: Laws, mode: Mode, state: Array, phases: Array, length: float, begins: bool
+    laws: ReferenceLaws, mode: Mode, state: Array, phases: Array, length: float, begins: bool
 ) -> Slip | None:
     """Return the slip at the nodes."""
     first, second = laws.slip(mode, state)
@@ -156,7 +156,12 @@ def _slip(
 
 
 def _straight(
-    laws: Laws, mode: Mode, phases: Array, length: float, start: tuple[float, float], rate: Array
+    laws: ReferenceLaws,
+    mode: Mode,
+    phases: Array,
+    length: float,
+    start: tuple[float, float],
+    rate: Array,
 ) -> Slip | None:
     """Return a slip that keeps its direction."""
     size0, angle = start
@@ -180,7 +185,7 @@ def _straight(
 
 
 def _turning(
-    laws: Laws,
+    laws: ReferenceLaws,
     mode: Mode,
     phases: Array,
     length: float,

@@ -19,7 +19,13 @@ from core.mechanics.arrays import Array
 from core.motion.groups import Contacts, Groups, cells_of, one_of
 from core.motion.method import Follow, Method
 from core.motion.methods.regularised.laws import Cell, laws
-from core.motion.methods.regularised.orbit import Orbit, Run, SpentError, measures_of, orbit_of
+from core.motion.methods.regularised.orbit import (
+    Orbit,
+    RegularisedRun,
+    SpentError,
+    measures_of,
+    orbit_of,
+)
 from core.motion.price import Price, Priced, Pricing
 from core.motion.result import STATUS, Motion, with_whole_shares
 from core.watch import Watch
@@ -60,12 +66,12 @@ LOOSER = 10.0
 
 def followed(
     cell: Cell, solver: str, tolerance: float, most_periods: int, watch: Watch | None = None
-) -> tuple[Run, Orbit, float]:
+) -> tuple[RegularisedRun, Orbit, float]:
     """Return the run, the motion once it repeats, and how close two states then are."""
     # Closer than this the regularisation itself is not known: it moves velocities by shares of
     # the slip speed. The other bound is the integrator's own noise over hundreds of steps.
     closeness = max(0.1 * cell.laws.slip_speed, 100 * tolerance)
-    run = Run(cell, solver, tolerance, MOST_EVALUATIONS, watch or Watch())
+    run = RegularisedRun(cell, solver, tolerance, MOST_EVALUATIONS, watch or Watch())
     return run, orbit_of(run, cell.rest(), most_periods, closeness), closeness
 
 
@@ -97,7 +103,7 @@ def _cell_motion(
     # Runs of their own, since the errors of the laws and of the integrator can cancel in one.
     once, twice, loose = (
         orbit_of(
-            Run(changed, solver, looser * tolerance, MOST_EVALUATIONS, watch),
+            RegularisedRun(changed, solver, looser * tolerance, MOST_EVALUATIONS, watch),
             orbit.states[-1],
             most_periods,
             max(wider * closeness, 100 * looser * tolerance),

@@ -28,7 +28,7 @@ a peak has 95 % of its final value.
 
 
 @dataclass(frozen=True)
-class Laws:
+class RegularisedLaws:
     """The regularised laws of one cell, all dimensionless.
 
     Attributes
@@ -131,11 +131,11 @@ def laws(
     restitution: float,
     slip_speed: float,
     stiffness: float,
-) -> Laws:
+) -> RegularisedLaws:
     """Return the laws with the damping that gives the restitution."""
     damping = 2 * damping_ratio(restitution, stiffness) * math.sqrt(stiffness)
     static = max(friction_static, friction_kinetic)
-    return Laws(friction_kinetic, static, slip_speed, stiffness, damping)
+    return RegularisedLaws(friction_kinetic, static, slip_speed, stiffness, damping)
 
 
 @dataclass(frozen=True)
@@ -147,7 +147,7 @@ class Cell:
 
     Attributes
     ----------
-    laws : Laws
+    laws : RegularisedLaws
     drive, gravity : tuple of float
         Along the track, (across it,) and normal to the floor.
     wave : Wave or None
@@ -156,7 +156,7 @@ class Cell:
         Of the wave, that in force.
     """
 
-    laws: Laws
+    laws: RegularisedLaws
     drive: tuple[float, ...]
     gravity: tuple[float, ...]
     wave: Wave | None = None

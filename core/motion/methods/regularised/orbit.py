@@ -68,7 +68,7 @@ class _Period:
         return piece.found.sol(phase - piece.phase)
 
 
-class Run:
+class RegularisedRun:
     """Integration of a cell, period by period, with an account of the evaluations."""
 
     def __init__(
@@ -159,7 +159,7 @@ class Orbit:
         return float(np.mean([state[1] for state in self.states[-self.multiple :]])) / PERIOD
 
 
-def orbit_of(run: Run, state: Array, most_periods: int, closeness: float) -> Orbit:
+def orbit_of(run: RegularisedRun, state: Array, most_periods: int, closeness: float) -> Orbit:
     """Return the motion once it repeats, or what there is when the periods are used up."""
     n = run.cell.coordinates
     weight = run.cell.laws.friction_kinetic * run.cell.gravity[-1]
@@ -229,7 +229,7 @@ def _crossings(
     ]
 
 
-def measures_of(run: Run, orbit: Orbit) -> dict[str, float]:
+def measures_of(run: RegularisedRun, orbit: Orbit) -> dict[str, float]:
     """Return the shares of the period and the impacts, over the periods until it repeats."""
     n = run.cell.coordinates
     law = run.cell.laws

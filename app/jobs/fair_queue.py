@@ -1,4 +1,4 @@
-"""Whose turn it is: which block gets the next place on a worker.
+"""The fair queue of blocks for places on the workers.
 
 Fair shares: the next place goes to the block that would be over first if all shares had the same
 part of the workers' time from the moment that they came (weighted fair queueing). What is small
@@ -42,7 +42,7 @@ class Place:
     since: float = field(default_factory=time.monotonic)
 
 
-class Turns:
+class FairQueue:
     """Gives out places on workers, one for each block that can run at a time.
 
     Blocks that last leave one place to others, if there are two: they cannot be interrupted.

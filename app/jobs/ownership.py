@@ -1,7 +1,7 @@
-"""What belongs to whom: studies, which are kept once, and the owners who have posted each.
+"""Ownership of studies, which are kept once, by everyone who has posted them.
 
 An owner holds a study from its posting until it makes room for others of theirs, or of the service.
-Nobody else learns of it, unless it is shared.
+No other owner sees it, unless it is shared.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ USED_EVERY = 3600.0  # s; the use of a study is noted no more often
 
 
 @dataclass(frozen=True)
-class Holding:
+class OwnedStudy:
     """A study that an owner has posted.
 
     Attributes
@@ -44,7 +44,7 @@ class Holding:
     used: float
 
 
-class Holdings:
+class Ownership:
     """Reads and writes who holds what; its methods may be called inside a transaction."""
 
     def __init__(self, database: Database):
@@ -66,12 +66,12 @@ class Holdings:
                 connection.execute(HOLDINGS.update().where(_one(owner, key)).values(used))
         return known is None
 
-    def of(self, owner: str, key: str) -> Holding | None:
+    def of(self, owner: str, key: str) -> OwnedStudy | None:
         """Return what an owner holds of a study; None for nothing."""
         rows = self._database.read(select(HOLDINGS).where(_one(owner, key)))
         return _holding(rows[0]) if rows else None
 
-    def readable(self, owner: str, key: str) -> list[Holding]:
+    def readable(self, owner: str, key: str) -> list[OwnedStudy]:
         """Return by which holdings somebody may read a study; note its use."""
         is_seen = (HOLDINGS.c.owner == owner) | (HOLDINGS.c.shared == 1)
         rows = self._database.read(select(HOLDINGS).where(HOLDINGS.c.key == key, is_seen))
@@ -99,7 +99,7 @@ class Holdings:
             is_meant &= HOLDINGS.c.owner == owner
         return bool(self._database.read(select(HOLDINGS.c.key).where(is_meant).limit(1)))
 
-    def of_owner(self, owner: str) -> list[Holding]:
+    def of_owner(self, owner: str) -> list[OwnedStudy]:
         """Return all that an owner holds, what was used longest ago first."""
         found = select(HOLDINGS).where(HOLDINGS.c.owner == owner)
         rows = self._database.read(found.order_by(HOLDINGS.c.used, HOLDINGS.c.key))
@@ -131,5 +131,5 @@ def _one(owner: str, key: str) -> ColumnElement[bool]:
     return (HOLDINGS.c.owner == owner) & (HOLDINGS.c.key == key)
 
 
-def _holding(row: Row[*tuple[Any, ...]]) -> Holding:
-    return Holding(row.owner, row.key, row.bytes, bool(row.result), bool(row.shared), row.used)
+def _holding(row: Row[*tuple[Any, ...]]) -> OwnedStudy:
+    return OwnedStudy(row.owner, row.key, row.bytes, bool(row.result), bool(row.shared), row.used)

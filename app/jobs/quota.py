@@ -1,4 +1,4 @@
-"""Room on the disk: what is taken, what is promised to work under way, what leaves for it."""
+"""The quota of the disk: bytes taken, bytes reserved for work under way, and what makes room."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import time
 from collections.abc import Mapping
 
 from app.jobs.errors import NoRoomError
-from app.jobs.holdings import Holding, Holdings
 from app.jobs.keys import NOBODY, Key
 from app.jobs.ledger import Ledger
+from app.jobs.ownership import OwnedStudy, Ownership
 from app.jobs.store import Store
 from app.settings import Settings
 
@@ -21,7 +21,7 @@ SPARE = 0.01  # of the disk, left to others
 MOST_SPARE = 100_000_000  # bytes
 
 
-class Room:
+class Quota:
     """Keeps the data directory within its quota, and off the end of the disk.
 
     Parameters
@@ -34,7 +34,7 @@ class Room:
 
     def __init__(self, ledger: Ledger, store: Store, settings: Settings):
         self._ledger, self._store, self._settings = ledger, store, settings
-        self.holdings = Holdings(ledger.database)
+        self.ownership = Ownership(ledger.database)
         self._counting = threading.Lock()
         self._counted = -COUNTED_EVERY  # when [s]
         self._sizes: Mapping[str, int] = {}  # bytes of each study then
@@ -76,10 +76,10 @@ class Room:
         own = self._own_leaving(promised, key, who)
         pinned = set()
         if own or max(self._lacking(promised)) > 0:  # long to find out where there is much
-            pinned = self.holdings.of_others(who.name)
+            pinned = self.ownership.of_others(who.name)
         leaving = [] if is_there else self._leaving(promised, needed, pinned, set(own) - pinned)
         for other in own:
-            self.holdings.let_go(other, who.name)
+            self.ownership.let_go(other, who.name)
         for other in {*leaving, *(set(own) - pinned)}:
             self.remove(other)
         with self._counting:
@@ -128,7 +128,7 @@ class Room:
             return []
         self._count(RIGHT_FOR)
         beyond, leaving = self._beyond(promised, key, who), []
-        for held in self.holdings.of_owner(who.name):
+        for held in self.ownership.of_owner(who.name):
             if beyond <= 0:
                 break
             if held.key not in promised:
@@ -143,21 +143,21 @@ class Room:
 
     def remove(self, key: str) -> None:
         """Remove a study for all who hold it; one that is kept elsewhere too is theirs still."""
-        if self._store.away is None:
-            self.holdings.let_go(key)
+        if self._store.object_store is None:
+            self.ownership.let_go(key)
         self._store.remove(key)
 
     def _beyond(self, promised: Mapping[str, int], key: str, who: Key) -> int:
         """Return how many bytes more than a key may keep its owner would have with a study."""
         if who.bytes is None:
             return 0
-        held = self.holdings.of_owner(who.name)
+        held = self.ownership.of_owner(who.name)
         others = sum(self._charged(one, promised) for one in held if one.key != key)
         return others + promised[key] - who.bytes
 
     def _measure(self, promised: Mapping[str, int], who: Key) -> None:
         """Look how large the results of an owner have become since the last count."""
-        held = {one.key for one in self.holdings.of_owner(who.name)}
+        held = {one.key for one in self.ownership.of_owner(who.name)}
         made = [key for key in self._since if key in held and key not in promised]
         sizes = {key: self._store.bytes(key) for key in made}
         with self._counting:
@@ -167,7 +167,7 @@ class Room:
         """Return the bytes of a study, as far as they are known."""
         return self._since.get(key) or self._sizes.get(key, 0)
 
-    def _charged(self, held: Holding, promised: Mapping[str, int]) -> int:
+    def _charged(self, held: OwnedStudy, promised: Mapping[str, int]) -> int:
         """Return the bytes of a study that count as its owner's."""
         if not held.result:
             return held.bytes

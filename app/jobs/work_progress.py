@@ -1,4 +1,4 @@
-"""What the runner tells of its work: a line in the log, and word to whoever counts or traces."""
+"""Progress of the runner's work: lines in the log, and calls of observers that count or trace."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class _Started:
     computed: int = 0
 
 
-class Course:
+class WorkProgress:
     """The course of the items that a runner has taken up.
 
     Attributes
@@ -65,11 +65,15 @@ class Course:
 
     def ended(self, item: Work, outcome: str, title: str | None = None) -> None:
         """Tell how an item ended here: ``done``, ``failed`` or ``given up``; only once counts."""
-        course = self._courses.pop(item.owner, None)
-        if course is None:
+        work_progress = self._courses.pop(item.owner, None)
+        if work_progress is None:
             return
-        seconds = time.monotonic() - course.at
-        extra = {**course.about, "computed": course.computed, "seconds": round(seconds, 3)}
+        seconds = time.monotonic() - work_progress.at
+        extra = {
+            **work_progress.about,
+            "computed": work_progress.computed,
+            "seconds": round(seconds, 3),
+        }
         if title is not None:
             extra["title"] = title
         logger.info("work %s", outcome, extra=extra)

@@ -1,4 +1,4 @@
-"""Where jobs are handed in: the queue, room for them, results that are there already."""
+"""Admission of jobs: the queue, the quota of the disk, results that exist already."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from app.jobs import audit, work
 from app.jobs.errors import FetchingError, NotFoundError, NotOwnerError, TooManyJobsError
 from app.jobs.keys import NOBODY, Key
 from app.jobs.ledger import Job, Ledger
-from app.jobs.room import Room
+from app.jobs.quota import Quota
 from app.jobs.scrub import BROKEN, scrub
 from app.jobs.store import Store
 from app.jobs.studies import identifier
@@ -27,7 +27,7 @@ MOST_JOBS = 100_000  # that are over, of which the ledger tells
 REPORT_BYTES = 10_000_000  # of an accuracy report
 
 
-class Desk:
+class Admission:
     """Takes jobs in, and keeps the data directory within its limits.
 
     Parameters
@@ -53,10 +53,10 @@ class Desk:
         self.ledger, self.store = ledger, store
         self._settings, self._wake = settings, wake
         self.waits = waits
-        self._room = Room(ledger, store, settings)
+        self._quota = Quota(ledger, store, settings)
         self.posted: Callable[[str], object] = lambda key: None  # told before others may claim it
         self._scrubbed = ""  # the study that was looked at last
-        self.holdings = self._room.holdings
+        self.ownership = self._quota.ownership
 
     def post(self, prepared: Prepared, process: str, who: Key = NOBODY) -> Job:
         """Enter a job for a study; it is on the disk when this returns.
@@ -75,7 +75,7 @@ class Desk:
         """
         key = identifier(prepared.study, process)
         block_cells, blocks, needed = self._measured(prepared, process)
-        self._room.look(key, needed, who)
+        self._quota.look(key, needed, who)
         if self.store.manifest(key) is None:
             try:
                 found = self.store.fetch(key)
@@ -88,17 +88,17 @@ class Desk:
         with self.ledger.transaction():
             self._check_jobs(who)
             manifest = self.store.manifest(key)
-            held = self.holdings.of(who.name, key)
+            held = self.ownership.of(who.name, key)
             is_own = who.sees_all or (held is not None and held.result)
             is_under_way = key in self.ledger.promised()
             is_there = manifest is not None or is_under_way
             if not (is_own and is_there):  # else others' work would be told by it
                 self.ledger.check_queue(self._settings.max_queue, who.name)
-                self._room.make(key, needed, who, is_there=is_there)
+                self._quota.make(key, needed, who, is_there=is_there)
             if not is_there:
                 self.store.add(prepared.study, process)
             finished = manifest.seconds if manifest and is_own and not is_under_way else None
-            self.holdings.hold(who.name, key, len(prepared.study.canonical()), result=True)
+            self.ownership.hold(who.name, key, len(prepared.study.canonical()), result=True)
             job = self.ledger.post(
                 key,
                 process,
@@ -133,12 +133,12 @@ class Desk:
         except (NotFoundError, StudyError):
             return False
         block_cells, blocks, needed = self._measured(prepared, job.process)
-        self._room.look(job.key, needed)
+        self._quota.look(job.key, needed)
         with self.ledger.transaction():
             if self.store.manifest(job.key) is None:
                 if not self.store.used(job.key):  # it has just made room for another
                     return False
-                self._room.make(job.key, needed)
+                self._quota.make(job.key, needed)
                 self.ledger.reenter(
                     job.key,
                     job.process,
@@ -177,14 +177,14 @@ class Desk:
         """
         key, needed = identifier(sweep.study), len(sweep.study.canonical())
         is_there = self.store.used(key) > 0
-        if is_there and self.holdings.of(who.name, key) is not None:
-            self.holdings.readable(who.name, key)
+        if is_there and self.ownership.of(who.name, key) is not None:
+            self.ownership.readable(who.name, key)
             return self.store.add(sweep.study)
-        self._room.look(key, needed, who)
+        self._quota.look(key, needed, who)
         with self.ledger.transaction():
-            self._room.make(key, needed, who, is_there=is_there)
+            self._quota.make(key, needed, who, is_there=is_there)
             _, is_new = self.store.add(sweep.study)
-            is_new_to_them = self.holdings.hold(who.name, key, needed, result=False)
+            is_new_to_them = self.ownership.hold(who.name, key, needed, result=False)
             self._note(who, "post", key)
         return key, is_new if who.sees_all else is_new_to_them
 
@@ -197,11 +197,11 @@ class Desk:
 
     def may_read(self, key: str, who: Key) -> bool:
         """Return whether somebody may read a study."""
-        return who.sees_all or bool(self.holdings.readable(who.name, key))
+        return who.sees_all or bool(self.ownership.readable(who.name, key))
 
     def knows_result(self, key: str, who: Key) -> bool:
         """Return whether somebody may know that the result of a study is there."""
-        return who.sees_all or any(one.result for one in self.holdings.readable(who.name, key))
+        return who.sees_all or any(one.result for one in self.ownership.readable(who.name, key))
 
     def take_result(self, key: str, needed: int, who: Key) -> None:
         """Note that the owner of a study asks for its result; make room for it among theirs.
@@ -211,15 +211,15 @@ class Desk:
         NoRoomError
             If their key may not keep so much.
         """
-        held = self.holdings.of(who.name, key)
+        held = self.ownership.of(who.name, key)
         if held is None and self.store.manifest(key) is None:
             raise NotOwnerError("Its file is not made. POST the study yourself, to have it made.")
         if held is None or held.result:
             return
-        self._room.look(key, needed, who)
+        self._quota.look(key, needed, who)
         with self.ledger.transaction():
-            self._room.make(key, needed, who, is_there=True)
-            self.holdings.hold(who.name, key, held.bytes, result=True)
+            self._quota.make(key, needed, who, is_there=True)
+            self.ownership.hold(who.name, key, held.bytes, result=True)
 
     def dismiss(self, number: str, who: Key = NOBODY) -> Job | None:
         """Dismiss a job; None if there is no such job.
@@ -267,12 +267,12 @@ class Desk:
             If they do not hold it.
         """
         with self.ledger.transaction():
-            if self.holdings.of(who.name, key) is None:
+            if self.ownership.of(who.name, key) is None:
                 if not who.sees_all:
                     raise NotOwnerError("Only who has posted the sweep may share it.")
-                if key not in self.holdings.studies():
-                    self.holdings.hold(who.name, key, 0, result=False)
-            self.holdings.share(None if who.sees_all else who.name, key, shared)
+                if key not in self.ownership.studies():
+                    self.ownership.hold(who.name, key, 0, result=False)
+            self.ownership.share(None if who.sees_all else who.name, key, shared)
             self._note(who, "share" if shared else "unshare", key)
 
     def _note(self, who: Key, action: audit.Action, object_: str) -> None:
@@ -280,9 +280,9 @@ class Desk:
 
     def make_room(self, key: str, needed: int, who: Key = NOBODY) -> None:
         """Make room for the files of a study; raise `NoRoomError` if they would not fit."""
-        self._room.look(key, needed, who)
+        self._quota.look(key, needed, who)
         with self.ledger.transaction():
-            self._room.make(key, needed, who)
+            self._quota.make(key, needed, who)
 
     def tidy(self) -> None:
         """Remove what nobody uses: old jobs and studies, what killed writers and workers left."""
@@ -295,12 +295,12 @@ class Desk:
                 if key not in self.ledger.promised():
                     self.store.drop_blocks(key)
                     if self.store.used(key) < before:
-                        self._room.remove(key)
-        away = self.store.away is not None
-        for key in () if away else self.holdings.studies() - set(self.store.studies()):
+                        self._quota.remove(key)
+        object_store = self.store.object_store is not None
+        for key in () if object_store else self.ownership.studies() - set(self.store.studies()):
             with self.ledger.transaction():
                 if not self.store.used(key):  # removed by hand, or by a server that was killed
-                    self.holdings.let_go(key)
+                    self.ownership.let_go(key)
 
     def scrub(self, stopped: Callable[[], bool]) -> None:
         """Compare some results with their digests, those after the ones of the last turn.
@@ -320,7 +320,7 @@ class Desk:
 
     def used_bytes(self) -> int:
         """Return what all studies take on the disk, counted a minute ago at most."""
-        return self._room.used()
+        return self._quota.used()
 
 
 def _check_owner(job: Job, who: Key) -> None:

@@ -1,4 +1,4 @@
-"""Whether files are what was written: looked at once, and again when they have changed."""
+"""Integrity of files: their digests are compared once, and again after each change."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LARGE = 8 << 20  # bytes; what is read in some milliseconds does not wait behind
 MOST_KNOWN = 100_000  # files
 
 
-class Sound:
+class Integrity:
     """Compares files with their digests, on threads of its own; remembers those that agree.
 
     Threads may use it at the same time.

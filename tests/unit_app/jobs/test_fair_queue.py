@@ -6,11 +6,11 @@ import asyncio
 from pathlib import Path
 from typing import Any
 
-from app.jobs import lanes as module
-from app.jobs.lanes import Lanes
+from app.jobs import priority_classes as module
+from app.jobs.fair_queue import FairQueue
 from app.jobs.ledger import Work
+from app.jobs.priority_classes import PriorityClasses
 from app.jobs.store import Store
-from app.jobs.turns import Turns
 from app.settings import Settings
 from core.intake import prepare_content
 
@@ -23,16 +23,16 @@ async def turned() -> None:
 
 def test_who_comes_late_is_next():
     async def scene() -> None:
-        turns = Turns(10.0)
-        turns.resize(2)
+        fair_queue = FairQueue(10.0)
+        fair_queue.resize(2)
         order: list[str] = []
 
         async def block(share: str, seconds: float) -> None:
-            place = await turns.take(share, seconds)
+            place = await fair_queue.take(share, seconds)
             order.append(share)
             await turned()
             place.since -= seconds  # it took as long as was expected
-            turns.leave(place)
+            fair_queue.leave(place)
 
         long = [asyncio.create_task(block(f"long {n % 6}", 1.0)) for n in range(24)]
         await turned()
@@ -46,18 +46,18 @@ def test_who_comes_late_is_next():
 
 def test_many_who_come_late_do_not_keep_out_who_was_there():
     async def scene() -> None:
-        turns = Turns(10.0)
-        turns.resize(1)
+        fair_queue = FairQueue(10.0)
+        fair_queue.resize(1)
         order: list[str] = []
 
         async def block(share: str, seconds: float) -> None:
-            place = await turns.take(share, seconds)
+            place = await fair_queue.take(share, seconds)
             order.append(share)
             if place.share != "long":
                 small.append(asyncio.create_task(block(f"small {len(small)}", 0.2)))
             await turned()
             place.since -= seconds
-            turns.leave(place)
+            fair_queue.leave(place)
 
         small: list[asyncio.Task[None]] = []
         small.extend(asyncio.create_task(block(f"first {n}", 0.2)) for n in range(2))
@@ -74,16 +74,16 @@ def test_many_who_come_late_do_not_keep_out_who_was_there():
 
 def test_places_are_shared_out_evenly():
     async def scene() -> None:
-        turns = Turns(10.0)
-        turns.resize(2)
+        fair_queue = FairQueue(10.0)
+        fair_queue.resize(2)
         order: list[str] = []
 
         async def block(share: str, seconds: float) -> None:
-            place = await turns.take(share, seconds)
+            place = await fair_queue.take(share, seconds)
             order.append(share)
             await turned()
             place.since -= seconds  # it took as long as was expected
-            turns.leave(place)
+            fair_queue.leave(place)
 
         blocks = [block(f"{n}", 1.0 + n) for n in range(3) for _ in range(20)]
         await asyncio.gather(*blocks)
@@ -96,17 +96,17 @@ def test_places_are_shared_out_evenly():
 
 def test_blocks_that_last_leave_a_place_to_others():
     async def scene() -> None:
-        turns = Turns(10.0)
-        turns.resize(2)
-        await turns.take("hours", 1000.0)
-        other = asyncio.create_task(turns.take("more hours", 1000.0))
+        fair_queue = FairQueue(10.0)
+        fair_queue.resize(2)
+        await fair_queue.take("hours", 1000.0)
+        other = asyncio.create_task(fair_queue.take("more hours", 1000.0))
         await turned()
         assert not other.done()
-        small = await asyncio.wait_for(turns.take("small", 0.1), 5)
-        turns.leave(small)
+        small = await asyncio.wait_for(fair_queue.take("small", 0.1), 5)
+        fair_queue.leave(small)
         await turned()
         assert not other.done()
-        turns.resize(3)
+        fair_queue.resize(3)
         await asyncio.wait_for(other, 5)
 
     asyncio.run(scene())
@@ -114,37 +114,39 @@ def test_blocks_that_last_leave_a_place_to_others():
 
 def test_one_worker_takes_what_lasts_too():
     async def scene() -> None:
-        turns = Turns(10.0)
-        await asyncio.wait_for(turns.take("hours", 1000.0), 5)
+        fair_queue = FairQueue(10.0)
+        await asyncio.wait_for(fair_queue.take("hours", 1000.0), 5)
 
     asyncio.run(scene())
 
 
 def test_who_gives_up_waiting_leaves_no_gap():
     async def scene() -> None:
-        turns = Turns(10.0)
-        place = await turns.take("a", 1.0)
-        waiting = [asyncio.create_task(turns.take(name, 1.0)) for name in "bc"]
+        fair_queue = FairQueue(10.0)
+        place = await fair_queue.take("a", 1.0)
+        waiting = [asyncio.create_task(fair_queue.take(name, 1.0)) for name in "bc"]
         await turned()
         waiting[0].cancel()
         await turned()
-        turns.leave(place)
-        turns.leave(await asyncio.wait_for(waiting[1], 5))
-        place = await turns.take("a", 1.0)
-        given = asyncio.create_task(turns.take("d", 1.0))
+        fair_queue.leave(place)
+        fair_queue.leave(await asyncio.wait_for(waiting[1], 5))
+        place = await fair_queue.take("a", 1.0)
+        given = asyncio.create_task(fair_queue.take("d", 1.0))
         await turned()
-        turns.leave(place)
+        fair_queue.leave(place)
         given.cancel()  # with the place in its hand
         await turned()
-        await asyncio.wait_for(turns.take("e", 1.0), 5)
-        assert set(turns._had) == {"e"}
+        await asyncio.wait_for(fair_queue.take("e", 1.0), 5)
+        assert set(fair_queue._had) == {"e"}
 
     asyncio.run(scene())
 
 
 def test_short_work_is_taken_up_beside_long_work(tmp_path: Path, monkeypatch):
     store = Store(tmp_path)
-    lanes = Lanes(store, Settings(data_directory=tmp_path, concurrent_jobs=2, block_seconds=0.1))
+    priority_classes = PriorityClasses(
+        store, Settings(data_directory=tmp_path, concurrent_jobs=2, block_seconds=0.1)
+    )
 
     def posted(frequency: float, **more: Any) -> Work:
         study = {
@@ -162,35 +164,35 @@ def test_short_work_is_taken_up_beside_long_work(tmp_path: Path, monkeypatch):
     short = [posted(60.0 + n) for n in range(3)]
     waiting, active = [*long, *short], set()
     taken = []
-    while (item := lanes.next(waiting, active)) is not None:
+    while (item := priority_classes.next(waiting, active)) is not None:
         active.add(item.key)
         taken.append(item)
     assert taken == [*long[:2], *short[:2]]
-    assert lanes.next(waiting, active - {short[0].key}) == short[0]
+    assert priority_classes.next(waiting, active - {short[0].key}) == short[0]
     # Much that is priced meanwhile changes nothing.
     monkeypatch.setattr(module, "MOST_KNOWN", len(active))
     for n in range(5):
-        lanes.next([*waiting, posted(70.0 + n)], active)
-    assert lanes.next(waiting, active) is None
-    assert lanes.next(waiting, active - {short[0].key}) == short[0]
+        priority_classes.next([*waiting, posted(70.0 + n)], active)
+    assert priority_classes.next(waiting, active) is None
+    assert priority_classes.next(waiting, active - {short[0].key}) == short[0]
     # What cannot be read holds up nobody.
     lost = Work("0" * 64, "simulate", 1, 1, 0.0, "")
-    assert lanes.next([lost], set()) == lost
+    assert priority_classes.next([lost], set()) == lost
 
 
 def test_who_is_cancelled_while_places_are_handed_out_takes_none():
     async def scene() -> None:
-        turns = Turns(10.0)
-        turns.resize(1)
-        first = await turns.take("failed", 1.0)
-        waiting = [asyncio.create_task(turns.take("failed", 1.0)) for _ in range(4)]
+        fair_queue = FairQueue(10.0)
+        fair_queue.resize(1)
+        first = await fair_queue.take("failed", 1.0)
+        waiting = [asyncio.create_task(fair_queue.take("failed", 1.0)) for _ in range(4)]
         await turned()
         for task in waiting:  # as for a job of which a block has failed
             task.cancel()
-        turns.leave(first)
+        fair_queue.leave(first)
         await asyncio.gather(*waiting, return_exceptions=True)
-        assert not turns.waiting
-        place = await asyncio.wait_for(turns.take("other", 1.0), 1)
-        turns.leave(place)
+        assert not fair_queue.waiting
+        place = await asyncio.wait_for(fair_queue.take("other", 1.0), 1)
+        fair_queue.leave(place)
 
     asyncio.run(scene())

@@ -8,8 +8,8 @@ import os
 import time
 
 from app.jobs.cluster import Cluster
-from app.jobs.hands import Hands
-from app.jobs.turns import Turns
+from app.jobs.executor import Executor
+from app.jobs.fair_queue import FairQueue
 
 
 async def nothing() -> None:
@@ -18,36 +18,38 @@ async def nothing() -> None:
 
 def test_what_does_not_stop_is_killed_and_others_are_not_to_blame():
     async def scene() -> None:
-        cluster, turns = Cluster(None, 1), Turns(1000.0)
-        hands = Hands(cluster, turns, grace=0.5)
+        cluster, fair_queue = Cluster(None, 1), FairQueue(1000.0)
+        executor = Executor(cluster, fair_queue, grace=0.5)
         try:
-            worker = await hands.run("first", 1.0, nothing, os.getpid)
+            worker = await executor.run("first", 1.0, nothing, os.getpid)
             begun = asyncio.Event()
 
             async def began() -> None:
                 begun.set()
 
             stubborn = asyncio.create_task(
-                hands.run("stubborn", 1.0, began, time.sleep, 600)  # type: ignore[arg-type]
+                executor.run("stubborn", 1.0, began, time.sleep, 600)  # type: ignore[arg-type]
             )
             await asyncio.wait_for(begun.wait(), 60)
             # As if another service gave its work to the same workers: it waits behind that.
             waits = cluster.workers
             cluster.workers = two  # type: ignore[method-assign]
-            innocent = asyncio.create_task(hands.run("innocent", 1.0, nothing, os.getpid))
-            while len(hands._calls) < 2:
+            innocent = asyncio.create_task(executor.run("innocent", 1.0, nothing, os.getpid))
+            while len(executor._calls) < 2:
                 await asyncio.sleep(0.02)
             cluster.workers = waits  # type: ignore[method-assign]
             stubborn.cancel()
             with contextlib.suppress(asyncio.CancelledError):
                 await asyncio.wait_for(stubborn, 5)  # who gives up does not wait
             assert await asyncio.wait_for(innocent, 60) != worker
-            while hands._ending:
+            while executor._ending:
                 await asyncio.sleep(0.02)
-            assert await asyncio.wait_for(hands.run("next", 1.0, nothing, os.getpid), 60) != worker
-            assert not hands._calls
+            assert (
+                await asyncio.wait_for(executor.run("next", 1.0, nothing, os.getpid), 60) != worker
+            )
+            assert not executor._calls
         finally:
-            await hands.close()
+            await executor.close()
             await cluster.close()
 
     async def two() -> int:
@@ -58,21 +60,23 @@ def test_what_does_not_stop_is_killed_and_others_are_not_to_blame():
 
 def test_what_ends_in_time_keeps_its_worker():
     async def scene() -> None:
-        cluster, turns = Cluster(None, 1), Turns(1000.0)
-        hands = Hands(cluster, turns, grace=60)
+        cluster, fair_queue = Cluster(None, 1), FairQueue(1000.0)
+        executor = Executor(cluster, fair_queue, grace=60)
         try:
-            worker = await hands.run("first", 1.0, nothing, os.getpid)
+            worker = await executor.run("first", 1.0, nothing, os.getpid)
             begun = asyncio.Event()
 
             async def began() -> None:
                 begun.set()
 
-            slow = asyncio.create_task(hands.run("slow", 1.0, began, time.sleep, 1))  # type: ignore[arg-type]
+            slow = asyncio.create_task(executor.run("slow", 1.0, began, time.sleep, 1))  # type: ignore[arg-type]
             await asyncio.wait_for(begun.wait(), 60)
             slow.cancel()
-            assert await asyncio.wait_for(hands.run("next", 1.0, nothing, os.getpid), 60) == worker
+            assert (
+                await asyncio.wait_for(executor.run("next", 1.0, nothing, os.getpid), 60) == worker
+            )
         finally:
-            await hands.close()
+            await executor.close()
             await cluster.close()
 
     asyncio.run(scene())

@@ -1,4 +1,4 @@
-"""Results in an object store, from which every server takes those that it has not got."""
+"""Results in an object store, from which each server fetches those that it lacks."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 
 from app.jobs.errors import LostStoreError
 from app.jobs.groups import LIST, read_list
+from app.jobs.integrity import has_digest
 from app.jobs.manifest import MANIFEST, ZARR, Manifest
-from app.jobs.sound import has_digest
 from app.jobs.studies import kept
 from core.dataset.files import PART, sync
 from core.dataset.shards import open_store, told_plainly
@@ -30,7 +30,7 @@ STUDY = "study.json"
 WAIT = 5.0  # s that a request waits for what is fetched; it is asked again then
 
 
-class Away:
+class RemoteResults:
     """Sends results to an object store, and fetches them, each below its study's identifier.
 
     A result is there when its manifest is, which is sent last and fetched last.

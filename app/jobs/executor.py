@@ -1,4 +1,4 @@
-"""Has single calls carried out by workers, in turn, and sees that they end."""
+"""Execution of single calls by workers, in the order of the fair queue, each with its end."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from distributed.client import FutureCancelledError
 from distributed.comm.core import CommClosedError
 
 from app.jobs.cluster import Cluster, by_name
-from app.jobs.turns import Place, Turns
+from app.jobs.fair_queue import FairQueue, Place
 from core.errors import VibrafeedError
 
 if TYPE_CHECKING:
@@ -43,14 +43,14 @@ class _Call:
     worker: str = ""
 
 
-class Hands:
+class Executor:
     """Carries out calls on a cluster, as many at a time as it has threads.
 
     Parameters
     ----------
     cluster : Cluster
         Where they run.
-    turns : Turns
+    fair_queue : FairQueue
         Who is next.
     grace : float
         How long a worker may go on with what was given up [s], before it is killed.
@@ -63,8 +63,8 @@ class Hands:
         How many calls can run at a time, when that was last looked at.
     """
 
-    def __init__(self, cluster: Cluster, turns: Turns, grace: float):
-        self._cluster, self._turns, self._grace = cluster, turns, grace
+    def __init__(self, cluster: Cluster, fair_queue: FairQueue, grace: float):
+        self._cluster, self._fair_queue, self._grace = cluster, fair_queue, grace
         self._calls: dict[object, _Call] = {}
         self._killed: set[str] = set()  # addresses of workers; one is never used again
         self._ending: set[asyncio.Task[None]] = set()
@@ -105,7 +105,7 @@ class Hands:
         """
         if not self.workers:
             await self._client()
-        place = await self._turns.take(share, seconds)
+        place = await self._fair_queue.take(share, seconds)
         kept = False
         try:
             from distributed import KilledWorker
@@ -130,7 +130,7 @@ class Hands:
                         await asyncio.gather(call.result, return_exceptions=True)
         finally:
             if not kept:
-                self._turns.leave(place)
+                self._fair_queue.leave(place)
 
     async def close(self) -> None:
         """Look after nothing any more."""
@@ -140,7 +140,7 @@ class Hands:
 
     def waits(self) -> str | None:
         """Return what new work has to wait for, or None."""
-        return self.trouble or ("all workers are busy" if self._turns.waiting else None)
+        return self.trouble or ("all workers are busy" if self._fair_queue.waiting else None)
 
     async def _submitted(self, function: Callable[..., float], arguments: Any) -> _Call:
         client = await self._client()
@@ -202,7 +202,7 @@ class Hands:
             call.result.cancel()
             await asyncio.gather(call.result, return_exceptions=True)
             self._calls.pop(call.future.key, None)
-            self._turns.leave(place)
+            self._fair_queue.leave(place)
 
     async def _kill(self, call: _Call) -> None:
         about = {"worker": call.worker}
@@ -228,7 +228,7 @@ class Hands:
             self.trouble = f"the workers cannot be reached: {type(error).__name__}"
             raise LostError(str(error)) from error
         self.trouble = None if self.workers else "there are no workers"
-        self._turns.resize(self.workers)
+        self._fair_queue.resize(self.workers)
         return client
 
 

@@ -1,4 +1,4 @@
-"""Has the blocks of an item of work computed on Dask, and its result written."""
+"""Dispatch of the blocks of an item of work to Dask, and the writing of its result."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.jobs import work
-from app.jobs.aside import Aside
 from app.jobs.cluster import Cluster
-from app.jobs.course import Course
 from app.jobs.errors import TornBlockError
-from app.jobs.hands import Hands, LostError
+from app.jobs.executor import Executor, LostError
+from app.jobs.fair_queue import FairQueue, share_of
 from app.jobs.ledger import Ledger, Work
 from app.jobs.store import Store
-from app.jobs.turns import Turns, share_of
+from app.jobs.thread_pool import ThreadPool
+from app.jobs.work_progress import WorkProgress
 from app.settings import Settings
 from core.errors import VibrafeedError
 
@@ -31,7 +31,7 @@ class TooLongError(VibrafeedError):
     """A study takes longer than a job may."""
 
 
-class Running:
+class RunningTime:
     """The time during which workers really work on an item: what waits does not run.
 
     Parameters
@@ -71,7 +71,7 @@ class _Progress:
         The item.
     seconds : float
         How long one of its blocks is expected to take.
-    running : Running
+    running : RunningTime
         How long it has run.
     done : int
         Blocks that are there.
@@ -83,44 +83,49 @@ class _Progress:
 
     item: Work
     seconds: float
-    running: Running
+    running: RunningTime
     done: int = 0
     began: float = 0.0
     told: asyncio.Task[None] | None = None
 
 
-class Carrier:
+class Dispatcher:
     """Carries out items of work on a cluster.
 
     Parameters
     ----------
     ledger, store, cluster
         Where progress is noted, where files are, and where the work runs.
-    aside : Aside
+    thread_pool : ThreadPool
         Runs what waits for the ledger or the disk.
     settings : Settings
         The service's.
 
     Attributes
     ----------
-    course : Course
+    work_progress : WorkProgress
         Is told of blocks that are done.
-    hands : Hands
+    executor : Executor
         Who does it.
     trouble : str or None
         What keeps results from being sent where they are kept besides.
     """
 
     def __init__(
-        self, ledger: Ledger, store: Store, cluster: Cluster, aside: Aside, settings: Settings
+        self,
+        ledger: Ledger,
+        store: Store,
+        cluster: Cluster,
+        thread_pool: ThreadPool,
+        settings: Settings,
     ):
         self._ledger, self._store = ledger, store
-        self._aside, self._settings = aside, settings
+        self._thread_pool, self._settings = thread_pool, settings
         self._directory = str(settings.data_directory.resolve())
-        turns = Turns(LASTS * settings.block_seconds)
+        fair_queue = FairQueue(LASTS * settings.block_seconds)
         self.trouble: str | None = None
-        self.hands = Hands(cluster, turns, settings.grace_seconds)
-        self.course = Course()
+        self.executor = Executor(cluster, fair_queue, settings.grace_seconds)
+        self.work_progress = WorkProgress()
 
     async def carry_out(self, item: Work, seconds: float) -> None:
         """Have the missing blocks of an item computed, then its result written, within its time.
@@ -131,7 +136,9 @@ class Carrier:
         try:
             async with asyncio.timeout(None) as limit:
                 try:
-                    await self._compute_and_write(_Progress(item, seconds, Running(most, limit)))
+                    await self._compute_and_write(
+                        _Progress(item, seconds, RunningTime(most, limit))
+                    )
                 except BaseException:
                     self._store.give_up(item.key, item.owner)
                     raise
@@ -145,8 +152,8 @@ class Carrier:
 
     async def is_there(self, item: Work) -> bool:
         """Return whether a result is there; blocks that a late worker left go then."""
-        await self._aside(self._store.drop_blocks, item.key)
-        if await self._aside(self._store.manifest, item.key) is None:
+        await self._thread_pool(self._store.drop_blocks, item.key)
+        if await self._thread_pool(self._store.manifest, item.key) is None:
             return False
         await self._send(item)
         return True
@@ -168,7 +175,9 @@ class Carrier:
         while True:
             if await self.is_there(item):
                 return
-            missing = await self._aside(work.missing_blocks, self._directory, *about, item.blocks)
+            missing = await self._thread_pool(
+                work.missing_blocks, self._directory, *about, item.blocks
+            )
             spent += await self._compute(progress, missing)
             try:
                 await self._on_worker(progress, work.write_result, *about, spent)
@@ -197,12 +206,12 @@ class Carrier:
                     )  # fmt: skip
                     running.add(asyncio.create_task(block))
                     # Most of them wait for their turn; no worker is to wait for them.
-                    if len(running) >= max(1, 2 * self.hands.workers):
+                    if len(running) >= max(1, 2 * self.executor.workers):
                         break
                 if not running:
                     return total
                 finished, running = await asyncio.wait(running, return_when=asyncio.FIRST_COMPLETED)
-                self.course.computed(item, [task.result() for task in finished])
+                self.work_progress.computed(item, [task.result() for task in finished])
                 seconds = sum(task.result() for task in finished)
                 progress.done += len(finished)
                 total += seconds
@@ -228,7 +237,7 @@ class Carrier:
 
         share, seconds = share_of(progress.item), progress.seconds
         try:
-            return await self.hands.run(
+            return await self.executor.run(
                 share, seconds, began, function, self._directory, *arguments
             )
         finally:
@@ -236,7 +245,7 @@ class Carrier:
                 progress.running.end()
 
     async def _note(self, progress: _Progress, seconds: float) -> None:
-        await self._aside(
+        await self._thread_pool(
             self._ledger.advance, progress.item, done=progress.done, seconds=seconds,
             elapsed=time.monotonic() - progress.began,
         )  # fmt: skip

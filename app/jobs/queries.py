@@ -1,4 +1,4 @@
-"""Jobs as lists of the ledger tell them: what is read of each, and which are wanted."""
+"""Queries of the ledger for lists of jobs: the columns of a job, and the conditions."""
 
 from __future__ import annotations
 

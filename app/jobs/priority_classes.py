@@ -1,4 +1,4 @@
-"""Which work a server takes up: some that is long, and some besides that is short."""
+"""Priority classes of work: a server takes up some long items, and some short ones besides."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ SHORT = 10  # blocks' time; what takes longer is long
 MOST_KNOWN = 1000
 
 
-class Lanes:
+class PriorityClasses:
     """Chooses among the work that waits.
 
     As many items as may be computed at a time are long, and as many more short: what is short does
-    not wait until something long is over. On the workers they share: see `app.jobs.turns`.
+    not wait until something long is over. On the workers they share: see `app.jobs.fair_queue`.
 
     Parameters
     ----------

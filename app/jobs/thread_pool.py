@@ -1,4 +1,4 @@
-"""Threads of the jobs' own, for what waits for the ledger or the disk."""
+"""A thread pool for calls of jobs that wait for the ledger or the disk."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ THREADS = 2  # downloads, which have the event loop's own threads, cannot make a
 _T = TypeVar("_T")
 
 
-class Aside:
+class ThreadPool:
     """Runs functions aside from the event loop."""
 
     def __init__(self) -> None:

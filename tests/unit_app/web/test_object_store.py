@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from app.jobs import away
+from app.jobs import object_store
 from app.jobs.errors import LostStoreError
 from app.jobs.manifest import MANIFEST, NETCDF, ZARR
 from app.jobs.store import Store
@@ -113,14 +113,14 @@ def finished(store: Store) -> str:
 KILLED = """
 import os, sys
 from pathlib import Path
-from app.jobs import away
+from app.jobs import object_store
 from app.jobs.store import Store
-plain = away._names
+plain = object_store._names
 def names(folder, manifest):
     for name in plain(folder, manifest):
         yield name
         os._exit(9)
-away._names = names
+object_store._names = names
 Store(Path(sys.argv[1]), sys.argv[2]).send(sys.argv[3])
 """
 
@@ -179,7 +179,7 @@ def test_what_fails_here_leaves_what_is_there(bucket, tmp_path, monkeypatch):
         raise FileNotFoundError(errno.ENOENT, "somebody tidied", str(path))
 
     with monkeypatch.context() as broken:
-        broken.setattr(away, "sync", gone)
+        broken.setattr(object_store, "sync", gone)
         with pytest.raises(LostStoreError):
             two.fetch(key)
     assert MANIFEST in keys(bucket)
