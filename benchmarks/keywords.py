@@ -66,7 +66,7 @@ TYPES = {
     "factors": MAPPINGS,
     "candidates": "Mapping[str, Values]",
     "discrepancy": "bool",
-    "doubt": "float",
+    "outlier_probability": "float",
     "points": "int",
     "trajectory": "int | Sequence[float]",
     "drive": MAPPING,

@@ -166,7 +166,7 @@ def study(
     factors: Mapping[str, Mapping[str, Any]] | None = None,
     candidates: Mapping[str, Values] | None = None,
     discrepancy: bool | None = None,
-    doubt: float | None = None,
+    outlier_probability: float | None = None,
     points: int | None = None,
     trajectory: int | Sequence[float] | None = None,
     drive: Mapping[str, Any] | None = None,
@@ -1993,7 +1993,7 @@ def calibrate(
     factors: Mapping[str, Mapping[str, Any]] | None = None,
     candidates: Mapping[str, Values] | None = None,
     discrepancy: bool | None = None,
-    doubt: float | None = None,
+    outlier_probability: float | None = None,
     points: int | None = None,
     drive: Mapping[str, Any] | None = None,
     tolerance: float | None = None,
@@ -2184,8 +2184,8 @@ def calibrate(
         most.
     discrepancy : bool, optional
         Whether speeds may scatter by more than their errors, for what no unknown explains.
-    doubt : float, optional
-        How likely a regime is to have been seen wrongly.
+    outlier_probability : float, optional
+        Probability that an observed regime is wrong.
     points : int, optional
         Most points at which the unknowns are tried; each takes a motion a run.
     drive : mapping, optional

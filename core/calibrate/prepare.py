@@ -84,7 +84,9 @@ def prepare(study: CalibrateStudy) -> Calibration:
         # What a candidate does not say is as in the first run.
         first = {name: Fixed(float(column[0])) for name, column in columns.items()}
         candidates = Grid.of({**first, **asked})
-    return Calibration(study, plan, grid, Likelihood(model, scatter, study.doubt), candidates)
+    return Calibration(
+        study, plan, grid, Likelihood(model, scatter, study.outlier_probability), candidates
+    )
 
 
 def _misused(study: CalibrateStudy) -> Iterable[Problem]:

@@ -94,13 +94,13 @@ class Likelihood:
         The motions.
     scatter : Scatter
         What no unknown explains.
-    doubt : float
+    outlier_probability : float
         How likely something was seen wrongly.
     """
 
     model: Model
     scatter: Scatter
-    doubt: float
+    outlier_probability: float
 
     def log(
         self,
@@ -141,7 +141,9 @@ class Likelihood:
             # Next to what is hardly to be explained the variance of a box would explain too much.
             spent = square / whole + np.log(whole)
             log[:, k] = -0.5 * np.maximum(spent, nearest / own + np.log(own)).sum(axis=1)
-        seen = np.log(self.doubt + (1.0 - 2.0 * self.doubt) * shown).sum(axis=1)
+        seen = np.log(
+            self.outlier_probability + (1.0 - 2.0 * self.outlier_probability) * shown
+        ).sum(axis=1)
         log += (seen + self.model.log_prior(points))[:, np.newaxis] + self.scatter.log_before
         return np.asarray(log)
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import (
+    AliasChoices,
     BeforeValidator,
     Field,
     PlainSerializer,
@@ -99,14 +100,14 @@ else:
     Factors = _table("factors", "What parameters are multiplied with, such as amplitudes.")
 
 
-def _read_doubt(raw: object) -> object:
+def _read_probability(raw: object) -> object:
     if isinstance(raw, int | float) and not isinstance(raw, bool) and 0 < raw < 0.5:
         return float(raw)
     fix = "Write a number above 0 and below 0.5, such as 0.01"
-    raise refusal(f"{reprlib.repr(raw)[:40]} is not a share from 0 to 1", fix)
+    raise refusal(f"{reprlib.repr(raw)[:40]} is not a probability below 0.5", fix)
 
 
-_DOUBT_SCHEMA = {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 0.5}
+_PROBABILITY_SCHEMA = {"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 0.5}
 
 
 class CalibrateStudy(MotionSettings, FollowedStudy):
@@ -146,8 +147,12 @@ class CalibrateStudy(MotionSettings, FollowedStudy):
         "explains.",
         strict=True,
     )
-    doubt: Annotated[float, BeforeValidator(_read_doubt), WithJsonSchema(_DOUBT_SCHEMA)] = Field(
-        0.01, description="How likely a regime is to have been seen wrongly."
+    outlier_probability: Annotated[
+        float, BeforeValidator(_read_probability), WithJsonSchema(_PROBABILITY_SCHEMA)
+    ] = Field(
+        0.01,
+        description="Probability that an observed regime is wrong.",
+        validation_alias=AliasChoices("outlier_probability", "doubt"),  # as it was called before
     )
     points: int = Field(
         POINTS,

@@ -455,6 +455,20 @@ def test_pictures_of_a_calibration_are_drawn(unsettled, kind):
         assert any("residuals " in text for text in texts)
 
 
+def test_the_old_key_of_the_outlier_probability_still_works():
+    seen = {"amplitude": "0.2 mm", "regime": "hops"}
+    content = {
+        "kind": "calibrate", "scene": "rectangle-on-plane", "observations": [seen],
+        "unknowns": {"friction": {"lower": 0.1, "upper": 0.5}},
+        "parameters": {"frequency": 50, "beta": 20},
+    }  # fmt: skip
+    old, new = (parse_study({**content, key: 0.02}) for key in ("doubt", "outlier_probability"))
+    assert old.outlier_probability == new.outlier_probability == 0.02
+    assert old.canonical() == new.canonical()
+    with pytest.raises(StudyError, match="not a probability below"):
+        parse_study({**content, "outlier_probability": 0.7})
+
+
 def test_other_pictures_are_not_those_of_a_calibration(rail):
     from core.plots import PlotError
 
